@@ -1,0 +1,122 @@
+//! The damage function shared by models I–IV (models.md §1.2; thesis eqs 4.10, 4.23–4.25).
+//!
+//! D̂(Y) = 0 for Y ≤ Y₀, else x^B/(1 + x^B), x = A (Y − Y₀).
+//!
+//! Everything is expressed in **η = D/(1 − D) = x^B**, which is also the stored state: D → 1 costs no
+//! digits (1 − D = 1/(1 + η)), and zero is virgin.
+
+#[cfg(test)]
+mod test;
+
+/// Largest η: 1 − D stays a normal number and products of two of them do not overflow.
+pub const ETA_MAX: f64 = 1e150;
+
+/// D = η/(1 + η).
+#[inline]
+pub fn damage(eta: f64) -> f64 {
+    eta / (1.0 + eta)
+}
+
+/// ω = 1 − D = 1/(1 + η).
+#[inline]
+pub fn integrity(eta: f64) -> f64 {
+    1.0 / (1.0 + eta)
+}
+
+/// The parameters A (1/MPa), B (–), Y₀ (MPa) of one damage function.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DamageLaw {
+    /// A, 1/MPa.
+    pub a: f64,
+    /// B.
+    pub b: f64,
+    /// Threshold Y₀, MPa.
+    pub threshold: f64,
+}
+
+impl DamageLaw {
+    /// η̂(Y) = [A (Y − Y₀)]^B, 0 below the threshold, at most [`ETA_MAX`].
+    #[inline]
+    pub fn eta(&self, damage_energy_release_rate: f64) -> f64 {
+        let x = self.a * (damage_energy_release_rate - self.threshold);
+        if x <= 0.0 { 0.0 } else { x.powf(self.b).min(ETA_MAX) }
+    }
+
+    /// D̂'(Y) = B D (1 − D)/(Y − Y₀) at an η on the curve; 0 at and below the threshold.
+    #[inline]
+    pub fn damage_rate(&self, damage_energy_release_rate: f64, eta: f64) -> f64 {
+        let excess = damage_energy_release_rate - self.threshold;
+        if excess <= 0.0 { 0.0 } else { self.b * damage(eta) * integrity(eta) / excess }
+    }
+
+    /// Z(D) = Y − Y₀ on the curve: η^(1/B)/A.
+    #[inline]
+    pub fn excess(&self, eta: f64) -> f64 {
+        eta.powf(1.0 / self.b) / self.a
+    }
+
+    /// ∫₀^D (Y₀ + Z(D')) dD': what growing D from 0 dissipates when its conjugate force is Y itself
+    /// (models I, II and III, or uniaxial tension of IV-H); N·mm/mm³. Exact for any η.
+    pub fn dissipation(&self, eta: f64) -> f64 {
+        if eta <= 0.0 {
+            return 0.0;
+        }
+        self.threshold * damage(eta) + excess_integral(eta, 1.0 / self.b) / self.a
+    }
+
+    /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
+    /// (models.md §10).
+    pub fn total_dissipation(&self) -> f64 {
+        if self.b <= 1.0 {
+            return f64::INFINITY;
+        }
+        let p = std::f64::consts::PI / self.b;
+        self.threshold + p / (self.a * p.sin())
+    }
+}
+
+/// Terms of a series in a ratio ≤ 1/2 until rounding: 2⁻⁶⁰ is below it.
+const SERIES_TERMS: u32 = 64;
+
+/// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p).
+fn excess_integral(eta: f64, p: f64) -> f64 {
+    if eta <= 1.0 {
+        return lower_integral(eta, p);
+    }
+    // ∫_ω^{1/2} (1−w)^p w^−p dw with the binomial series of (1−w)^p; each term integrates to
+    // (2^−s − ω^s)/s, s = k + 1 − p, which tends to −ln(2ω) as s → 0 (B = 1, 1/2, …).
+    let integrity = integrity(eta);
+    let log_ratio = -(2.0 * integrity).ln();
+    let mut upper = 0.0;
+    let mut binomial = 1.0;
+    for k in 0..SERIES_TERMS {
+        let k = f64::from(k);
+        let s = k + 1.0 - p;
+        // (2^−s − ω^s)/s = 2^−s (1 − e^{−s·log_ratio})/s
+        let term = if s == 0.0 { log_ratio } else { 0.5_f64.powf(s) * -(-s * log_ratio).exp_m1() / s };
+        upper += binomial * term;
+        if (binomial * term).abs() <= 1e-18 * upper.abs() && k > p {
+            break;
+        }
+        binomial *= -(p - k) / (k + 1.0);
+    }
+    lower_integral(1.0, p) + upper
+}
+
+/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D).
+fn lower_integral(eta: f64, p: f64) -> f64 {
+    let d = damage(eta);
+    let mut term = 1.0;
+    let mut series = 1.0;
+    for k in 0..SERIES_TERMS {
+        let k = f64::from(k);
+        term *= d * (2.0 + k) / (2.0 + p + k);
+        series += term;
+        if term <= 1e-17 * series {
+            break;
+        }
+    }
+    // D^(1+p) (1−D)^(1−p) = η^(1+p) (1−D)²
+    let w = integrity(eta);
+    eta.powf(1.0 + p) * w * w / (1.0 + p) * series
+}

@@ -1,0 +1,81 @@
+//! Isotropic linear elasticity (models.md §1.1).
+
+use super::trace;
+
+/// Lamé's constants and relatives of an isotropic solid, MPa.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Elasticity {
+    /// Young's modulus E.
+    pub youngs_modulus: f64,
+    /// Poisson's ratio ν.
+    pub poisson_ratio: f64,
+    /// λ = Eν/((1+ν)(1−2ν)).
+    pub lambda: f64,
+    /// μ = E/(2(1+ν)).
+    pub shear_modulus: f64,
+    /// k = E/(3(1−2ν)).
+    pub bulk_modulus: f64,
+}
+
+impl Elasticity {
+    /// From E and ν.
+    #[inline]
+    pub fn new(youngs_modulus: f64, poisson_ratio: f64) -> Self {
+        let (e, nu) = (youngs_modulus, poisson_ratio);
+        Self {
+            youngs_modulus,
+            poisson_ratio,
+            lambda: e * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)),
+            shear_modulus: e / (2.0 * (1.0 + nu)),
+            bulk_modulus: e / (3.0 * (1.0 - 2.0 * nu)),
+        }
+    }
+
+    /// σ = K₀ : ε = λ tr(ε) I + 2μ ε.
+    #[inline]
+    pub fn stress(&self, strain: &[f64; 6]) -> [f64; 6] {
+        let volumetric = self.lambda * trace(strain);
+        let mu = self.shear_modulus;
+        [
+            volumetric + 2.0 * mu * strain[0],
+            volumetric + 2.0 * mu * strain[1],
+            volumetric + 2.0 * mu * strain[2],
+            mu * strain[3],
+            mu * strain[4],
+            mu * strain[5],
+        ]
+    }
+
+    /// K₀ in components: ∂σ_i/∂ε_j with engineering shear.
+    #[inline]
+    pub fn stiffness(&self) -> [[f64; 6]; 6] {
+        let mut stiffness = [[0.0; 6]; 6];
+        for i in 0..3 {
+            stiffness[i][..3].fill(self.lambda);
+            stiffness[i][i] += 2.0 * self.shear_modulus;
+            stiffness[i + 3][i + 3] = self.shear_modulus;
+        }
+        stiffness
+    }
+
+    /// The ε33 for which σ33 = 0: −ν/(1−ν)(ε11 + ε22).
+    #[inline]
+    pub fn plane_stress_strain_33(&self, strain: &[f64; 6]) -> f64 {
+        let nu = self.poisson_ratio;
+        -nu / (1.0 - nu) * (strain[0] + strain[1])
+    }
+
+    /// The stiffness between the plane-stress components 11, 22, 12 (rows and columns 0, 1, 3).
+    #[inline]
+    pub fn plane_stress_stiffness(&self) -> [[f64; 6]; 6] {
+        let nu = self.poisson_ratio;
+        let plane = self.youngs_modulus / (1.0 - nu * nu);
+        let mut stiffness = [[0.0; 6]; 6];
+        stiffness[0][0] = plane;
+        stiffness[1][1] = plane;
+        stiffness[0][1] = nu * plane;
+        stiffness[1][0] = nu * plane;
+        stiffness[3][3] = self.shear_modulus;
+        stiffness
+    }
+}

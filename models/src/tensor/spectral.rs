@@ -1,0 +1,163 @@
+//! Principal values and directions of a symmetric 3×3 tensor, and isotropic tensor functions of it.
+
+/// ε = Σ e_i n_i ⊗ n_i with e_1 ≥ e_2 ≥ e_3.
+///
+/// Cyclic Jacobi rotations: backward stable, exact for diagonal input, one rotation in plane
+/// problems, and indifferent to repeated values (any orthonormal basis of an eigenspace serves,
+/// because isotropic functions and their derivatives do not depend on the choice).
+#[derive(Clone, Copy, Debug)]
+pub struct Spectral {
+    /// Principal values, descending.
+    pub values: [f64; 3],
+    /// `directions[i]` is the unit vector of `values[i]`.
+    pub directions: [[f64; 3]; 3],
+}
+
+/// Off-diagonal terms below this fraction of the largest entry are zero to working precision.
+const NEGLIGIBLE: f64 = 1e-18;
+/// Quadratic convergence needs 3–5 sweeps; the bound only keeps the loop finite.
+const MAX_SWEEPS: usize = 12;
+
+impl Spectral {
+    /// Decomposes a strain (engineering shear).
+    #[inline]
+    pub fn of_strain(strain: &[f64; 6]) -> Self {
+        let [a, b, c, d, e, f] = *strain;
+        Self::of_matrix([[a, 0.5 * d, 0.5 * e], [0.5 * d, b, 0.5 * f], [0.5 * e, 0.5 * f, c]])
+    }
+
+    /// Decomposes a stress (tensor components).
+    #[inline]
+    pub fn of_stress(stress: &[f64; 6]) -> Self {
+        let [a, b, c, d, e, f] = *stress;
+        Self::of_matrix([[a, d, e], [d, b, f], [e, f, c]])
+    }
+
+    fn of_matrix(mut m: [[f64; 3]; 3]) -> Self {
+        let mut directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let largest = m.iter().flatten().fold(0.0_f64, |scale, x| scale.max(x.abs()));
+        let negligible = NEGLIGIBLE * largest;
+        for _ in 0..MAX_SWEEPS {
+            let mut rotated = false;
+            for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+                if m[p][q].abs() > negligible {
+                    rotate(&mut m, &mut directions, p, q);
+                    rotated = true;
+                }
+            }
+            if !rotated {
+                break;
+            }
+        }
+        let mut sorted = Self { values: [m[0][0], m[1][1], m[2][2]], directions };
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if sorted.values[i] < sorted.values[j] {
+                sorted.values.swap(i, j);
+                sorted.directions.swap(i, j);
+            }
+        }
+        sorted
+    }
+
+    /// N_i = n_i ⊗ n_i in tensor components (no factor on the shears): σ = Σ s_i N_i, and
+    /// ∂e_i/∂ε = N_i with engineering shear.
+    #[inline]
+    pub fn projector(&self, i: usize) -> [f64; 6] {
+        let [x, y, z] = self.directions[i];
+        [x * x, y * y, z * z, x * y, x * z, y * z]
+    }
+
+    /// T_ij = (n_i ⊗ n_j + n_j ⊗ n_i)/2 in tensor components.
+    #[inline]
+    pub fn shear_projector(&self, i: usize, j: usize) -> [f64; 6] {
+        let (a, b) = (self.directions[i], self.directions[j]);
+        [
+            a[0] * b[0],
+            a[1] * b[1],
+            a[2] * b[2],
+            0.5 * (a[0] * b[1] + a[1] * b[0]),
+            0.5 * (a[0] * b[2] + a[2] * b[0]),
+            0.5 * (a[1] * b[2] + a[2] * b[1]),
+        ]
+    }
+
+    /// Σ s_i N_i: the stress with these principal values in these directions.
+    #[inline]
+    pub fn stress(&self, principal: &[f64; 3]) -> [f64; 6] {
+        let mut stress = [0.0; 6];
+        for i in 0..3 {
+            let projector = self.projector(i);
+            for k in 0..6 {
+                stress[k] += principal[i] * projector[k];
+            }
+        }
+        stress
+    }
+
+    /// Σ e_i N_i as a strain (engineering shear).
+    #[inline]
+    pub fn strain(&self, principal: &[f64; 3]) -> [f64; 6] {
+        let mut strain = self.stress(principal);
+        for shear in &mut strain[3..] {
+            *shear *= 2.0;
+        }
+        strain
+    }
+
+    /// The tangent of an isotropic function with principal values s_i(e_1, e_2, e_3) (models.md §5.3):
+    ///
+    /// C = Σ_ij H_ij N_i ⊗ N_j + Σ_{i<j} 2 d_ij T_ij ⊗ T_ij,
+    ///
+    /// `principal[i][j]` = H_ij = ∂s_i/∂e_j, `shear` = d_12, d_13, d_23 with
+    /// d_ij = (s_i − s_j)/(e_i − e_j), which the caller evaluates in closed form for repeated values.
+    #[inline]
+    pub fn tangent(&self, principal: &[[f64; 3]; 3], shear: &[f64; 3]) -> [[f64; 6]; 6] {
+        let n = [self.projector(0), self.projector(1), self.projector(2)];
+        let t = [self.shear_projector(0, 1), self.shear_projector(0, 2), self.shear_projector(1, 2)];
+        let mut tangent = [[0.0; 6]; 6];
+        for i in 0..3 {
+            let mut row = [0.0; 6];
+            let mut scaled = [0.0; 6];
+            for k in 0..6 {
+                row[k] = principal[i][0] * n[0][k] + principal[i][1] * n[1][k] + principal[i][2] * n[2][k];
+                scaled[k] = 2.0 * shear[i] * t[i][k];
+            }
+            for a in 0..6 {
+                for b in 0..6 {
+                    tangent[a][b] += n[i][a] * row[b] + t[i][a] * scaled[b];
+                }
+            }
+        }
+        tangent
+    }
+}
+
+/// One Jacobi rotation that annihilates `m[p][q]` (Rutishauser's stable form).
+#[inline]
+fn rotate(m: &mut [[f64; 3]; 3], directions: &mut [[f64; 3]; 3], p: usize, q: usize) {
+    let off_diagonal = m[p][q];
+    let theta = 0.5 * (m[q][q] - m[p][p]) / off_diagonal;
+    let t = if theta.is_finite() {
+        let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
+        if theta < 0.0 { -magnitude } else { magnitude }
+    } else {
+        0.0
+    };
+    let c = 1.0 / (t * t + 1.0).sqrt();
+    let s = t * c;
+    m[p][p] -= t * off_diagonal;
+    m[q][q] += t * off_diagonal;
+    m[p][q] = 0.0;
+    m[q][p] = 0.0;
+    let r = 3 - p - q;
+    let (mp, mq) = (m[r][p], m[r][q]);
+    m[r][p] = c * mp - s * mq;
+    m[r][q] = s * mp + c * mq;
+    m[p][r] = m[r][p];
+    m[q][r] = m[r][q];
+    for k in 0..3 {
+        let (vp, vq) = (directions[p][k], directions[q][k]);
+        directions[p][k] = c * vp - s * vq;
+        directions[q][k] = s * vp + c * vq;
+    }
+}

@@ -1,0 +1,392 @@
+//! What a law is: pure functions from (parameters, history, strain) to (stress, tangent, new
+//! history), and the one table that describes its parameters and states.
+//!
+//! The same table makes the metadata of the shared library, the checks of PROPS and the printed
+//! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
+
+use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable};
+use std::ffi::CStr;
+use std::fmt;
+
+/// Largest number of state variables of a law exported by this crate: the boundary keeps the trial
+/// state on the stack, so that a failed update leaves the caller's STATEV as it was.
+pub const MAX_STATES: usize = 64;
+
+/// Which components a stress state has. Components are always embedded in six,
+/// 11, 22, 33, 12, 13, 23, strains with engineering shear.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StressState {
+    /// NTENS 6, NDI 3, NSHR 3.
+    ThreeD,
+    /// NTENS 4, NDI 3, NSHR 1: plane strain (ε33 prescribed, usually 0) or axisymmetric (33 = θθ).
+    PlaneStrainOrAxisymmetric,
+    /// NTENS 3, NDI 2, NSHR 1: σ33 = σ13 = σ23 = 0; the law finds ε33.
+    PlaneStress,
+}
+
+impl StressState {
+    /// Recognises the (NTENS, NDI, NSHR) triples that ABAQUS and its peers use for solids.
+    pub fn from_counts(ntens: i32, ndi: i32, nshr: i32) -> Option<Self> {
+        match (ntens, ndi, nshr) {
+            (6, 3, 3) => Some(Self::ThreeD),
+            (4, 3, 1) => Some(Self::PlaneStrainOrAxisymmetric),
+            (3, 2, 1) => Some(Self::PlaneStress),
+            _ => None,
+        }
+    }
+
+    /// Index among the six components of each of the NTENS components.
+    pub fn components(self) -> &'static [usize] {
+        match self {
+            Self::ThreeD => &[0, 1, 2, 3, 4, 5],
+            Self::PlaneStrainOrAxisymmetric => &[0, 1, 2, 3],
+            Self::PlaneStress => &[0, 1, 3],
+        }
+    }
+
+    /// (NTENS, NDI, NSHR).
+    pub fn counts(self) -> (i32, i32, i32) {
+        match self {
+            Self::ThreeD => (6, 3, 3),
+            Self::PlaneStrainOrAxisymmetric => (4, 3, 1),
+            Self::PlaneStress => (3, 2, 1),
+        }
+    }
+}
+
+/// What a caller wants back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Request {
+    /// Stress, states and energies only (a host that passes DDSDDE = NULL).
+    Stress,
+    /// The consistent tangent as well.
+    StressAndTangent,
+}
+
+impl Request {
+    /// True if the tangent is wanted.
+    pub fn wants_tangent(self) -> bool {
+        self == Self::StressAndTangent
+    }
+}
+
+/// One strain increment. Components 11, 22, 33, 12, 13, 23; strains with engineering shear;
+/// stresses in MPa. Components that the stress state lacks are 0.
+#[derive(Clone, Copy, Debug)]
+pub struct Increment {
+    /// Which components exist.
+    pub stress_state: StressState,
+    /// Total strain at the end of the increment (STRAN + DSTRAN).
+    pub strain: [f64; 6],
+    /// Strain increment (DSTRAN).
+    pub strain_increment: [f64; 6],
+    /// Stress at the start of the increment (STRESS on entry), rotated by the host under NLGEOM.
+    pub stress: [f64; 6],
+    /// CELENT, mm; `None` if the host passed NULL, zero, a negative number or NaN.
+    pub characteristic_length: Option<f64>,
+}
+
+/// What an update returns beside the new state variables.
+#[derive(Clone, Copy, Debug)]
+pub struct Response {
+    /// Stress at the end of the increment, MPa.
+    pub stress: [f64; 6],
+    /// `tangent[i][j]` = ∂σ_i/∂ε_j (engineering shear), the exact derivative of the algorithm, MPa.
+    /// Meaningful only if requested. In plane stress the condensed one, in rows and columns 0, 1, 3.
+    pub tangent: [[f64; 6]; 6],
+    /// Stored (free) energy per volume at the end of the increment, N·mm/mm³.
+    pub stored_energy: f64,
+    /// Energy dissipated per volume since the virgin state, N·mm/mm³.
+    pub dissipated_energy: f64,
+}
+
+/// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConfigurationError {
+    /// NPROPS does not fit the parameter table.
+    ParameterCount {
+        /// What the host passed.
+        given: usize,
+        /// The least that the law needs.
+        expected: usize,
+    },
+    /// A parameter is NaN, infinite, or outside its bounds.
+    OutOfBounds {
+        /// Name in the parameter table.
+        parameter: &'static str,
+        /// What the host passed.
+        value: f64,
+        /// Least admissible value.
+        lower: f64,
+        /// Greatest admissible value.
+        upper: f64,
+    },
+    /// A selecting parameter has a value that names no variant.
+    NotAChoice {
+        /// Name in the parameter table.
+        parameter: &'static str,
+        /// What the host passed.
+        value: f64,
+    },
+    /// Two or more parameters contradict each other.
+    Inconsistent {
+        /// Which rule is broken, in words.
+        rule: &'static str,
+        /// The number that breaks it.
+        value: f64,
+    },
+    /// The crack band cannot dissipate the fracture energy over so long an element.
+    CharacteristicLengthTooLarge {
+        /// Which fracture energy: the parameter's name.
+        parameter: &'static str,
+        /// CELENT, mm.
+        length: f64,
+        /// Largest admissible CELENT, mm.
+        limit: f64,
+    },
+}
+
+impl fmt::Display for ConfigurationError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::ParameterCount { given, expected } => {
+                write!(f, "{given} properties given, {expected} expected")
+            }
+            Self::OutOfBounds { parameter, value, lower, upper } => {
+                write!(f, "{parameter} = {value} is outside its bounds [{lower}, {upper}]")
+            }
+            Self::NotAChoice { parameter, value } => {
+                write!(f, "{parameter} = {value} is none of its listed values")
+            }
+            Self::Inconsistent { rule, value } => write!(f, "{rule} (found {value})"),
+            Self::CharacteristicLengthTooLarge { parameter, length, limit } => write!(
+                f,
+                "characteristic length {length} mm is too large for {parameter}: the limit is {limit:.6} mm; \
+                 refine the mesh or raise {parameter}"
+            ),
+        }
+    }
+}
+
+impl std::error::Error for ConfigurationError {}
+
+/// An update that could not be completed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Failure {
+    /// The input makes no sense at all: stress is returned as NaN.
+    Configuration(ConfigurationError),
+    /// This increment cannot be integrated (NaN input, no convergence): the host's arrays stay as
+    /// they were and it is asked to retry with `fraction` of the increment, 0 < fraction < 1.
+    CutBack {
+        /// Suggested PNEWDT.
+        fraction: f64,
+        /// Why, in a few words.
+        reason: &'static str,
+    },
+}
+
+impl From<ConfigurationError> for Failure {
+    fn from(error: ConfigurationError) -> Self {
+        Self::Configuration(error)
+    }
+}
+
+/// The table that describes a law to hosts and people. Built in a `const`.
+#[derive(Clone, Copy, Debug)]
+pub struct LawInfo {
+    /// The law's name, which is also its library's (`lib<name>.so`).
+    pub name: &'static CStr,
+    /// One sentence.
+    pub description: &'static CStr,
+    /// Parameters in PROPS order (of a repeating group: its first occurrence).
+    pub parameters: &'static [Parameter],
+    /// A group of parameters at the end of PROPS that may occur several times.
+    pub repeating: Option<RepeatingGroup>,
+    /// State variables in STATEV order; all zero is the virgin state.
+    pub states: &'static [StateVariable],
+    /// Quantities that hosts can derive from a state variable.
+    pub derived: &'static [DerivedOutput],
+    /// [`crate::metadata::flags`].
+    pub flags: u32,
+}
+
+/// A constitutive law of a material point.
+///
+/// `update` is a function of its arguments: same input, same output, on any thread.
+pub trait Law {
+    /// Name, parameters, states.
+    const INFO: LawInfo;
+    /// The parameters as the law's equations name them; may borrow tables from PROPS.
+    type Parameters<'p>;
+
+    /// Reads PROPS. Number, finiteness, bounds and choices were checked against
+    /// [`LawInfo::parameters`] before; what remains are relations between parameters.
+    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError>;
+
+    /// Advances `state` (exactly [`LawInfo::states`] values) over the increment.
+    /// On `Err` the contents of `state` do not matter: the caller discards them.
+    ///
+    /// A law ends its states with `strain_33` and `dissipated_energy` and writes both.
+    fn update(
+        parameters: &Self::Parameters<'_>,
+        increment: &Increment,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<Response, Failure>;
+
+    /// Whether these parameters need a characteristic length (their crack band is on).
+    fn needs_characteristic_length(_parameters: &Self::Parameters<'_>) -> bool {
+        false
+    }
+
+    /// Refuses a characteristic length that these parameters cannot work with.
+    fn check_characteristic_length(_parameters: &Self::Parameters<'_>, _length: f64) -> Result<(), ConfigurationError> {
+        Ok(())
+    }
+}
+
+/// One increment of a contact point: normal and tangential together (UINTER).
+#[derive(Clone, Copy, Debug)]
+pub struct InterfaceIncrement {
+    /// NDIR: 1 normal + 0…2 tangential directions.
+    pub directions: usize,
+    /// RDISP at the **end** of the increment: \[0\] > 0 is penetration, \[1\], \[2\] slips; mm.
+    pub relative_displacement: [f64; 3],
+    /// DRDISP, mm.
+    pub increment: [f64; 3],
+    /// Traction at the start (STRESS on entry): \[0\] > 0 is compression; MPa.
+    pub traction: [f64; 3],
+}
+
+/// What a UINTER update returns beside the new states.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct InterfaceResponse {
+    /// Traction at the end: \[0\] > 0 is compression; MPa.
+    pub traction: [f64; 3],
+    /// `tangent[i][j]` = ∂traction_i/∂relative_displacement_j, MPa/mm.
+    pub tangent: [[f64; 3]; 3],
+    /// Elastic (stored) energy per area at the end, N/mm.
+    pub stored_energy: f64,
+    /// Energy dissipated per area since the virgin state, by friction, bond and opening together, N/mm.
+    pub dissipated_energy: f64,
+}
+
+/// One increment of the tangential part alone (FRIC): the host owns the normal law.
+#[derive(Clone, Copy, Debug)]
+pub struct TangentialIncrement {
+    /// NFDIR: 1 or 2 tangential directions.
+    pub directions: usize,
+    /// DGAM, the slip increment, mm.
+    pub slip_increment: [f64; 2],
+    /// Pressure at the end, PRESS > 0 in compression, MPa.
+    pub pressure: f64,
+}
+
+/// What a FRIC update returns beside the new states.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TangentialResponse {
+    /// TAU, MPa.
+    pub traction: [f64; 2],
+    /// DDTDDG, MPa/mm.
+    pub slip_tangent: [[f64; 2]; 2],
+    /// DDTDDP.
+    pub pressure_tangent: [f64; 2],
+    /// DSLIP: the non-recoverable part of the slip increment, mm.
+    pub inelastic_slip_increment: [f64; 2],
+    /// SED, N/mm.
+    pub stored_energy: f64,
+    /// SFD since the virgin state, N/mm.
+    pub dissipated_energy: f64,
+}
+
+/// A law of a contact point, offered as UINTER (normal and tangential) and as FRIC (tangential).
+pub trait InterfaceLaw {
+    /// Name, parameters, states.
+    const INFO: LawInfo;
+    /// The parameters as the law's equations name them; may borrow tables from PROPS.
+    type Parameters<'p>;
+
+    /// Reads PROPS; see [`Law::parameters`].
+    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError>;
+
+    /// Normal and tangential traction; see [`Law::update`] for the rules of `state`.
+    fn update(
+        parameters: &Self::Parameters<'_>,
+        increment: &InterfaceIncrement,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<InterfaceResponse, Failure>;
+
+    /// Tangential traction under a pressure that the host gives.
+    fn update_tangential(
+        parameters: &Self::Parameters<'_>,
+        increment: &TangentialIncrement,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<TangentialResponse, Failure>;
+}
+
+/// The error for parameter number `index` of `info`.
+fn out_of_bounds(parameter: &'static Parameter, value: f64) -> ConfigurationError {
+    ConfigurationError::OutOfBounds {
+        parameter: parameter.name(),
+        value,
+        lower: parameter.lower,
+        upper: parameter.upper,
+    }
+}
+
+/// Checks PROPS against a law's table: count, finiteness, bounds, choices, repeating group.
+///
+/// # Errors
+/// The first disagreement, in PROPS order.
+pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), ConfigurationError> {
+    let table = info.parameters;
+    let count_error = |expected| ConfigurationError::ParameterCount { given: props.len(), expected };
+    let (fixed, group_size, occurrences) = match info.repeating {
+        None if props.len() == table.len() => (table.len(), 0, 0),
+        None => return Err(count_error(table.len())),
+        Some(group) => {
+            let fixed = table.len() - group.size as usize;
+            let size = group.size as usize;
+            let least = fixed + size * group.minimum as usize;
+            if props.len() < least {
+                return Err(count_error(least));
+            }
+            let rest = props.len() - fixed;
+            let occurrences = if group.count_parameter >= 0 {
+                let value = props[group.count_parameter as usize];
+                let parameter = &table[group.count_parameter as usize];
+                if !(value >= 0.0 && value <= 1e6 && value.fract() == 0.0) {
+                    return Err(out_of_bounds(parameter, value));
+                }
+                if size * value as usize != rest {
+                    return Err(count_error(fixed + size * value as usize));
+                }
+                value as usize
+            } else if rest % size == 0 {
+                rest / size
+            } else {
+                return Err(count_error(fixed + size * (rest / size + 1)));
+            };
+            (fixed, size, occurrences)
+        }
+    };
+    for (parameter, &value) in table[..fixed].iter().zip(props) {
+        parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+    }
+    for k in 0..occurrences * group_size {
+        let parameter = &table[fixed + k % group_size];
+        let value = props[fixed + k];
+        parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+    }
+    Ok(())
+}
+
+fn parameter_error(parameter: &'static Parameter, value: f64) -> ConfigurationError {
+    if parameter.choices().is_empty() {
+        out_of_bounds(parameter, value)
+    } else {
+        ConfigurationError::NotAChoice { parameter: parameter.name(), value }
+    }
+}
