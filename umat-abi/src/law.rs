@@ -4,7 +4,7 @@
 //! The same table makes the metadata of the shared library, the checks of PROPS and the printed
 //! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
 
-use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable};
+use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable, stress_states};
 use std::ffi::CStr;
 use std::fmt;
 
@@ -41,6 +41,15 @@ impl StressState {
             Self::ThreeD => &[0, 1, 2, 3, 4, 5],
             Self::PlaneStrainOrAxisymmetric => &[0, 1, 2, 3],
             Self::PlaneStress => &[0, 1, 3],
+        }
+    }
+
+    /// The [`crate::metadata::stress_states`] bits that these components serve.
+    pub fn bits(self) -> u32 {
+        match self {
+            Self::ThreeD => stress_states::THREE_D,
+            Self::PlaneStrainOrAxisymmetric => stress_states::PLANE_STRAIN | stress_states::AXISYMMETRIC,
+            Self::PlaneStress => stress_states::PLANE_STRESS,
         }
     }
 
@@ -216,6 +225,8 @@ pub struct LawInfo {
 pub trait Law {
     /// Name, parameters, states.
     const INFO: LawInfo;
+    /// [`crate::metadata::stress_states`] that the law can compute.
+    const STRESS_STATES: u32 = crate::metadata::stress_states::ALL;
     /// The parameters as the law's equations name them; may borrow tables from PROPS.
     type Parameters<'p>;
 

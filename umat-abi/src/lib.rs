@@ -1,7 +1,17 @@
 //! The contract between constitutive laws and the programs that call them.
 //!
+//! - [`umat`], [`fric`], [`uinter`]: the three entry points exactly as gfortran passes them.
 //! - [`law`]: what a law is in Rust: pure functions and one table.
 //! - [`metadata`]: the optional self-description of a plugin, `pullout_plugin_v1`.
+//! - [`export`]: from a law to the symbols of a shared library ([`export_umat!`], [`export_interface!`],
+//!   [`export_library!`]).
+//! - `host` (feature `host`): finding, loading and calling any such library.
 
+pub mod export;
+pub mod fric;
+#[cfg(feature = "host")]
+pub mod host;
 pub mod law;
 pub mod metadata;
+pub mod uinter;
+pub mod umat;

@@ -1,0 +1,195 @@
+//! The bodies of `uinter_` and `fric_`.
+
+use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
+use crate::fric::FricArguments;
+use crate::law::{InterfaceIncrement, InterfaceLaw, MAX_STATES, Request, TangentialIncrement, check_properties};
+use crate::uinter::UinterArguments;
+use std::ffi::CStr;
+
+/// Runs law `L` as a UINTER.
+///
+/// # Safety
+/// The arguments are those of a UINTER call: every pointer NULL or valid for what ABAQUS defines.
+#[inline]
+pub unsafe fn uinter<L: InterfaceLaw>(arguments: &UinterArguments) {
+    // SAFETY: forwarded to the caller.
+    if let Err(refusal) = guarded(|| unsafe { update_uinter::<L>(arguments) }) {
+        // SAFETY: forwarded to the caller.
+        unsafe { refuse_uinter(arguments, L::INFO.name, &refusal) };
+    }
+}
+
+/// Runs the tangential part of law `L` as a FRIC.
+///
+/// # Safety
+/// The arguments are those of a FRIC call: every pointer NULL or valid for what ABAQUS defines.
+#[inline]
+pub unsafe fn fric<L: InterfaceLaw>(arguments: &FricArguments) {
+    // SAFETY: forwarded to the caller.
+    if let Err(refusal) = guarded(|| unsafe { update_fric::<L>(arguments) }) {
+        // SAFETY: forwarded to the caller.
+        unsafe { refuse_fric(arguments, L::INFO.name, &refusal) };
+    }
+}
+
+/// # Safety
+/// As for [`uinter`].
+#[cold]
+pub(super) unsafe fn refuse_uinter(a: &UinterArguments, name: &CStr, refusal: &Refusal) {
+    // SAFETY: STRESS(NDIR), DDSDDR(NDIR,NDIR), PNEWDT: NULL or valid.
+    unsafe { refuse(name, refusal, optional(a.ndir), a.stress, a.ddsddr, a.pnewdt) }
+}
+
+/// # Safety
+/// As for [`fric`].
+#[cold]
+pub(super) unsafe fn refuse_fric(a: &FricArguments, name: &CStr, refusal: &Refusal) {
+    // SAFETY: TAU(NFDIR), DDTDDG(NFDIR,NFDIR), PNEWDT: NULL or valid.
+    unsafe { refuse(name, refusal, optional(a.nfdir), a.tau, a.ddtddg, a.pnewdt) }
+}
+
+unsafe fn refuse(
+    name: &CStr,
+    refusal: &Refusal,
+    directions: Option<i32>,
+    traction: *mut f64,
+    tangent: *mut f64,
+    pnewdt: *mut f64,
+) {
+    report(name, refusal);
+    let mut fraction = CUT_BACK;
+    if let Refusal::CutBack { fraction: wanted, .. } = *refusal {
+        fraction = wanted;
+    } else if let Some(n @ 1..=3) = directions {
+        // SAFETY: the caller's promise.
+        unsafe {
+            fill_nan(traction, n as usize);
+            fill_nan(tangent, (n * n) as usize);
+        }
+    }
+    // SAFETY: the caller's promise.
+    unsafe { store(pnewdt, fraction) };
+}
+
+/// A count of directions within its range.
+fn directions(value: Option<i32>, most: i32) -> Result<usize, Refusal> {
+    match value {
+        Some(n) if (1..=most).contains(&n) => Ok(n as usize),
+        other => Err(Refusal::Components { first: other.unwrap_or(0), second: 0, third: 0 }),
+    }
+}
+
+/// Copies the first values of a slice into a fixed array.
+fn padded<const N: usize>(values: &[f64]) -> [f64; N] {
+    let mut array = [0.0; N];
+    array[..values.len()].copy_from_slice(values);
+    array
+}
+
+unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refusal> {
+    // SAFETY (this function): the caller of `uinter` passes the arguments of a UINTER call; each is checked for
+    // NULL before use, and nothing is read beyond the counts that the host gives.
+    let n = directions(unsafe { optional(a.ndir) }, 3)?;
+    // SAFETY: as above.
+    let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
+    check_properties(&L::INFO, props)?;
+    let parameters = L::parameters(props)?;
+    let mut buffer = [0.0; MAX_STATES];
+    // SAFETY: as above.
+    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    // SAFETY: as above.
+    let increment = unsafe {
+        InterfaceIncrement {
+            directions: n,
+            relative_displacement: padded(slice(a.rdisp, n, "RDISP")?),
+            increment: padded(slice(a.drdisp, n, "DRDISP")?),
+            traction: padded(slice(a.stress, n, "STRESS")?),
+        }
+    };
+    finite(&increment.relative_displacement, "NaN or infinity in RDISP")?;
+    finite(&increment.increment, "NaN or infinity in DRDISP")?;
+    let request = if a.ddsddr.is_null() { Request::Stress } else { Request::StressAndTangent };
+    let response = L::update(&parameters, &increment, state, request)?;
+    for values in [&response.traction[..], response.tangent.as_flattened(), state] {
+        finite(values, "the update overflowed")?;
+    }
+    // SAFETY: as above; outputs are written all or not at all.
+    unsafe {
+        for i in 0..n {
+            a.stress.add(i).write(response.traction[i]);
+            if !a.ddsddr.is_null() {
+                for j in 0..n {
+                    a.ddsddr.add(j * n + i).write(response.tangent[i][j]);
+                }
+            }
+        }
+        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        store(a.sed, response.stored_energy);
+        store(a.sfd, response.dissipated_energy);
+        for pointer in [a.spd, a.svd, a.scd] {
+            store(pointer, 0.0);
+        }
+    }
+    Ok(())
+}
+
+/// LM on return: TAU, DDTDDG, DDTDDP and DSLIP are given.
+const LM_GIVEN: i32 = 0;
+/// LM on entry: the point is open.
+const LM_OPEN: i32 = 2;
+
+unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal> {
+    // SAFETY (this function): as in `update_uinter`, for a FRIC call.
+    if unsafe { optional(a.lm) } == Some(LM_OPEN) {
+        return Ok(()); // an open point carries no shear; the manual lets LM stand
+    }
+    // SAFETY: as above.
+    let n = directions(unsafe { optional(a.nfdir) }, 2)?;
+    // SAFETY: as above.
+    let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
+    check_properties(&L::INFO, props)?;
+    let parameters = L::parameters(props)?;
+    let mut buffer = [0.0; MAX_STATES];
+    // SAFETY: as above.
+    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    // SAFETY: as above.
+    let increment = unsafe {
+        slice(a.tau, n, "TAU")?;
+        TangentialIncrement {
+            directions: n,
+            slip_increment: padded(slice(a.dgam, n, "DGAM")?),
+            pressure: optional(a.press).ok_or(Refusal::Null { argument: "PRESS" })?,
+        }
+    };
+    finite(&increment.slip_increment, "NaN or infinity in DGAM")?;
+    finite(&[increment.pressure], "NaN or infinity in PRESS")?;
+    let request = if a.ddtddg.is_null() { Request::Stress } else { Request::StressAndTangent };
+    let response = L::update_tangential(&parameters, &increment, state, request)?;
+    for values in [&response.traction[..], response.slip_tangent.as_flattened(), &response.pressure_tangent, state] {
+        finite(values, "the update overflowed")?;
+    }
+    // SAFETY: as above; outputs are written all or not at all.
+    unsafe {
+        for i in 0..n {
+            a.tau.add(i).write(response.traction[i]);
+            if !a.ddtddg.is_null() {
+                for j in 0..n {
+                    a.ddtddg.add(j * n + i).write(response.slip_tangent[i][j]);
+                }
+            }
+            if !a.ddtddp.is_null() {
+                a.ddtddp.add(i).write(response.pressure_tangent[i]);
+            }
+            if !a.dslip.is_null() {
+                a.dslip.add(i).write(response.inelastic_slip_increment[i]);
+            }
+        }
+        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        store(a.sed, response.stored_energy);
+        store(a.sfd, response.dissipated_energy);
+        if !a.lm.is_null() {
+            a.lm.write(LM_GIVEN);
+        }
+    }
+    Ok(())
+}

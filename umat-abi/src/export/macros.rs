@@ -1,0 +1,497 @@
+//! The export macros: one line turns a law into a cdylib.
+
+/// Defines one symbol of UMAT that runs `$body(&UmatArguments)`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! umat_symbol {
+    ($symbol:literal, $ident:ident, $body:path) => {
+        /// UMAT; see the C header.
+        ///
+        /// # Safety
+        /// Every pointer is NULL or valid for what ABAQUS defines.
+        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
+        #[unsafe(export_name = $symbol)]
+        pub unsafe extern "C" fn $ident(
+            stress: *mut f64,
+            statev: *mut f64,
+            ddsdde: *mut f64,
+            sse: *mut f64,
+            spd: *mut f64,
+            scd: *mut f64,
+            rpl: *mut f64,
+            ddsddt: *mut f64,
+            drplde: *mut f64,
+            drpldt: *mut f64,
+            stran: *const f64,
+            dstran: *const f64,
+            time: *const f64,
+            dtime: *const f64,
+            temp: *const f64,
+            dtemp: *const f64,
+            predef: *const f64,
+            dpred: *const f64,
+            cmname: *const ::std::ffi::c_char,
+            ndi: *const i32,
+            nshr: *const i32,
+            ntens: *const i32,
+            nstatv: *const i32,
+            props: *const f64,
+            nprops: *const i32,
+            coords: *const f64,
+            drot: *const f64,
+            pnewdt: *mut f64,
+            celent: *const f64,
+            dfgrd0: *const f64,
+            dfgrd1: *const f64,
+            noel: *const i32,
+            npt: *const i32,
+            layer: *const i32,
+            kspt: *const i32,
+            jstep: *const i32,
+            kinc: *const i32,
+            cmname_length: usize,
+        ) {
+            let arguments = $crate::umat::UmatArguments {
+                stress,
+                statev,
+                ddsdde,
+                sse,
+                spd,
+                scd,
+                rpl,
+                ddsddt,
+                drplde,
+                drpldt,
+                stran,
+                dstran,
+                time,
+                dtime,
+                temp,
+                dtemp,
+                predef,
+                dpred,
+                cmname,
+                ndi,
+                nshr,
+                ntens,
+                nstatv,
+                props,
+                nprops,
+                coords,
+                drot,
+                pnewdt,
+                celent,
+                dfgrd0,
+                dfgrd1,
+                noel,
+                npt,
+                layer,
+                kspt,
+                jstep,
+                kinc,
+                cmname_length,
+            };
+            // SAFETY: forwarded to the caller.
+            unsafe { $body(&arguments) }
+        }
+    };
+}
+
+/// Defines one symbol of FRIC that runs `$body(&FricArguments)`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! fric_symbol {
+    ($symbol:literal, $ident:ident, $body:path) => {
+        /// FRIC; see the C header.
+        ///
+        /// # Safety
+        /// Every pointer is NULL or valid for what ABAQUS defines.
+        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
+        #[unsafe(export_name = $symbol)]
+        pub unsafe extern "C" fn $ident(
+            lm: *mut i32,
+            tau: *mut f64,
+            ddtddg: *mut f64,
+            ddtddp: *mut f64,
+            dslip: *mut f64,
+            sed: *mut f64,
+            sfd: *mut f64,
+            ddtddt: *mut f64,
+            pnewdt: *mut f64,
+            statev: *mut f64,
+            dgam: *const f64,
+            taulm: *const f64,
+            press: *const f64,
+            dpress: *const f64,
+            ddpddh: *const f64,
+            slip: *const f64,
+            kstep: *const i32,
+            kinc: *const i32,
+            time: *const f64,
+            dtime: *const f64,
+            noel: *const i32,
+            ciname: *const ::std::ffi::c_char,
+            slname: *const ::std::ffi::c_char,
+            msname: *const ::std::ffi::c_char,
+            npt: *const i32,
+            node: *const i32,
+            npatch: *const i32,
+            coords: *const f64,
+            rcoord: *const f64,
+            drot: *const f64,
+            temp: *const f64,
+            predef: *const f64,
+            nfdir: *const i32,
+            mcrd: *const i32,
+            npred: *const i32,
+            nstatv: *const i32,
+            chrlngth: *const f64,
+            props: *const f64,
+            nprops: *const i32,
+            ciname_length: usize,
+            slname_length: usize,
+            msname_length: usize,
+        ) {
+            let arguments = $crate::fric::FricArguments {
+                lm,
+                tau,
+                ddtddg,
+                ddtddp,
+                dslip,
+                sed,
+                sfd,
+                ddtddt,
+                pnewdt,
+                statev,
+                dgam,
+                taulm,
+                press,
+                dpress,
+                ddpddh,
+                slip,
+                kstep,
+                kinc,
+                time,
+                dtime,
+                noel,
+                ciname,
+                slname,
+                msname,
+                npt,
+                node,
+                npatch,
+                coords,
+                rcoord,
+                drot,
+                temp,
+                predef,
+                nfdir,
+                mcrd,
+                npred,
+                nstatv,
+                chrlngth,
+                props,
+                nprops,
+                ciname_length,
+                slname_length,
+                msname_length,
+            };
+            // SAFETY: forwarded to the caller.
+            unsafe { $body(&arguments) }
+        }
+    };
+}
+
+/// Defines one symbol of UINTER that runs `$body(&UinterArguments)`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! uinter_symbol {
+    ($symbol:literal, $ident:ident, $body:path) => {
+        /// UINTER; see the C header.
+        ///
+        /// # Safety
+        /// Every pointer is NULL or valid for what ABAQUS defines.
+        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
+        #[unsafe(export_name = $symbol)]
+        pub unsafe extern "C" fn $ident(
+            stress: *mut f64,
+            ddsddr: *mut f64,
+            dviscous: *mut f64,
+            dstructural: *mut f64,
+            flux: *mut f64,
+            ddfddt: *mut f64,
+            ddsddt: *mut f64,
+            ddfddr: *mut f64,
+            statev: *mut f64,
+            sed: *mut f64,
+            sfd: *mut f64,
+            spd: *mut f64,
+            svd: *mut f64,
+            scd: *mut f64,
+            pnewdt: *mut f64,
+            rdisp: *const f64,
+            drdisp: *const f64,
+            temp: *const f64,
+            dtemp: *const f64,
+            predef: *const f64,
+            dpred: *const f64,
+            time: *const f64,
+            dtime: *const f64,
+            freqr: *const f64,
+            ciname: *const ::std::ffi::c_char,
+            slname: *const ::std::ffi::c_char,
+            msname: *const ::std::ffi::c_char,
+            props: *const f64,
+            coords: *const f64,
+            alocaldir: *const f64,
+            drot: *const f64,
+            area: *const f64,
+            chrlngth: *const f64,
+            node: *const i32,
+            ndir: *const i32,
+            nstatv: *const i32,
+            npred: *const i32,
+            nprops: *const i32,
+            mcrd: *const i32,
+            kstep: *const i32,
+            kinc: *const i32,
+            kit: *const i32,
+            linper: *const i32,
+            lopenclose: *mut i32,
+            lstate: *mut i32,
+            lsdi: *mut i32,
+            lprint: *const i32,
+            ciname_length: usize,
+            slname_length: usize,
+            msname_length: usize,
+        ) {
+            let arguments = $crate::uinter::UinterArguments {
+                stress,
+                ddsddr,
+                dviscous,
+                dstructural,
+                flux,
+                ddfddt,
+                ddsddt,
+                ddfddr,
+                statev,
+                sed,
+                sfd,
+                spd,
+                svd,
+                scd,
+                pnewdt,
+                rdisp,
+                drdisp,
+                temp,
+                dtemp,
+                predef,
+                dpred,
+                time,
+                dtime,
+                freqr,
+                ciname,
+                slname,
+                msname,
+                props,
+                coords,
+                alocaldir,
+                drot,
+                area,
+                chrlngth,
+                node,
+                ndir,
+                nstatv,
+                npred,
+                nprops,
+                mcrd,
+                kstep,
+                kinc,
+                kit,
+                linper,
+                lopenclose,
+                lstate,
+                lsdi,
+                lprint,
+                ciname_length,
+                slname_length,
+                msname_length,
+            };
+            // SAFETY: forwarded to the caller.
+            unsafe { $body(&arguments) }
+        }
+    };
+}
+
+/// Runs when the library is loaded: a plugin's panics are caught and reported by the boundary, so the
+/// default hook must not print. Part of every export macro.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! silence_panics_on_load {
+    () => {
+        #[used]
+        #[cfg_attr(target_os = "macos", unsafe(link_section = "__DATA,__mod_init_func"))]
+        #[cfg_attr(not(target_os = "macos"), unsafe(link_section = ".init_array"))]
+        static SILENCE_PANICS: extern "C" fn() = $crate::export::install_silent_panic_hook;
+    };
+}
+
+/// Defines `pullout_plugin_v1`, which returns `$plugin`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! plugin_symbol {
+    ($plugin:expr) => {
+        /// The description of this library; see the C header.
+        #[unsafe(no_mangle)]
+        pub extern "C" fn pullout_plugin_v1() -> *const $crate::metadata::Plugin {
+            static PLUGIN: $crate::metadata::Plugin = $plugin;
+            &raw const PLUGIN
+        }
+    };
+}
+
+/// The version of the crate that exports, as a C string.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! crate_version {
+    () => {
+        match ::std::ffi::CStr::from_bytes_with_nul(concat!(env!("CARGO_PKG_VERSION"), "\0").as_bytes()) {
+            Ok(version) => version,
+            Err(_) => panic!("a crate version holds no NUL"),
+        }
+    };
+}
+
+/// The description of one law: `(umat Law)` or `(interface Law)`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! law_plugin {
+    ((umat $law:ty)) => {
+        $crate::metadata::Plugin::new(
+            &<$law as $crate::law::Law>::INFO,
+            $crate::crate_version!(),
+            $crate::metadata::kinds::UMAT,
+            <$law as $crate::law::Law>::STRESS_STATES,
+            $crate::export::validate_solid::<$law>,
+        )
+    };
+    ((interface $law:ty)) => {
+        $crate::metadata::Plugin::new(
+            &<$law as $crate::law::InterfaceLaw>::INFO,
+            $crate::crate_version!(),
+            $crate::metadata::kinds::UINTER | $crate::metadata::kinds::FRIC,
+            0,
+            $crate::export::validate_interface::<$law>,
+        )
+    };
+}
+
+/// The descriptions of several laws, linked by `next`.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! plugin_chain {
+    ($law:tt) => { $crate::law_plugin!($law) };
+    ($law:tt, $($rest:tt),+) => {
+        $crate::law_plugin!($law).followed_by(&const { $crate::plugin_chain!($($rest),+) })
+    };
+}
+
+/// Turns a [`Law`](crate::law::Law) into the symbols of a cdylib: `umat_`, `umat`, `UMAT`, the unique
+/// name given as second argument, and `pullout_plugin_v1`.
+///
+/// ```ignore
+/// umat_abi::export_umat!(MyLaw, "my_law_umat_");
+/// ```
+#[macro_export]
+macro_rules! export_umat {
+    ($law:ty, $unique:literal) => {
+        $crate::silence_panics_on_load!();
+        $crate::umat_symbol!("umat_", umat_fortran, $crate::export::umat::<$law>);
+        $crate::umat_symbol!("umat", umat_plain, $crate::export::umat::<$law>);
+        $crate::umat_symbol!("UMAT", umat_upper, $crate::export::umat::<$law>);
+        $crate::umat_symbol!($unique, umat_unique, $crate::export::umat::<$law>);
+        $crate::plugin_symbol!($crate::law_plugin!((umat $law)));
+    };
+}
+
+/// Turns an [`InterfaceLaw`](crate::law::InterfaceLaw) into the symbols of a cdylib: UINTER and FRIC, each
+/// under the three usual spellings and a unique one, and `pullout_plugin_v1`.
+///
+/// ```ignore
+/// umat_abi::export_interface!(MyBond, "my_bond_uinter_", "my_bond_fric_");
+/// ```
+#[macro_export]
+macro_rules! export_interface {
+    ($law:ty, $unique_uinter:literal, $unique_fric:literal) => {
+        $crate::silence_panics_on_load!();
+        $crate::uinter_symbol!("uinter_", uinter_fortran, $crate::export::uinter::<$law>);
+        $crate::uinter_symbol!("uinter", uinter_plain, $crate::export::uinter::<$law>);
+        $crate::uinter_symbol!("UINTER", uinter_upper, $crate::export::uinter::<$law>);
+        $crate::uinter_symbol!($unique_uinter, uinter_unique, $crate::export::uinter::<$law>);
+        $crate::fric_symbol!("fric_", fric_fortran, $crate::export::fric::<$law>);
+        $crate::fric_symbol!("fric", fric_plain, $crate::export::fric::<$law>);
+        $crate::fric_symbol!("FRIC", fric_upper, $crate::export::fric::<$law>);
+        $crate::fric_symbol!($unique_fric, fric_unique, $crate::export::fric::<$law>);
+        $crate::plugin_symbol!($crate::law_plugin!((interface $law)));
+    };
+}
+
+/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME).
+///
+/// ```ignore
+/// umat_abi::export_library!(umat: [Elastic, Damage], interface: [Bond]);
+/// ```
+#[macro_export]
+macro_rules! export_library {
+    (umat: [$($umat:ty),+ $(,)?], interface: [$($interface:ty),+ $(,)?] $(,)?) => {
+        $crate::silence_panics_on_load!();
+
+        unsafe fn umat_by_name(arguments: &$crate::umat::UmatArguments) {
+            // SAFETY: forwarded to the caller.
+            unsafe {
+                $crate::export::umat_by_name(
+                    &[$($crate::export::NamedEntry {
+                        name: <$umat as $crate::law::Law>::INFO.name,
+                        function: $crate::export::umat::<$umat> as unsafe fn(&$crate::umat::UmatArguments),
+                    }),+],
+                    arguments,
+                );
+            }
+        }
+        unsafe fn uinter_by_name(arguments: &$crate::uinter::UinterArguments) {
+            // SAFETY: forwarded to the caller.
+            unsafe {
+                $crate::export::uinter_by_name(
+                    &[$($crate::export::NamedEntry {
+                        name: <$interface as $crate::law::InterfaceLaw>::INFO.name,
+                        function: $crate::export::uinter::<$interface>
+                            as unsafe fn(&$crate::uinter::UinterArguments),
+                    }),+],
+                    arguments,
+                );
+            }
+        }
+        unsafe fn fric_by_name(arguments: &$crate::fric::FricArguments) {
+            // SAFETY: forwarded to the caller.
+            unsafe {
+                $crate::export::fric_by_name(
+                    &[$($crate::export::NamedEntry {
+                        name: <$interface as $crate::law::InterfaceLaw>::INFO.name,
+                        function: $crate::export::fric::<$interface> as unsafe fn(&$crate::fric::FricArguments),
+                    }),+],
+                    arguments,
+                );
+            }
+        }
+        $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
+        $crate::umat_symbol!("umat", umat_plain, umat_by_name);
+        $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
+        $crate::uinter_symbol!("uinter_", uinter_fortran, uinter_by_name);
+        $crate::uinter_symbol!("uinter", uinter_plain, uinter_by_name);
+        $crate::uinter_symbol!("UINTER", uinter_upper, uinter_by_name);
+        $crate::fric_symbol!("fric_", fric_fortran, fric_by_name);
+        $crate::fric_symbol!("fric", fric_plain, fric_by_name);
+        $crate::fric_symbol!("FRIC", fric_upper, fric_by_name);
+        $crate::plugin_symbol!($crate::plugin_chain!($((umat $umat)),+, $((interface $interface)),+));
+    };
+}

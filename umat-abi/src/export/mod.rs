@@ -1,0 +1,193 @@
+//! From a pure law to the symbols of a shared library.
+//!
+//! The boundary stands what real hosts do (abi.md §3): NULL for what the law does not need, PNEWDT and
+//! DDSDDE full of garbage, missing CHARACTER lengths, wrong counts, NaN. It validates, embeds the
+//! components, rotates tensor states by DROT, runs the law on a copy of STATEV, and only then writes.
+//! Configuration errors fill STRESS and DDSDDE with NaN (hosts that ignore PNEWDT would go on with
+//! zeros); numerical failures leave everything as it was and ask for a cut-back. No allocation, lock
+//! or I/O on the way; no panic leaves.
+
+mod dispatch;
+mod interface;
+mod macros;
+mod solid;
+mod validate;
+
+pub use dispatch::{NamedEntry, fric_by_name, uinter_by_name, umat_by_name};
+pub use interface::{fric, uinter};
+pub use solid::umat;
+pub use validate::{validate_interface, validate_solid};
+
+use crate::law::{ConfigurationError, Failure, LawInfo};
+use std::fmt;
+use std::io::Write;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// What PNEWDT becomes when an increment cannot be computed at all.
+const CUT_BACK: f64 = 0.5;
+
+/// The first error of the process has been printed: a host that goes on calling must not drown in
+/// messages. The only global.
+static REPORTED: AtomicBool = AtomicBool::new(false);
+
+/// Why the boundary refuses a call.
+#[derive(Clone, Copy, Debug)]
+enum Refusal {
+    /// NTENS, NDI, NSHR (NDIR, NFDIR) are not what the law supports.
+    Components { first: i32, second: i32, third: i32 },
+    /// NSTATV is too small.
+    States { given: i32, expected: usize },
+    /// A pointer that the law needs is NULL.
+    Null { argument: &'static str },
+    /// PROPS or CELENT.
+    Law(ConfigurationError),
+    /// CMNAME names no law of this library.
+    UnknownLaw,
+    /// The increment failed.
+    CutBack { fraction: f64, reason: &'static str },
+    /// The law panicked: a bug, reported as such.
+    Panic,
+}
+
+impl From<ConfigurationError> for Refusal {
+    fn from(error: ConfigurationError) -> Self {
+        Self::Law(error)
+    }
+}
+
+impl From<Failure> for Refusal {
+    fn from(failure: Failure) -> Self {
+        match failure {
+            Failure::Configuration(error) => Self::Law(error),
+            Failure::CutBack { fraction, reason } => Self::CutBack { fraction, reason },
+        }
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match *self {
+            Self::Components { first, second, third } => {
+                write!(
+                    f,
+                    "component counts {first}, {second}, {third} are not supported (NTENS/NDI/NSHR 6/3/3, 4/3/1, 3/2/1; NDIR 1-3; NFDIR 1-2)"
+                )
+            }
+            Self::States { given, expected } => {
+                write!(f, "NSTATV = {given}, but the law needs at least {expected}")
+            }
+            Self::Null { argument } => write!(f, "{argument} is NULL"),
+            Self::Law(error) => error.fmt(f),
+            Self::UnknownLaw => f.write_str("the material name (CMNAME, CINAME) begins with no law of this library"),
+            Self::CutBack { reason, .. } => f.write_str(reason),
+            Self::Panic => f.write_str("internal error (panic caught); please report it"),
+        }
+    }
+}
+
+/// Runs the body of an entry point with panics caught.
+fn guarded(body: impl FnOnce() -> Result<(), Refusal>) -> Result<(), Refusal> {
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Refusal::Panic))
+}
+
+/// Prints the first refusal of the process that a user has to act on.
+fn report(name: &std::ffi::CStr, refusal: &Refusal) {
+    if !matches!(refusal, Refusal::CutBack { .. }) && !REPORTED.swap(true, Ordering::Relaxed) {
+        // A closed stderr is no reason to fail.
+        let _ = writeln!(std::io::stderr(), "pullout: {}: {refusal}", name.to_string_lossy());
+    }
+}
+
+/// Silences the panic messages of a plugin: the panic is caught and reported once by the boundary.
+/// Runs when the library is loaded (see [`crate::export_umat`]).
+pub extern "C" fn install_silent_panic_hook() {
+    std::panic::set_hook(Box::new(|_| {}));
+}
+
+/// Reads `*pointer` if it is not NULL.
+///
+/// # Safety
+/// A non-NULL pointer is valid for reads.
+unsafe fn optional<T: Copy>(pointer: *const T) -> Option<T> {
+    // SAFETY: checked for NULL by `as_ref`; validity is the caller's promise.
+    unsafe { pointer.as_ref() }.copied()
+}
+
+/// A slice of `length` values, or the refusal that names the argument.
+///
+/// # Safety
+/// A non-NULL pointer is valid for `length` reads.
+unsafe fn slice<'a>(pointer: *const f64, length: usize, argument: &'static str) -> Result<&'a [f64], Refusal> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    if pointer.is_null() {
+        return Err(Refusal::Null { argument });
+    }
+    // SAFETY: not NULL; validity is the caller's promise.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
+}
+
+/// Writes `value` if the pointer is not NULL.
+///
+/// # Safety
+/// A non-NULL pointer is valid for a write.
+unsafe fn store(pointer: *mut f64, value: f64) {
+    if !pointer.is_null() {
+        // SAFETY: not NULL; validity is the caller's promise.
+        unsafe { pointer.write(value) }
+    }
+}
+
+/// Fills `count` values with NaN if the pointer is not NULL.
+///
+/// # Safety
+/// A non-NULL pointer is valid for `count` writes.
+unsafe fn fill_nan(pointer: *mut f64, count: usize) {
+    if !pointer.is_null() {
+        // SAFETY: not NULL; validity is the caller's promise.
+        unsafe { std::slice::from_raw_parts_mut(pointer, count) }.fill(f64::NAN);
+    }
+}
+
+/// A count argument that must not be negative.
+///
+/// # Safety
+/// A non-NULL pointer is valid for reads.
+unsafe fn count(pointer: *const i32, argument: &'static str) -> Result<usize, Refusal> {
+    // SAFETY: forwarded to the caller.
+    let value = unsafe { optional(pointer) }.ok_or(Refusal::Null { argument })?;
+    usize::try_from(value).map_err(|_| Refusal::Null { argument })
+}
+
+/// Checks NSTATV and copies the law's states out of STATEV.
+///
+/// # Safety
+/// STATEV is valid for NSTATV reads.
+unsafe fn states<'b>(
+    info: &LawInfo,
+    statev: *const f64,
+    nstatv: *const i32,
+    buffer: &'b mut [f64; crate::law::MAX_STATES],
+) -> Result<&'b mut [f64], Refusal> {
+    let expected = info.states.len();
+    // SAFETY: forwarded to the caller.
+    let given = unsafe { optional(nstatv) }.ok_or(Refusal::Null { argument: "NSTATV" })?;
+    if usize::try_from(given).is_ok_and(|given| given >= expected) {
+        // SAFETY: NSTATV ≥ the number read.
+        let source = unsafe { slice(statev, expected, "STATEV") }?;
+        let state = &mut buffer[..expected];
+        state.copy_from_slice(source);
+        finite(state, "NaN or infinity in STATEV")?;
+        Ok(state)
+    } else {
+        Err(Refusal::States { given, expected })
+    }
+}
+
+/// Refuses NaN and infinity.
+#[inline]
+fn finite(values: &[f64], reason: &'static str) -> Result<(), Refusal> {
+    if values.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Refusal::CutBack { fraction: CUT_BACK, reason }) }
+}

@@ -1,0 +1,184 @@
+//! The body of `umat_`.
+
+use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
+use crate::law::{Increment, Law, MAX_STATES, Request, Response, StressState, check_properties};
+use crate::metadata::{StateVariable, flags};
+use crate::umat::UmatArguments;
+
+/// Runs law `L` as a UMAT.
+///
+/// # Safety
+/// The arguments are those of a UMAT call: every pointer NULL or valid for what ABAQUS defines.
+#[inline]
+pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
+    // SAFETY: forwarded to the caller.
+    let outcome = guarded(|| unsafe { update::<L>(arguments) });
+    if let Err(refusal) = outcome {
+        // SAFETY: forwarded to the caller.
+        unsafe { refuse(arguments, L::INFO.name, &refusal) };
+    }
+}
+
+/// Tells the host that nothing was computed.
+///
+/// # Safety
+/// As for [`umat`].
+#[cold]
+pub(super) unsafe fn refuse(arguments: &UmatArguments, name: &std::ffi::CStr, refusal: &Refusal) {
+    report(name, refusal);
+    let fraction = match *refusal {
+        Refusal::CutBack { fraction, .. } => fraction,
+        _ => {
+            // SAFETY: STRESS and DDSDDE have NTENS and NTENS² values.
+            unsafe {
+                if let Some(ntens @ 1..=6) = optional(arguments.ntens) {
+                    fill_nan(arguments.stress, ntens as usize);
+                    fill_nan(arguments.ddsdde, (ntens * ntens) as usize);
+                }
+            }
+            CUT_BACK
+        }
+    };
+    // SAFETY: PNEWDT is NULL or valid.
+    unsafe { store(arguments.pnewdt, fraction) };
+}
+
+unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
+    // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
+    // NULL before use, and nothing is read beyond the counts that the host gives.
+    let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
+    let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
+    let stress_state = StressState::from_counts(counts.0, counts.1, counts.2)
+        .filter(|stress_state| stress_state.bits() & L::STRESS_STATES != 0)
+        .ok_or(Refusal::Components { first: counts.0, second: counts.1, third: counts.2 })?;
+    // SAFETY: as above.
+    let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
+    check_properties(&L::INFO, props)?;
+    let parameters = L::parameters(props)?;
+    let mut buffer = [0.0; MAX_STATES];
+    // SAFETY: as above.
+    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    // SAFETY: as above.
+    let increment = unsafe { read_increment::<L>(a, stress_state) }?;
+    if const { first_tensor_state(L::INFO.states).is_some() } {
+        // SAFETY: as above.
+        if let Some(rotation) = unsafe { incremental_rotation(a.drot) }? {
+            rotate_states(L::INFO.states, state, &rotation);
+        }
+    }
+    let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
+    let response = L::update(&parameters, &increment, state, request)?;
+    check_response(&response, state, request)?;
+    // SAFETY: as above; nothing fails from here on, so that outputs are written all or not at all.
+    unsafe { write(a, stress_state, &response, state) };
+    Ok(())
+}
+
+unsafe fn read_increment<L: Law>(a: &UmatArguments, stress_state: StressState) -> Result<Increment, Refusal> {
+    let components = stress_state.components();
+    // SAFETY: STRAN, DSTRAN and STRESS have NTENS values.
+    let (stran, dstran, stress) = unsafe {
+        (
+            slice(a.stran, components.len(), "STRAN")?,
+            slice(a.dstran, components.len(), "DSTRAN")?,
+            slice(a.stress, components.len(), "STRESS")?,
+        )
+    };
+    let mut increment = Increment {
+        stress_state,
+        strain: [0.0; 6],
+        strain_increment: [0.0; 6],
+        stress: [0.0; 6],
+        characteristic_length: None,
+    };
+    for (k, &i) in components.iter().enumerate() {
+        increment.strain[i] = stran[k] + dstran[k];
+        increment.strain_increment[i] = dstran[k];
+        increment.stress[i] = stress[k];
+    }
+    finite(&increment.strain, "NaN or infinity in STRAN or DSTRAN")?;
+    if const { L::INFO.flags & flags::USES_CELENT != 0 } {
+        // SAFETY: CELENT is NULL or valid.
+        increment.characteristic_length =
+            unsafe { optional(a.celent) }.filter(|length| length.is_finite() && *length > 0.0);
+    }
+    Ok(increment)
+}
+
+/// A result that is not finite must not reach the host.
+#[inline]
+fn check_response(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
+    const REASON: &str = "the update overflowed";
+    finite(&response.stress, REASON)?;
+    finite(state, REASON)?;
+    if request.wants_tangent() {
+        finite(response.tangent.as_flattened(), REASON)?;
+    }
+    finite(&[response.stored_energy], REASON)
+}
+
+unsafe fn write(a: &UmatArguments, stress_state: StressState, response: &Response, state: &[f64]) {
+    let components = stress_state.components();
+    let ntens = components.len();
+    // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS) column-major and STATEV(NSTATV ≥ states) were checked for NULL;
+    // DDSDDE and the energies may be NULL.
+    unsafe {
+        for (k, &i) in components.iter().enumerate() {
+            a.stress.add(k).write(response.stress[i]);
+        }
+        if !a.ddsdde.is_null() {
+            for (column, &j) in components.iter().enumerate() {
+                for (row, &i) in components.iter().enumerate() {
+                    a.ddsdde.add(column * ntens + row).write(response.tangent[i][j]);
+                }
+            }
+        }
+        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        store(a.sse, response.stored_energy);
+        store(a.spd, response.dissipated_energy);
+        store(a.scd, 0.0);
+    }
+}
+
+/// Index of the first component of a tensor among the states.
+const fn first_tensor_state(states: &[StateVariable]) -> Option<usize> {
+    let mut k = 0;
+    while k < states.len() {
+        if states[k].tensor_component == 1 {
+            return Some(k);
+        }
+        k += 1;
+    }
+    None
+}
+
+/// DROT if it is there and is no identity.
+unsafe fn incremental_rotation(drot: *const f64) -> Result<Option<[[f64; 3]; 3]>, Refusal> {
+    if drot.is_null() {
+        return Ok(None);
+    }
+    // SAFETY: DROT(3,3), column-major.
+    let columns = unsafe { std::slice::from_raw_parts(drot, 9) };
+    if columns == [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] {
+        return Ok(None);
+    }
+    finite(columns, "NaN or infinity in DROT")?;
+    Ok(Some(std::array::from_fn(|row| std::array::from_fn(|column| columns[3 * column + row]))))
+}
+
+/// Strain-like tensor states become R ε Rᵀ.
+fn rotate_states(table: &[StateVariable], state: &mut [f64], r: &[[f64; 3]; 3]) {
+    for start in (0..table.len()).filter(|&k| table[k].tensor_component == 1) {
+        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| state[start + i]);
+        let tensor = [[xx, 0.5 * xy, 0.5 * xz], [0.5 * xy, yy, 0.5 * yz], [0.5 * xz, 0.5 * yz, zz]];
+        for (component, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+            let mut sum = 0.0;
+            for k in 0..3 {
+                for l in 0..3 {
+                    sum += r[i][k] * tensor[k][l] * r[j][l];
+                }
+            }
+            state[start + component] = if i == j { sum } else { 2.0 * sum };
+        }
+    }
+}

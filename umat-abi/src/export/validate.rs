@@ -1,0 +1,116 @@
+//! The validate function of the metadata: the same checks as a call, with the message for the caller.
+
+use super::guarded;
+use crate::law::{ConfigurationError, InterfaceLaw, Law, check_properties};
+use crate::metadata::validation;
+use std::ffi::c_char;
+use std::fmt::Write;
+
+/// The validate function of a [`Law`].
+///
+/// # Safety
+/// `props` is valid for `nprops` reads, `message` for `capacity` writes (or NULL).
+pub unsafe extern "C" fn validate_solid<L: Law>(
+    props: *const f64,
+    nprops: i32,
+    characteristic_length: f64,
+    message: *mut c_char,
+    capacity: usize,
+) -> i32 {
+    let check = |props: &[f64]| {
+        check_properties(&L::INFO, props)?;
+        let parameters = L::parameters(props)?;
+        if characteristic_length.is_finite() && characteristic_length > 0.0 {
+            L::check_characteristic_length(&parameters, characteristic_length)?;
+            return Ok(validation::OK);
+        }
+        let needs_length = L::needs_characteristic_length(&parameters);
+        Ok(if needs_length { validation::NEEDS_LENGTH } else { validation::OK })
+    };
+    // SAFETY: forwarded to the caller.
+    unsafe { answer(props, nprops, message, capacity, check) }
+}
+
+/// The validate function of an [`InterfaceLaw`].
+///
+/// # Safety
+/// As for [`validate_solid`].
+pub unsafe extern "C" fn validate_interface<L: InterfaceLaw>(
+    props: *const f64,
+    nprops: i32,
+    _characteristic_length: f64,
+    message: *mut c_char,
+    capacity: usize,
+) -> i32 {
+    let check = |props: &[f64]| {
+        check_properties(&L::INFO, props)?;
+        L::parameters(props)?;
+        Ok(validation::OK)
+    };
+    // SAFETY: forwarded to the caller.
+    unsafe { answer(props, nprops, message, capacity, check) }
+}
+
+unsafe fn answer(
+    props: *const f64,
+    nprops: i32,
+    message: *mut c_char,
+    capacity: usize,
+    check: impl FnOnce(&[f64]) -> Result<i32, ConfigurationError>,
+) -> i32 {
+    let mut status = validation::INVALID;
+    let mut text = MessageBuffer { bytes: [0; 512], length: 0 };
+    let outcome = guarded(|| {
+        let Ok(count) = usize::try_from(nprops) else {
+            let _ = write!(text, "NPROPS is negative");
+            return Ok(());
+        };
+        // SAFETY: the caller's promise.
+        match unsafe { super::slice(props, count, "PROPS") }.map(check) {
+            Ok(Ok(validation::NEEDS_LENGTH)) => {
+                status = validation::NEEDS_LENGTH;
+                let _ = write!(text, "these parameters need a characteristic length (CELENT) > 0");
+            }
+            Ok(Ok(_)) => status = validation::OK,
+            Ok(Err(error)) => {
+                let _ = write!(text, "{error}");
+            }
+            Err(refusal) => {
+                let _ = write!(text, "{refusal}");
+            }
+        }
+        Ok(())
+    });
+    if let Err(refusal) = outcome {
+        status = validation::INVALID;
+        let _ = write!(text, "{refusal}");
+    }
+    if !message.is_null() && capacity > 0 {
+        let length = text.length.min(capacity - 1);
+        // SAFETY: `message` is valid for `capacity` > length writes.
+        unsafe {
+            std::ptr::copy_nonoverlapping(text.bytes.as_ptr().cast(), message, length);
+            message.add(length).write(0);
+        }
+    }
+    status
+}
+
+/// Text of at most 511 bytes without allocation; what does not fit is cut.
+struct MessageBuffer {
+    bytes: [u8; 512],
+    length: usize,
+}
+
+impl Write for MessageBuffer {
+    fn write_str(&mut self, text: &str) -> std::fmt::Result {
+        let room = self.bytes.len() - 1 - self.length;
+        let mut end = text.len().min(room);
+        while !text.is_char_boundary(end) {
+            end -= 1;
+        }
+        self.bytes[self.length..self.length + end].copy_from_slice(&text.as_bytes()[..end]);
+        self.length += end;
+        Ok(())
+    }
+}

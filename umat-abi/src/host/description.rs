@@ -1,0 +1,311 @@
+//! A plugin's metadata, read out of its library into owned, checked Rust values.
+
+use crate::metadata::{self, ABI_VERSION, Plugin, Table, Text, derived_forms, open_bounds, validation};
+use std::ffi::{CStr, c_char};
+
+/// A law in a library, as its metadata describes it.
+#[derive(Clone, Debug)]
+pub struct Law {
+    /// The law's name.
+    pub name: String,
+    /// The plugin's version.
+    pub version: String,
+    /// One sentence.
+    pub description: String,
+    /// [`metadata::kinds`].
+    pub kinds: u32,
+    /// [`metadata::stress_states`].
+    pub stress_states: u32,
+    /// [`metadata::flags`].
+    pub flags: u32,
+    /// PROPS; the last [`Group::size`] of them may repeat.
+    pub parameters: Vec<Parameter>,
+    /// The repeating group.
+    pub group: Option<Group>,
+    /// STATEV.
+    pub states: Vec<State>,
+    /// Quantities that follow from states.
+    pub derived: Vec<Derived>,
+    validate: metadata::Validate,
+}
+
+/// One entry of PROPS.
+#[derive(Clone, Debug)]
+pub struct Parameter {
+    /// Name in case files.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// One sentence.
+    pub doc: String,
+    /// What the host may fill in when the value is 0.
+    pub role: String,
+    /// Default.
+    pub default_value: f64,
+    /// Least value.
+    pub lower: f64,
+    /// Greatest value.
+    pub upper: f64,
+    /// The least value itself is excluded.
+    pub lower_open: bool,
+    /// The greatest value itself is excluded.
+    pub upper_open: bool,
+    /// Named values.
+    pub choices: Vec<Choice>,
+}
+
+impl Parameter {
+    /// The bounds in words, e.g. `> 0`, `in (-1, 0.5)`; empty if there are none.
+    pub fn bounds(&self) -> String {
+        let (lower, upper) = (self.lower, self.upper);
+        let (open, close) = (if self.lower_open { '(' } else { '[' }, if self.upper_open { ')' } else { ']' });
+        match (lower.is_finite(), upper.is_finite()) {
+            _ if !self.choices.is_empty() => {
+                let names: Vec<_> = self.choices.iter().map(|c| format!("{} = {}", c.value, c.name)).collect();
+                names.join(", ")
+            }
+            (true, true) => format!("in {open}{lower}, {upper}{close}"),
+            (true, false) => format!("{} {lower}", if self.lower_open { ">" } else { ">=" }),
+            (false, true) => format!("{} {upper}", if self.upper_open { "<" } else { "<=" }),
+            (false, false) => String::new(),
+        }
+    }
+
+    /// Whether a value is finite, within the bounds, and listed if there are choices.
+    pub fn admits(&self, value: f64) -> bool {
+        let above = if self.lower_open { value > self.lower } else { value >= self.lower };
+        let below = if self.upper_open { value < self.upper } else { value <= self.upper };
+        let listed = self.choices.is_empty() || self.choices.iter().any(|choice| choice.value == value);
+        value.is_finite() && above && below && listed
+    }
+}
+
+/// A named value of a selecting parameter.
+#[derive(Clone, Debug)]
+pub struct Choice {
+    /// The number in PROPS.
+    pub value: f64,
+    /// Its name.
+    pub name: String,
+}
+
+/// The repeating group at the end of PROPS.
+#[derive(Clone, Debug)]
+pub struct Group {
+    /// Key in case files.
+    pub name: String,
+    /// Parameters per occurrence.
+    pub size: usize,
+    /// Least number of occurrences.
+    pub minimum: usize,
+    /// Index of the parameter that holds the number of occurrences.
+    pub count_parameter: Option<usize>,
+}
+
+/// One entry of STATEV.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// Column name.
+    pub name: String,
+    /// Unit.
+    pub unit: String,
+    /// One sentence.
+    pub doc: String,
+    /// 1…6: component of a strain-like tensor; 0: scalar.
+    pub tensor_component: u32,
+}
+
+/// A derived output.
+#[derive(Clone, Debug)]
+pub struct Derived {
+    /// Column name.
+    pub name: String,
+    /// Index of its state.
+    pub state: usize,
+    form: u32,
+}
+
+impl Derived {
+    /// Its value.
+    #[inline]
+    pub fn value(&self, states: &[f64]) -> f64 {
+        let state = states[self.state];
+        if self.form == derived_forms::DAMAGE_FROM_ETA { state / (1.0 + state) } else { state }
+    }
+}
+
+/// What a law says of parameters.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Validation {
+    /// Usable.
+    Valid,
+    /// Not usable, and why.
+    Invalid(String),
+    /// A characteristic length is needed, and none was given.
+    NeedsCharacteristicLength(String),
+}
+
+impl Law {
+    /// Whether a flag of [`metadata::flags`] is set.
+    pub fn has(&self, flag: u32) -> bool {
+        self.flags & flag != 0
+    }
+
+    /// Asks the law itself about PROPS and, if known, the characteristic length.
+    pub fn validate(&self, props: &[f64], characteristic_length: Option<f64>) -> Validation {
+        let mut message = [0_u8; 1024];
+        let count = i32::try_from(props.len()).unwrap_or(i32::MAX);
+        let length = characteristic_length.unwrap_or(0.0);
+        // SAFETY: the function comes from metadata of the right ABI version; the buffers have the given sizes.
+        let status = unsafe {
+            (self.validate)(props.as_ptr(), count, length, message.as_mut_ptr().cast::<c_char>(), message.len())
+        };
+        let text = || {
+            let text = CStr::from_bytes_until_nul(&message).map_or("", |text| text.to_str().unwrap_or(""));
+            text.to_owned()
+        };
+        match status {
+            validation::OK => Validation::Valid,
+            validation::NEEDS_LENGTH => Validation::NeedsCharacteristicLength(text()),
+            _ => Validation::Invalid(text()),
+        }
+    }
+
+    /// Reads a description and those that follow it.
+    ///
+    /// # Errors
+    /// A sentence that says what is wrong with it.
+    ///
+    /// # Safety
+    /// `plugin` is what `pullout_plugin_v1` of a loaded library returned; the library stays loaded as
+    /// long as the result is used.
+    pub(super) unsafe fn read_all(mut plugin: *const Plugin) -> Result<Vec<Self>, String> {
+        const MOST_LAWS: usize = 256;
+        let mut laws = Vec::new();
+        while !plugin.is_null() {
+            if laws.len() == MOST_LAWS {
+                return Err(format!("the library's metadata lists more than {MOST_LAWS} laws"));
+            }
+            // SAFETY: the first two fields exist in every version of the struct.
+            let (version, size) = unsafe { ((*plugin).abi_version, (*plugin).struct_size) };
+            if version != ABI_VERSION || (size as usize) < size_of::<Plugin>() {
+                return Err(format!(
+                    "the library's metadata has ABI version {version} ({size} bytes); this program reads version \
+                     {ABI_VERSION} ({} bytes)",
+                    size_of::<Plugin>()
+                ));
+            }
+            // SAFETY: version and size fit.
+            let plugin_reference = unsafe { &*plugin };
+            // SAFETY: as above.
+            laws.push(unsafe { Self::read(plugin_reference) }?);
+            plugin = plugin_reference.next;
+        }
+        Ok(laws)
+    }
+
+    unsafe fn read(plugin: &Plugin) -> Result<Self, String> {
+        // SAFETY (this function): texts and tables of a description of the right version are static, NUL-terminated
+        // or NULL, and `count` elements long; NULL is checked.
+        unsafe {
+            let law = Self {
+                name: text(plugin.law)?,
+                version: text(plugin.version)?,
+                description: text(plugin.description)?,
+                kinds: plugin.kinds,
+                stress_states: plugin.stress_states,
+                flags: plugin.flags,
+                parameters: read_table(&plugin.parameters, |p| read_parameter(p))?,
+                group: if plugin.has_repeating == 0 { None } else { Some(read_group(&plugin.repeating)?) },
+                states: read_table(&plugin.states, |s: &metadata::StateVariable| {
+                    Ok(State {
+                        name: text(s.name)?,
+                        unit: text(s.unit)?,
+                        doc: text(s.doc)?,
+                        tensor_component: s.tensor_component,
+                    })
+                })?,
+                derived: read_table(&plugin.derived, |d: &metadata::DerivedOutput| {
+                    Ok(Derived { name: text(d.name)?, state: d.state as usize, form: d.form })
+                })?,
+                validate: plugin.validate,
+            };
+            law.check_consistency()?;
+            Ok(law)
+        }
+    }
+
+    /// A description from a foreign hand may contradict itself.
+    fn check_consistency(&self) -> Result<(), String> {
+        let wrong = |what: &str| Err(format!("the metadata of law '{}' is inconsistent: {what}", self.name));
+        if self.derived.iter().any(|derived| derived.state >= self.states.len()) {
+            return wrong("a derived output refers to a state variable that does not exist");
+        }
+        if let Some(group) = &self.group {
+            let fits = group.size > 0
+                && group.size <= self.parameters.len()
+                && group.count_parameter.is_none_or(|k| k < self.parameters.len() - group.size);
+            if !fits {
+                return wrong("the repeating group does not fit the parameters");
+            }
+        }
+        Ok(())
+    }
+}
+
+unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
+    // SAFETY: as for `Law::read`.
+    unsafe {
+        Ok(Parameter {
+            name: text(p.name)?,
+            unit: text(p.unit)?,
+            doc: text(p.doc)?,
+            role: text(p.role)?,
+            default_value: p.default_value,
+            lower: p.lower,
+            upper: p.upper,
+            lower_open: p.open_bounds & open_bounds::LOWER != 0,
+            upper_open: p.open_bounds & open_bounds::UPPER != 0,
+            choices: read_table(&p.choices, |c: &metadata::Choice| Ok(Choice { value: c.value, name: text(c.name)? }))?,
+        })
+    }
+}
+
+unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<Group, String> {
+    Ok(Group {
+        // SAFETY: as for `Law::read`.
+        name: unsafe { text(group.name) }?,
+        size: group.size as usize,
+        minimum: group.minimum as usize,
+        count_parameter: usize::try_from(group.count_parameter).ok(),
+    })
+}
+
+/// # Safety
+/// The table's elements are `count` values, `stride` bytes apart.
+unsafe fn read_table<T, R>(table: &Table<T>, read: impl Fn(&T) -> Result<R, String>) -> Result<Vec<R>, String> {
+    const MOST_ELEMENTS: u32 = 10_000;
+    if table.count == 0 {
+        return Ok(Vec::new());
+    }
+    if table.first.is_null() || table.count > MOST_ELEMENTS || (table.stride as usize) < size_of::<T>() {
+        return Err("a table of the metadata has no address, too many elements, or too small elements".into());
+    }
+    (0..table.count as usize)
+        .map(|k| {
+            // SAFETY: k < count, and elements are `stride` bytes apart.
+            let element = unsafe { &*table.first.byte_add(k * table.stride as usize) };
+            read(element)
+        })
+        .collect()
+}
+
+/// # Safety
+/// NULL or a NUL-terminated string.
+unsafe fn text(text: Text) -> Result<String, String> {
+    if text.as_ptr().is_null() {
+        return Err("a text of the metadata is NULL".into());
+    }
+    // SAFETY: not NULL; NUL-terminated by the contract.
+    Ok(unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy().into_owned())
+}

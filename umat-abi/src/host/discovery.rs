@@ -1,0 +1,75 @@
+//! Where plugins are looked for (abi.md §4).
+
+use std::env;
+use std::path::{Path, PathBuf};
+
+/// A plugin library on the search path.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Found {
+    /// The name that case files use: the file name without `lib` and suffix.
+    pub name: String,
+    /// The file.
+    pub path: PathBuf,
+}
+
+/// `lib<name>.so`, `lib<name>.dylib` or `<name>.dll`.
+pub fn library_file_name(name: &str) -> String {
+    format!("{}{name}{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX)
+}
+
+/// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`,
+/// `deps/` beside the executable (or its own folder if that is `deps/`), the executable's folder, and
+/// `<prefix>/lib/pullout` of an installation. Folders that do not exist are listed as well.
+pub fn search_paths(given: &[PathBuf]) -> Vec<PathBuf> {
+    let mut paths = given.to_vec();
+    if let Some(variable) = env::var_os("PULLOUT_PLUGIN_PATH") {
+        paths.extend(env::split_paths(&variable).filter(|path| !path.as_os_str().is_empty()));
+    }
+    if let Some(folder) = env::current_exe().ok().as_deref().and_then(Path::parent) {
+        if folder.file_name().is_some_and(|name| name == "deps") {
+            paths.push(folder.to_path_buf());
+        } else {
+            paths.push(folder.join("deps"));
+            paths.push(folder.to_path_buf());
+        }
+        if let Some(prefix) = folder.parent() {
+            paths.push(prefix.join("lib").join("pullout"));
+        }
+    }
+    paths
+}
+
+impl Found {
+    /// Finds a plugin by name; the first folder that has it wins.
+    pub fn by_name(name: &str, paths: &[PathBuf]) -> Option<Self> {
+        let file = library_file_name(name);
+        paths
+            .iter()
+            .map(|folder| folder.join(&file))
+            .find(|path| path.is_file())
+            .map(|path| Self { name: name.to_owned(), path })
+    }
+
+    /// Every library file in the folders, sorted by name; of several with one name, the first found.
+    pub fn all(paths: &[PathBuf]) -> Vec<Self> {
+        let mut found: Vec<Self> = Vec::new();
+        for folder in paths {
+            for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+                let path = entry.path();
+                if let Some(name) = plugin_name(&path)
+                    && !found.iter().any(|other| other.name == name)
+                {
+                    found.push(Self { name, path });
+                }
+            }
+        }
+        found.sort_by(|a, b| a.name.cmp(&b.name));
+        found
+    }
+}
+
+fn plugin_name(path: &Path) -> Option<String> {
+    let file = path.file_name()?.to_str()?;
+    let name = file.strip_prefix(env::consts::DLL_PREFIX)?.strip_suffix(env::consts::DLL_SUFFIX)?;
+    (!name.is_empty() && path.is_file()).then(|| name.to_owned())
+}

@@ -1,0 +1,398 @@
+//! Safe calls of UINTER and FRIC.
+
+use super::call::CallOutcome;
+use super::floating_point;
+use super::library::{Library, LoadError};
+use super::memory::{Guarded, Overrun, fortran_name};
+use crate::fric::{FricArguments, FricFunction};
+use crate::uinter::{UinterArguments, UinterFunction};
+
+/// PNEWDT on entry; see [`super::UmatCall`].
+const PNEWDT_ON_ENTRY: f64 = 1e36;
+/// MCRD, the coordinates of a point.
+const MCRD: i32 = 3;
+/// Zeros for arguments that a mechanical host has nothing to say about; TEMP(2), PREDEF(2,1), …
+static ZEROS: [f64; 9] = [0.0; 9];
+static ONE: i32 = 1;
+static ZERO: i32 = 0;
+static COORDINATES: i32 = MCRD;
+static IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
+static IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// What both calls share: the arrays that the plugin writes, the properties, and the place in the history.
+#[derive(Debug)]
+struct Common {
+    /// Keeps the function's code loaded.
+    _library: Library,
+    keeps_floating_point: bool,
+    directions: i32,
+    traction: Guarded,
+    tangent: Guarded,
+    statev: Guarded,
+    props: Guarded,
+    name: [u8; 80],
+    surfaces: [[u8; 80]; 2],
+    scratch: [f64; 36],
+    pnewdt: f64,
+}
+
+impl Common {
+    fn new(
+        library: &Library,
+        name: &str,
+        directions: usize,
+        nstatv: usize,
+        props: &[f64],
+        names: [&'static str; 2],
+    ) -> Self {
+        let mut guarded_props = Guarded::new("PROPS", props.len());
+        guarded_props.as_mut_slice().copy_from_slice(props);
+        Self {
+            _library: library.clone(),
+            keeps_floating_point: !library.laws().is_empty(),
+            directions: i32::try_from(directions).unwrap_or(i32::MAX),
+            traction: Guarded::new(names[0], directions),
+            tangent: Guarded::new(names[1], directions * directions),
+            statev: Guarded::new("STATEV", nstatv),
+            props: guarded_props,
+            name: fortran_name(name),
+            surfaces: [fortran_name("SLAVE"), fortran_name("MASTER")],
+            scratch: [0.0; 36],
+            pnewdt: PNEWDT_ON_ENTRY,
+        }
+    }
+
+    fn run(&mut self, call: impl FnOnce()) -> Result<CallOutcome, Overrun> {
+        if self.keeps_floating_point {
+            call();
+        } else {
+            let control = floating_point::control();
+            call();
+            floating_point::set_control(control);
+        }
+        self.traction.check()?;
+        self.tangent.check()?;
+        self.statev.check()?;
+        self.props.check()?;
+        let cut = self.pnewdt > 0.0 && self.pnewdt < 1.0;
+        Ok(if cut { CallOutcome::CutBack(self.pnewdt) } else { CallOutcome::Done })
+    }
+}
+
+/// One contact point's UINTER arguments and the function that takes them.
+#[derive(Debug)]
+pub struct UinterCall {
+    common: Common,
+    function: UinterFunction,
+    /// RDISP at the end of the increment: \[0\] > 0 penetration, then slips; mm.
+    pub rdisp: [f64; 3],
+    /// DRDISP, mm.
+    pub drdisp: [f64; 3],
+    /// Step and total time at the end of the increment.
+    pub time: [f64; 2],
+    /// Time increment.
+    pub dtime: f64,
+    /// Tributary area, mm².
+    pub area: f64,
+    /// Characteristic length of the contact surface, mm.
+    pub chrlngth: f64,
+    /// SED, SFD, SPD, SVD, SCD.
+    pub energies: [f64; 5],
+    /// LOPENCLOSE and LSTATE, kept per point; −1 at the start.
+    pub flags: [i32; 2],
+    /// Step, increment, iteration, from 1.
+    pub counters: [i32; 3],
+    /// Contact node number, from 1.
+    pub node: i32,
+    lsdi: i32,
+}
+
+impl UinterCall {
+    /// Prepares calls of `library`'s UINTER.
+    ///
+    /// # Errors
+    /// [`LoadError::Symbol`] if the library has no such entry point.
+    pub fn new(
+        library: &Library,
+        symbol: Option<&str>,
+        name: &str,
+        directions: usize,
+        nstatv: usize,
+        props: &[f64],
+    ) -> Result<Self, LoadError> {
+        Ok(Self {
+            function: library.uinter(symbol)?,
+            common: Common::new(library, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
+            rdisp: [0.0; 3],
+            drdisp: [0.0; 3],
+            time: [0.0; 2],
+            dtime: 1.0,
+            area: 1.0,
+            chrlngth: 1.0,
+            energies: [0.0; 5],
+            flags: [-1; 2],
+            counters: [1; 3],
+            node: 1,
+            lsdi: 0,
+        })
+    }
+
+    /// STRESS: \[0\] > 0 is compression.
+    pub fn traction(&self) -> &[f64] {
+        self.common.traction.as_slice()
+    }
+
+    /// STRESS, to be set before a call.
+    pub fn traction_mut(&mut self) -> &mut [f64] {
+        self.common.traction.as_mut_slice()
+    }
+
+    /// STATEV.
+    pub fn statev(&self) -> &[f64] {
+        self.common.statev.as_slice()
+    }
+
+    /// STATEV, to be set before a call.
+    pub fn statev_mut(&mut self) -> &mut [f64] {
+        self.common.statev.as_mut_slice()
+    }
+
+    /// DDSDDR(row, column), indices from 0.
+    pub fn tangent(&self, row: usize, column: usize) -> f64 {
+        self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
+    }
+
+    /// Calls the plugin; DDSDDR and LSDI are zeroed before.
+    ///
+    /// # Errors
+    /// [`Overrun`] if it wrote behind an array.
+    pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
+        self.common.tangent.as_mut_slice().fill(0.0);
+        self.common.scratch.fill(0.0);
+        self.common.pnewdt = PNEWDT_ON_ENTRY;
+        self.lsdi = 0;
+        let arguments = self.arguments();
+        let function = self.function;
+        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        self.common.run(|| unsafe { arguments.call(function) })
+    }
+
+    fn arguments(&mut self) -> UinterArguments {
+        let common = &mut self.common;
+        let scratch = common.scratch.as_mut_ptr();
+        let [sed, sfd, spd, svd, scd] = &mut self.energies;
+        let [lopenclose, lstate] = &mut self.flags;
+        let [kstep, kinc, kit] = &self.counters;
+        UinterArguments {
+            stress: common.traction.as_mut_ptr(),
+            ddsddr: common.tangent.as_mut_ptr(),
+            // Outputs of coupled procedures that a mechanical host ignores: DVISCOUS(3,3), DSTRUCTURAL(3,3), FLUX(2),
+            // DDFDDT(2,2), DDSDDT(3,2), DDFDDR(2,3), one behind the other.
+            dviscous: scratch,
+            // SAFETY: this and the following offsets leave room for each array within the 36 values.
+            dstructural: unsafe { scratch.add(9) },
+            // SAFETY: as above.
+            flux: unsafe { scratch.add(18) },
+            // SAFETY: as above.
+            ddfddt: unsafe { scratch.add(20) },
+            // SAFETY: as above.
+            ddsddt: unsafe { scratch.add(24) },
+            // SAFETY: as above.
+            ddfddr: unsafe { scratch.add(30) },
+            statev: common.statev.as_mut_ptr(),
+            sed,
+            sfd,
+            spd,
+            svd,
+            scd,
+            pnewdt: &raw mut common.pnewdt,
+            rdisp: self.rdisp.as_ptr(),
+            drdisp: self.drdisp.as_ptr(),
+            temp: ZEROS.as_ptr(),
+            dtemp: ZEROS.as_ptr(),
+            predef: ZEROS.as_ptr(),
+            dpred: ZEROS.as_ptr(),
+            time: self.time.as_ptr(),
+            dtime: &raw const self.dtime,
+            freqr: ZEROS.as_ptr(),
+            ciname: common.name.as_ptr().cast(),
+            slname: common.surfaces[0].as_ptr().cast(),
+            msname: common.surfaces[1].as_ptr().cast(),
+            props: common.props.as_mut_ptr(),
+            coords: ZEROS.as_ptr(),
+            alocaldir: IDENTITY_3.as_ptr(),
+            drot: IDENTITY_2.as_ptr(),
+            area: &raw const self.area,
+            chrlngth: &raw const self.chrlngth,
+            node: &raw const self.node,
+            ndir: &raw const common.directions,
+            nstatv: common.statev.count(),
+            npred: &raw const ONE,
+            nprops: common.props.count(),
+            mcrd: &raw const COORDINATES,
+            kstep,
+            kinc,
+            kit,
+            linper: &raw const ZERO,
+            lopenclose,
+            lstate,
+            lsdi: &raw mut self.lsdi,
+            lprint: &raw const ZERO,
+            ciname_length: 80,
+            slname_length: 80,
+            msname_length: 80,
+        }
+    }
+}
+
+/// One contact point's FRIC arguments and the function that takes them.
+#[derive(Debug)]
+pub struct FricCall {
+    common: Common,
+    function: FricFunction,
+    /// On entry 0 slipping, 1 sticking, 2 open; on return 0: tractions given, 1: stick, 2: no shear.
+    pub lm: i32,
+    /// DGAM, the slip increment, mm.
+    pub dgam: [f64; 2],
+    /// Accumulated DSLIP at the start of the increment, mm.
+    pub slip: [f64; 2],
+    /// DSLIP of the last call, mm.
+    pub dslip: [f64; 2],
+    /// DDTDDP of the last call.
+    pub pressure_tangent: [f64; 2],
+    /// Pressure at the end and its increment, MPa.
+    pub pressure: [f64; 2],
+    /// Step and total time.
+    pub time: [f64; 2],
+    /// Time increment.
+    pub dtime: f64,
+    /// SED, SFD.
+    pub energies: [f64; 2],
+    /// Step and increment, from 1.
+    pub counters: [i32; 2],
+    /// Contact node number, from 1.
+    pub node: i32,
+}
+
+impl FricCall {
+    /// Prepares calls of `library`'s FRIC.
+    ///
+    /// # Errors
+    /// [`LoadError::Symbol`] if the library has no such entry point.
+    pub fn new(
+        library: &Library,
+        symbol: Option<&str>,
+        name: &str,
+        directions: usize,
+        nstatv: usize,
+        props: &[f64],
+    ) -> Result<Self, LoadError> {
+        Ok(Self {
+            function: library.fric(symbol)?,
+            common: Common::new(library, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
+            lm: 1,
+            dgam: [0.0; 2],
+            slip: [0.0; 2],
+            dslip: [0.0; 2],
+            pressure_tangent: [0.0; 2],
+            pressure: [0.0; 2],
+            time: [0.0; 2],
+            dtime: 1.0,
+            energies: [0.0; 2],
+            counters: [1; 2],
+            node: 1,
+        })
+    }
+
+    /// TAU.
+    pub fn traction(&self) -> &[f64] {
+        self.common.traction.as_slice()
+    }
+
+    /// TAU, to be set before a call.
+    pub fn traction_mut(&mut self) -> &mut [f64] {
+        self.common.traction.as_mut_slice()
+    }
+
+    /// STATEV.
+    pub fn statev(&self) -> &[f64] {
+        self.common.statev.as_slice()
+    }
+
+    /// STATEV, to be set before a call.
+    pub fn statev_mut(&mut self) -> &mut [f64] {
+        self.common.statev.as_mut_slice()
+    }
+
+    /// DDTDDG(row, column), indices from 0.
+    pub fn tangent(&self, row: usize, column: usize) -> f64 {
+        self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
+    }
+
+    /// Calls the plugin; DDTDDG is zeroed before.
+    ///
+    /// # Errors
+    /// [`Overrun`] if it wrote behind an array.
+    pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
+        self.common.tangent.as_mut_slice().fill(0.0);
+        self.common.scratch.fill(0.0);
+        self.common.pnewdt = PNEWDT_ON_ENTRY;
+        self.dslip = [0.0; 2];
+        self.pressure_tangent = [0.0; 2];
+        let arguments = self.arguments();
+        let function = self.function;
+        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        self.common.run(|| unsafe { arguments.call(function) })
+    }
+
+    fn arguments(&mut self) -> FricArguments {
+        let common = &mut self.common;
+        let [sed, sfd] = &mut self.energies;
+        let [kstep, kinc] = &self.counters;
+        let [press, dpress] = &self.pressure;
+        FricArguments {
+            lm: &raw mut self.lm,
+            tau: common.traction.as_mut_ptr(),
+            ddtddg: common.tangent.as_mut_ptr(),
+            ddtddp: self.pressure_tangent.as_mut_ptr(),
+            dslip: self.dslip.as_mut_ptr(),
+            sed,
+            sfd,
+            ddtddt: common.scratch.as_mut_ptr(),
+            pnewdt: &raw mut common.pnewdt,
+            statev: common.statev.as_mut_ptr(),
+            dgam: self.dgam.as_ptr(),
+            taulm: ZEROS.as_ptr(),
+            press,
+            dpress,
+            ddpddh: ZEROS.as_ptr(),
+            slip: self.slip.as_ptr(),
+            kstep,
+            kinc,
+            time: self.time.as_ptr(),
+            dtime: &raw const self.dtime,
+            noel: &raw const ONE,
+            ciname: common.name.as_ptr().cast(),
+            slname: common.surfaces[0].as_ptr().cast(),
+            msname: common.surfaces[1].as_ptr().cast(),
+            npt: &raw const ONE,
+            node: &raw const self.node,
+            npatch: &raw const ONE,
+            coords: ZEROS.as_ptr(),
+            rcoord: ZEROS.as_ptr(),
+            drot: IDENTITY_2.as_ptr(),
+            temp: ZEROS.as_ptr(),
+            predef: ZEROS.as_ptr(),
+            nfdir: &raw const common.directions,
+            mcrd: &raw const COORDINATES,
+            npred: &raw const ONE,
+            nstatv: common.statev.count(),
+            chrlngth: IDENTITY_2.as_ptr(),
+            props: common.props.as_mut_ptr(),
+            nprops: common.props.count(),
+            ciname_length: 80,
+            slname_length: 80,
+            msname_length: 80,
+        }
+    }
+}

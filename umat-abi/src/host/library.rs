@@ -1,0 +1,169 @@
+//! A loaded plugin library.
+
+use super::description::Law;
+use super::floating_point;
+use crate::fric::FricFunction;
+use crate::metadata::{PLUGIN_SYMBOL, Plugin};
+use crate::uinter::UinterFunction;
+use crate::umat::UmatFunction;
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+/// A shared library that can be loaded is no plugin, or no library.
+#[derive(Clone, Debug)]
+pub enum LoadError {
+    /// The dynamic loader refused it.
+    Open {
+        /// The file.
+        path: PathBuf,
+        /// The loader's words.
+        message: String,
+    },
+    /// It has none of the symbols tried.
+    Symbol {
+        /// The file.
+        path: PathBuf,
+        /// The symbols tried, in order.
+        tried: Vec<String>,
+    },
+    /// Its metadata is of another version or inconsistent.
+    Metadata {
+        /// The file.
+        path: PathBuf,
+        /// What is wrong.
+        message: String,
+    },
+}
+
+impl fmt::Display for LoadError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Open { path, message } => write!(f, "{}: cannot be loaded: {message}", path.display()),
+            Self::Symbol { path, tried } => {
+                write!(f, "{}: has none of the symbols {}", path.display(), tried.join(", "))
+            }
+            Self::Metadata { path, message } => write!(f, "{}: {message}", path.display()),
+        }
+    }
+}
+
+impl std::error::Error for LoadError {}
+
+/// A plugin library. Clones share the loaded library, which stays loaded as long as one lives.
+#[derive(Clone)]
+pub struct Library {
+    path: PathBuf,
+    laws: Arc<[Law]>,
+    changes_floating_point: bool,
+    handle: Arc<libloading::Library>,
+}
+
+impl fmt::Debug for Library {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Library").field("path", &self.path).finish_non_exhaustive()
+    }
+}
+
+impl Library {
+    /// Loads a library and reads its metadata if it has any.
+    ///
+    /// # Errors
+    /// The loader's refusal, or metadata that this program cannot read.
+    pub fn open(path: &Path) -> Result<Self, LoadError> {
+        let control = floating_point::control();
+        let opened = open_locally(path);
+        let changed = floating_point::modes(floating_point::control()) != floating_point::modes(control);
+        floating_point::set_control(control);
+        let handle = opened.map_err(|error| LoadError::Open { path: path.into(), message: error.to_string() })?;
+        let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
+        // SAFETY: the symbol, if there is one, is the function that abi.md §2 defines.
+        let laws = match unsafe { handle.get::<extern "C" fn() -> *const Plugin>(PLUGIN_SYMBOL) } {
+            // SAFETY: the pointer comes from the library's own function.
+            Ok(description) => unsafe { Law::read_all(description()) }.map_err(metadata_error)?,
+            Err(_) => Vec::new(),
+        };
+        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, handle: Arc::new(handle) })
+    }
+
+    /// The file.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// The laws that its metadata describes; none for a plain UMAT.
+    pub fn laws(&self) -> &[Law] {
+        &self.laws
+    }
+
+    /// Whether loading it switched floating-point modes (flush-to-zero); they were restored.
+    pub fn changes_floating_point(&self) -> bool {
+        self.changes_floating_point
+    }
+
+    /// The UMAT entry point: `symbol` if given, else the usual spellings.
+    ///
+    /// # Errors
+    /// [`LoadError::Symbol`].
+    pub fn umat(&self, symbol: Option<&str>) -> Result<UmatFunction, LoadError> {
+        // SAFETY: a function of this name in a UMAT library has the UMAT signature; no check is possible.
+        unsafe { self.entry("umat", symbol) }
+    }
+
+    /// The UINTER entry point.
+    ///
+    /// # Errors
+    /// [`LoadError::Symbol`].
+    pub fn uinter(&self, symbol: Option<&str>) -> Result<UinterFunction, LoadError> {
+        // SAFETY: as for `umat`.
+        unsafe { self.entry("uinter", symbol) }
+    }
+
+    /// The FRIC entry point.
+    ///
+    /// # Errors
+    /// [`LoadError::Symbol`].
+    pub fn fric(&self, symbol: Option<&str>) -> Result<FricFunction, LoadError> {
+        // SAFETY: as for `umat`.
+        unsafe { self.entry("fric", symbol) }
+    }
+
+    /// `name_`, `name`, `NAME`, `<libname>_`, in this order (abi.md §4).
+    ///
+    /// # Safety
+    /// `F` is the type of the function with that name.
+    unsafe fn entry<F: Copy>(&self, name: &str, symbol: Option<&str>) -> Result<F, LoadError> {
+        let tried = match symbol {
+            Some(symbol) => vec![symbol.to_owned()],
+            None => {
+                let stem = self.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+                let library = stem.strip_prefix("lib").unwrap_or(&stem).to_owned();
+                vec![format!("{name}_"), name.to_owned(), name.to_ascii_uppercase(), format!("{library}_")]
+            }
+        };
+        for symbol in &tried {
+            // SAFETY: forwarded to the caller; the function outlives its use because callers keep the library.
+            if let Ok(function) = unsafe { self.handle.get::<F>(symbol.as_str()) } {
+                return Ok(*function);
+            }
+        }
+        Err(LoadError::Symbol { path: self.path.clone(), tried })
+    }
+}
+
+/// RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND: two plugins that define the same helper or COMMON block must not run
+/// each other's code, and a plugin's own `sinv_` must win over anybody's.
+#[cfg(target_os = "linux")]
+fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
+    /// `<dlfcn.h>` of glibc on Linux.
+    const RTLD_DEEPBIND: i32 = if cfg!(target_env = "gnu") { 8 } else { 0 };
+    // SAFETY: loading runs the library's initialisers: that is what loading a plugin means.
+    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND) }.map(Into::into)
+}
+
+#[cfg(not(target_os = "linux"))]
+fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    // SAFETY: loading runs the library's initialisers: that is what loading a plugin means.
+    unsafe { libloading::Library::new(path) }
+}

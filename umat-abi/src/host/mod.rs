@@ -1,0 +1,16 @@
+//! The host side: finding, loading and calling plugins, ours and anybody's.
+
+mod call;
+mod description;
+mod discovery;
+mod floating_point;
+mod interface_call;
+mod library;
+mod memory;
+
+pub use call::{CallOutcome, UmatCall};
+pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
+pub use discovery::{Found, library_file_name, search_paths};
+pub use interface_call::{FricCall, UinterCall};
+pub use library::{Library, LoadError};
+pub use memory::Overrun;
