@@ -1,0 +1,7 @@
+//! The material-point driver: any UMAT along strain, stress and mixed paths; any UINTER or FRIC along
+//! slip, gap and pressure paths.
+//!
+//! Data flows one way: a case file ([`case`]) becomes a checked program ([`path::program`]), which is run
+//! ([`path`]) and recorded ([`output`]). [`conformance`] tests a plugin against what its metadata claims.
+
+pub mod path;

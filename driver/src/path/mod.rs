@@ -1,0 +1,3 @@
+//! Driving a point along a path.
+
+pub mod program;
