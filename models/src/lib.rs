@@ -3,7 +3,10 @@
 //! Pure functions: no FFI, no I/O, no allocation in an update. Units N, mm, MPa; tension positive.
 //! One folder per law; each begins with its equations.
 
+pub mod bracketed_newton;
 pub mod damage_law;
+pub mod drucker_prager;
+pub mod j2_plasticity;
 pub mod linear_elastic;
 pub mod tensor;
 
