@@ -368,14 +368,14 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
             let occurrences = if group.count_parameter >= 0 {
                 let value = props[group.count_parameter as usize];
                 let parameter = &table[group.count_parameter as usize];
-                if !(value >= 0.0 && value <= 1e6 && value.fract() == 0.0) {
+                if !((0.0..=1e6).contains(&value) && value.fract() == 0.0) {
                     return Err(out_of_bounds(parameter, value));
                 }
                 if size * value as usize != rest {
                     return Err(count_error(fixed + size * value as usize));
                 }
                 value as usize
-            } else if rest % size == 0 {
+            } else if rest.is_multiple_of(size) {
                 rest / size
             } else {
                 return Err(count_error(fixed + size * (rest / size + 1)));
