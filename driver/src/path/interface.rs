@@ -68,9 +68,10 @@ pub(super) struct Goal {
     pub(super) normal: NormalControl,
     start: [f64; 3],
     pub(super) end: [f64; 3],
-    pub(super) time: f64,
-    step_time: f64,
-    total_time: f64,
+    /// Step time at the start and at the end of the increment.
+    pub(super) step_time: (f64, f64),
+    /// Total time at the start of the step.
+    time_of_step: f64,
 }
 
 struct Runner<'p> {
@@ -136,9 +137,8 @@ impl<'p> Runner<'p> {
                 normal: NormalControl::Gap,
                 start: [0.0; 3],
                 end: [0.0; 3],
-                time: 0.0,
-                step_time: 0.0,
-                total_time: interface.initial_time,
+                step_time: (0.0, 0.0),
+                time_of_step: interface.initial_time,
             },
             normal_stiffness: 0.0,
         };
@@ -187,6 +187,7 @@ impl<'p> Runner<'p> {
         statistics: &mut Statistics,
     ) -> Result<Next, Stop> {
         self.committed.step_time = 0.0;
+        self.goal.time_of_step = self.committed.total_time;
         let normal_now = match step.normal {
             NormalControl::Gap => self.committed.gap,
             NormalControl::Pressure => self.committed.pressure,
@@ -234,12 +235,10 @@ impl<'p> Runner<'p> {
     fn set_goal(&mut self, step: &InterfaceStep, start: [f64; 3], index: usize, count: usize) {
         let goal = &mut self.goal;
         goal.normal = step.normal;
-        goal.step_time = self.committed.step_time;
-        goal.total_time = self.committed.total_time;
         match &step.drive {
             InterfaceDrive::Ramp { time, end, .. } => {
                 let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
-                goal.time = time / count as f64;
+                goal.step_time = (time * fraction(index), time * fraction(index + 1));
                 for i in 0..3 {
                     let last = end[i].unwrap_or(start[i]);
                     goal.start[i] = lerp(start[i], last, fraction(index));
@@ -247,7 +246,7 @@ impl<'p> Runner<'p> {
                 }
             }
             InterfaceDrive::Table { time_increments, rows } => {
-                goal.time = time_increments[index];
+                goal.step_time = (self.committed.step_time, self.committed.step_time + time_increments[index]);
                 for i in 0..3 {
                     goal.start[i] = if index == 0 { start[i] } else { rows[index - 1][i].unwrap_or(start[i]) };
                     goal.end[i] = rows[index][i].unwrap_or(start[i]);
@@ -383,9 +382,10 @@ impl Divisible for Runner<'_> {
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
         let goal = self.goal;
         let place: [f64; 3] = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));
-        let time_increment = goal.time * (to - from);
-        self.trial.step_time = goal.step_time + goal.time * to;
-        self.trial.total_time = goal.total_time + goal.time * to;
+        let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
+        let time_increment = at(to) - at(from);
+        self.trial.step_time = at(to);
+        self.trial.total_time = goal.time_of_step + at(to);
         let iterations = match (goal.normal, &self.call) {
             (NormalControl::Pressure, Call::Uinter(_)) => {
                 self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, statistics)?

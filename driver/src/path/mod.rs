@@ -8,6 +8,8 @@ mod point;
 pub mod program;
 mod replay;
 mod subdivision;
+#[cfg(test)]
+mod test;
 
 use program::{Kind, Program, Until};
 use std::io;

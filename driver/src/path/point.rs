@@ -66,13 +66,13 @@ pub(super) struct Goal {
     relations_at_start: Vec<f64>,
     /// Relations with the right sides at the end of the increment.
     pub(super) relations: Vec<Constraint>,
-    pub(super) time: f64,
+    /// Step time at the start and at the end of the increment.
+    pub(super) step_time: (f64, f64),
+    /// Total time at the start of the step.
+    time_of_step: f64,
     pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
     pub(super) temperature: (f64, f64),
     pub(super) predef: (Vec<f64>, Vec<f64>),
-    /// Time at the start of the increment.
-    step_time: f64,
-    total_time: f64,
 }
 
 struct Runner<'p> {
@@ -150,12 +150,11 @@ impl<'p> Runner<'p> {
             controls: [Control::FREE; 6],
             relations_at_start: Vec::new(),
             relations: Vec::new(),
-            time: 0.0,
+            step_time: (0.0, 0.0),
+            time_of_step: initial.time,
             deformation_gradient: None,
             temperature: (initial.temperature, initial.temperature),
             predef: (call.predef.clone(), call.predef.clone()),
-            step_time: 0.0,
-            total_time: initial.time,
         };
         Ok(Self {
             components: stress_state.components(),
@@ -276,8 +275,8 @@ impl<'p> Runner<'p> {
     fn prepare_call(&mut self, from: f64, to: f64) {
         let goal = &self.goal;
         let call = &mut self.call;
-        let at = |fraction| goal.time * fraction;
-        call.time = [goal.step_time + at(from), goal.total_time + at(from)];
+        let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
+        call.time = [at(from), goal.time_of_step + at(from)];
         call.dtime = at(to) - at(from);
         call.temp = lerp(goal.temperature.0, goal.temperature.1, from);
         call.dtemp = lerp(goal.temperature.0, goal.temperature.1, to) - call.temp;
@@ -286,8 +285,8 @@ impl<'p> Runner<'p> {
             call.predef[k] = lerp(start, end, from);
             call.dpred[k] = lerp(start, end, to) - call.predef[k];
         }
-        self.trial.step_time = goal.step_time + at(to);
-        self.trial.total_time = goal.total_time + at(to);
+        self.trial.step_time = at(to);
+        self.trial.total_time = goal.time_of_step + at(to);
         self.trial.temperature = lerp(goal.temperature.0, goal.temperature.1, to);
     }
 
@@ -496,6 +495,7 @@ struct Plan<'s> {
     step: &'s PointStep,
     start: [f64; 6],
     relations: Vec<f64>,
+    time: f64,
     gradient: Matrix3<f64>,
     temperature: f64,
     predef: Vec<f64>,
@@ -518,6 +518,7 @@ impl<'s> Plan<'s> {
             step,
             start,
             relations: step.constraints.iter().map(|relation| runner.relation(relation)).collect(),
+            time: state.total_time,
             gradient: state.deformation_gradient,
             temperature: state.temperature,
             predef: state.predef.clone(),
@@ -538,8 +539,7 @@ impl<'s> Plan<'s> {
         let (before, after) = (fraction(index), fraction(index + 1));
         let controllable = runner.controllable;
         let goal = &mut runner.goal;
-        goal.step_time = runner.committed.step_time;
-        goal.total_time = runner.committed.total_time;
+        goal.time_of_step = self.time;
         goal.deformation_gradient = None;
         let end_temperature = self.step.temperature.unwrap_or(self.temperature);
         goal.temperature =
@@ -558,7 +558,7 @@ impl<'s> Plan<'s> {
         }
         match &self.step.drive {
             PointDrive::Ramp { time, controls, .. } => {
-                goal.time = time / count as f64;
+                goal.step_time = (time * before, time * after);
                 for i in 0..6 {
                     let start = self.start[i];
                     goal.controls[i] = match controls[i] {
@@ -578,7 +578,8 @@ impl<'s> Plan<'s> {
                 }
             }
             PointDrive::Table { controls, time_increments, rows } => {
-                goal.time = time_increments[index];
+                let start = runner.committed.step_time;
+                goal.step_time = (start, start + time_increments[index]);
                 for i in 0..6 {
                     let present = match controls[i] {
                         Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => {
@@ -598,7 +599,7 @@ impl<'s> Plan<'s> {
                 }
             }
             PointDrive::DeformationGradient { time, end, .. } => {
-                goal.time = time / count as f64;
+                goal.step_time = (time * before, time * after);
                 let end = matrix(end);
                 let at = |fraction: f64| {
                     if fraction == 1.0 { end } else { self.gradient + (end - self.gradient) * fraction }

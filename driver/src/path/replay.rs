@@ -36,7 +36,7 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
         "statev": state.statev,
         "time": state.total_time,
     });
-    let mut step = json!({ "increments": 1, "time": goal.time });
+    let mut step = json!({ "increments": 1, "time": goal.step_time.1 - goal.step_time.0 });
     if let Some((start, end)) = &goal.deformation_gradient {
         initial["F"] = rows(start);
         step["F"] = rows(end);
@@ -96,7 +96,10 @@ pub(super) fn interface(program: &Program, state: &interface::Committed, goal: &
     };
     target[normal] = json!(goal.end[2]);
     case.insert("initial".into(), initial);
-    case.insert("steps".into(), json!([{ "increments": 1, "time": goal.time, "target": target }]));
+    case.insert(
+        "steps".into(),
+        json!([{ "increments": 1, "time": goal.step_time.1 - goal.step_time.0, "target": target }]),
+    );
     Value::Object(case)
 }
 
