@@ -1,6 +1,7 @@
 //! The checks every law must pass, whatever its equations: consistent tangent against differences,
 //! rotation invariance, monotone damage, dissipation, virgin state. One macro call a law.
 
+pub mod interface;
 pub mod reference;
 pub mod uniaxial;
 
