@@ -7,8 +7,11 @@ pub mod bond_slip;
 pub mod bracketed_newton;
 pub mod damage_law;
 pub mod drucker_prager;
+pub mod inelastic_damage;
 pub mod j2_plasticity;
 pub mod linear_elastic;
+pub mod pure_damage;
+pub mod reverse_cyclic_damage;
 pub mod tensor;
 
 #[cfg(test)]

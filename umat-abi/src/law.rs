@@ -109,6 +109,23 @@ pub struct Response {
     pub dissipated_energy: f64,
 }
 
+impl Response {
+    /// The response itself if every number of it and of the new state is finite. What overflows at
+    /// this strain may not at a smaller one.
+    ///
+    /// # Errors
+    /// [`Failure::CutBack`] otherwise.
+    pub fn finite(self, state: &[f64]) -> Result<Self, Failure> {
+        let energies = [self.stored_energy, self.dissipated_energy];
+        let mut numbers = self.stress.iter().chain(self.tangent.iter().flatten()).chain(&energies).chain(state);
+        if numbers.all(|number| number.is_finite()) {
+            Ok(self)
+        } else {
+            Err(Failure::CutBack { fraction: 0.25, reason: "a result is not a finite number" })
+        }
+    }
+}
+
 /// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConfigurationError {

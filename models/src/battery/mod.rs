@@ -1,7 +1,10 @@
 //! The checks every law must pass, whatever its equations: consistent tangent against differences,
 //! rotation invariance, monotone damage, dissipation, virgin state. One macro call a law.
 
+pub mod energy;
+pub mod extremes;
 pub mod interface;
+pub mod peak;
 pub mod reference;
 pub mod uniaxial;
 

@@ -45,6 +45,12 @@ impl Elasticity {
         }
     }
 
+    /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (models.md §4.1).
+    #[inline]
+    pub fn bulk_modulus_in(&self, dimension: f64) -> f64 {
+        self.youngs_modulus / (dimension * (1.0 - (dimension - 1.0) * self.poisson_ratio))
+    }
+
     /// σ = K₀ : ε = λ tr(ε) I + 2μ ε.
     #[inline]
     pub fn stress(&self, strain: &[f64; 6]) -> [f64; 6] {
