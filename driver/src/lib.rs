@@ -5,4 +5,5 @@
 //! ([`path`]) and recorded ([`output`]). [`conformance`] tests a plugin against what its metadata claims.
 
 pub mod output;
+pub mod case;
 pub mod path;

@@ -352,35 +352,42 @@ pub struct Compare {
     pub label: String,
 }
 
-impl Program {
-    /// The history's columns, in the order of the CSV (cli-and-cases.md, "Result directory").
-    pub fn columns(&self) -> Vec<String> {
-        let mut columns: Vec<String> = ["step", "increment", "time"].map(String::from).to_vec();
-        match &self.kind {
-            Kind::Point(point) => {
-                columns.extend(STRAIN_NAMES.iter().chain(&STRESS_NAMES).map(ToString::to_string));
-                if point.nlgeom {
-                    for row in 1..=3 {
-                        columns.extend((1..=3).map(|column| format!("F{row}{column}")));
-                    }
-                }
-                columns.extend(self.plugin.state_names());
-                columns.extend(["sse", "spd", "scd", "iterations"].map(String::from));
-            }
-            Kind::Interface(interface) => {
-                columns.push("slip".into());
-                if interface.tangential_directions == 2 {
-                    columns.push("slip2".into());
-                }
-                columns.extend(["gap", "tau"].map(String::from));
-                if interface.tangential_directions == 2 {
-                    columns.push("tau2".into());
-                }
-                columns.push("p".into());
-                columns.extend(self.plugin.state_names());
-                columns.extend(["sed", "sfd", "spd", "svd", "scd", "iterations"].map(String::from));
-            }
+/// The history's columns of a material point, in the order of the CSV (cli-and-cases.md, "Result directory").
+pub fn point_columns(nlgeom: bool, plugin: &Plugin) -> Vec<String> {
+    let mut columns: Vec<String> = ["step", "increment", "time"].map(String::from).to_vec();
+    columns.extend(STRAIN_NAMES.iter().chain(&STRESS_NAMES).map(ToString::to_string));
+    if nlgeom {
+        for row in 1..=3 {
+            columns.extend((1..=3).map(|column| format!("F{row}{column}")));
         }
-        columns
+    }
+    columns.extend(plugin.state_names());
+    columns.extend(["sse", "spd", "scd", "iterations"].map(String::from));
+    columns
+}
+
+/// The history's columns of a contact point.
+pub fn interface_columns(tangential_directions: usize, plugin: &Plugin) -> Vec<String> {
+    let mut columns: Vec<String> = ["step", "increment", "time", "slip"].map(String::from).to_vec();
+    if tangential_directions == 2 {
+        columns.push("slip2".into());
+    }
+    columns.extend(["gap", "tau"].map(String::from));
+    if tangential_directions == 2 {
+        columns.push("tau2".into());
+    }
+    columns.push("p".into());
+    columns.extend(plugin.state_names());
+    columns.extend(["sed", "sfd", "spd", "svd", "scd", "iterations"].map(String::from));
+    columns
+}
+
+impl Program {
+    /// The history's columns, in the order of the CSV.
+    pub fn columns(&self) -> Vec<String> {
+        match &self.kind {
+            Kind::Point(point) => point_columns(point.nlgeom, &self.plugin),
+            Kind::Interface(interface) => interface_columns(interface.tangential_directions, &self.plugin),
+        }
     }
 }

@@ -1,0 +1,116 @@
+//! Kind "interface".
+
+use super::{Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive, Until};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// A contact point along a path (kind "interface").
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceCase {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    #[expect(dead_code, reason = "read by editors")]
+    pub schema: Option<Piece<String>>,
+    /// "interface".
+    #[expect(dead_code, reason = "dispatched on before")]
+    pub kind: InterfaceKind,
+    /// Title of plots and report; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for the report.
+    pub description: Option<Piece<String>>,
+    /// The plugin and its parameters.
+    pub material: Piece<Material>,
+    /// CHRLNGTH, mm.
+    pub characteristic_length: Option<Piece<Positive>>,
+    /// The state before the first step.
+    pub initial: Option<Piece<InterfaceInitial>>,
+    /// What is done to the point.
+    #[schemars(length(min = 1))]
+    pub steps: Piece<Vec<Piece<InterfaceStep>>>,
+    /// Ends the run early.
+    pub until: Option<Piece<Until>>,
+    /// Curves to compare with.
+    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
+    /// What is written.
+    pub output: Option<Piece<Output>>,
+    /// Iteration limits.
+    pub controls: Option<Piece<Controls>>,
+}
+
+/// The word "interface".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum InterfaceKind {
+    /// A contact point.
+    Interface,
+}
+
+/// The state before the first step.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceInitial {
+    /// State variables, NSTATV values.
+    pub statev: Option<Vec<f64>>,
+    /// Total time, s.
+    #[schemars(range(min = 0.0))]
+    pub time: Option<f64>,
+    /// Slip, mm.
+    pub slip: Option<f64>,
+    /// Slip in the second direction, mm.
+    pub slip2: Option<f64>,
+    /// Gap, mm, > 0 open.
+    pub gap: Option<f64>,
+}
+
+/// A step: a ramp, a table, or a cycle of steps.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum InterfaceStep {
+    /// Steps run several times.
+    Cycle(Cycle<InterfaceStep>),
+    /// The same in a member named "cycles".
+    Cycles(Cycles<InterfaceStep>),
+    /// One increment per row of a CSV file.
+    Table(InterfaceTable),
+    /// Linear ramps to end values.
+    Ramp(InterfaceRamp),
+}
+
+/// A step in which slips, gap or pressure ramp linearly to their end values.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceRamp {
+    /// Number of increments.
+    pub increments: Increments,
+    /// Duration, s (default 1).
+    pub time: Option<Positive>,
+    /// End values; what is not named is held.
+    pub target: InterfaceTarget,
+    /// Ends this step early.
+    pub until: Option<Until>,
+}
+
+/// A step with one increment per row of a CSV file.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceTable {
+    /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), and gap (mm) or p (MPa).
+    pub table: String,
+    /// Ends this step early.
+    pub until: Option<Until>,
+}
+
+/// End values of a contact point, or "hold".
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InterfaceTarget {
+    /// Slip, mm.
+    pub slip: Option<EndValue>,
+    /// Slip in the second direction, mm.
+    pub slip2: Option<EndValue>,
+    /// Gap, mm, > 0 open (entry uinter only).
+    pub gap: Option<EndValue>,
+    /// Pressure, MPa, > 0 compression.
+    pub p: Option<EndValue>,
+}

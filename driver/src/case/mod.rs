@@ -1,0 +1,226 @@
+//! From a case file to a [`Program`], with everything that is wrong with it at once.
+//!
+//! A file is parsed ([`json`]), overridden (`--set`), compared with the schema that its serde types make
+//! ([`document`], [`structure`]), and resolved: plugin and parameters, steps, tables, curves. No step stops at
+//! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
+
+use crate::path::program::{self, Program};
+use document::{InterfaceCase, Piece, PointCase};
+use problem::{Place, Problem};
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+mod constraints;
+mod document;
+mod history;
+mod interface;
+mod json;
+mod plugin;
+mod point;
+mod problem;
+mod props;
+mod steps;
+mod structure;
+mod table;
+#[cfg(test)]
+mod test;
+
+pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind};
+pub use props::props_from_json;
+pub use structure::schema;
+
+/// What the parts of a case are resolved with, and what they find.
+struct Reader<'a> {
+    /// The case file's folder, to which paths in it are relative.
+    folder: &'a Path,
+    plugin_paths: &'a [PathBuf],
+    problems: Vec<Problem>,
+    warnings: Vec<String>,
+}
+
+impl Reader<'_> {
+    fn problem(&mut self, place: &Place, message: impl Into<String>) {
+        self.problems.push(Problem::new(place.clone(), message));
+    }
+
+    /// A piece, if it could be read.
+    fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
+        match &piece.0 {
+            Ok(value) => Some(value),
+            Err(message) => {
+                self.problem(place, format!("cannot be read: {message}"));
+                None
+            }
+        }
+    }
+
+    /// A piece that may be left out, if it is there and could be read.
+    fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
+        piece.and_then(|piece| self.piece(piece, place))
+    }
+}
+
+/// The members that all kinds share.
+struct Common<'c> {
+    title: Option<&'c Piece<String>>,
+    description: Option<&'c Piece<String>>,
+    until: Option<&'c Piece<document::Until>>,
+    compare: Option<&'c Piece<Vec<Piece<document::Compare>>>>,
+    output: Option<&'c Piece<document::Output>>,
+    controls: Option<&'c Piece<document::Controls>>,
+}
+
+/// What the kinds resolve; [`finish`] adds the rest.
+struct Resolved {
+    plugin: Option<program::Plugin>,
+    kind: Option<program::Kind>,
+    columns: Option<Vec<String>>,
+    characteristic_length: Option<f64>,
+}
+
+/// Reads a case file.
+///
+/// `overrides` are the texts of `--set`; `plugin_paths` are searched for plugins before the usual folders.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Program, CaseErrors> {
+    let folder = path.parent().unwrap_or(Path::new(""));
+    let mut reader = Reader { folder, plugin_paths, problems: Vec::new(), warnings: Vec::new() };
+    match read_with(&mut reader, path, overrides) {
+        Some(program) if reader.problems.is_empty() => Ok(program),
+        _ => Err(CaseErrors { file: path.into(), problems: reader.problems }),
+    }
+}
+
+fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Program> {
+    let text = match std::fs::read_to_string(path) {
+        Ok(text) => text,
+        Err(error) => {
+            reader.problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
+            return None;
+        }
+    };
+    let mut document = match json::parse(&text) {
+        Ok((document, repeated)) => {
+            reader.problems.extend(repeated);
+            document
+        }
+        Err(problem) => {
+            reader.problems.push(problem);
+            return None;
+        }
+    };
+    for text in overrides {
+        if let Err(problem) = json::set(&mut document, text) {
+            reader.problems.push(problem);
+        }
+    }
+    let kind = match structure::kind_of(&document) {
+        Ok(kind) => kind.to_owned(),
+        Err(problem) => {
+            reader.problems.push(problem);
+            return None;
+        }
+    };
+    resolve(reader, path, &kind, document)
+}
+
+/// Structure first, then meaning; what the structure explains is not said twice.
+fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Program> {
+    let mut readable = document.clone();
+    let structural = structure::check(kind, &mut readable);
+    let before = reader.problems.len();
+    let program = match kind {
+        "interface" => typed(reader, readable).and_then(|case: InterfaceCase| {
+            let resolved = interface::resolve(reader, &case);
+            let InterfaceCase { title, description, until, compare, output, controls, .. } = &case;
+            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+        }),
+        _ => typed(reader, readable).and_then(|case: PointCase| {
+            let resolved = point::resolve(reader, &case);
+            let PointCase { title, description, until, compare, output, controls, .. } = &case;
+            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+        }),
+    };
+    let meaning = reader.problems.split_off(before);
+    let explained = |problem: &Problem| {
+        let place = problem.place.as_ref();
+        structural.iter().any(|s| place.zip(s.place.as_ref()).is_some_and(|(place, within)| place.contains(within)))
+    };
+    let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
+    reader.problems.extend(structural);
+    reader.problems.extend(meaning);
+    program
+}
+
+fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Option<T> {
+    serde_json::from_value(document)
+        .map_err(|error| reader.problem(&Place::root(), format!("cannot be read: {error}")))
+        .ok()
+}
+
+fn common<'c>(
+    title: &'c Option<Piece<String>>,
+    description: &'c Option<Piece<String>>,
+    until: &'c Option<Piece<document::Until>>,
+    compare: &'c Option<Piece<Vec<Piece<document::Compare>>>>,
+    output: &'c Option<Piece<document::Output>>,
+    controls: &'c Option<Piece<document::Controls>>,
+) -> Common<'c> {
+    Common {
+        title: title.as_ref(),
+        description: description.as_ref(),
+        until: until.as_ref(),
+        compare: compare.as_ref(),
+        output: output.as_ref(),
+        controls: controls.as_ref(),
+    }
+}
+
+/// Resolves what all kinds share, and puts the program together if nothing is missing.
+fn finish(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    document: Value,
+    resolved: Resolved,
+    common: &Common<'_>,
+) -> Option<Program> {
+    let root = Place::root();
+    let title = reader.optional(common.title, &root.key("title")).cloned();
+    let description = reader.optional(common.description, &root.key("description")).cloned();
+    let columns = resolved.columns.as_deref();
+    let place = root.key("until");
+    let until = reader
+        .optional(common.until, &place)
+        .and_then(|until| history::until(reader, until, columns, &place));
+    let compare = history::compare_all(reader, common.compare, columns, &root.key("compare"));
+    let output = reader.optional(common.output, &root.key("output")).cloned().unwrap_or_default();
+    if output.vtu == Some(true) {
+        reader.warnings.push("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
+    }
+    let limits = reader.optional(common.controls, &root.key("controls")).cloned().unwrap_or_default();
+    let default = program::Controls::default();
+    let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+    Some(Program {
+        case_file: path.into(),
+        title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
+        description: description.unwrap_or_default(),
+        document,
+        plugin: resolved.plugin?,
+        kind: resolved.kind?,
+        characteristic_length: resolved.characteristic_length,
+        until,
+        controls: program::Controls {
+            max_iterations: limit(limits.max_iterations.map(|n| n.0), default.max_iterations),
+            max_cutbacks: limit(limits.max_cutbacks.map(|n| n.0), default.max_cutbacks),
+        },
+        output: program::Output {
+            every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
+            plots: output.plots.unwrap_or(true),
+        },
+        compare,
+        warnings: std::mem::take(&mut reader.warnings),
+    })
+}

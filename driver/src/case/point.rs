@@ -1,0 +1,393 @@
+//! Kind "point": modes, controls, initial state, steps.
+
+use super::constraints;
+use super::document::{self, Components, Cycle, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
+use super::document::{PointStep as StepDocument, PointTable};
+use super::history;
+use super::plugin::{self, Use};
+use super::problem::{Place, hint};
+use super::steps::{self, Counted};
+use super::table::Table;
+use super::{Reader, Resolved};
+use crate::path::program::{Control, Kind, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
+use crate::path::program::{STRAIN_NAMES, STRESS_NAMES, point_columns};
+
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// What the steps must agree with.
+struct Setting<'c> {
+    mode: Mode,
+    nlgeom: bool,
+    field_variables: usize,
+    columns: Option<&'c [String]>,
+}
+
+/// Resolves the plugin, the initial state and the steps.
+pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
+    let root = Place::root();
+    let mode = match &case.mode {
+        None => Some(Mode::ThreeD),
+        Some(piece) => reader.piece(piece, &root.key("mode")).map(|mode| mode_of(*mode)),
+    };
+    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    let place = root.key("characteristic_length");
+    let characteristic_length = match &case.characteristic_length {
+        None => Ok(None),
+        Some(piece) => reader.piece(piece, &place).map(|length| Some(length.0)).ok_or(()),
+    };
+    let place = root.key("material");
+    let material = reader.piece(&case.material, &place);
+    let plugin = material.and_then(|material| {
+        if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+            let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
+            reader.problem(&place.key("entry"), message);
+        }
+        plugin::resolve(reader, material, &place, Use { entry: Entry::Umat, mode, characteristic_length })
+    });
+    let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
+    let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
+    let setting = Setting {
+        mode: mode.unwrap_or(Mode::ThreeD),
+        nlgeom,
+        field_variables: initial.predef.len(),
+        columns: columns.as_deref(),
+    };
+    let place = root.key("steps");
+    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
+    let steps = steps::expand(reader, documents, &place, &mut resolve);
+    let kind = mode.map(|mode| Kind::Point(PointProgram { mode, nlgeom, initial, steps }));
+    Resolved { plugin, kind, columns, characteristic_length: characteristic_length.unwrap_or(None) }
+}
+
+fn mode_of(mode: document::Mode) -> Mode {
+    match mode {
+        document::Mode::ThreeD => Mode::ThreeD,
+        document::Mode::PlaneStrain => Mode::PlaneStrain,
+        document::Mode::Axisymmetric => Mode::Axisymmetric,
+        document::Mode::PlaneStress => Mode::PlaneStress,
+    }
+}
+
+/// A mode as case files call it.
+pub fn mode_name(mode: Mode) -> &'static str {
+    match mode {
+        Mode::ThreeD => "3d",
+        Mode::PlaneStrain => "plane_strain",
+        Mode::Axisymmetric => "axisymmetric",
+        Mode::PlaneStress => "plane_stress",
+    }
+}
+
+/// The message for a component that the mode fixes.
+pub fn fixed_by_mode(name: &str, mode: Mode) -> String {
+    let fixed = match mode {
+        Mode::ThreeD => "nothing",
+        Mode::PlaneStrain => "e33 = g13 = g23 = 0",
+        Mode::Axisymmetric => "g13 = g23 = 0",
+        Mode::PlaneStress => "s33 = s13 = s23 = 0",
+    };
+    format!("mode {} fixes {fixed}: leave '{name}' out", mode_name(mode))
+}
+
+impl steps::StepDocument for StepDocument {
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
+        match self {
+            Self::Cycle(cycle) => Some((cycle, false)),
+            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
+            Self::Table(_) | Self::Ramp(_) => None,
+        }
+    }
+}
+
+impl Counted for PointStep {
+    fn increments(&self) -> u64 {
+        match &self.drive {
+            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => *increments as u64,
+            PointDrive::Table { rows, .. } => rows.len() as u64,
+        }
+    }
+
+    fn rows(&self) -> u64 {
+        if let PointDrive::Table { rows, .. } = &self.drive { rows.len() as u64 } else { 0 }
+    }
+}
+
+fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
+    match step {
+        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
+        StepDocument::Table(table) => table_step(reader, table, setting, place),
+        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
+    }
+}
+
+fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, place: &Place) -> PointStep {
+    let increments = usize::try_from(ramp.increments.0).unwrap_or(usize::MAX);
+    let time = ramp.time.map_or(1.0, |time| time.0);
+    let target = ramp.target.clone().unwrap_or_default();
+    let mut controls = [Control::FREE; 6];
+    let named = target_controls(reader, &target, setting.mode, &mut controls, &place.key("target"));
+    let relations = ramp.constraints.as_deref().unwrap_or_default();
+    let gradient = match (ramp.deformation_gradient, target.deformation_gradient) {
+        (Some(_), Some(_)) => {
+            reader.problem(&place.key("target").key("F"), "F is given twice: in the step and in its target");
+            None
+        }
+        (Some(end), None) => Some((end, place.key("F"))),
+        (None, Some(end)) => Some((end, place.key("target").key("F"))),
+        (None, None) => None,
+    };
+    let (drive, constraints) = if let Some((end, place_of_end)) = gradient {
+        check_gradient(reader, &end, setting.mode, setting.nlgeom, &place_of_end, true);
+        if named.contains(&true) || !relations.is_empty() {
+            let message = "F determines all strains: leave the components of target and the constraints out";
+            reader.problem(&place_of_end, message);
+        }
+        (PointDrive::DeformationGradient { increments, time, end }, Vec::new())
+    } else {
+        let place = place.key("constraints");
+        let constraints = constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place);
+        (PointDrive::Ramp { increments, time, controls }, constraints)
+    };
+    check_field_variables(reader, ramp.predef.as_deref(), setting, place);
+    let until = ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    PointStep { drive, constraints, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
+}
+
+/// Sets the controls of the named components; says which are named.
+fn target_controls(
+    reader: &mut Reader<'_>,
+    target: &document::Target,
+    mode: Mode,
+    controls: &mut [Control; 6],
+    place: &Place,
+) -> [bool; 6] {
+    let (strain, stress) = (target.strain(), target.stress());
+    check_names(reader, &strain.map(|v| v.is_some()), &stress.map(|v| v.is_some()), mode, |name| place.key(name), "");
+    let mut named = [false; 6];
+    for i in 0..6 {
+        let control = match (strain[i], stress[i]) {
+            (Some(EndValue::Value(value)), _) => Control::Strain(value),
+            (Some(EndValue::Hold(_)), _) => Control::HoldStrain,
+            (None, Some(EndValue::Value(value))) => Control::Stress(value),
+            (None, Some(EndValue::Hold(_))) => Control::HoldStress,
+            (None, None) => continue,
+        };
+        (controls[i], named[i]) = (control, true);
+    }
+    named
+}
+
+/// Components that the mode fixes, and components named as strain and as stress.
+fn check_names(
+    reader: &mut Reader<'_>,
+    strain: &[bool; 6],
+    stress: &[bool; 6],
+    mode: Mode,
+    place: impl Fn(&str) -> Place,
+    prefix: &str,
+) {
+    for i in 0..6 {
+        let names = [(STRAIN_NAMES[i], strain[i]), (STRESS_NAMES[i], stress[i])];
+        if !mode.controllable().contains(&i) {
+            for (name, _) in names.iter().filter(|(_, named)| *named) {
+                reader.problem(&place(name), format!("{prefix}{}", fixed_by_mode(name, mode)));
+            }
+        } else if strain[i] && stress[i] {
+            let message = format!("{prefix}the same component is given as '{}' and as '{}'", STRAIN_NAMES[i], STRESS_NAMES[i]);
+            reader.problem(&place(STRESS_NAMES[i]), message);
+        }
+    }
+}
+
+fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
+    check_field_variables(reader, step.predef.as_deref(), setting, place);
+    let until = step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).collect();
+    let place_of_table = place.key("table");
+    let path = reader.folder.join(&step.table);
+    let table = read_table(reader, &path, &names, &place_of_table)?;
+    let there = |range: std::ops::Range<usize>| -> [bool; 6] {
+        let mut flags = [false; 6];
+        flags.iter_mut().zip(&table.columns[range]).for_each(|(flag, column)| *flag = column.is_some());
+        flags
+    };
+    let (strain, stress) = (there(0..6), there(6..12));
+    let prefix = format!("{}: ", path.display());
+    check_names(reader, &strain, &stress, setting.mode, |_| place_of_table.clone(), &prefix);
+    let mut controls = [Control::FREE; 6];
+    let mut named = [false; 6];
+    let mut columns = [None; 6];
+    for i in 0..6 {
+        named[i] = strain[i] || stress[i];
+        columns[i] = table.columns[i].or(table.columns[6 + i]);
+        if named[i] {
+            controls[i] = if strain[i] { Control::Strain(0.0) } else { Control::Stress(0.0) };
+        }
+    }
+    let relations = step.constraints.as_deref().unwrap_or_default();
+    let constraints =
+        constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));
+    let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
+    Some(PointStep {
+        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows },
+        constraints,
+        until,
+        temperature: step.temperature,
+        predef: step.predef.clone(),
+    })
+}
+
+/// A table, or problems at a place.
+pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str], place: &Place) -> Option<Table> {
+    match Table::read(path, names) {
+        Ok(table) => {
+            if table.starts_at_zero {
+                let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
+                if !reader.warnings.contains(&message) {
+                    reader.warnings.push(message);
+                }
+            }
+            Some(table)
+        }
+        Err(messages) => {
+            messages.into_iter().for_each(|message| reader.problem(place, message));
+            None
+        }
+    }
+}
+
+fn check_field_variables(reader: &mut Reader<'_>, end: Option<&[f64]>, setting: &Setting<'_>, place: &Place) {
+    if let Some(end) = end
+        && end.len() != setting.field_variables
+    {
+        let message = format!(
+            "{} values given, but the case has {} initial field variables ($.predef)",
+            end.len(),
+            setting.field_variables
+        );
+        reader.problem(&place.key("predef"), message);
+    }
+}
+
+/// A deformation gradient must turn nothing inside out and fit the mode.
+fn check_gradient(reader: &mut Reader<'_>, f: &Matrix, mode: Mode, nlgeom: bool, place: &Place, of_step: bool) {
+    if !nlgeom && (of_step || *f != IDENTITY) {
+        reader.problem(place, "a deformation gradient needs \"nlgeom\": true");
+    }
+    let determinant = nalgebra::Matrix3::from_fn(|i, j| f[i][j]).determinant();
+    if !(determinant > 0.0 && determinant.is_finite()) {
+        reader.problem(place, format!("the determinant must be > 0, it is {determinant}"));
+    }
+    if mode == Mode::ThreeD {
+        return;
+    }
+    if [f[0][2], f[1][2], f[2][0], f[2][1]].iter().any(|entry| *entry != 0.0) {
+        reader.problem(place, format!("mode {} needs F13 = F23 = F31 = F32 = 0", mode_name(mode)));
+    }
+    let fixed = mode == Mode::PlaneStrain || (mode == Mode::PlaneStress && of_step);
+    if fixed && f[2][2] != 1.0 {
+        let why = if mode == Mode::PlaneStress { " (the law finds the thickness strain)" } else { "" };
+        reader.problem(place, format!("mode {} needs F33 = 1{why}, it is {}", mode_name(mode), f[2][2]));
+    }
+}
+
+fn initial(
+    reader: &mut Reader<'_>,
+    case: &PointCase,
+    material: Option<&Material>,
+    plugin: Option<&Plugin>,
+    mode: Mode,
+    nlgeom: bool,
+) -> PointState {
+    let root = Place::root();
+    let place = root.key("initial");
+    let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
+    let strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
+    let stress = components(reader, given.stress.as_ref(), &STRESS_NAMES, mode, &place.key("stress"));
+    let deformation_gradient = given.deformation_gradient.unwrap_or(IDENTITY);
+    check_gradient(reader, &deformation_gradient, mode, nlgeom, &place.key("F"), false);
+    let temperature = number(reader, case.temperature.as_ref(), &root.key("temperature"));
+    let predef = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
+    PointState {
+        strain,
+        stress,
+        statev: statev(reader, material, given.statev.as_deref(), plugin),
+        time: given.time.unwrap_or(0.0),
+        deformation_gradient,
+        temperature,
+        predef,
+    }
+}
+
+fn number(reader: &mut Reader<'_>, piece: Option<&Piece<f64>>, place: &Place) -> f64 {
+    reader.optional(piece, place).copied().unwrap_or(0.0)
+}
+
+/// STATEV at the start, from `material.statev0` or `initial.statev`; zeros if neither is given.
+pub fn statev(
+    reader: &mut Reader<'_>,
+    material: Option<&Material>,
+    initial: Option<&[f64]>,
+    plugin: Option<&Plugin>,
+) -> Vec<f64> {
+    let place = Place::root().key("initial").key("statev");
+    let place_of_other = Place::root().key("material").key("statev0");
+    let (values, place) = match (initial, material.and_then(|material| material.statev0.as_deref())) {
+        (Some(_), Some(_)) => {
+            reader.problem(&place, "the initial states are given twice: here and as $.material.statev0");
+            return Vec::new();
+        }
+        (Some(values), None) => (values, place),
+        (None, Some(values)) => (values, place_of_other),
+        (None, None) => return vec![0.0; plugin.map_or(0, |plugin| plugin.nstatv)],
+    };
+    if let Some(plugin) = plugin
+        && values.len() != plugin.nstatv
+    {
+        let message = format!("{} values given, {} has {} state variables", values.len(), plugin.name, plugin.nstatv);
+        reader.problem(&place, message);
+    }
+    values.to_vec()
+}
+
+/// Six components from a list of six or of the mode's, or by name.
+fn components(
+    reader: &mut Reader<'_>,
+    given: Option<&Components>,
+    names: &[&str; 6],
+    mode: Mode,
+    place: &Place,
+) -> [f64; 6] {
+    let mut values = [0.0; 6];
+    let seen = mode.stress_state().components();
+    match given {
+        None => {}
+        Some(Components::List(list)) if list.len() == 6 => values.copy_from_slice(list),
+        Some(Components::List(list)) if list.len() == seen.len() => {
+            seen.iter().zip(list).for_each(|(i, value)| values[*i] = *value);
+        }
+        Some(Components::List(list)) => {
+            let of_mode = if seen.len() == 6 { String::new() } else { format!(" (or the {} of the mode)", seen.len()) };
+            let message = format!("{} values given, 6 needed{of_mode}: {}", list.len(), names.join(", "));
+            reader.problem(place, message);
+        }
+        Some(Components::Named(named)) => {
+            for (name, value) in named {
+                match names.iter().position(|known| known == name) {
+                    Some(i) => values[i] = *value,
+                    None => reader.problem(&place.key(name), format!("unknown key{}", hint(name, names))),
+                }
+            }
+        }
+    }
+    // The strain 33 of plane stress is the law's; an initial value says where it starts.
+    let kept = |i: usize| seen.contains(&i) || (mode == Mode::PlaneStress && i == 2 && names[i] == STRAIN_NAMES[2]);
+    let free = |i: usize| kept(i) && !(mode == Mode::PlaneStrain && names[i] == STRAIN_NAMES[2]);
+    for i in (0..6).filter(|i| !free(*i)) {
+        if values[i] != 0.0 {
+            reader.problem(place, format!("{} must be 0 in mode {}, it is {}", names[i], mode_name(mode), values[i]));
+        }
+    }
+    values
+}

@@ -1,0 +1,165 @@
+//! What is wrong with a case, and where.
+
+use std::fmt;
+use std::path::PathBuf;
+
+/// A place in the JSON document, written `$.steps[0].target.e11`.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Place(String);
+
+impl Place {
+    /// The whole document.
+    pub fn root() -> Self {
+        Self("$".into())
+    }
+
+    /// A command-line override rather than a place in the document.
+    pub fn option(text: &str) -> Self {
+        Self(format!("--set {text}"))
+    }
+
+    /// A member of an object.
+    #[must_use]
+    pub fn key(&self, key: &str) -> Self {
+        let plain = !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || "_$-".contains(c));
+        Self(if plain { format!("{}.{key}", self.0) } else { format!("{}[{key:?}]", self.0) })
+    }
+
+    /// An element of an array.
+    #[must_use]
+    pub fn index(&self, index: usize) -> Self {
+        Self(format!("{}[{index}]", self.0))
+    }
+
+    /// Whether `other` is this place or lies within it.
+    pub fn contains(&self, other: &Self) -> bool {
+        other.0.strip_prefix(&self.0).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl fmt::Display for Place {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+/// Which exit code a problem asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProblemKind {
+    /// The input is wrong.
+    Input,
+    /// The plugin library cannot be found, opened, or lacks the entry point.
+    PluginNotLoadable,
+}
+
+/// One thing that is wrong.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Problem {
+    /// Where; `None` if the file as a whole cannot be read as JSON.
+    pub place: Option<Place>,
+    /// What, and what to do.
+    pub message: String,
+    /// Input or plugin.
+    pub kind: ProblemKind,
+}
+
+impl Problem {
+    /// Wrong input at a place.
+    pub fn new(place: Place, message: impl Into<String>) -> Self {
+        Self { place: Some(place), message: message.into(), kind: ProblemKind::Input }
+    }
+
+    /// A plugin that cannot be loaded.
+    pub fn plugin(place: Place, message: impl Into<String>) -> Self {
+        Self { place: Some(place), message: message.into(), kind: ProblemKind::PluginNotLoadable }
+    }
+
+    /// A file that cannot be read at all.
+    pub fn unreadable(message: impl Into<String>) -> Self {
+        Self { place: None, message: message.into(), kind: ProblemKind::Input }
+    }
+}
+
+impl fmt::Display for Problem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match &self.place {
+            Some(place) => write!(f, "{place}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+/// Everything that is wrong with a case file.
+#[derive(Clone, Debug)]
+pub struct CaseErrors {
+    /// The case file.
+    pub file: PathBuf,
+    /// At least one problem.
+    pub problems: Vec<Problem>,
+}
+
+impl CaseErrors {
+    /// 3 if all that is wrong is that the plugin cannot be loaded, else 2.
+    pub fn exit_code(&self) -> u8 {
+        if self.problems.iter().all(|problem| problem.kind == ProblemKind::PluginNotLoadable) { 3 } else { 2 }
+    }
+}
+
+impl fmt::Display for CaseErrors {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (k, problem) in self.problems.iter().enumerate() {
+            let line_end = if k == 0 { "" } else { "\n" };
+            write!(f, "{line_end}{}: {problem}", self.file.display())?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for CaseErrors {}
+
+/// "; nearest valid name: 'e11'", or the list of valid names if none is near and the list is short.
+pub fn hint<S: AsRef<str>>(name: &str, valid: impl IntoIterator<Item = S>) -> String {
+    const MOST_LISTED: usize = 24;
+    let valid: Vec<S> = valid.into_iter().collect();
+    if let Some(nearest) = nearest(name, &valid) {
+        return format!("; nearest valid name: '{nearest}'");
+    }
+    let names: Vec<&str> = valid.iter().map(AsRef::as_ref).collect();
+    match names.len() {
+        0 => String::new(),
+        1..=MOST_LISTED => format!("; valid names: {}", names.join(", ")),
+        more => format!("; valid names: {}, … ({more} in all)", names[..MOST_LISTED].join(", ")),
+    }
+}
+
+/// The most similar name, if any is similar; of equally distant ones that with the longer common end (e12 → g12).
+pub fn nearest<'a, S: AsRef<str>>(name: &str, valid: &'a [S]) -> Option<&'a str> {
+    let wanted = name.to_lowercase();
+    let tolerated = (wanted.chars().count() * 2 / 5).max(1);
+    valid
+        .iter()
+        .map(|candidate| {
+            let candidate = candidate.as_ref();
+            let lower = candidate.to_lowercase();
+            let common_end = wanted.chars().rev().zip(lower.chars().rev()).take_while(|(a, b)| a == b).count();
+            (strsim::damerau_levenshtein(&wanted, &lower), usize::MAX - common_end, candidate)
+        })
+        .filter(|(distance, ..)| *distance <= tolerated)
+        .min()
+        .map(|(.., candidate)| candidate)
+}
+
+/// A JSON value in a message, cut to a readable length.
+pub fn shown(value: &serde_json::Value) -> String {
+    const LONGEST: usize = 60;
+    let text = value.to_string();
+    if text.chars().count() <= LONGEST {
+        return text;
+    }
+    text.chars().take(LONGEST).chain("…".chars()).collect()
+}

@@ -1,0 +1,289 @@
+//! The schema of the case format, and what a document disagrees with it in, in words.
+//!
+//! The `jsonschema` crate decides; this module chooses among the branches of a union the one that was meant,
+//! so that "neither this nor that nor that" does not reach the user.
+
+use super::document::{InterfaceCase, PointCase};
+use super::problem::{Place, Problem, hint, shown};
+use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
+use jsonschema::paths::{Location, LocationSegment};
+use jsonschema::{JsonType, ValidationError};
+use schemars::SchemaGenerator;
+use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
+
+/// A kind of case: its name and its part of the schema.
+type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
+
+/// The kinds of cases. A new kind: a line here, and an arm in [`super::read`].
+const KINDS: &[KindSchema] = &[
+    ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
+    ("interface", |generator| generator.subschema_for::<InterfaceCase>().to_value()),
+];
+
+/// Names of the kinds.
+pub fn kinds() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|(name, _)| *name)
+}
+
+/// The JSON Schema (draft 2020-12) of the case format.
+pub fn schema() -> Value {
+    let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
+    let branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Pullout case",
+        "description": "Units: N, mm, MPa, s. Shear strains are engineering shear.",
+        "type": "object",
+        "oneOf": branches,
+        "$defs": generator.take_definitions(true),
+    })
+}
+
+/// The part of the schema that a case of this kind must obey.
+fn schema_of_kind(kind: &str) -> Option<Value> {
+    let index = kinds().position(|name| name == kind)?;
+    let mut whole = schema();
+    let branch = whole["oneOf"][index].take();
+    Some(json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() }))
+}
+
+/// The kind that a document names.
+///
+/// # Errors
+/// It is no object, or names no kind that exists.
+pub fn kind_of(document: &Value) -> Result<&str, Problem> {
+    let place = Place::root();
+    let Value::Object(members) = document else {
+        return Err(Problem::new(place, format!("expected an object, found {}", shown(document))));
+    };
+    let valid: Vec<&str> = kinds().collect();
+    match members.get("kind") {
+        None => Err(Problem::new(place.key("kind"), format!("is missing; valid names: {}", valid.join(", ")))),
+        Some(Value::String(name)) if valid.contains(&name.as_str()) => Ok(name),
+        Some(Value::String(name)) => {
+            Err(Problem::new(place.key("kind"), format!("no kind of case is called '{name}'{}", hint(name, valid))))
+        }
+        Some(other) => Err(Problem::new(
+            place.key("kind"),
+            format!("expected one of {}, found {}", valid.join(", "), shown(other)),
+        )),
+    }
+}
+
+/// Checks a document of a kind; removes unknown keys and sets missing ones to null, so that the rest of the
+/// document can be read and checked as well.
+pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
+    let Some(schema) = schema_of_kind(kind) else { return Vec::new() };
+    let validator = match jsonschema::draft202012::new(&schema) {
+        Ok(validator) => validator,
+        Err(error) => return vec![Problem::new(Place::root(), format!("the schema itself is invalid: {error}"))],
+    };
+    let mut findings = Findings { schema: &schema, problems: Vec::new(), unknown: Vec::new(), missing: Vec::new() };
+    for error in validator.iter_errors(document) {
+        findings.describe(&error);
+    }
+    let Findings { problems, unknown, missing, .. } = findings;
+    for (pointer, key) in unknown {
+        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
+            members.shift_remove(&key);
+        }
+    }
+    for (pointer, key) in missing {
+        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
+            members.insert(key, Value::Null);
+        }
+    }
+    problems
+}
+
+struct Findings<'s> {
+    schema: &'s Value,
+    problems: Vec<Problem>,
+    /// JSON pointer of an object, and a key in it.
+    unknown: Vec<(String, String)>,
+    missing: Vec<(String, String)>,
+}
+
+impl Findings<'_> {
+    fn describe(&mut self, error: &ValidationError<'_>) {
+        let place = place_of(error.instance_path());
+        let pointer = error.instance_path().as_str().to_owned();
+        let found = || shown(error.instance());
+        let message = match error.kind() {
+            Kind::AdditionalProperties { unexpected } => {
+                let valid = self.property_names(error.schema_path());
+                for key in unexpected {
+                    let message = format!("unknown key{}", hint(key, &valid));
+                    self.problems.push(Problem::new(place.key(key), message));
+                    self.unknown.push((pointer.clone(), key.clone()));
+                }
+                return;
+            }
+            Kind::Required { property } => {
+                let key = property.as_str().unwrap_or_default();
+                self.problems.push(Problem::new(place.key(key), "is missing"));
+                self.missing.push((pointer, key.to_owned()));
+                return;
+            }
+            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => return self.describe_union(error, context),
+            Kind::Minimum { limit } => format!("must be >= {limit}, found {}", found()),
+            Kind::ExclusiveMinimum { limit } => format!("must be > {limit}, found {}", found()),
+            Kind::Maximum { limit } => format!("must be <= {limit}, found {}", found()),
+            Kind::ExclusiveMaximum { limit } => format!("must be < {limit}, found {}", found()),
+            Kind::MinItems { limit } => format!("needs at least {}, found {}", entries(*limit), count(error)),
+            Kind::MaxItems { limit } => format!("takes at most {}, found {}", entries(*limit), count(error)),
+            Kind::MinLength { .. } => "is empty".to_owned(),
+            Kind::MaxLength { limit } => format!("must have at most {limit} characters"),
+            _ => match expected(error) {
+                Some(expected) => format!("expected {expected}, found {}{}", found(), choice_hint(error)),
+                None => error.to_string(),
+            },
+        };
+        self.problems.push(Problem::new(place, message));
+    }
+
+    /// Describes the branch that was meant: the one whose type fits, then the one with the fewest missing and
+    /// unknown keys. If none fits in type, what each expects.
+    fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
+        let here = error.instance_path();
+        let best = context.iter().min_by_key(|branch| branch.iter().map(|e| misfit(e, here)).sum::<usize>());
+        let fits = best.filter(|branch| branch.iter().all(|e| misfit(e, here) < MISFIT_OF_TYPE));
+        if let Some(branch) = fits {
+            for error in branch {
+                self.describe(error);
+            }
+            return;
+        }
+        let mut expectations = Vec::new();
+        collect_expectations(context, here, &mut expectations);
+        let message = format!("expected {}, found {}", either(&expectations), shown(error.instance()));
+        self.problems.push(Problem::new(place_of(here), message));
+    }
+
+    /// The keys that the object schema to which a keyword belongs knows.
+    fn property_names(&self, keyword: &Location) -> Vec<String> {
+        let segments: Vec<LocationSegment<'_>> = keyword.iter().collect();
+        let mut schema = self.schema;
+        for segment in segments.iter().take(segments.len().saturating_sub(1)) {
+            let is_reference = matches!(segment, LocationSegment::Property(name) if name.as_ref() == "$ref");
+            if let Some(Value::String(reference)) = schema.get("$ref") {
+                schema = self.schema.pointer(reference.trim_start_matches('#')).unwrap_or(&Value::Null);
+            }
+            if !is_reference {
+                schema = match segment {
+                    LocationSegment::Property(name) => &schema[name.as_ref()],
+                    LocationSegment::Index(index) => &schema[*index],
+                };
+            }
+        }
+        schema["properties"].as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default()
+    }
+}
+
+/// A type, constant or list of words that does not fit at all.
+const MISFIT_OF_TYPE: usize = 1_000_000;
+/// A key that the branch needs: it distinguishes the branches.
+const MISFIT_OF_MISSING_KEY: usize = 1_000;
+/// A key that the branch does not know.
+const MISFIT_OF_UNKNOWN_KEY: usize = 100;
+
+fn misfit(error: &ValidationError<'_>, here: &Location) -> usize {
+    if error.instance_path() != here {
+        return 1;
+    }
+    match error.kind() {
+        Kind::Type { .. } | Kind::Constant { .. } | Kind::Enum { .. } => MISFIT_OF_TYPE,
+        Kind::Required { .. } => MISFIT_OF_MISSING_KEY,
+        Kind::AdditionalProperties { unexpected } => MISFIT_OF_UNKNOWN_KEY * unexpected.len(),
+        Kind::AnyOf { context } | Kind::OneOfNotValid { context } => {
+            let branches = context.iter().map(|branch| branch.iter().map(|e| misfit(e, here)).sum());
+            branches.min().unwrap_or(MISFIT_OF_TYPE)
+        }
+        _ => 1,
+    }
+}
+
+fn collect_expectations(context: &[Vec<ValidationError<'static>>], here: &Location, all: &mut Vec<String>) {
+    for error in context.iter().flatten().filter(|error| error.instance_path() == here) {
+        match error.kind() {
+            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => collect_expectations(context, here, all),
+            _ => {
+                if let Some(text) = expected(error).filter(|text| text != "null" && !all.contains(text)) {
+                    all.push(text);
+                }
+            }
+        }
+    }
+}
+
+/// What the schema wants, for the errors that are about type or choice.
+fn expected(error: &ValidationError<'_>) -> Option<String> {
+    match error.kind() {
+        Kind::Type { kind: TypeKind::Single(kind) } => Some(type_name(*kind).to_owned()),
+        Kind::Type { kind: TypeKind::Multiple(set) } => {
+            let names: Vec<String> =
+                set.iter().filter(|kind| *kind != JsonType::Null).map(|kind| type_name(kind).to_owned()).collect();
+            Some(either(&names))
+        }
+        Kind::Constant { expected_value } => Some(expected_value.to_string()),
+        Kind::Enum { options } => {
+            let names: Vec<String> = options
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter(|option| !option.is_null())
+                .map(ToString::to_string)
+                .collect();
+            Some(either(&names))
+        }
+        _ => None,
+    }
+}
+
+fn choice_hint(error: &ValidationError<'_>) -> String {
+    if let (Kind::Enum { options: Value::Array(options) }, Value::String(found)) =
+        (error.kind(), error.instance().as_ref())
+    {
+        let names: Vec<&str> = options.iter().filter_map(Value::as_str).collect();
+        if let Some(nearest) = super::problem::nearest(found, &names) {
+            return format!("; nearest valid name: '{nearest}'");
+        }
+    }
+    String::new()
+}
+
+fn type_name(kind: JsonType) -> &'static str {
+    match kind {
+        JsonType::Array => "an array",
+        JsonType::Boolean => "true or false",
+        JsonType::Integer => "a whole number",
+        JsonType::Null => "null",
+        JsonType::Number => "a number",
+        JsonType::Object => "an object",
+        JsonType::String => "a text",
+    }
+}
+
+fn either(names: &[String]) -> String {
+    match names {
+        [] => "something else".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} or {last}", first.join(", ")),
+    }
+}
+
+fn entries(limit: u64) -> String {
+    if limit == 1 { "1 entry".to_owned() } else { format!("{limit} entries") }
+}
+
+fn count(error: &ValidationError<'_>) -> usize {
+    error.instance().as_array().map_or(0, Vec::len)
+}
+
+fn place_of(location: &Location) -> Place {
+    location.iter().fold(Place::root(), |place, segment| match segment {
+        LocationSegment::Property(name) => place.key(name.as_ref()),
+        LocationSegment::Index(index) => place.index(index),
+    })
+}

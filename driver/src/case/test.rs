@@ -1,0 +1,97 @@
+//! Cases as users write them: valid ones against the program that they mean, malformed ones against the words,
+//! the place and the exit code of each problem.
+
+use super::{CaseErrors, read, schema};
+use crate::path::program::Program;
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use tempfile::TempDir;
+
+mod malformed;
+mod parameters;
+mod random;
+mod valid;
+
+/// A folder with the files that the cases below name.
+struct Bench(TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let files = [
+            ("path.csv", "# a comment\ntime, e11, s22\n0.5, 1e-4, 0\n2.0, 2e-4, -1.5\n"),
+            ("untimed.csv", "e11\n1e-4\n2e-4\n3e-4\n"),
+            ("from_zero.csv", "time,e11\n0,0\n1,1e-4\n"),
+            ("contact.csv", "time,slip,slip2,p\n1,0.1,0,2\n2,0.2,0.05,3\n"),
+            ("curve.csv", "# source: nowhere\nstrain,stress_MPa,other\n0,0,\n1e-3,10,1\n2e-3,,2\n"),
+            ("unknown_column.csv", "time,e12\n1,0\n"),
+            ("twice.csv", "e11,e11\n1,0\n"),
+            ("both.csv", "e11,s11\n1,0\n"),
+            ("text.csv", "time,e11\n1,abc\n2,nan\n"),
+            ("backwards.csv", "time,e11\n1,0\n1,0\n"),
+            ("negative.csv", "time,e11\n-1,0\n1,0\n"),
+            ("ragged.csv", "time,e11\n1,0,3\n"),
+            ("only_time.csv", "time\n1\n"),
+            ("no_rows.csv", "time,e11\n"),
+            ("empty.csv", ""),
+            ("fixed.csv", "e33\n1e-4\n"),
+            ("no_library.so", "this is text"),
+        ];
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).expect("a file in the temporary folder");
+        }
+        Self(folder)
+    }
+
+    fn path(&self) -> PathBuf {
+        self.0.path().join("case.json")
+    }
+
+    fn read_text(&self, text: &str, overrides: &[&str]) -> Result<Program, CaseErrors> {
+        std::fs::write(self.path(), text).expect("the case file");
+        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+        read(&self.path(), &overrides, &[])
+    }
+
+    fn read(&self, case: &Value, overrides: &[&str]) -> Result<Program, CaseErrors> {
+        self.read_text(&case.to_string(), overrides)
+    }
+}
+
+fn point_case() -> Value {
+    json!({
+        "kind": "point",
+        "material": { "plugin": "linear_elastic", "props": { "E": 31800.0, "nu": 0.18 } },
+        "mode": "3d",
+        "steps": [ { "increments": 10, "target": { "e11": -0.001 } } ]
+    })
+}
+
+/// A library without metadata that every test process has: the C library, with any function in it as entry point.
+fn plain_library() -> String {
+    let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of loaded libraries");
+    let path = maps.split_whitespace().find(|word| Path::new(word).is_absolute() && word.contains("libc.so"));
+    path.expect("the C library").to_owned()
+}
+
+fn interface_case() -> Value {
+    json!({
+        "kind": "interface",
+        "material": { "plugin": plain_library(), "symbol": "abs", "nstatv": 2, "props": [1, 2.5] },
+        "steps": [ { "increments": 4, "target": { "slip": 0.1 } } ]
+    })
+}
+
+/// Whether the printed schema accepts a document.
+fn schema_accepts(document: &Value) -> bool {
+    jsonschema::draft202012::new(&schema()).expect("a valid schema").is_valid(document)
+}
+
+/// A document after `--set`.
+fn overridden(case: &Value, overrides: &[&str]) -> Value {
+    let mut document = case.clone();
+    for text in overrides {
+        let _ = super::json::set(&mut document, text);
+    }
+    document
+}
