@@ -3,6 +3,7 @@
 //! Pure functions: no FFI, no I/O, no allocation in an update. Units N, mm, MPa; tension positive.
 //! One folder per law; each begins with its equations.
 
+pub mod concrete_damage;
 pub mod damage_law;
 pub mod linear_elastic;
 pub mod tensor;

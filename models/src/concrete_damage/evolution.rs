@@ -1,0 +1,96 @@
+//! One update in principal strains: inelastic strain, damage, stress, tangent (models.md §§8.1–8.3).
+//!
+//! Everything is coaxial with the trial strain, so the whole law is an isotropic function of its three
+//! principal values.
+
+use super::criteria::{Criteria, times};
+use super::degraded::Degraded;
+use super::inelastic::Flow;
+use super::softening::Softening;
+use super::{Branch, History, Parameters};
+
+/// The response to one principal trial strain from one committed history.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Evolution {
+    criteria: Criteria,
+    /// Inelastic strain of this increment, if there is any.
+    pub flow: Option<Flow>,
+    /// ε_e.
+    pub elastic_strain: [f64; 3],
+    /// The history at the end.
+    pub history: History,
+    /// dD_t/dY_t and dD_c/dY_c where damage grows, else 0.
+    pub rates: [f64; 2],
+    /// The solid at the new damage.
+    pub solid: Degraded,
+}
+
+/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns dD/dY.
+#[inline]
+fn advance(branch: &mut Branch, softening: &Softening, energy: f64) -> f64 {
+    if energy <= branch.maximum {
+        return 0.0;
+    }
+    branch.maximum = energy;
+    let (eta, rate) = softening.damage(energy);
+    if eta > branch.eta {
+        branch.eta = eta;
+        rate
+    } else {
+        0.0
+    }
+}
+
+impl Evolution {
+    /// Advances `history` to the principal trial strain (descending).
+    #[inline]
+    pub fn new(parameters: &Parameters, softening: &[Softening; 2], history: &History, strain: &[f64; 3]) -> Self {
+        let flow = Flow::new(parameters, history, strain);
+        let elastic_strain = flow.map_or(*strain, |flow| flow.elastic_strain);
+        let criteria = Criteria::new(parameters, &elastic_strain);
+        let mut history = *history;
+        let rates = [
+            advance(&mut history.tension, &softening[0], criteria.tension),
+            advance(&mut history.compression, &softening[1], criteria.compression),
+        ];
+        let solid = Degraded::new(parameters, history.tension.eta, history.compression.eta, &elastic_strain);
+        Self { criteria, flow, elastic_strain, history, rates, solid }
+    }
+
+    /// The consistent tangent in principal axes: H_ij = ∂s_i/∂e_j and d_12, d_13, d_23.
+    #[inline]
+    pub fn tangent(&self, parameters: &Parameters) -> ([[f64; 3]; 3], [f64; 3]) {
+        let (mut tangent, mut shear) = self.solid.stiffness();
+        let mut add = |rate: f64, softening: [f64; 3], gradient: [f64; 3]| {
+            for i in 0..3 {
+                for j in 0..3 {
+                    tangent[i][j] += rate * softening[i] * gradient[j];
+                }
+            }
+        };
+        if self.rates[0] > 0.0 {
+            add(self.rates[0], self.solid.tensile_softening(), self.criteria.tension_gradient(parameters));
+        }
+        if self.rates[1] > 0.0 {
+            let softening = self.solid.compressive_softening(parameters);
+            add(self.rates[1], softening, self.criteria.compression_gradient(parameters));
+        }
+        if let Some(flow) = &self.flow {
+            let (gradient, factors) = flow.gradient(parameters);
+            let columns: [[f64; 3]; 3] = std::array::from_fn(|j| times(&tangent, &[0, 1, 2].map(|i| gradient[i][j])));
+            tangent = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
+            for (d, factor) in shear.iter_mut().zip(factors) {
+                *d *= factor;
+            }
+        }
+        (tangent, shear)
+    }
+}
+
+impl Evolution {
+    /// Whether the solid is still virgin at the end.
+    #[inline]
+    pub fn is_undamaged(&self) -> bool {
+        self.history.tension.eta == 0.0 && self.history.compression.eta == 0.0
+    }
+}

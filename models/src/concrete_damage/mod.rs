@@ -1,0 +1,268 @@
+#![doc = include_str!("doc.md")]
+
+mod criteria;
+mod degraded;
+mod dissipation;
+mod evolution;
+mod inelastic;
+mod no_tension;
+mod plane_stress;
+mod softening;
+
+#[cfg(test)]
+mod test;
+
+use crate::damage_law::DamageLaw;
+use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
+use crate::tensor::{Elasticity, Spectral};
+use dissipation::Start;
+use evolution::Evolution;
+use softening::Softening;
+use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+
+/// The law.
+pub struct ConcreteDamage;
+
+/// PROPS by name.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters {
+    /// E, ν.
+    pub elasticity: Elasticity,
+    /// A_t, B_t, Y_t0.
+    pub tension: DamageLaw,
+    /// A_c, B_c, Y_c0.
+    pub compression: DamageLaw,
+    /// β: how much of the hydrostatic stiffness compressive damage takes.
+    pub beta: f64,
+    /// ζ_c: how much confinement delays compressive damage.
+    pub zeta_c: f64,
+    /// b_t: inelastic fraction of the growth of tensile strain.
+    pub b_t: f64,
+    /// b_c: the same in compression.
+    pub b_c: f64,
+    /// G_f, N/mm; 0: no crack band in tension.
+    pub fracture_energy: f64,
+    /// G_c, N/mm; 0: no crack band in compression.
+    pub crushing_energy: f64,
+}
+
+/// Damage η and the largest energy release rate so far, of one branch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Branch {
+    eta: f64,
+    maximum: f64,
+}
+
+/// Both branches.
+#[derive(Clone, Copy, Debug, Default)]
+struct History {
+    tension: Branch,
+    compression: Branch,
+}
+
+const PARAMETERS: [Parameter; 14] = [
+    youngs_modulus(31800.0),
+    poisson_ratio(0.18),
+    Parameter::new(c"A_t", c"1/MPa", 5000.0, c"rate of tensile damage").above(0.0),
+    Parameter::new(c"B_t", c"-", 1.3, c"exponent of tensile damage").above(0.0),
+    Parameter::new(c"Y_t0", c"MPa", 1.905_077e-4, c"threshold of tensile damage").at_least(0.0),
+    Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0),
+    Parameter::new(c"B_c", c"-", 1.05, c"exponent of compressive damage").above(0.0),
+    Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage").at_least(0.0),
+    Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
+        .within(0.0, 1.0),
+    Parameter::new(c"zeta_c", c"-", 0.0, c"delay of compressive damage by confinement").at_least(0.0),
+    Parameter::new(c"b_t", c"-", 0.0, c"inelastic fraction of tensile strain growth (0: none)").at_least(0.0).below(1.0),
+    Parameter::new(c"b_c", c"-", 0.0, c"inelastic fraction of compressive strain growth (0: none)")
+        .at_least(0.0)
+        .below(1.0),
+    Parameter::new(c"G_f", c"N/mm", 0.0, c"fracture energy in tension (0: no crack band)").at_least(0.0),
+    Parameter::new(c"G_c", c"N/mm", 0.0, c"fracture energy in compression (0: no crack band)").at_least(0.0),
+];
+
+const STATES: [StateVariable; 13] = [
+    StateVariable::new(c"eta_t", c"-", c"tensile damage D_t/(1 - D_t)"),
+    StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)"),
+    StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate so far"),
+    StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate so far"),
+    StateVariable::new(c"crack_band", c"-", c"0 off, 1 on, 2 asked for but CELENT unusable"),
+    StateVariable::new(c"inelastic_strain_11", c"-", c"inelastic strain").strain_component(1),
+    StateVariable::new(c"inelastic_strain_22", c"-", c"inelastic strain").strain_component(2),
+    StateVariable::new(c"inelastic_strain_33", c"-", c"inelastic strain").strain_component(3),
+    StateVariable::new(c"inelastic_strain_12", c"-", c"inelastic strain, engineering shear").strain_component(4),
+    StateVariable::new(c"inelastic_strain_13", c"-", c"inelastic strain, engineering shear").strain_component(5),
+    StateVariable::new(c"inelastic_strain_23", c"-", c"inelastic strain, engineering shear").strain_component(6),
+    STRAIN_33,
+    DISSIPATED_ENERGY,
+];
+
+const CRACK_BAND: usize = 4;
+const INELASTIC_STRAIN: usize = 5;
+const STRAIN_33_STATE: usize = 11;
+const DISSIPATED_ENERGY_STATE: usize = 12;
+
+impl Law for ConcreteDamage {
+    const INFO: LawInfo = LawInfo {
+        name: c"concrete_damage",
+        description: c"Concrete: tensile and compressive damage with crack closure (IV-H), inelastic strain (IV-HP)",
+        parameters: &PARAMETERS,
+        repeating: None,
+        states: &STATES,
+        derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
+        flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::PATH_EXACT | flags::ISOTROPIC,
+    };
+
+    type Parameters<'p> = Parameters;
+
+    #[inline]
+    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
+        Ok(Parameters {
+            elasticity: Elasticity::new(props[0], props[1]),
+            tension: DamageLaw { a: props[2], b: props[3], threshold: props[4] },
+            compression: DamageLaw { a: props[5], b: props[6], threshold: props[7] },
+            beta: props[8],
+            zeta_c: props[9],
+            b_t: props[10],
+            b_c: props[11],
+            fracture_energy: props[12],
+            crushing_energy: props[13],
+        })
+    }
+
+    #[inline]
+    fn update(
+        parameters: &Parameters,
+        increment: &Increment,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<Response, Failure> {
+        let softening = [Softening { law: parameters.tension }, Softening { law: parameters.compression }];
+        let history = History {
+            tension: Branch { eta: state[0], maximum: state[2] },
+            compression: Branch { eta: state[1], maximum: state[3] },
+        };
+        let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
+        let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
+        let stress = point.stress(parameters);
+        let dissipation = point.dissipation(parameters, &softening, &history, increment, state, &stress);
+        let energy = point.evolution.solid.energy();
+        if !(energy.is_finite() && dissipation.is_finite()) {
+            return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
+        }
+        let tangent =
+            if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
+        point.commit(state, dissipation);
+        Ok(Response {
+            stress,
+            tangent,
+            stored_energy: energy,
+            dissipated_energy: state[DISSIPATED_ENERGY_STATE],
+        })
+    }
+}
+
+/// The end of an increment, in the principal axes of the trial strain.
+struct PointResponse {
+    /// ε − ε_p,n, ε33 found.
+    trial: [f64; 6],
+    axes: Spectral,
+    /// Position of direction 3 among the axes, in plane stress.
+    normal: Option<usize>,
+    evolution: Evolution,
+}
+
+/// Decomposes the trial strain and advances the history; in plane stress finds ε33.
+#[inline]
+fn solve_point(
+    parameters: &Parameters,
+    softening: &[Softening; 2],
+    history: &History,
+    increment: &Increment,
+    state: &[f64],
+    mut trial: [f64; 6],
+) -> Result<PointResponse, Failure> {
+    if increment.stress_state != StressState::PlaneStress {
+        let axes = Spectral::of_strain(&trial);
+        let evolution = Evolution::new(parameters, softening, history, &axes.values);
+        return Ok(PointResponse { trial, axes, normal: None, evolution });
+    }
+    let elastic = parameters.elasticity.plane_stress_strain_33(&trial);
+    let guess = state[STRAIN_33_STATE] - state[INELASTIC_STRAIN + 2]
+        + parameters.elasticity.plane_stress_strain_33(&increment.strain_increment);
+    let solution = plane_stress::solve(parameters, softening, history, &trial, elastic, guess)
+        .ok_or(Failure::CutBack { fraction: 0.25, reason: "no strain 33 makes stress 33 vanish" })?;
+    trial[2] = solution.strain_33;
+    Ok(PointResponse { trial, axes: solution.axes, normal: Some(solution.normal), evolution: solution.evolution })
+}
+
+impl PointResponse {
+    #[inline]
+    fn stress(&self, parameters: &Parameters) -> [f64; 6] {
+        let mut stress = if self.evolution.is_undamaged() {
+            parameters.elasticity.stress(&self.trial)
+        } else {
+            self.axes.stress(&self.evolution.solid.stress)
+        };
+        if self.normal.is_some() {
+            stress[2] = 0.0;
+        }
+        stress
+    }
+
+    #[inline]
+    fn tangent(&self, parameters: &Parameters) -> [[f64; 6]; 6] {
+        let elasticity = &parameters.elasticity;
+        match (self.evolution.is_undamaged(), self.normal) {
+            (true, None) => elasticity.stiffness(),
+            (true, Some(_)) => elasticity.plane_stress_stiffness(),
+            (false, normal) => {
+                let full = self.evolution.tangent(parameters);
+                let (principal, shear) =
+                    normal.map_or(full, |k| plane_stress::condense(full, k, elasticity.youngs_modulus));
+                self.axes.tangent(&principal, &shear)
+            }
+        }
+    }
+
+    #[inline]
+    fn dissipation(
+        &self,
+        parameters: &Parameters,
+        softening: &[Softening; 2],
+        history: &History,
+        increment: &Increment,
+        state: &[f64],
+        stress: &[f64; 6],
+    ) -> f64 {
+        if self.evolution.rates == [0.0; 2] && self.evolution.flow.is_none() {
+            return 0.0;
+        }
+        let mut strain: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - increment.strain_increment[i]);
+        if self.normal.is_some() {
+            strain[2] = state[STRAIN_33_STATE];
+        }
+        let start = Start {
+            elastic_strain: std::array::from_fn(|i| strain[i] - state[INELASTIC_STRAIN + i]),
+            stress: increment.stress,
+            history: *history,
+        };
+        dissipation::increment(parameters, softening, &start, &self.evolution, &self.axes, stress)
+    }
+
+    /// Writes the new state.
+    #[inline]
+    fn commit(&self, state: &mut [f64], dissipation: f64) {
+        let History { tension, compression } = self.evolution.history;
+        state[..4].copy_from_slice(&[tension.eta, compression.eta, tension.maximum, compression.maximum]);
+        state[STRAIN_33_STATE] = self.trial[2] + state[INELASTIC_STRAIN + 2];
+        if let Some(flow) = &self.evolution.flow {
+            let principal = std::array::from_fn(|i| flow.tension[i] + flow.compression[i]);
+            let inelastic = self.axes.strain(&principal);
+            for i in 0..6 {
+                state[INELASTIC_STRAIN + i] += inelastic[i];
+            }
+        }
+        state[DISSIPATED_ENERGY_STATE] += dissipation;
+    }
+}
