@@ -26,6 +26,7 @@ pub(super) struct Criteria {
     pub tension: f64,
     /// Y_c = [μ e⁻:e⁻ + β k θ⁻²/2]/(1 + ζ_c w_c)² of the K₀ split.
     pub compression: f64,
+    strain: [f64; 3],
     elastic_stress: [f64; 3],
     split: Split,
 }
@@ -41,6 +42,7 @@ impl Criteria {
         let mut criteria = Self {
             tension: opening * opening / (2.0 * parameters.elasticity.youngs_modulus),
             compression,
+            strain: *strain,
             elastic_stress,
             split,
         };
@@ -50,6 +52,17 @@ impl Criteria {
             criteria.compression = compression;
         }
         criteria
+    }
+
+    /// What rounding of the strain does to Y_t and Y_c: δY = √(2 Y/E) δs with a few units in the last
+    /// place of the terms of s.
+    #[inline]
+    pub fn rounding(&self, parameters: &Parameters) -> [f64; 2] {
+        let elasticity = &parameters.elasticity;
+        let modulus = elasticity.lambda.abs() + 2.0 * elasticity.shear_modulus;
+        let size: f64 = self.strain.iter().map(|e| e.abs()).sum();
+        let stress = 8.0 * f64::EPSILON * modulus * size;
+        [self.tension, self.compression].map(|y| (2.0 * y / elasticity.youngs_modulus).sqrt() * stress)
     }
 
     /// w_c = s̄_1/s̄_3 where all elastic principal stresses are compressive, else 0: 0 in uniaxial and

@@ -62,6 +62,16 @@ impl Degraded {
         0.5 * dot(&self.stress, &self.strain)
     }
 
+    /// The rounding error to expect in a principal stress, MPa: one unit in the last place of the terms
+    /// it is the sum of.
+    #[inline]
+    pub fn rounding(&self) -> f64 {
+        let modulus = self.elasticity.lambda.abs() + 2.0 * self.elasticity.shear_modulus;
+        let size = |e: &[f64; 3]| e[0].abs() + e[1].abs() + e[2].abs();
+        let (w, d) = (integrity(self.eta_t), damage(self.eta_t));
+        f64::EPSILON * modulus * (w * size(&self.strain) + d * size(&self.split.minus))
+    }
+
     /// −∂Ψ/∂D_t = ½ ε : K_c : ε − ψ_NT ≥ 0.
     #[inline]
     pub fn tensile_force(&self) -> f64 {

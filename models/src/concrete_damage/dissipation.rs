@@ -39,8 +39,7 @@ pub(super) fn increment(
     let criteria = Criteria::new(parameters, &strain);
     let mut dissipation = 0.0;
     if growing {
-        let solid =
-            Degraded::new(parameters, start.history.tension.eta, start.history.compression.eta, &strain);
+        let solid = Degraded::new(parameters, start.history.tension.eta, start.history.compression.eta, &strain);
         if end.rates[0] > 0.0 {
             let (old, new) = (&start.history.tension, &end.history.tension);
             let ratio = end.solid.tensile_force() / new.maximum;

@@ -15,8 +15,6 @@ pub(super) struct Evolution {
     criteria: Criteria,
     /// Inelastic strain of this increment, if there is any.
     pub flow: Option<Flow>,
-    /// ε_e.
-    pub elastic_strain: [f64; 3],
     /// The history at the end.
     pub history: History,
     /// dD_t/dY_t and dD_c/dY_c where damage grows, else 0.
@@ -25,10 +23,11 @@ pub(super) struct Evolution {
     pub solid: Degraded,
 }
 
-/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns dD/dY.
+/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns dD/dY. An excess over
+/// the maximum within `rounding` is none.
 #[inline]
-fn advance(branch: &mut Branch, softening: &Softening, energy: f64) -> f64 {
-    if energy <= branch.maximum {
+fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> f64 {
+    if energy - rounding <= branch.maximum.max(softening.law.threshold) {
         return 0.0;
     }
     branch.maximum = energy;
@@ -49,12 +48,14 @@ impl Evolution {
         let elastic_strain = flow.map_or(*strain, |flow| flow.elastic_strain);
         let criteria = Criteria::new(parameters, &elastic_strain);
         let mut history = *history;
+        // ε_e = ε − ε_p is recovered from the state with rounding: the same point must stay the same point
+        let rounding = if parameters.has_inelastic_strain() { criteria.rounding(parameters) } else { [0.0; 2] };
         let rates = [
-            advance(&mut history.tension, &softening[0], criteria.tension),
-            advance(&mut history.compression, &softening[1], criteria.compression),
+            advance(&mut history.tension, &softening[0], criteria.tension, rounding[0]),
+            advance(&mut history.compression, &softening[1], criteria.compression, rounding[1]),
         ];
         let solid = Degraded::new(parameters, history.tension.eta, history.compression.eta, &elastic_strain);
-        Self { criteria, flow, elastic_strain, history, rates, solid }
+        Self { criteria, flow, history, rates, solid }
     }
 
     /// The consistent tangent in principal axes: H_ij = ∂s_i/∂e_j and d_12, d_13, d_23.

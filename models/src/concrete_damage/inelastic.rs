@@ -37,7 +37,7 @@ impl Flow {
     /// The flow at a trial strain; `None` if nothing grows or the law has no inelastic strain.
     #[inline]
     pub fn new(parameters: &Parameters, history: &History, strain: &[f64; 3]) -> Option<Self> {
-        if parameters.b_t == 0.0 && parameters.b_c == 0.0 {
+        if !parameters.has_inelastic_strain() {
             return None;
         }
         let criteria = Criteria::new(parameters, strain);

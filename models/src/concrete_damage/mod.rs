@@ -47,6 +47,14 @@ pub struct Parameters {
     pub crushing_energy: f64,
 }
 
+impl Parameters {
+    /// IV-HP rather than IV-H.
+    #[inline]
+    fn has_inelastic_strain(&self) -> bool {
+        self.b_t != 0.0 || self.b_c != 0.0
+    }
+}
+
 /// Damage η and the largest energy release rate so far, of one branch.
 #[derive(Clone, Copy, Debug, Default)]
 struct Branch {
@@ -73,7 +81,9 @@ const PARAMETERS: [Parameter; 14] = [
     Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
         .within(0.0, 1.0),
     Parameter::new(c"zeta_c", c"-", 0.0, c"delay of compressive damage by confinement").at_least(0.0),
-    Parameter::new(c"b_t", c"-", 0.0, c"inelastic fraction of tensile strain growth (0: none)").at_least(0.0).below(1.0),
+    Parameter::new(c"b_t", c"-", 0.0, c"inelastic fraction of tensile strain growth (0: none)")
+        .at_least(0.0)
+        .below(1.0),
     Parameter::new(c"b_c", c"-", 0.0, c"inelastic fraction of compressive strain growth (0: none)")
         .at_least(0.0)
         .below(1.0),
@@ -84,8 +94,8 @@ const PARAMETERS: [Parameter; 14] = [
 const STATES: [StateVariable; 13] = [
     StateVariable::new(c"eta_t", c"-", c"tensile damage D_t/(1 - D_t)"),
     StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)"),
-    StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate so far"),
-    StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate so far"),
+    StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate above Y_t0 so far"),
+    StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate above Y_c0 so far"),
     StateVariable::new(c"crack_band", c"-", c"0 off, 1 on, 2 asked for but CELENT unusable"),
     StateVariable::new(c"inelastic_strain_11", c"-", c"inelastic strain").strain_component(1),
     StateVariable::new(c"inelastic_strain_22", c"-", c"inelastic strain").strain_component(2),
@@ -150,15 +160,9 @@ impl Law for ConcreteDamage {
         if !(energy.is_finite() && dissipation.is_finite()) {
             return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
         }
-        let tangent =
-            if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
+        let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
         point.commit(state, dissipation);
-        Ok(Response {
-            stress,
-            tangent,
-            stored_energy: energy,
-            dissipated_energy: state[DISSIPATED_ENERGY_STATE],
-        })
+        Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
     }
 }
 

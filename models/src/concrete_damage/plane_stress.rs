@@ -9,8 +9,9 @@ use crate::tensor::Spectral;
 
 /// Newton takes 3–8 steps, bisection at most about 60 to exhaust the digits.
 const MAX_ITERATIONS: usize = 120;
-/// A step below this fraction of the largest strain moves no digit that counts.
-const ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// σ33 within so many roundings of its own terms counts as 0. The test is on σ33, not on the step, so
+/// that a solution passes again from the committed state, when damage and the slope no longer grow.
+const ROUNDINGS: f64 = 4.0;
 /// How the search widens while no bracket is known.
 const EXPANSION: f64 = 1.3;
 
@@ -86,11 +87,15 @@ pub(super) fn solve(
     let mut reach = 0.1 * size.max(point.strain_33.abs());
     for _ in 0..MAX_ITERATIONS {
         let residual = point.evolution.solid.stress[point.normal];
-        if residual == 0.0 {
+        if residual.abs() <= ROUNDINGS * point.evolution.solid.rounding() {
             return Some(point);
         }
         let z = point.strain_33;
-        if residual < 0.0 { below = z } else { above = z }
+        if residual < 0.0 {
+            below = z
+        } else {
+            above = z
+        }
         let slope = point.evolution.tangent(parameters).0[point.normal][point.normal];
         let newton = z - residual / slope;
         let bracketed = below.is_finite() && above.is_finite();
@@ -101,14 +106,16 @@ pub(super) fn solve(
             reach *= EXPANSION;
             if residual < 0.0 { z + step } else { z - step }
         };
-        if (next - z).abs() <= ROUNDING * size.max(z.abs()) || !next.is_finite() {
-            return residual.is_finite().then_some(point);
+        if next == z || next == below || next == above {
+            // the bracket has no number between its ends: as good as the digits allow
+            return Some(point);
+        }
+        if !next.is_finite() {
+            return None;
         }
         point = at(next);
     }
-    // a bracket shrunk by bisection and Newton in turn: as good as the digits allow, or not at all
-    let width = (above - below).abs();
-    (width <= 1e-12 * size).then_some(point)
+    None
 }
 
 /// C_ab − C_a3 C_3b/C_33 in principal axes; the shears out of the plane vanish.
