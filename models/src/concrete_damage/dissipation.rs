@@ -19,9 +19,10 @@ pub(super) struct Start {
 
 /// The dissipation of an increment.
 ///
-/// Damage: ½ (F_n/Y_n + F_{n+1}/Y_{n+1}) ∫ Y dD for each branch, F = −∂Ψ/∂D the true force. F/Y depends
-/// only on the direction of the strain and on damage, so this is exact as long as F/Y stays and of
-/// second order otherwise; never negative.
+/// Damage: ½ (R_n + R_{n+1}) ∫ Y (−f') dD for each branch, R = F/(Y (−f')), F = −∂Ψ/∂D the true force and
+/// f the uniaxial stiffness ratio. R stays the same in uniaxial stress (and, for cracking, on any
+/// proportional strain path without crushing), where this is exact for any increment; it is of second
+/// order otherwise, and never negative.
 /// Inelastic strain: ½ (σ* + σ_{n+1}) : Δε_p, σ* being σ_n carried along its ray to the threshold.
 pub(super) fn increment(
     parameters: &Parameters,
@@ -43,13 +44,14 @@ pub(super) fn increment(
         if end.rates[0] > 0.0 {
             let (old, new) = (&start.history.tension, &end.history.tension);
             let ratio = end.solid.tensile_force() / new.maximum;
-            let first = force_ratio(solid.tensile_force(), criteria.tension, ratio);
+            let first = ratio_or(solid.tensile_force(), criteria.tension, ratio);
             dissipation += 0.5 * (first + ratio) * softening[0].dissipation(old, new);
         }
         if end.rates[1] > 0.0 {
             let (old, new) = (&start.history.compression, &end.history.compression);
-            let ratio = end.solid.compressive_force(parameters) / new.maximum;
-            let first = force_ratio(solid.compressive_force(parameters), criteria.compression, ratio);
+            let loss = |eta: f64| softening[1].curve.stiffness_loss(eta, eta);
+            let ratio = end.solid.compressive_force(parameters) / (new.maximum * loss(new.eta));
+            let first = ratio_or(solid.compressive_force(parameters), criteria.compression * loss(old.eta), ratio);
             dissipation += 0.5 * (first + ratio) * softening[1].dissipation(old, new);
         }
     }
@@ -68,8 +70,8 @@ pub(super) fn increment(
     dissipation
 }
 
-/// F_n/Y_n, or the end's ratio where the start has no direction.
-fn force_ratio(force: f64, energy: f64, otherwise: f64) -> f64 {
+/// The start's ratio, or the end's where the start has no direction.
+fn ratio_or(force: f64, energy: f64, otherwise: f64) -> f64 {
     let ratio = force / energy;
     if energy > 0.0 && ratio.is_finite() { ratio } else { otherwise }
 }

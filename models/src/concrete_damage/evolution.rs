@@ -27,7 +27,7 @@ pub(super) struct Evolution {
 /// the maximum within `rounding` is none.
 #[inline]
 fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> f64 {
-    if energy - rounding <= branch.maximum.max(softening.law.threshold) {
+    if energy - rounding <= branch.maximum.max(softening.curve.law.threshold) {
         return 0.0;
     }
     branch.maximum = energy;

@@ -1,5 +1,7 @@
 #![doc = include_str!("doc.md")]
 
+pub mod calibration;
+mod crack_band;
 mod criteria;
 mod degraded;
 mod dissipation;
@@ -8,6 +10,7 @@ mod inelastic;
 mod no_tension;
 mod plane_stress;
 mod softening;
+mod uniaxial;
 
 #[cfg(test)]
 mod test;
@@ -15,11 +18,13 @@ mod test;
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
 use crate::tensor::{Elasticity, Spectral};
+use crack_band::CrackBand;
 use dissipation::Start;
 use evolution::Evolution;
 use softening::Softening;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+use uniaxial::Uniaxial;
 
 /// The law.
 pub struct ConcreteDamage;
@@ -52,6 +57,31 @@ impl Parameters {
     #[inline]
     fn has_inelastic_strain(&self) -> bool {
         self.b_t != 0.0 || self.b_c != 0.0
+    }
+
+    /// Whether a fracture energy is given.
+    #[inline]
+    fn wants_crack_band(&self) -> bool {
+        self.fracture_energy > 0.0 || self.crushing_energy > 0.0
+    }
+
+    /// The two branches, with crack bands as far as energies and a length are given.
+    #[inline]
+    fn softening(&self, length: Option<f64>) -> [Softening; 2] {
+        let band = |fracture_energy: f64, inelastic_fraction: f64| {
+            let length = length.filter(|_| fracture_energy > 0.0)?;
+            Some(CrackBand { fracture_energy, length, inelastic_fraction })
+        };
+        [
+            Softening {
+                curve: Uniaxial::tension(&self.elasticity, self.tension),
+                band: band(self.fracture_energy, self.b_t),
+            },
+            Softening {
+                curve: Uniaxial::compression(&self.elasticity, self.compression, self.beta),
+                band: band(self.crushing_energy, self.b_c),
+            },
+        ]
     }
 }
 
@@ -127,7 +157,7 @@ impl Law for ConcreteDamage {
 
     #[inline]
     fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        Ok(Parameters {
+        let parameters = Parameters {
             elasticity: Elasticity::new(props[0], props[1]),
             tension: DamageLaw { a: props[2], b: props[3], threshold: props[4] },
             compression: DamageLaw { a: props[5], b: props[6], threshold: props[7] },
@@ -137,7 +167,30 @@ impl Law for ConcreteDamage {
             b_c: props[11],
             fracture_energy: props[12],
             crushing_energy: props[13],
-        })
+        };
+        // ∫ σ dε of the curve itself is infinite for B ≤ 1 (models.md §10)
+        if parameters.fracture_energy > 0.0 && parameters.tension.b <= 1.0 {
+            let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: parameters.tension.b });
+        }
+        if parameters.crushing_energy > 0.0 && parameters.compression.b <= 1.0 {
+            let rule = "G_c > 0 needs B_c > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: parameters.compression.b });
+        }
+        Ok(parameters)
+    }
+
+    fn needs_characteristic_length(parameters: &Parameters) -> bool {
+        parameters.wants_crack_band()
+    }
+
+    fn check_characteristic_length(parameters: &Parameters, length: f64) -> Result<(), ConfigurationError> {
+        for (softening, name) in parameters.softening(Some(length)).iter().zip(["G_f", "G_c"]) {
+            if let Some(band) = &softening.band {
+                band.check(&softening.curve, name)?;
+            }
+        }
+        Ok(())
     }
 
     #[inline]
@@ -147,7 +200,18 @@ impl Law for ConcreteDamage {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure> {
-        let softening = [Softening { law: parameters.tension }, Softening { law: parameters.compression }];
+        let softening = parameters.softening(increment.characteristic_length);
+        let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
+            (false, _) => 0.0,
+            (true, None) => 2.0,
+            (true, Some(length)) => {
+                // a UMAT has no set-up phase: the first call of a point is where the length is checked
+                if state[CRACK_BAND] != 1.0 {
+                    Self::check_characteristic_length(parameters, length)?;
+                }
+                1.0
+            }
+        };
         let history = History {
             tension: Branch { eta: state[0], maximum: state[2] },
             compression: Branch { eta: state[1], maximum: state[3] },
@@ -162,6 +226,7 @@ impl Law for ConcreteDamage {
         }
         let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
         point.commit(state, dissipation);
+        state[CRACK_BAND] = crack_band;
         Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
     }
 }

@@ -1,49 +1,105 @@
-//! From energy release rate to damage, and what that damage dissipates when Y is its force.
+//! From energy release rate to damage, and what that damage dissipates in uniaxial stress.
 
 use super::Branch;
-use crate::damage_law::{DamageLaw, damage, integrity};
+use super::crack_band::{CrackBand, Stretch, Stretched};
+use super::uniaxial::Uniaxial;
+use crate::damage_law::{damage, integrity};
 
-/// Relative growth of Y − Y₀ up to which the Hermite rule of [`Softening::dissipation`] is exact to
-/// rounding: its error is of the order 7e-3 · growth⁶.
-const HERMITE_REACH: f64 = 0.01;
+/// Relative growth of Y − Y₀ up to which the Hermite rule of sixth order is exact to rounding: its
+/// error is of the order 7e-3 · growth⁶.
+const SIXTH_ORDER_REACH: f64 = 0.01;
+/// The same for the rule of fourth order, error about growth⁴/36.
+const FOURTH_ORDER_REACH: f64 = 1e-3;
 
-/// One branch's D(Y).
+/// One branch's D(Y): D̂, stretched beyond the peak if there is a crack band.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Softening {
-    /// D̂(Y).
-    pub law: DamageLaw,
+    /// The branch in uniaxial stress.
+    pub curve: Uniaxial,
+    /// The crack band, if any.
+    pub band: Option<CrackBand>,
 }
 
 impl Softening {
-    /// η and dD/dY at an energy release rate.
+    /// η and dD/dY at an energy release rate above the threshold.
     #[inline]
     pub fn damage(&self, energy: f64) -> (f64, f64) {
-        let eta = self.law.eta(energy);
-        (eta, self.law.damage_rate(energy, eta))
-    }
-
-    /// ∫ Y dD between two points of the curve (thesis eq. 4.14 with Y as the force).
-    #[inline]
-    pub fn dissipation(&self, start: &Branch, end: &Branch) -> f64 {
-        let excess = start.maximum - self.law.threshold;
-        if start.eta > 0.0 && end.maximum - start.maximum <= HERMITE_REACH * excess {
-            return self.short_dissipation(start, end);
+        let eta = self.curve.law.eta(energy);
+        let rate = self.curve.law.damage_rate(energy, eta);
+        match &self.band {
+            // before the peak the curve itself holds, and its slope tells without knowing the peak
+            Some(band) if self.curve.slope(energy, eta, rate) < 0.0 => {
+                let stretched = band.stretch(&self.curve).at(&self.curve, energy);
+                stretched.map_or((eta, rate), |state| (state.eta, state.rate))
+            }
+            _ => (eta, rate),
         }
-        self.law.dissipation(end.eta) - self.law.dissipation(start.eta)
     }
 
-    /// ∫ Y dD = ½ (Y_0 + Y_1) ΔD + h²/10 (D'_1 − D'_0) − h³/120 (D''_0 + D''_1): integration by parts and
-    /// the two-point Hermite rule for ∫ D dY, with D'' = D' (B − 1 − 2 B D)/(Y − Y₀).
-    fn short_dissipation(&self, start: &Branch, end: &Branch) -> f64 {
-        let step = end.maximum - start.maximum;
+    /// ∫ Y (−f') dD between two points of the curve.
+    pub fn dissipation(&self, start: &Branch, end: &Branch) -> f64 {
+        let excess = start.maximum - self.curve.law.threshold;
+        let growth = (end.maximum - start.maximum) / excess;
+        let short = start.eta > 0.0 && growth <= SIXTH_ORDER_REACH;
+        let Some(stretch) = self.stretch_at(end) else {
+            return if short {
+                self.sixth_order(start, end)
+            } else {
+                self.curve.dissipation(end.eta) - self.curve.dissipation(start.eta)
+            };
+        };
+        let states = [start, end].map(|branch| stretch.at(&self.curve, branch.maximum));
+        match states {
+            [Some(first), Some(last)] if growth <= FOURTH_ORDER_REACH => {
+                self.fourth_order(start, end, [first.rate, last.rate])
+            }
+            [first, last] => {
+                let total = |state: Option<Stretched>, branch: &Branch| match state {
+                    Some(state) => stretch.dissipation(&self.curve, &state),
+                    None => self.curve.dissipation(branch.eta),
+                };
+                (total(last, end) - total(first, start)).max(0.0)
+            }
+        }
+    }
+
+    /// The stretch, if there is a crack band and the branch is beyond the peak.
+    fn stretch_at(&self, branch: &Branch) -> Option<Stretch> {
+        let band = self.band.as_ref()?;
+        let eta = self.curve.law.eta(branch.maximum);
+        let rate = self.curve.law.damage_rate(branch.maximum, eta);
+        (self.curve.slope(branch.maximum, eta, rate) < 0.0).then(|| band.stretch(&self.curve))
+    }
+
+    /// −Δf between two points, without cancellation.
+    #[inline]
+    fn stiffness_drop(&self, start: &Branch, end: &Branch) -> f64 {
         let growth = (end.eta - start.eta) * integrity(end.eta) * integrity(start.eta);
+        growth * self.curve.stiffness_loss(start.eta, end.eta)
+    }
+
+    /// −∫ Y df = −½ (Y_0 + Y_1) Δf + h²/10 ΔF' − h³/120 (F''_0 + F''_1) with F(Y) = 1 − f(D̂(Y)): integration
+    /// by parts and the two-point Hermite rule for ∫ F dY; D'' = D' (B − 1 − 2BD)/(Y − Y₀).
+    fn sixth_order(&self, start: &Branch, end: &Branch) -> f64 {
+        let law = &self.curve.law;
+        let step = end.maximum - start.maximum;
         let slopes = |branch: &Branch| {
-            let first = self.law.damage_rate(branch.maximum, branch.eta);
-            let excess = branch.maximum - self.law.threshold;
-            (first, first * (self.law.b - 1.0 - 2.0 * self.law.b * damage(branch.eta)) / excess)
+            let rate = law.damage_rate(branch.maximum, branch.eta);
+            let excess = branch.maximum - law.threshold;
+            let second = rate * (law.b - 1.0 - 2.0 * law.b * damage(branch.eta)) / excess;
+            let loss = self.curve.stiffness_loss(branch.eta, branch.eta);
+            (loss * rate, self.curve.stiffness_loss_rate(branch.eta) * rate * rate + loss * second)
         };
         let ((first_0, second_0), (first_1, second_1)) = (slopes(start), slopes(end));
-        0.5 * (start.maximum + end.maximum) * growth
+        0.5 * (start.maximum + end.maximum) * self.stiffness_drop(start, end)
             + step * step * ((first_1 - first_0) / 10.0 - step * (second_0 + second_1) / 120.0)
+    }
+
+    /// −∫ Y df = −½ (Y_0 + Y_1) Δf + h²/12 ΔF', for the stretched curve, whose F'' is not at hand.
+    fn fourth_order(&self, start: &Branch, end: &Branch, rates: [f64; 2]) -> f64 {
+        let step = end.maximum - start.maximum;
+        let slope = |branch: &Branch, rate: f64| rate * self.curve.stiffness_loss(branch.eta, branch.eta);
+        let change = slope(end, rates[1]) - slope(start, rates[0]);
+        0.5 * (start.maximum + end.maximum) * self.stiffness_drop(start, end) + step * step * change / 12.0
     }
 }
