@@ -221,7 +221,9 @@ impl Law for ConcreteDamage {
         let stress = point.stress(parameters);
         let dissipation = point.dissipation(parameters, &softening, &history, increment, state, &stress);
         let energy = point.evolution.solid.energy();
-        if !(energy.is_finite() && dissipation.is_finite()) {
+        let History { tension, compression } = point.evolution.history;
+        let reached = tension.maximum + compression.maximum;
+        if !(energy + dissipation + reached + stress.iter().sum::<f64>()).is_finite() {
             return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
         }
         let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };

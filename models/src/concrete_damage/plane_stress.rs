@@ -57,6 +57,18 @@ impl Plane {
     }
 }
 
+/// A point of the bracket when Newton's step leaves it. The sides of a cracked solid open at ε33 = 0 and
+/// the root of a fully cracked one may be 1e-100 away from there, so 0 and its neighbourhood come first.
+fn inside(below: f64, above: f64) -> f64 {
+    if below < 0.0 && above > 0.0 {
+        0.0
+    } else if below == 0.0 || above == 0.0 {
+        f64::EPSILON * (below + above)
+    } else {
+        0.5 * (below + above)
+    }
+}
+
 /// Finds ε33 by Newton's method inside a shrinking bracket, from `guess`; `None` if σ33 has no zero
 /// within reach.
 ///
@@ -100,7 +112,7 @@ pub(super) fn solve(
         let newton = z - residual / slope;
         let bracketed = below.is_finite() && above.is_finite();
         let next = if bracketed {
-            if newton > below && newton < above { newton } else { 0.5 * (below + above) }
+            if newton > below && newton < above { newton } else { inside(below, above) }
         } else {
             let step = if slope > 0.0 { (residual / slope).abs().min(reach) } else { reach };
             reach *= EXPANSION;
