@@ -7,8 +7,9 @@ use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::law::{Increment, Law, Request, StressState};
 
-const UPDATES: usize = 200_000;
-const REPETITIONS: usize = 7;
+/// Few enough to fit between two interruptions by the scheduler.
+const UPDATES: usize = 10_000;
+const REPETITIONS: usize = 60;
 
 /// A path: its name, stress state and strain at 0 ≤ t ≤ 1.
 struct Path {

@@ -44,6 +44,9 @@ pub(super) struct Stretch {
 /// Enough for Newton in a bracket: each step at least halves it or converges quadratically.
 const MAX_ITERATIONS: usize = 80;
 
+/// A Newton step this small leaves an error of its square, below rounding.
+const LAST_STEP: f64 = 3e-9;
+
 /// Root of an increasing function of q, given as (value, slope), between `lower` and `upper`.
 fn bracketed_newton(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f64, start: f64) -> f64 {
     let mut q = start.clamp(lower, upper);
@@ -56,7 +59,7 @@ fn bracketed_newton(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f6
         }
         let newton = q - value / slope;
         let next = if newton > lower && newton < upper { newton } else { 0.5 * (lower + upper) };
-        if (next - q).abs() <= 2.0 * f64::EPSILON * q.abs().max(1.0) {
+        if (next - q).abs() <= LAST_STEP && next == newton {
             return next;
         }
         q = next;

@@ -32,7 +32,7 @@ pub(super) fn increment(
     axes: &Spectral,
     stress: &[f64; 6],
 ) -> f64 {
-    let growing = end.rates[0] > 0.0 || end.rates[1] > 0.0;
+    let growing = end.growth[0].is_some() || end.growth[1].is_some();
     if !growing && end.flow.is_none() {
         return 0.0;
     }
@@ -41,18 +41,18 @@ pub(super) fn increment(
     let mut dissipation = 0.0;
     if growing {
         let solid = Degraded::new(parameters, start.history.tension.eta, start.history.compression.eta, &strain);
-        if end.rates[0] > 0.0 {
+        if let Some(damage) = &end.growth[0] {
             let (old, new) = (&start.history.tension, &end.history.tension);
             let ratio = end.solid.tensile_force() / new.maximum;
             let first = ratio_or(solid.tensile_force(), criteria.tension, ratio);
-            dissipation += 0.5 * (first + ratio) * softening[0].dissipation(old, new);
+            dissipation += 0.5 * (first + ratio) * softening[0].dissipation(old, new, damage);
         }
-        if end.rates[1] > 0.0 {
+        if let Some(damage) = &end.growth[1] {
             let (old, new) = (&start.history.compression, &end.history.compression);
             let loss = |eta: f64| softening[1].curve.stiffness_loss(eta, eta);
             let ratio = end.solid.compressive_force(parameters) / (new.maximum * loss(new.eta));
             let first = ratio_or(solid.compressive_force(parameters), criteria.compression * loss(old.eta), ratio);
-            dissipation += 0.5 * (first + ratio) * softening[1].dissipation(old, new);
+            dissipation += 0.5 * (first + ratio) * softening[1].dissipation(old, new, damage);
         }
     }
     if let Some(flow) = &end.flow {

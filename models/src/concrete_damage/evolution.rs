@@ -6,7 +6,7 @@
 use super::criteria::{Criteria, times};
 use super::degraded::Degraded;
 use super::inelastic::Flow;
-use super::softening::Softening;
+use super::softening::{Damage, Softening};
 use super::{Branch, History, Parameters};
 
 /// The response to one principal trial strain from one committed history.
@@ -17,27 +17,26 @@ pub(super) struct Evolution {
     pub flow: Option<Flow>,
     /// The history at the end.
     pub history: History,
-    /// dD_t/dY_t and dD_c/dY_c where damage grows, else 0.
-    pub rates: [f64; 2],
+    /// Damage in tension and compression where it grows.
+    pub growth: [Option<Damage>; 2],
     /// The solid at the new damage.
     pub solid: Degraded,
 }
 
-/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns dD/dY. An excess over
-/// the maximum within `rounding` is none.
+/// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns how D grows, if
+/// it does. An excess over the maximum within `rounding` is none.
 #[inline]
-fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> f64 {
+fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> Option<Damage> {
     if energy - rounding <= branch.maximum.max(softening.curve.law.threshold) {
-        return 0.0;
+        return None;
     }
     branch.maximum = energy;
-    let (eta, rate) = softening.damage(energy);
-    if eta > branch.eta {
-        branch.eta = eta;
-        rate
-    } else {
-        0.0
+    let damage = softening.damage(energy);
+    if damage.eta <= branch.eta {
+        return None;
     }
+    branch.eta = damage.eta;
+    Some(damage)
 }
 
 impl Evolution {
@@ -50,12 +49,12 @@ impl Evolution {
         let mut history = *history;
         // ε_e = ε − ε_p is recovered from the state with rounding: the same point must stay the same point
         let rounding = if parameters.has_inelastic_strain() { criteria.rounding(parameters) } else { [0.0; 2] };
-        let rates = [
+        let growth = [
             advance(&mut history.tension, &softening[0], criteria.tension, rounding[0]),
             advance(&mut history.compression, &softening[1], criteria.compression, rounding[1]),
         ];
         let solid = Degraded::new(parameters, history.tension.eta, history.compression.eta, &elastic_strain);
-        Self { criteria, flow, history, rates, solid }
+        Self { criteria, flow, history, growth, solid }
     }
 
     /// The consistent tangent in principal axes: H_ij = ∂s_i/∂e_j and d_12, d_13, d_23.
@@ -69,12 +68,12 @@ impl Evolution {
                 }
             }
         };
-        if self.rates[0] > 0.0 {
-            add(self.rates[0], self.solid.tensile_softening(), self.criteria.tension_gradient(parameters));
+        if let Some(damage) = &self.growth[0] {
+            add(damage.rate, self.solid.tensile_softening(), self.criteria.tension_gradient(parameters));
         }
-        if self.rates[1] > 0.0 {
+        if let Some(damage) = &self.growth[1] {
             let softening = self.solid.compressive_softening(parameters);
-            add(self.rates[1], softening, self.criteria.compression_gradient(parameters));
+            add(damage.rate, softening, self.criteria.compression_gradient(parameters));
         }
         if let Some(flow) = &self.flow {
             let (gradient, factors) = flow.gradient(parameters);

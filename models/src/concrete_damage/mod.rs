@@ -306,7 +306,7 @@ impl PointResponse {
         state: &[f64],
         stress: &[f64; 6],
     ) -> f64 {
-        if self.evolution.rates == [0.0; 2] && self.evolution.flow.is_none() {
+        if self.evolution.growth.iter().all(Option::is_none) && self.evolution.flow.is_none() {
             return 0.0;
         }
         let mut strain: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - increment.strain_increment[i]);

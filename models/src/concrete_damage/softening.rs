@@ -20,55 +20,54 @@ pub(super) struct Softening {
     pub band: Option<CrackBand>,
 }
 
+/// Damage at an energy release rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Damage {
+    /// η.
+    pub eta: f64,
+    /// dD/dY.
+    pub rate: f64,
+    stretched: Option<(Stretch, Stretched)>,
+}
+
 impl Softening {
     /// η and dD/dY at an energy release rate above the threshold.
     #[inline]
-    pub fn damage(&self, energy: f64) -> (f64, f64) {
+    pub fn damage(&self, energy: f64) -> Damage {
         let eta = self.curve.law.eta(energy);
         let rate = self.curve.law.damage_rate(energy, eta);
-        match &self.band {
+        if let Some(band) = &self.band {
             // before the peak the curve itself holds, and its slope tells without knowing the peak
-            Some(band) if self.curve.slope(energy, eta, rate) < 0.0 => {
-                let stretched = band.stretch(&self.curve).at(&self.curve, energy);
-                stretched.map_or((eta, rate), |state| (state.eta, state.rate))
+            if self.curve.slope(energy, eta, rate) < 0.0 {
+                let stretch = band.stretch(&self.curve);
+                if let Some(state) = stretch.at(&self.curve, energy) {
+                    return Damage { eta: state.eta, rate: state.rate, stretched: Some((stretch, state)) };
+                }
             }
-            _ => (eta, rate),
         }
+        Damage { eta, rate, stretched: None }
     }
 
-    /// ∫ Y (−f') dD between two points of the curve.
-    pub fn dissipation(&self, start: &Branch, end: &Branch) -> f64 {
+    /// ∫ Y (−f') dD from a point of the curve to the end of an increment.
+    pub fn dissipation(&self, start: &Branch, end: &Branch, reached: &Damage) -> f64 {
         let excess = start.maximum - self.curve.law.threshold;
         let growth = (end.maximum - start.maximum) / excess;
-        let short = start.eta > 0.0 && growth <= SIXTH_ORDER_REACH;
-        let Some(stretch) = self.stretch_at(end) else {
-            return if short {
+        let short = |reach: f64| start.eta > 0.0 && growth <= reach;
+        let Some((stretch, last)) = &reached.stretched else {
+            return if short(SIXTH_ORDER_REACH) {
                 self.sixth_order(start, end)
             } else {
                 self.curve.dissipation(end.eta) - self.curve.dissipation(start.eta)
             };
         };
-        let states = [start, end].map(|branch| stretch.at(&self.curve, branch.maximum));
-        match states {
-            [Some(first), Some(last)] if growth <= FOURTH_ORDER_REACH => {
-                self.fourth_order(start, end, [first.rate, last.rate])
+        let before = match stretch.at(&self.curve, start.maximum) {
+            Some(first) if short(FOURTH_ORDER_REACH) => {
+                return self.fourth_order(start, end, [first.rate, last.rate]);
             }
-            [first, last] => {
-                let total = |state: Option<Stretched>, branch: &Branch| match state {
-                    Some(state) => stretch.dissipation(&self.curve, &state),
-                    None => self.curve.dissipation(branch.eta),
-                };
-                (total(last, end) - total(first, start)).max(0.0)
-            }
-        }
-    }
-
-    /// The stretch, if there is a crack band and the branch is beyond the peak.
-    fn stretch_at(&self, branch: &Branch) -> Option<Stretch> {
-        let band = self.band.as_ref()?;
-        let eta = self.curve.law.eta(branch.maximum);
-        let rate = self.curve.law.damage_rate(branch.maximum, eta);
-        (self.curve.slope(branch.maximum, eta, rate) < 0.0).then(|| band.stretch(&self.curve))
+            Some(first) => stretch.dissipation(&self.curve, &first),
+            None => self.curve.dissipation(start.eta),
+        };
+        (stretch.dissipation(&self.curve, last) - before).max(0.0)
     }
 
     /// −Δf between two points, without cancellation.

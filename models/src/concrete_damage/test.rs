@@ -44,12 +44,22 @@ impl<'p> StressRatio<'p> {
     fn advance(&mut self, axial: f64) -> f64 {
         let mut strain = self.point.strain;
         strain[0] = axial;
-        for _ in 0..100 {
+        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        for _ in 0..200 {
             let (response, _) = self.point.trial(&strain);
             let (s, c) = (response.stress, response.tangent);
-            let step = -(s[1] - self.ratio * s[0]) / (c[1][1] - self.ratio * c[0][1]);
-            strain[1] += step;
-            if step.abs() <= 1e-15 * axial.abs() {
+            let residual = s[1] - self.ratio * s[0];
+            if residual < 0.0 {
+                below = strain[1]
+            } else {
+                above = strain[1]
+            }
+            let newton = strain[1] - residual / (c[1][1] - self.ratio * c[0][1]);
+            let leaves = newton <= below || newton >= above;
+            let next = if leaves && (above - below).is_finite() { 0.5 * (below + above) } else { newton };
+            let step = next - strain[1];
+            strain[1] = next;
+            if step.abs() <= 1e-16 * axial.abs() {
                 break;
             }
         }
@@ -92,10 +102,10 @@ fn variants() -> [([f64; 14], Option<f64>); 5] {
 #[test]
 fn tangent_is_the_derivative_of_the_stress() {
     for (k, (props, length)) in variants().into_iter().enumerate() {
-        let count = if k == 0 { 10_000 } else { 2500 };
+        let count = if k == 0 { 10_000 } else { 2000 };
         for stress_state in STRESS_STATES {
             if let Some(length) = length {
-                banded_tangent(&props, stress_state, length, count);
+                banded_tangent(&props, stress_state, length, count / 4);
             } else {
                 battery::check_tangent::<ConcreteDamage>(&props, stress_state, 3e-4, count);
             }

@@ -10,7 +10,7 @@ fn uniaxial_energy(props: &[f64; 14], length: Option<f64>, onset: f64, b: f64) -
     path.point.characteristic_length = length;
     let elastic = path.advance(onset);
     let mut energy = 0.5 * elastic * onset;
-    let (decades, count) = (6.0, 6000);
+    let (decades, count) = (6.0, 1600);
     let step = decades * std::f64::consts::LN_10 / f64::from(count);
     let mut integrand = vec![elastic * onset];
     for i in 1..=count {

@@ -79,7 +79,7 @@ fn balance_error(props: &[f64; 14], stress_state: StressState, length: Option<f6
 fn work_is_stored_or_dissipated() {
     for (props, length) in variants() {
         for stress_state in STRESS_STATES {
-            for seed in 1..=6 {
+            for seed in 1..=3 {
                 let coarse = balance_error(&props, stress_state, length, seed, 1000);
                 let fine = balance_error(&props, stress_state, length, seed, 8000);
                 assert!(fine < 2e-4, "{stress_state:?} {seed}: {coarse:e} {fine:e} {props:?}");
