@@ -17,7 +17,7 @@ mod test;
 
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
-use crate::tensor::{Elasticity, Spectral};
+use crate::tensor::{Elasticity, Spectral, stress_norm_squared, work};
 use crack_band::CrackBand;
 use dissipation::Start;
 use evolution::Evolution;
@@ -217,6 +217,18 @@ impl Law for ConcreteDamage {
             compression: Branch { eta: state[1], maximum: state[3] },
         };
         let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
+        if history.tension.eta == 0.0
+            && history.compression.eta == 0.0
+            && let Some(response) = elastic_response(parameters, increment, &trial, request)
+        {
+            state[CRACK_BAND] = crack_band;
+            state[STRAIN_33_STATE] = if increment.stress_state == StressState::PlaneStress {
+                parameters.elasticity.plane_stress_strain_33(&trial)
+            } else {
+                increment.strain[2]
+            };
+            return Ok(response);
+        }
         let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
         let stress = point.stress(parameters);
         let dissipation = point.dissipation(parameters, &softening, &history, increment, state, &stress);
@@ -231,6 +243,39 @@ impl Law for ConcreteDamage {
         state[CRACK_BAND] = crack_band;
         Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
     }
+}
+
+/// The response of the virgin solid, if a bound without principal values shows that nothing can grow:
+/// s̄_1² ≤ s̄ : s̄ bounds Y_t, and Y_c ≤ ½ s̄ : ε.
+#[inline]
+fn elastic_response(
+    parameters: &Parameters,
+    increment: &Increment,
+    strain: &[f64; 6],
+    request: Request,
+) -> Option<Response> {
+    let elasticity = &parameters.elasticity;
+    let plane_stress = increment.stress_state == StressState::PlaneStress;
+    let mut strain = *strain;
+    if plane_stress {
+        strain[2] = elasticity.plane_stress_strain_33(&strain);
+    }
+    let mut stress = elasticity.stress(&strain);
+    let energy = 0.5 * work(&stress, &strain);
+    let tension = stress_norm_squared(&stress) / (2.0 * elasticity.youngs_modulus);
+    // false for NaN too
+    if !(tension <= parameters.tension.threshold && energy <= parameters.compression.threshold) {
+        return None;
+    }
+    if plane_stress {
+        stress[2] = 0.0;
+    }
+    let tangent = match (request.wants_tangent(), plane_stress) {
+        (false, _) => [[0.0; 6]; 6],
+        (true, false) => elasticity.stiffness(),
+        (true, true) => elasticity.plane_stress_stiffness(),
+    };
+    Some(Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 })
 }
 
 /// The end of an increment, in the principal axes of the trial strain.
