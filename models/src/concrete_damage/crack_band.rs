@@ -26,7 +26,7 @@ pub(super) struct Stretched {
     pub eta: f64,
     /// dD̃/dY.
     pub rate: f64,
-    /// ∫₀^x̃ σ dx̃.
+    /// The point of the unstretched curve with the same stress.
     point: Point,
     /// x̃.
     strain: f64,
@@ -164,8 +164,9 @@ fn steepest_slope(curve: &Uniaxial, peak: &Point) -> f64 {
 }
 
 impl Stretch {
-    /// The state at an energy release rate; `None` before the peak, where the curve itself holds.
-    pub fn at(&self, curve: &Uniaxial, energy: f64) -> Option<Stretched> {
+    /// The state at an energy release rate; `None` before the peak, where the curve itself holds. A state
+    /// nearby shortens the search.
+    pub fn at(&self, curve: &Uniaxial, energy: f64, nearby: Option<&Stretched>) -> Option<Stretched> {
         if energy <= self.peak.energy {
             return None;
         }
@@ -187,7 +188,7 @@ impl Stretch {
             },
             lower,
             upper,
-            upper,
+            nearby.map_or(upper, |state| state.point.eta.ln()),
         );
         let point = curve.point(q);
         let ratio = curve.stiffness_ratio(point.eta) * point.strain / strain;

@@ -40,7 +40,7 @@ impl Softening {
             // before the peak the curve itself holds, and its slope tells without knowing the peak
             if self.curve.slope(energy, eta, rate) < 0.0 {
                 let stretch = band.stretch(&self.curve);
-                if let Some(state) = stretch.at(&self.curve, energy) {
+                if let Some(state) = stretch.at(&self.curve, energy, None) {
                     return Damage { eta: state.eta, rate: state.rate, stretched: Some((stretch, state)) };
                 }
             }
@@ -60,7 +60,7 @@ impl Softening {
                 self.curve.dissipation(end.eta) - self.curve.dissipation(start.eta)
             };
         };
-        let before = match stretch.at(&self.curve, start.maximum) {
+        let before = match stretch.at(&self.curve, start.maximum, Some(last)) {
             Some(first) if short(FOURTH_ORDER_REACH) => {
                 return self.fourth_order(start, end, [first.rate, last.rate]);
             }

@@ -127,3 +127,22 @@ fn inelastic_strain_leaves_strengths_and_residual_strain() {
     assert!(residual < -5e-4, "{residual}");
     assert!(path.advance(residual).abs() < 1e-9);
 }
+
+/// The same fit as the defaults', but made with free sides: inside the band.
+#[test]
+fn tension_refitted_with_free_sides_is_inside_the_band() {
+    let props = with(defaults(), &[("A_t", 4500.0), ("Y_t0", 1.893_425e-4)]);
+    assert_abs_diff_eq!(StressRatio::virgin(&props, 0.0).peak(2e-4, 2000), 3.500, epsilon = 5e-4);
+    let mut path = StressRatio::virgin(&props, 0.0);
+    let count = 6000;
+    let step = 6e-4 / f64::from(count);
+    let mut stress = vec![0.0];
+    for i in 1..=count {
+        stress.push(path.advance(step * f64::from(i)));
+    }
+    for (strain, expected) in [(2000, 1.651), (3000, 0.809), (4000, 0.495)] {
+        assert_abs_diff_eq!(stress[strain], expected, epsilon = 5e-4);
+    }
+    let area: f64 = stress.windows(2).map(|s| 0.5 * (s[0] + s[1]) * step).sum();
+    assert_abs_diff_eq!(area, 6.736e-4, epsilon = 2e-7);
+}
