@@ -164,6 +164,11 @@ fn steepest_slope(curve: &Uniaxial, peak: &Point) -> f64 {
 }
 
 impl Stretch {
+    /// r > 0; [`CrackBand::check`] asks for more.
+    pub fn is_possible(&self) -> bool {
+        self.factor > 0.0
+    }
+
     /// The state at an energy release rate; `None` before the peak, where the curve itself holds. A state
     /// nearby shortens the search.
     pub fn at(&self, curve: &Uniaxial, energy: f64, nearby: Option<&Stretched>) -> Option<Stretched> {

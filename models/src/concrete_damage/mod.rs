@@ -236,6 +236,9 @@ impl Law for ConcreteDamage {
         let History { tension, compression } = point.evolution.history;
         let reached = tension.maximum + compression.maximum;
         if !(energy + dissipation + reached + stress.iter().sum::<f64>()).is_finite() {
+            if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
+                Self::check_characteristic_length(parameters, length)?;
+            }
             return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
         }
         let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };

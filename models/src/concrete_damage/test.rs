@@ -158,3 +158,23 @@ fn increments_of_a_proportional_path_do_not_matter() {
         }
     }
 }
+
+/// IV-HP splits with K_c(D_c,n): exact where crushing and open cracks do not meet, else of first order.
+#[test]
+fn increments_with_inelastic_strain_converge() {
+    let props = with(defaults(), &[("b_t", 0.3), ("b_c", 0.3)]);
+    for path in [[3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0], [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0]] {
+        let counts = [1, 10, 1000, 20_000];
+        battery::check_path_exactness::<ConcreteDamage>(&props, StressState::ThreeD, &path, &counts);
+    }
+    let stress_after = |count: u32| {
+        let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+        for i in 1..=count {
+            point.advance(&[-2e-3, 4e-4, 1e-4, 1e-3, 0.0, 0.0].map(|x| x * f64::from(i) / f64::from(count)));
+        }
+        point.stress[0]
+    };
+    let limit = stress_after(50_000);
+    let errors = [10, 100, 1000].map(|count| (stress_after(count) / limit - 1.0).abs());
+    assert!(errors[0] < 5e-4 && errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1], "{errors:?}");
+}

@@ -95,6 +95,27 @@ fn too_long_an_element_is_refused_with_the_limit() {
     ));
 }
 
+/// A host that changes CELENT in mid-run is told as soon as it matters.
+#[test]
+fn a_length_that_grows_too_large_is_refused() {
+    let props = with(defaults(), &[("G_f", 0.1)]);
+    let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+    point.characteristic_length = Some(20.0);
+    point.advance(&[1e-5, 0.0, 0.0, 0.0, 0.0, 0.0]);
+    let increment = Increment {
+        stress_state: StressState::ThreeD,
+        strain: [4e-4, 0.0, 0.0, 0.0, 0.0, 0.0],
+        strain_increment: [3.9e-4, 0.0, 0.0, 0.0, 0.0, 0.0],
+        stress: point.stress,
+        characteristic_length: Some(1e5),
+    };
+    let failure = ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress);
+    assert!(matches!(
+        failure,
+        Err(Failure::Configuration(ConfigurationError::CharacteristicLengthTooLarge { parameter: "G_f", .. }))
+    ));
+}
+
 #[test]
 fn the_state_says_whether_the_band_works() {
     let props = with(defaults(), &[("G_f", 0.1)]);
