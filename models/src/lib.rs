@@ -6,6 +6,7 @@
 pub mod biaxial_damage;
 pub mod bond_slip;
 pub mod bracketed_newton;
+pub mod concrete_damage;
 pub mod damage_law;
 pub mod drucker_prager;
 pub mod inelastic_damage;

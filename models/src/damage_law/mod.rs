@@ -103,7 +103,7 @@ impl DamageLaw {
 const SERIES_TERMS: u32 = 64;
 
 /// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p).
-fn excess_integral(eta: f64, p: f64) -> f64 {
+pub(crate) fn excess_integral(eta: f64, p: f64) -> f64 {
     if eta <= 1.0 {
         return lower_integral(eta, p);
     }

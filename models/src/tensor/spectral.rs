@@ -33,30 +33,37 @@ impl Spectral {
         Self::of_matrix([[a, d, e], [d, b, f], [e, f, c]])
     }
 
+    #[inline]
     fn of_matrix(mut m: [[f64; 3]; 3]) -> Self {
         let mut directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let largest = m.iter().flatten().fold(0.0_f64, |scale, x| scale.max(x.abs()));
-        let negligible = NEGLIGIBLE * largest;
-        for _ in 0..MAX_SWEEPS {
-            let mut rotated = false;
-            for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-                if m[p][q].abs() > negligible {
-                    rotate(&mut m, &mut directions, p, q);
-                    rotated = true;
-                }
+        if m[0][2] == 0.0 && m[1][2] == 0.0 {
+            // direction 3 is principal: one rotation at most, which leaves exact zeros
+            if m[0][1] != 0.0 {
+                rotate(&mut m, &mut directions, 0, 1);
             }
-            if !rotated {
-                break;
-            }
+        } else {
+            sweep(&mut m, &mut directions);
         }
-        let mut sorted = Self { values: [m[0][0], m[1][1], m[2][2]], directions };
+        Self { values: [m[0][0], m[1][1], m[2][2]], directions }.sorted()
+    }
+
+    /// The same with e_1 ≥ e_2 ≥ e_3.
+    #[inline]
+    fn sorted(mut self) -> Self {
         for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            if sorted.values[i] < sorted.values[j] {
-                sorted.values.swap(i, j);
-                sorted.directions.swap(i, j);
+            if self.values[i] < self.values[j] {
+                self.values.swap(i, j);
+                self.directions.swap(i, j);
             }
         }
-        sorted
+        self
+    }
+    /// The coordinate axis of each principal direction if all are coordinate axes.
+    #[inline]
+    fn coordinate_axes(&self) -> Option<[usize; 3]> {
+        let axis = |i: usize| (0..3).find(|&k| self.directions[i][k].abs() == 1.0);
+        let (first, second) = (axis(0)?, axis(1)?);
+        (first != second).then_some([first, second, 3 - first - second])
     }
 
     /// N_i = n_i ⊗ n_i in tensor components (no factor on the shears): σ = Σ s_i N_i, and
@@ -112,6 +119,9 @@ impl Spectral {
     /// d_ij = (s_i − s_j)/(e_i − e_j), which the caller evaluates in closed form for repeated values.
     #[inline]
     pub fn tangent(&self, principal: &[[f64; 3]; 3], shear: &[f64; 3]) -> [[f64; 6]; 6] {
+        if let Some(axes) = self.coordinate_axes() {
+            return along_axes(axes, principal, shear);
+        }
         let n = [self.projector(0), self.projector(1), self.projector(2)];
         let t = [self.shear_projector(0, 1), self.shear_projector(0, 2), self.shear_projector(1, 2)];
         let mut tangent = [[0.0; 6]; 6];
@@ -129,6 +139,41 @@ impl Spectral {
             }
         }
         tangent
+    }
+}
+
+/// [`Spectral::tangent`] where the principal directions are the coordinate axes: the entries themselves.
+#[inline]
+fn along_axes(axes: [usize; 3], principal: &[[f64; 3]; 3], shear: &[f64; 3]) -> [[f64; 6]; 6] {
+    let mut tangent = [[0.0; 6]; 6];
+    for i in 0..3 {
+        for j in 0..3 {
+            tangent[axes[i]][axes[j]] = principal[i][j];
+        }
+    }
+    for (pair, (i, j)) in [(0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+        // shear components 12, 13, 23 are numbers 3, 4, 5; T_ij has ½ there twice
+        let component = axes[i] + axes[j] + 2;
+        tangent[component][component] = 0.5 * shear[pair];
+    }
+    tangent
+}
+
+/// Jacobi rotations until nothing is left off the diagonal.
+fn sweep(m: &mut [[f64; 3]; 3], directions: &mut [[f64; 3]; 3]) {
+    let largest = m.iter().flatten().fold(0.0_f64, |scale, x| scale.max(x.abs()));
+    let negligible = NEGLIGIBLE * largest;
+    for _ in 0..MAX_SWEEPS {
+        let mut rotated = false;
+        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
+            if m[p][q].abs() > negligible {
+                rotate(m, directions, p, q);
+                rotated = true;
+            }
+        }
+        if !rotated {
+            break;
+        }
     }
 }
 

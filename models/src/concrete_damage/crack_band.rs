@@ -1,0 +1,216 @@
+//! The crack band: post-peak strain stretched so that h ∫ σ dε is the fracture energy (models.md §10 b).
+//!
+//! Beyond the peak x_p of the uniaxial curve the law at x is reached only at
+//! x̃ = x + (r − 1)(x_in(x) − x_in(x_p)), x_in = x − σ/E, which adds (r − 1)(g − W_p + σ_p²/2E) to
+//! g = ∫ σ dx. The factor r follows from the wanted energy; D̃ from f(D̃) = σ(x)/(E x̃).
+
+use super::uniaxial::{Point, Uniaxial};
+use crate::damage_law::ETA_MAX;
+use umat_abi::law::ConfigurationError;
+
+/// What the crack band of one branch shall dissipate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CrackBand {
+    /// G_f or G_c, N/mm.
+    pub fracture_energy: f64,
+    /// CELENT, mm.
+    pub length: f64,
+    /// b: the inelastic fraction of the growth of strain.
+    pub inelastic_fraction: f64,
+}
+
+/// A post-peak state of the stretched curve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretched {
+    /// η̃.
+    pub eta: f64,
+    /// dD̃/dY.
+    pub rate: f64,
+    /// The point of the unstretched curve with the same stress.
+    point: Point,
+    /// x̃.
+    strain: f64,
+}
+
+/// The stretch of one curve: its peak and r.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Stretch {
+    peak: Point,
+    peak_work: f64,
+    /// r.
+    factor: f64,
+}
+
+/// Enough for Newton in a bracket: each step at least halves it or converges quadratically.
+const MAX_ITERATIONS: usize = 80;
+
+/// A Newton step this small leaves an error of its square, below rounding.
+const LAST_STEP: f64 = 3e-9;
+
+/// Root of an increasing function of q, given as (value, slope), between `lower` and `upper`.
+fn bracketed_newton(f: impl Fn(f64) -> (f64, f64), mut lower: f64, mut upper: f64, start: f64) -> f64 {
+    let mut q = start.clamp(lower, upper);
+    for _ in 0..MAX_ITERATIONS {
+        let (value, slope) = f(q);
+        if value > 0.0 {
+            upper = q
+        } else {
+            lower = q
+        }
+        let newton = q - value / slope;
+        let next = if newton > lower && newton < upper { newton } else { 0.5 * (lower + upper) };
+        if (next - q).abs() <= LAST_STEP && next == newton {
+            return next;
+        }
+        q = next;
+    }
+    q
+}
+
+/// The peak of the curve, where R = 2Y D̂' (−f')/f = 1; unique for B > 1/2, found in q = ln η, in
+/// which ln R is nearly linear.
+pub(super) fn peak(curve: &Uniaxial) -> Point {
+    let p = 1.0 / curve.law.b;
+    let q = bracketed_newton(
+        |q| {
+            let point = curve.point(q);
+            let ratio = curve.stiffness_ratio(point.eta);
+            let loss = curve.stiffness_loss(point.eta, point.eta);
+            let d = point.eta / (1.0 + point.eta);
+            let loss_rate = curve.stiffness_loss_rate(point.eta);
+            let slope = p * (point.excess / point.energy - 1.0) + 1.0 - 2.0 * d
+                + (loss_rate / loss + loss / ratio) * d / (1.0 + point.eta);
+            ((1.0 - point.slope / ratio).ln(), slope)
+        },
+        -300.0,
+        300.0,
+        -(2.0 * curve.law.b - 1.0).ln(),
+    );
+    curve.point(q)
+}
+
+impl CrackBand {
+    /// The energy ∫ σ dx̃ that the curve must have: G/h less what the recovering sides give back and
+    /// the inelastic strain dissipates beyond the threshold, where it stretches strain by 1/(1 − b).
+    fn wanted_work(&self, curve: &Uniaxial) -> f64 {
+        let b = self.inelastic_fraction;
+        let elastic = curve.youngs_modulus / curve.modulus * curve.law.threshold;
+        (1.0 - b) * self.fracture_energy / (self.length * (1.0 - curve.recovery)) + b * elastic
+    }
+
+    /// The stretch that gives the wanted energy.
+    #[inline(never)]
+    pub fn stretch(&self, curve: &Uniaxial) -> Stretch {
+        let peak = peak(curve);
+        let peak_work = curve.work(peak.energy, peak.eta);
+        let factor = 1.0 + (self.wanted_work(curve) - total_work(curve)) / stretchable_work(curve, &peak, peak_work);
+        Stretch { peak, peak_work, factor }
+    }
+
+    /// Refuses a length beyond which the strain of a softening element would run backwards.
+    ///
+    /// dε/dx > 0 on the whole tail, with ε = x̃ − κ(x̃ − σ/E), asks for
+    /// r − 1 > −(1 + m s)/(1 − s), m = κ(1 − b)/(1 − κ), at the steepest s = σ'/E.
+    #[inline(never)]
+    pub fn check(&self, curve: &Uniaxial, parameter: &'static str) -> Result<(), ConfigurationError> {
+        let peak = peak(curve);
+        let peak_work = curve.work(peak.energy, peak.eta);
+        let s = steepest_slope(curve, &peak);
+        let b = self.inelastic_fraction;
+        let recovered = curve.recovery * (1.0 - b) / (1.0 - curve.recovery);
+        let least_factor = 1.0 - (1.0 + recovered * s) / (1.0 - s);
+        let least_work = total_work(curve) + (least_factor - 1.0) * stretchable_work(curve, &peak, peak_work);
+        let elastic = curve.youngs_modulus / curve.modulus * curve.law.threshold;
+        // wanted work = least work at h = limit
+        let limit = (1.0 - b) * self.fracture_energy / ((1.0 - curve.recovery) * (least_work - b * elastic));
+        if self.length < limit || limit < 0.0 {
+            Ok(())
+        } else {
+            Err(ConfigurationError::CharacteristicLengthTooLarge { parameter, length: self.length, limit })
+        }
+    }
+}
+
+/// ∫₀^∞ σ dx of the curve itself.
+fn total_work(curve: &Uniaxial) -> f64 {
+    curve.youngs_modulus / curve.modulus * curve.total_dissipation()
+}
+
+/// ∫ σ dx_in beyond the peak: g − W_p + σ_p²/2E.
+fn stretchable_work(curve: &Uniaxial, peak: &Point, peak_work: f64) -> f64 {
+    let ratio = curve.stiffness_ratio(peak.eta) * peak.strain;
+    total_work(curve) - peak_work + 0.5 * curve.youngs_modulus * ratio * ratio
+}
+
+/// Where in q = ln η beyond the peak the steepest slope is sought, and how finely at first.
+const SEARCH: (f64, usize) = (20.0, 400);
+
+/// min σ'(x)/E beyond the peak: a scan, then golden sections.
+fn steepest_slope(curve: &Uniaxial, peak: &Point) -> f64 {
+    let first = peak.eta.ln();
+    let width = SEARCH.0 / SEARCH.1 as f64;
+    let slope = |q: f64| curve.point(q).slope;
+    let best = (0..=SEARCH.1)
+        .map(|i| first + i as f64 * width)
+        .min_by(|a, b| slope(*a).total_cmp(&slope(*b)))
+        .unwrap_or(first);
+    let golden = 0.5 * (5.0_f64.sqrt() - 1.0);
+    let (mut lower, mut upper) = (best - width, best + width);
+    while upper - lower > 1e-9 {
+        let (a, b) = (upper - golden * (upper - lower), lower + golden * (upper - lower));
+        if slope(a) < slope(b) { upper = b } else { lower = a }
+    }
+    slope(0.5 * (lower + upper))
+}
+
+impl Stretch {
+    /// r > 0; [`CrackBand::check`] asks for more.
+    pub fn is_possible(&self) -> bool {
+        self.factor > 0.0
+    }
+
+    /// The state at an energy release rate; `None` before the peak, where the curve itself holds. A state
+    /// nearby shortens the search.
+    pub fn at(&self, curve: &Uniaxial, energy: f64, nearby: Option<&Stretched>) -> Option<Stretched> {
+        if energy <= self.peak.energy {
+            return None;
+        }
+        let strain = curve.strain(energy);
+        let stretch = self.factor - 1.0;
+        let peak_inelastic = self.peak.strain * (1.0 - curve.stiffness_ratio(self.peak.eta));
+        // x (1 + (r − 1)(1 − f)) = x̃ + (r − 1) x_in(x_p), solved for q = ln η in logarithms
+        let target = strain + stretch * peak_inelastic;
+        let ceiling = if stretch > 0.0 { strain } else { target / self.factor };
+        let ceiling_energy = 0.5 * curve.modulus * ceiling * ceiling;
+        let lower = self.peak.eta.ln();
+        let upper = curve.law.eta(ceiling_energy).min(ETA_MAX).ln().max(lower) + 1e-9;
+        let q = bracketed_newton(
+            |q| {
+                let point = curve.point(q);
+                let reach = point.strain * (1.0 + stretch * (1.0 - curve.stiffness_ratio(point.eta)));
+                let strain_slope = point.excess / (curve.law.b * curve.modulus * point.strain);
+                ((reach / target).ln(), strain_slope * (1.0 + stretch * (1.0 - point.slope)) / reach)
+            },
+            lower,
+            upper,
+            nearby.map_or(upper, |state| state.point.eta.ln()),
+        );
+        let point = curve.point(q);
+        let ratio = curve.stiffness_ratio(point.eta) * point.strain / strain;
+        let eta = curve.eta_of_stiffness(ratio);
+        let slope = point.slope / (1.0 + stretch * (1.0 - point.slope));
+        let rate = (ratio - slope) / (2.0 * energy * curve.stiffness_loss(eta, eta));
+        Some(Stretched { eta, rate, point, strain })
+    }
+
+    /// ∫₀ Y (−f') dD̃ up to a stretched state: (E*/E)(∫ σ dx̃ − ½ σ x̃).
+    pub fn dissipation(&self, curve: &Uniaxial, state: &Stretched) -> f64 {
+        let e = curve.youngs_modulus;
+        let stress = |point: &Point| e * curve.stiffness_ratio(point.eta) * point.strain;
+        let (now, peak) = (stress(&state.point), stress(&self.peak));
+        let work = curve.work(state.point.energy, state.point.eta);
+        let stretched = self.peak_work + self.factor * (work - self.peak_work)
+            - (self.factor - 1.0) * (now * now - peak * peak) / (2.0 * e);
+        curve.modulus / e * (stretched - 0.5 * now * state.strain)
+    }
+}

@@ -1,0 +1,387 @@
+#![doc = include_str!("doc.md")]
+
+pub mod calibration;
+mod crack_band;
+mod criteria;
+mod degraded;
+mod dissipation;
+mod evolution;
+mod inelastic;
+mod no_tension;
+mod plane_stress;
+mod softening;
+mod uniaxial;
+
+#[cfg(test)]
+mod test;
+
+use crate::damage_law::DamageLaw;
+use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
+use crate::tensor::{Elasticity, Spectral, stress_norm_squared, work};
+use crack_band::CrackBand;
+use dissipation::Start;
+use evolution::Evolution;
+use softening::Softening;
+use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+use uniaxial::Uniaxial;
+
+/// The law.
+pub struct ConcreteDamage;
+
+/// PROPS by name.
+#[derive(Clone, Copy, Debug)]
+pub struct Parameters {
+    /// E, ν.
+    pub elasticity: Elasticity,
+    /// A_t, B_t, Y_t0.
+    pub tension: DamageLaw,
+    /// A_c, B_c, Y_c0.
+    pub compression: DamageLaw,
+    /// β: how much of the hydrostatic stiffness compressive damage takes.
+    pub beta: f64,
+    /// ζ_c: how much confinement delays compressive damage.
+    pub zeta_c: f64,
+    /// b_t: inelastic fraction of the growth of tensile strain.
+    pub b_t: f64,
+    /// b_c: the same in compression.
+    pub b_c: f64,
+    /// G_f, N/mm; 0: no crack band in tension.
+    pub fracture_energy: f64,
+    /// G_c, N/mm; 0: no crack band in compression.
+    pub crushing_energy: f64,
+}
+
+impl Parameters {
+    /// IV-HP rather than IV-H.
+    #[inline]
+    fn has_inelastic_strain(&self) -> bool {
+        self.b_t != 0.0 || self.b_c != 0.0
+    }
+
+    /// Whether a fracture energy is given.
+    #[inline]
+    fn wants_crack_band(&self) -> bool {
+        self.fracture_energy > 0.0 || self.crushing_energy > 0.0
+    }
+
+    /// The two branches, with crack bands as far as energies and a length are given.
+    #[inline]
+    fn softening(&self, length: Option<f64>) -> [Softening; 2] {
+        let band = |fracture_energy: f64, inelastic_fraction: f64| {
+            let length = length.filter(|_| fracture_energy > 0.0)?;
+            Some(CrackBand { fracture_energy, length, inelastic_fraction })
+        };
+        [
+            Softening {
+                curve: Uniaxial::tension(&self.elasticity, self.tension),
+                band: band(self.fracture_energy, self.b_t),
+            },
+            Softening {
+                curve: Uniaxial::compression(&self.elasticity, self.compression, self.beta),
+                band: band(self.crushing_energy, self.b_c),
+            },
+        ]
+    }
+}
+
+/// Damage η and the largest energy release rate so far, of one branch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Branch {
+    eta: f64,
+    maximum: f64,
+}
+
+/// Both branches.
+#[derive(Clone, Copy, Debug, Default)]
+struct History {
+    tension: Branch,
+    compression: Branch,
+}
+
+const PARAMETERS: [Parameter; 14] = [
+    youngs_modulus(31800.0),
+    poisson_ratio(0.18),
+    Parameter::new(c"A_t", c"1/MPa", 5000.0, c"rate of tensile damage").above(0.0),
+    Parameter::new(c"B_t", c"-", 1.3, c"exponent of tensile damage").above(0.0),
+    Parameter::new(c"Y_t0", c"MPa", 1.905_077e-4, c"threshold of tensile damage").at_least(0.0),
+    Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0),
+    Parameter::new(c"B_c", c"-", 1.05, c"exponent of compressive damage").above(0.0),
+    Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage").at_least(0.0),
+    Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
+        .within(0.0, 1.0),
+    Parameter::new(c"zeta_c", c"-", 0.0, c"delay of compressive damage by confinement").at_least(0.0),
+    Parameter::new(c"b_t", c"-", 0.0, c"inelastic fraction of tensile strain growth (0: none)")
+        .at_least(0.0)
+        .below(1.0),
+    Parameter::new(c"b_c", c"-", 0.0, c"inelastic fraction of compressive strain growth (0: none)")
+        .at_least(0.0)
+        .below(1.0),
+    Parameter::new(c"G_f", c"N/mm", 0.0, c"fracture energy in tension (0: no crack band)").at_least(0.0),
+    Parameter::new(c"G_c", c"N/mm", 0.0, c"fracture energy in compression (0: no crack band)").at_least(0.0),
+];
+
+const STATES: [StateVariable; 13] = [
+    StateVariable::new(c"eta_t", c"-", c"tensile damage D_t/(1 - D_t)"),
+    StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)"),
+    StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate above Y_t0 so far"),
+    StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate above Y_c0 so far"),
+    StateVariable::new(c"crack_band", c"-", c"0 off, 1 on, 2 asked for but CELENT unusable"),
+    StateVariable::new(c"inelastic_strain_11", c"-", c"inelastic strain").strain_component(1),
+    StateVariable::new(c"inelastic_strain_22", c"-", c"inelastic strain").strain_component(2),
+    StateVariable::new(c"inelastic_strain_33", c"-", c"inelastic strain").strain_component(3),
+    StateVariable::new(c"inelastic_strain_12", c"-", c"inelastic strain, engineering shear").strain_component(4),
+    StateVariable::new(c"inelastic_strain_13", c"-", c"inelastic strain, engineering shear").strain_component(5),
+    StateVariable::new(c"inelastic_strain_23", c"-", c"inelastic strain, engineering shear").strain_component(6),
+    STRAIN_33,
+    DISSIPATED_ENERGY,
+];
+
+const CRACK_BAND: usize = 4;
+const INELASTIC_STRAIN: usize = 5;
+const STRAIN_33_STATE: usize = 11;
+const DISSIPATED_ENERGY_STATE: usize = 12;
+
+impl Law for ConcreteDamage {
+    const INFO: LawInfo = LawInfo {
+        name: c"concrete_damage",
+        description: c"Concrete: tensile and compressive damage with crack closure (IV-H), inelastic strain (IV-HP)",
+        parameters: &PARAMETERS,
+        repeating: None,
+        states: &STATES,
+        derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
+        flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::PATH_EXACT | flags::ISOTROPIC,
+    };
+
+    type Parameters<'p> = Parameters;
+
+    #[inline]
+    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
+        let parameters = Parameters {
+            elasticity: Elasticity::new(props[0], props[1]),
+            tension: DamageLaw { a: props[2], b: props[3], threshold: props[4] },
+            compression: DamageLaw { a: props[5], b: props[6], threshold: props[7] },
+            beta: props[8],
+            zeta_c: props[9],
+            b_t: props[10],
+            b_c: props[11],
+            fracture_energy: props[12],
+            crushing_energy: props[13],
+        };
+        // ∫ σ dε of the curve itself is infinite for B ≤ 1 (models.md §10)
+        if parameters.fracture_energy > 0.0 && parameters.tension.b <= 1.0 {
+            let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: parameters.tension.b });
+        }
+        if parameters.crushing_energy > 0.0 && parameters.compression.b <= 1.0 {
+            let rule = "G_c > 0 needs B_c > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: parameters.compression.b });
+        }
+        Ok(parameters)
+    }
+
+    fn needs_characteristic_length(parameters: &Parameters) -> bool {
+        parameters.wants_crack_band()
+    }
+
+    fn check_characteristic_length(parameters: &Parameters, length: f64) -> Result<(), ConfigurationError> {
+        for (softening, name) in parameters.softening(Some(length)).iter().zip(["G_f", "G_c"]) {
+            if let Some(band) = &softening.band {
+                band.check(&softening.curve, name)?;
+            }
+        }
+        Ok(())
+    }
+
+    #[inline]
+    fn update(
+        parameters: &Parameters,
+        increment: &Increment,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<Response, Failure> {
+        let softening = parameters.softening(increment.characteristic_length);
+        let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
+            (false, _) => 0.0,
+            (true, None) => 2.0,
+            (true, Some(length)) => {
+                // a UMAT has no set-up phase: the first call of a point is where the length is checked
+                if state[CRACK_BAND] != 1.0 {
+                    Self::check_characteristic_length(parameters, length)?;
+                }
+                1.0
+            }
+        };
+        let history = History {
+            tension: Branch { eta: state[0], maximum: state[2] },
+            compression: Branch { eta: state[1], maximum: state[3] },
+        };
+        let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
+        if history.tension.eta == 0.0
+            && history.compression.eta == 0.0
+            && let Some(response) = elastic_response(parameters, increment, &trial, request)
+        {
+            state[CRACK_BAND] = crack_band;
+            state[STRAIN_33_STATE] = if increment.stress_state == StressState::PlaneStress {
+                parameters.elasticity.plane_stress_strain_33(&trial)
+            } else {
+                increment.strain[2]
+            };
+            return Ok(response);
+        }
+        let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
+        let stress = point.stress(parameters);
+        let dissipation = point.dissipation(parameters, &softening, &history, increment, state, &stress);
+        let energy = point.evolution.solid.energy();
+        let History { tension, compression } = point.evolution.history;
+        let reached = tension.maximum + compression.maximum;
+        if !(energy + dissipation + reached + stress.iter().sum::<f64>()).is_finite() {
+            if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
+                Self::check_characteristic_length(parameters, length)?;
+            }
+            return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
+        }
+        let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
+        point.commit(state, dissipation);
+        state[CRACK_BAND] = crack_band;
+        Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
+    }
+}
+
+/// The response of the virgin solid, if a bound without principal values shows that nothing can grow:
+/// s̄_1² ≤ s̄ : s̄ bounds Y_t, and Y_c ≤ ½ s̄ : ε.
+#[inline]
+fn elastic_response(
+    parameters: &Parameters,
+    increment: &Increment,
+    strain: &[f64; 6],
+    request: Request,
+) -> Option<Response> {
+    let elasticity = &parameters.elasticity;
+    let plane_stress = increment.stress_state == StressState::PlaneStress;
+    let mut strain = *strain;
+    if plane_stress {
+        strain[2] = elasticity.plane_stress_strain_33(&strain);
+    }
+    let mut stress = elasticity.stress(&strain);
+    let energy = 0.5 * work(&stress, &strain);
+    let tension = stress_norm_squared(&stress) / (2.0 * elasticity.youngs_modulus);
+    // false for NaN too
+    if !(tension <= parameters.tension.threshold && energy <= parameters.compression.threshold) {
+        return None;
+    }
+    if plane_stress {
+        stress[2] = 0.0;
+    }
+    let tangent = match (request.wants_tangent(), plane_stress) {
+        (false, _) => [[0.0; 6]; 6],
+        (true, false) => elasticity.stiffness(),
+        (true, true) => elasticity.plane_stress_stiffness(),
+    };
+    Some(Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 })
+}
+
+/// The end of an increment, in the principal axes of the trial strain.
+struct PointResponse {
+    /// ε − ε_p,n, ε33 found.
+    trial: [f64; 6],
+    axes: Spectral,
+    /// Position of direction 3 among the axes, in plane stress.
+    normal: Option<usize>,
+    evolution: Evolution,
+}
+
+/// Decomposes the trial strain and advances the history; in plane stress finds ε33.
+#[inline]
+fn solve_point(
+    parameters: &Parameters,
+    softening: &[Softening; 2],
+    history: &History,
+    increment: &Increment,
+    state: &[f64],
+    mut trial: [f64; 6],
+) -> Result<PointResponse, Failure> {
+    if increment.stress_state != StressState::PlaneStress {
+        let axes = Spectral::of_strain(&trial);
+        let evolution = Evolution::new(parameters, softening, history, &axes.values);
+        return Ok(PointResponse { trial, axes, normal: None, evolution });
+    }
+    let elastic = parameters.elasticity.plane_stress_strain_33(&trial);
+    let guess = state[STRAIN_33_STATE] - state[INELASTIC_STRAIN + 2]
+        + parameters.elasticity.plane_stress_strain_33(&increment.strain_increment);
+    let solution = plane_stress::solve(parameters, softening, history, &trial, elastic, guess)
+        .ok_or(Failure::CutBack { fraction: 0.25, reason: "no strain 33 makes stress 33 vanish" })?;
+    trial[2] = solution.strain_33;
+    Ok(PointResponse { trial, axes: solution.axes, normal: Some(solution.normal), evolution: solution.evolution })
+}
+
+impl PointResponse {
+    #[inline]
+    fn stress(&self, parameters: &Parameters) -> [f64; 6] {
+        let mut stress = if self.evolution.is_undamaged() {
+            parameters.elasticity.stress(&self.trial)
+        } else {
+            self.axes.stress(&self.evolution.solid.stress)
+        };
+        if self.normal.is_some() {
+            stress[2] = 0.0;
+        }
+        stress
+    }
+
+    #[inline]
+    fn tangent(&self, parameters: &Parameters) -> [[f64; 6]; 6] {
+        let elasticity = &parameters.elasticity;
+        match (self.evolution.is_undamaged(), self.normal) {
+            (true, None) => elasticity.stiffness(),
+            (true, Some(_)) => elasticity.plane_stress_stiffness(),
+            (false, normal) => {
+                let full = self.evolution.tangent(parameters);
+                let (principal, shear) =
+                    normal.map_or(full, |k| plane_stress::condense(full, k, elasticity.youngs_modulus));
+                self.axes.tangent(&principal, &shear)
+            }
+        }
+    }
+
+    #[inline]
+    fn dissipation(
+        &self,
+        parameters: &Parameters,
+        softening: &[Softening; 2],
+        history: &History,
+        increment: &Increment,
+        state: &[f64],
+        stress: &[f64; 6],
+    ) -> f64 {
+        if self.evolution.growth.iter().all(Option::is_none) && self.evolution.flow.is_none() {
+            return 0.0;
+        }
+        let mut strain: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - increment.strain_increment[i]);
+        if self.normal.is_some() {
+            strain[2] = state[STRAIN_33_STATE];
+        }
+        let start = Start {
+            elastic_strain: std::array::from_fn(|i| strain[i] - state[INELASTIC_STRAIN + i]),
+            stress: increment.stress,
+            history: *history,
+        };
+        dissipation::increment(parameters, softening, &start, &self.evolution, &self.axes, stress)
+    }
+
+    /// Writes the new state.
+    #[inline]
+    fn commit(&self, state: &mut [f64], dissipation: f64) {
+        let History { tension, compression } = self.evolution.history;
+        state[..4].copy_from_slice(&[tension.eta, compression.eta, tension.maximum, compression.maximum]);
+        state[STRAIN_33_STATE] = self.trial[2] + state[INELASTIC_STRAIN + 2];
+        if let Some(flow) = &self.evolution.flow {
+            let principal = std::array::from_fn(|i| flow.tension[i] + flow.compression[i]);
+            let inelastic = self.axes.strain(&principal);
+            for i in 0..6 {
+                state[INELASTIC_STRAIN + i] += inelastic[i];
+            }
+        }
+        state[DISSIPATED_ENERGY_STATE] += dissipation;
+    }
+}

@@ -1,0 +1,180 @@
+//! Battery and references here; what the law must show in experiments, energies, crack band and
+//! calibration in the files of `test/`.
+
+mod crack_band;
+mod energy;
+mod extremes;
+mod strength;
+
+use super::*;
+use crate::battery::{self, Point, STRESS_STATES, reference};
+
+/// Reference sets (README of `tests/reference`), IV-H.
+const B094: [f64; 14] =
+    [31800.0, 0.18, 7000.0, 1.1, 1.926098e-4, 31.52083, 0.94, 3e-4, 0.23441, 0.0, 0.0, 0.0, 0.0, 0.0];
+const B120: [f64; 14] =
+    [31800.0, 0.18, 7000.0, 1.1, 1.926098e-4, 32.25788, 1.2, 3e-4, 0.10988, 0.0, 0.0, 0.0, 0.0, 0.0];
+
+fn defaults() -> [f64; 14] {
+    std::array::from_fn(|i| PARAMETERS[i].default_value)
+}
+
+/// A parameter set with some values replaced.
+fn with(mut props: [f64; 14], changes: &[(&str, f64)]) -> [f64; 14] {
+    for &(name, value) in changes {
+        let index = PARAMETERS.iter().position(|p| p.name() == name).expect("a parameter's name");
+        props[index] = value;
+    }
+    props
+}
+
+/// A path under free sides: the axial strain is given, the other one follows from a stress ratio.
+struct StressRatio<'p> {
+    point: Point<'p, ConcreteDamage>,
+    /// σ22/σ11: 0 for uniaxial stress.
+    ratio: f64,
+}
+
+impl<'p> StressRatio<'p> {
+    fn virgin(props: &'p [f64; 14], ratio: f64) -> Self {
+        Self { point: Point::virgin(props, StressState::PlaneStress), ratio }
+    }
+
+    /// Goes to an axial strain; returns the axial stress.
+    fn advance(&mut self, axial: f64) -> f64 {
+        let mut strain = self.point.strain;
+        strain[0] = axial;
+        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        for _ in 0..200 {
+            let (response, _) = self.point.trial(&strain);
+            let (s, c) = (response.stress, response.tangent);
+            let residual = s[1] - self.ratio * s[0];
+            if residual < 0.0 {
+                below = strain[1]
+            } else {
+                above = strain[1]
+            }
+            let newton = strain[1] - residual / (c[1][1] - self.ratio * c[0][1]);
+            let leaves = newton <= below || newton >= above;
+            let next = if leaves && (above - below).is_finite() { 0.5 * (below + above) } else { newton };
+            let step = next - strain[1];
+            strain[1] = next;
+            if step.abs() <= 1e-16 * axial.abs() {
+                break;
+            }
+        }
+        let stress = self.point.advance(&strain).stress;
+        assert!((stress[1] - self.ratio * stress[0]).abs() <= 1e-6 * stress[0].abs().max(1e-3), "{stress:?}");
+        stress[0]
+    }
+
+    /// The largest |σ11| up to an axial strain.
+    fn peak(mut self, end: f64, count: u32) -> f64 {
+        (1..=count).map(|i| self.advance(end * f64::from(i) / f64::from(count)).abs()).fold(0.0, f64::max)
+    }
+}
+
+#[test]
+fn reproduces_the_forty_digit_references() {
+    let plastic = with(B120, &[("b_t", 0.3), ("b_c", 0.3)]);
+    for (set, props) in [("IVH_b094", B094), ("IVH_b120", B120), ("IVHP_b120", plastic)] {
+        for path in ["bi_c1_052", "bi_c1_1", "bi_t1_055", "bi_t1_1", "cyclic", "shear", "unicomp", "unitens"] {
+            let file = format!("{set}_{path}.csv");
+            reference::check::<ConcreteDamage>(&file, StressState::ThreeD, &props, &[("D_t", 0), ("D_c", 1)]);
+        }
+    }
+}
+
+/// The parameter sets that between them reach every term: IV-H, IV-HP, confinement, crack bands.
+fn variants() -> [([f64; 14], Option<f64>); 5] {
+    let plastic = with(defaults(), &[("b_t", 0.3), ("b_c", 0.2)]);
+    let banded = with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)]);
+    let all = with(banded, &[("b_t", 0.2), ("b_c", 0.3), ("zeta_c", 1.0)]);
+    [
+        (defaults(), None),
+        (plastic, None),
+        (with(defaults(), &[("zeta_c", 2.0)]), None),
+        (banded, Some(20.0)),
+        (all, Some(50.0)),
+    ]
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_stress() {
+    for (k, (props, length)) in variants().into_iter().enumerate() {
+        let count = if k == 0 { 10_000 } else { 2000 };
+        for stress_state in STRESS_STATES {
+            if let Some(length) = length {
+                banded_tangent(&props, stress_state, length, count / 4);
+            } else {
+                battery::check_tangent::<ConcreteDamage>(&props, stress_state, 3e-4, count);
+            }
+        }
+    }
+}
+
+/// [`battery::check_tangent`] with a characteristic length.
+fn banded_tangent(props: &[f64; 14], stress_state: StressState, length: f64, count: usize) {
+    let mut random = battery::Random(0xBA2D);
+    let mut excluded = 0;
+    for _ in 0..count {
+        let mut point = Point::<ConcreteDamage>::virgin(props, stress_state);
+        point.characteristic_length = Some(length);
+        for _ in 0..2 {
+            let scale = 3e-4 * 10_f64.powf(2.0 * random.unit() - 1.0);
+            let strain = random.strain(stress_state, scale);
+            if battery::tangent_error(&point, &strain) > 1e-6 {
+                excluded += 1;
+            }
+            point.advance(&strain);
+        }
+    }
+    println!("{stress_state:?}: {excluded} of {} states at kinks", 2 * count);
+    assert!(excluded * 200 <= 2 * count, "{excluded} of {} states disagree", 2 * count);
+}
+
+#[test]
+fn response_turns_with_the_axes_and_nothing_heals() {
+    for (props, _) in variants().into_iter().take(3) {
+        for stress_state in STRESS_STATES {
+            battery::check_rotation::<ConcreteDamage>(&props, stress_state, 3e-4, 300);
+            let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
+            battery::check_invariants::<ConcreteDamage>(&props, stress_state, 3e-4, 300, &monotone, true);
+        }
+    }
+}
+
+#[test]
+fn increments_of_a_proportional_path_do_not_matter() {
+    let paths = [
+        [3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0],
+        [-2e-3, 4e-4, 1e-4, 1e-3, 0.0, 0.0],
+        [1e-3, -1e-3, 0.0, 0.0, 0.0, 0.0],
+        [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0],
+    ];
+    for stress_state in STRESS_STATES {
+        for path in paths {
+            battery::check_path_exactness::<ConcreteDamage>(&defaults(), stress_state, &path, &[1, 10, 1000, 100_000]);
+        }
+    }
+}
+
+/// IV-HP splits with K_c(D_c,n): exact where crushing and open cracks do not meet, else of first order.
+#[test]
+fn increments_with_inelastic_strain_converge() {
+    let props = with(defaults(), &[("b_t", 0.3), ("b_c", 0.3)]);
+    for path in [[3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0], [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0]] {
+        let counts = [1, 10, 1000, 20_000];
+        battery::check_path_exactness::<ConcreteDamage>(&props, StressState::ThreeD, &path, &counts);
+    }
+    let stress_after = |count: u32| {
+        let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+        for i in 1..=count {
+            point.advance(&[-2e-3, 4e-4, 1e-4, 1e-3, 0.0, 0.0].map(|x| x * f64::from(i) / f64::from(count)));
+        }
+        point.stress[0]
+    };
+    let limit = stress_after(50_000);
+    let errors = [10, 100, 1000].map(|count| (stress_after(count) / limit - 1.0).abs());
+    assert!(errors[0] < 5e-4 && errors[1] < 0.2 * errors[0] && errors[2] < 0.2 * errors[1], "{errors:?}");
+}

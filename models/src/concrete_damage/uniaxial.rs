@@ -1,0 +1,161 @@
+//! The law in uniaxial stress, in closed form: what the crack band and the dissipation are built on.
+//!
+//! With x = √(2Y/E*) the stress is σ = E f(D) x, f = E_c/E = (1 − D)(1 − βD)/(1 − ρD):
+//! - compression: E* = E [2(1+ν) + β(1−2ν)]/3, ρ = [2(1+ν) β + 1 − 2ν]/3, and x is the axial strain;
+//! - tension: E* = E, β = ρ = 1, so f = 1 − D. The axial strain is x (1 − κD), κ = 2ν²/(1−ν), because the
+//!   cracked sides recover their contraction (models.md §8.4 neglects this).
+
+use crate::damage_law::{DamageLaw, damage, excess_integral, integrity};
+use crate::tensor::Elasticity;
+
+/// One branch under uniaxial stress.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Uniaxial {
+    /// D̂(Y).
+    pub law: DamageLaw,
+    /// E.
+    pub youngs_modulus: f64,
+    /// E*, with Y = E* x²/2.
+    pub modulus: f64,
+    beta: f64,
+    rho: f64,
+    /// κ: the axial strain is x − κ (x − σ/E); 0 in compression.
+    pub recovery: f64,
+}
+
+impl Uniaxial {
+    /// The tensile branch.
+    #[inline]
+    pub fn tension(elasticity: &Elasticity, law: DamageLaw) -> Self {
+        let nu = elasticity.poisson_ratio;
+        let e = elasticity.youngs_modulus;
+        // for ν < 0 the sides extend: nothing to recover
+        let recovery = if nu > 0.0 { 2.0 * nu * nu / (1.0 - nu) } else { 0.0 };
+        Self { law, youngs_modulus: e, modulus: e, beta: 1.0, rho: 1.0, recovery }
+    }
+
+    /// The compressive branch.
+    #[inline]
+    pub fn compression(elasticity: &Elasticity, law: DamageLaw, beta: f64) -> Self {
+        let nu = elasticity.poisson_ratio;
+        let (deviatoric, hydrostatic) = (2.0 * (1.0 + nu) / 3.0, (1.0 - 2.0 * nu) / 3.0);
+        let e = elasticity.youngs_modulus;
+        Self {
+            law,
+            youngs_modulus: e,
+            modulus: e * (deviatoric + beta * hydrostatic),
+            beta,
+            rho: 1.0 - deviatoric * (1.0 - beta),
+            recovery: 0.0,
+        }
+    }
+
+    /// x at an energy release rate.
+    #[inline]
+    pub fn strain(&self, energy: f64) -> f64 {
+        (2.0 * energy / self.modulus).sqrt()
+    }
+
+    /// f(D) = E_c/E, through the integrity.
+    #[inline]
+    pub fn stiffness_ratio(&self, eta: f64) -> f64 {
+        let w = integrity(eta);
+        w * ((1.0 - self.beta) + self.beta * w) / ((1.0 - self.rho) + self.rho * w)
+    }
+
+    /// −[f(D_1) − f(D_0)]/(D_1 − D_0) = β/ρ + [(1 − ρ)(ρ − β)/ρ]/[(1 − ρD_0)(1 − ρD_1)]; −f' if both agree.
+    #[inline]
+    pub fn stiffness_loss(&self, eta_0: f64, eta_1: f64) -> f64 {
+        if self.rho == self.beta {
+            return 1.0;
+        }
+        let rest = |eta: f64| (1.0 - self.rho) + self.rho * integrity(eta);
+        self.beta / self.rho + (1.0 - self.rho) * (self.rho - self.beta) / (self.rho * rest(eta_0) * rest(eta_1))
+    }
+
+    /// −f''(D).
+    #[inline]
+    pub fn stiffness_loss_rate(&self, eta: f64) -> f64 {
+        let rest = (1.0 - self.rho) + self.rho * integrity(eta);
+        let numerator = 2.0 * (1.0 - self.rho) * (self.rho - self.beta);
+        if numerator == 0.0 { 0.0 } else { numerator / (rest * rest * rest) }
+    }
+
+    /// σ'(x)/E = f − 2 Y D̂'(Y) (−f').
+    #[inline]
+    pub fn slope(&self, energy: f64, eta: f64, rate: f64) -> f64 {
+        self.stiffness_ratio(eta) - 2.0 * energy * rate * self.stiffness_loss(eta, eta)
+    }
+
+    /// ∫₀^D Y (−f') dD: E/E* of it is dissipated in uniaxial stress.
+    ///
+    /// Partial fractions of f leave ∫ Z dD and ∫ Z/(1 − ρD)² dD, both incomplete beta functions, the second
+    /// one of (1 − ρ)η.
+    pub fn dissipation(&self, eta: f64) -> f64 {
+        if eta <= 0.0 {
+            return 0.0;
+        }
+        let p = 1.0 / self.law.b;
+        let closing = 1.0 - self.rho;
+        let mut excess = self.beta / self.rho * excess_integral(eta, p);
+        if self.rho > self.beta && closing > 0.0 {
+            let weight = (self.rho - self.beta) / self.rho * closing.powf(-p);
+            excess += weight * excess_integral(closing * eta, p);
+        }
+        self.law.threshold * (1.0 - self.stiffness_ratio(eta)) + excess / self.law.a
+    }
+
+    /// The limit of [`Self::dissipation`] for D → 1; B > 1.
+    pub fn total_dissipation(&self) -> f64 {
+        let p = 1.0 / self.law.b;
+        let closing = 1.0 - self.rho;
+        let mut weight = self.beta / self.rho;
+        if self.rho > self.beta && closing > 0.0 {
+            weight += (self.rho - self.beta) / self.rho * closing.powf(-p);
+        }
+        let beta_function = std::f64::consts::PI * p / (std::f64::consts::PI * p).sin();
+        self.law.threshold + weight * beta_function / self.law.a
+    }
+
+    /// ∫₀^x σ dx = (E/E*) [f Y + ∫ Y (−f') dD].
+    pub fn work(&self, energy: f64, eta: f64) -> f64 {
+        self.youngs_modulus / self.modulus * (self.stiffness_ratio(eta) * energy + self.dissipation(eta))
+    }
+
+    /// η with f(D) = `ratio`: with m = 1 + η the positive root of
+    /// (1 − ρ) m² + (ρ − F(1 − β)) m − F β = 0, F = 1/`ratio`.
+    #[inline]
+    pub fn eta_of_stiffness(&self, ratio: f64) -> f64 {
+        let inverse = 1.0 / ratio;
+        let leading = 1.0 - self.rho;
+        let linear = self.rho - inverse * (1.0 - self.beta);
+        let last = inverse * self.beta;
+        let root = (linear * linear + 4.0 * leading * last).sqrt();
+        let m = if linear > 0.0 { 2.0 * last / (linear + root) } else { (root - linear) / (2.0 * leading) };
+        (m - 1.0).max(0.0)
+    }
+
+    /// The point η = e^q of the curve.
+    #[inline]
+    pub fn point(&self, q: f64) -> Point {
+        let eta = q.exp();
+        let excess = (q / self.law.b).exp() / self.law.a;
+        let energy = self.law.threshold + excess;
+        let rate = self.law.b * damage(eta) * integrity(eta) / excess;
+        Point { eta, excess, energy, slope: self.slope(energy, eta, rate), strain: self.strain(energy) }
+    }
+}
+
+/// A point of the uniaxial curve.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Point {
+    pub eta: f64,
+    /// Y − Y₀.
+    pub excess: f64,
+    /// Y.
+    pub energy: f64,
+    /// σ'(x)/E.
+    pub slope: f64,
+    /// x.
+    pub strain: f64,
+}
