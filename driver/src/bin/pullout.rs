@@ -1,12 +1,7 @@
-//! The command line.
+//! The program: everything is in the library.
 
-use clap::Parser;
+use std::process::ExitCode;
 
-/// Drives material and contact points through UMAT, UINTER and FRIC plugins.
-#[derive(Parser)]
-#[command(name = "pullout", version)]
-struct Arguments {}
-
-fn main() {
-    Arguments::parse();
+fn main() -> ExitCode {
+    driver::command::main(std::env::args_os())
 }

@@ -35,8 +35,8 @@ pub trait Observer {
     /// Whatever prevented it from being written; the run stops.
     fn row(&mut self, row: Row<'_>) -> io::Result<()>;
 
-    /// An increment is done, written or not; `values` as in [`Row`].
-    fn increment_done(&mut self, step: u32, increment: u32, values: &[f64]);
+    /// An increment is done, whether its row is written or not.
+    fn increment_done(&mut self, row: Row<'_>);
 }
 
 /// What a run cost.
@@ -169,10 +169,11 @@ impl<'a> Recorder<'a> {
             Next::GoOn
         };
         let Place { step, increment, last } = place;
+        let row = Row { step, increment, values: &self.values, iterations };
         if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
-            self.observer.row(Row { step, increment, values: &self.values, iterations })?;
+            self.observer.row(row)?;
         }
-        self.observer.increment_done(step, increment, &self.values);
+        self.observer.increment_done(row);
         Ok(next)
     }
 }

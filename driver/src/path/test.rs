@@ -19,7 +19,7 @@ impl Observer for Rows {
         Ok(())
     }
 
-    fn increment_done(&mut self, _step: u32, _increment: u32, _values: &[f64]) {}
+    fn increment_done(&mut self, _row: Row<'_>) {}
 }
 
 fn plugin(name: &str, props: &[f64]) -> Plugin {

@@ -1,0 +1,131 @@
+//! The command line (cli-and-cases.md): what each command does, and the exit codes.
+
+mod plot;
+mod plugin;
+mod props;
+mod run;
+
+use crate::case::CaseErrors;
+use clap::{Parser, Subcommand};
+use std::ffi::OsString;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+/// Done.
+const DONE: u8 = 0;
+/// The run failed; partial results are kept.
+const FAILED: u8 = 1;
+/// Bad input; nothing was run.
+const BAD_INPUT: u8 = 2;
+/// A plugin cannot be loaded.
+const NO_PLUGIN: u8 = 3;
+
+/// Drives material and contact points through UMAT, UINTER and FRIC plugins.
+#[derive(Debug, Parser)]
+#[command(name = "pullout", version, max_term_width = 100)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Debug, Subcommand)]
+enum Command {
+    /// Run cases; results go to out/<case>/ or --out.
+    Run {
+        /// Case files.
+        #[arg(required = true, value_name = "CASE.json")]
+        cases: Vec<PathBuf>,
+        /// Result directory (of several cases: their parent).
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+        #[command(flatten)]
+        reading: Reading,
+        /// Say nothing but errors.
+        #[arg(long)]
+        quiet: bool,
+    },
+    /// Validate cases: all errors at once, with the JSON path of each.
+    Check {
+        /// Case files.
+        #[arg(required = true, value_name = "CASE.json")]
+        cases: Vec<PathBuf>,
+        #[command(flatten)]
+        reading: Reading,
+    },
+    /// List, describe or test plugins.
+    Plugin {
+        #[command(subcommand)]
+        action: plugin::Action,
+    },
+    /// Print the JSON Schema of case files (draft 2020-12).
+    Schema,
+    /// Redraw the pictures of one or several runs, overlaid.
+    Plot {
+        /// Result directories.
+        #[arg(required = true, value_name = "RESULT_DIR")]
+        results: Vec<PathBuf>,
+        /// Where to; default: plots/ of the first.
+        #[arg(long, value_name = "DIR")]
+        out: Option<PathBuf>,
+    },
+    /// Print calibrated parameters of a law.
+    Props {
+        #[command(subcommand)]
+        law: props::Law,
+    },
+}
+
+/// How case files are read.
+#[derive(Debug, clap::Args)]
+struct Reading {
+    /// Override an entry, e.g. steps.0.increments=5 (VALUE is JSON, else a string; applies to all cases).
+    #[arg(long = "set", value_name = "a.b.c=VALUE")]
+    overrides: Vec<String>,
+    /// Look for plugins here first (may be repeated).
+    #[arg(long = "plugin-path", value_name = "DIR")]
+    plugin_paths: Vec<PathBuf>,
+}
+
+/// Runs the program with these arguments; the result is its exit code.
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let arguments = match Arguments::try_parse_from(arguments) {
+        Ok(arguments) => arguments,
+        Err(message) => {
+            // help and version are no errors
+            let code = if message.use_stderr() { BAD_INPUT } else { DONE };
+            let _ = message.print();
+            return ExitCode::from(code);
+        }
+    };
+    ExitCode::from(match arguments.command {
+        Command::Run { cases, out, reading, quiet } => run::run(&cases, out.as_deref(), &reading, quiet),
+        Command::Check { cases, reading } => run::check(&cases, &reading),
+        Command::Plugin { action } => plugin::act(&action),
+        Command::Schema => schema(),
+        Command::Plot { results, out } => plot::plot(&results, out.as_deref()),
+        Command::Props { law } => props::print(&law),
+    })
+}
+
+fn schema() -> u8 {
+    say(&format!("{:#}\n", crate::case::schema()));
+    DONE
+}
+
+/// Prints to standard output; a reader that went away (`| head`) is no error.
+fn say(text: &str) {
+    use std::io::Write;
+    let _ = std::io::stdout().write_all(text.as_bytes());
+}
+
+/// Prints to standard error.
+fn complain(text: impl std::fmt::Display) {
+    use std::io::Write;
+    let _ = writeln!(std::io::stderr(), "{text}");
+}
+
+/// Prints a case's problems and returns their exit code.
+fn refuse(errors: &CaseErrors) -> u8 {
+    complain(errors);
+    errors.exit_code()
+}

@@ -1,0 +1,256 @@
+//! `pullout plugin list | info | check`.
+
+use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
+use crate::case;
+use crate::conformance::{self, Options};
+use crate::path::program::{Kind, Plugin};
+use clap::Subcommand;
+use memchr::memmem;
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+use umat_abi::host::{Found, Law, Library, search_paths};
+use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Action {
+    /// Plugins found, their laws and versions, and the folders searched.
+    List {
+        /// Look here first (may be repeated).
+        #[arg(long = "plugin-path", value_name = "DIR")]
+        plugin_paths: Vec<PathBuf>,
+    },
+    /// Parameters (unit, default, bounds), state variables, modes of a plugin.
+    Info {
+        /// A law's name, or a shared library.
+        #[arg(value_name = "NAME|FILE.so")]
+        plugin: String,
+        /// Look here first (may be repeated).
+        #[arg(long = "plugin-path", value_name = "DIR")]
+        plugin_paths: Vec<PathBuf>,
+    },
+    /// Test a plugin against what its metadata claims; exit code 1 if it fails.
+    Check {
+        /// A law's name, or a shared library.
+        #[arg(value_name = "NAME|FILE.so")]
+        plugin: String,
+        /// Parameters, mode and characteristic length of this case.
+        #[arg(long, value_name = "CASE.json")]
+        case: Option<PathBuf>,
+        /// Random histories per stress state.
+        #[arg(long, default_value_t = Options::default().states)]
+        states: usize,
+        /// Look here first (may be repeated).
+        #[arg(long = "plugin-path", value_name = "DIR")]
+        plugin_paths: Vec<PathBuf>,
+    },
+}
+
+pub(super) fn act(action: &Action) -> u8 {
+    match action {
+        Action::List { plugin_paths } => list(plugin_paths),
+        Action::Info { plugin, plugin_paths } => match open(plugin, plugin_paths) {
+            Ok(library) => info(&library),
+            Err(code) => code,
+        },
+        Action::Check { plugin, case, states, plugin_paths } => check(plugin, case.as_deref(), *states, plugin_paths),
+    }
+}
+
+/// A library by its law's name or by its path.
+fn open(name: &str, plugin_paths: &[PathBuf]) -> Result<Library, u8> {
+    let is_path = name.contains(['/', '\\', '.']);
+    let paths = search_paths(plugin_paths);
+    let file = if is_path { Some(PathBuf::from(name)) } else { Found::by_name(name, &paths).map(|found| found.path) };
+    let Some(file) = file else {
+        let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
+        complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));
+        return Err(NO_PLUGIN);
+    };
+    Library::open(&file).map_err(|error| {
+        complain(error);
+        NO_PLUGIN
+    })
+}
+
+/// Whether a file mentions our metadata: other libraries (compiler plugins beside the executable) are not even loaded.
+fn is_plugin(path: &Path) -> bool {
+    std::fs::read(path).is_ok_and(|content| memmem::find(&content, PLUGIN_SYMBOL.as_bytes()).is_some())
+}
+
+fn list(plugin_paths: &[PathBuf]) -> u8 {
+    let paths = search_paths(plugin_paths);
+    let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
+    for found in Found::all(&paths).into_iter().filter(|found| is_plugin(&found.path)) {
+        match Library::open(&found.path) {
+            Ok(library) => rows.extend(library.laws().iter().map(|law| {
+                [law.name.clone(), law.version.clone(), entry_points(law).join(" "), found.path.display().to_string()]
+            })),
+            Err(error) => complain(error),
+        }
+    }
+    let mut text = table(&rows);
+    text.push_str("\nSearched:\n");
+    for path in paths {
+        let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
+    }
+    say(&text);
+    DONE
+}
+
+fn entry_points(law: &Law) -> Vec<&'static str> {
+    let named = [(kinds::UMAT, "umat"), (kinds::UINTER, "uinter"), (kinds::FRIC, "fric")];
+    named.into_iter().filter(|(kind, _)| law.kinds & kind != 0).map(|(_, name)| name).collect()
+}
+
+/// Left-aligned columns, two blanks apart.
+fn table<const N: usize>(rows: &[[String; N]]) -> String {
+    let width = |column: usize| rows.iter().map(|row| row[column].chars().count()).max().unwrap_or(0);
+    let widths: [usize; N] = std::array::from_fn(width);
+    let mut text = String::new();
+    for row in rows {
+        let line = row.iter().zip(widths).fold(String::new(), |line, (cell, width)| line + &format!("{cell:width$}  "));
+        text.push_str(line.trim_end());
+        text.push('\n');
+    }
+    text
+}
+
+fn info(library: &Library) -> u8 {
+    if library.laws().is_empty() {
+        say(&format!(
+            "{}: a library without metadata; a case that uses it gives props, nstatv and, if needed, symbol\n",
+            library.path().display()
+        ));
+        return match library.umat(None) {
+            Ok(_) => DONE,
+            Err(error) => {
+                complain(error);
+                NO_PLUGIN
+            }
+        };
+    }
+    for law in library.laws() {
+        say(&describe(law, library.path()));
+    }
+    DONE
+}
+
+fn describe(law: &Law, path: &Path) -> String {
+    let mut text = format!("{} {}: {}\n{}\n", law.name, law.version, law.description, path.display());
+    let mut modes: Vec<_> = [
+        (stress_states::THREE_D, "3d (NTENS 6)"),
+        (stress_states::PLANE_STRAIN, "plane_strain (NTENS 4)"),
+        (stress_states::AXISYMMETRIC, "axisymmetric (NTENS 4)"),
+        (stress_states::PLANE_STRESS, "plane_stress (NTENS 3)"),
+    ]
+    .into_iter()
+    .filter(|(bit, _)| law.stress_states & bit != 0)
+    .map(|(_, name)| name)
+    .collect();
+    if law.kinds & kinds::UMAT == 0 {
+        modes = vec!["a contact point (NDIR 2 or 3, NFDIR 1 or 2)"];
+    }
+    let claims: Vec<_> = [
+        (flags::SYMMETRIC_TANGENT, "symmetric tangent"),
+        (flags::THREAD_SAFE, "thread-safe"),
+        (flags::USES_CELENT, "uses CELENT"),
+        (flags::FINITE_STRAIN, "finite strain"),
+        (flags::STRESS_ONLY, "stress-only calls"),
+        (flags::PATH_EXACT, "exact for any increment on proportional paths"),
+        (flags::ISOTROPIC, "isotropic"),
+    ]
+    .into_iter()
+    .filter(|(flag, _)| law.has(*flag))
+    .map(|(_, name)| name)
+    .collect();
+    let _ = writeln!(text, "Entry points: {}", entry_points(law).join(", "));
+    let _ = writeln!(text, "Modes: {}", modes.join(", "));
+    let _ = writeln!(text, "Claims: {}", claims.join(", "));
+    let _ = writeln!(text, "\nPROPS ({}):", law.parameters.len());
+    let header = ["#", "name", "unit", "default", "bounds", "meaning"].map(String::from);
+    let rows = law.parameters.iter().enumerate().map(|(k, p)| {
+        let default = match p.choices.iter().find(|choice| choice.value == p.default_value) {
+            Some(choice) => format!("{} ({})", p.default_value, choice.name),
+            None => p.default_value.to_string(),
+        };
+        [(k + 1).to_string(), p.name.clone(), p.unit.clone(), default, p.bounds(), p.doc.clone()]
+    });
+    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
+    if let Some(group) = &law.group {
+        let _ = writeln!(
+            text,
+            "The last {} may occur several times (at least {}); in JSON \"{}\": [[...], ...]",
+            group.size, group.minimum, group.name
+        );
+    }
+    let _ = writeln!(text, "\nSTATEV ({}), all zero when virgin:", law.states.len());
+    let header = ["#", "name", "unit", "meaning"].map(String::from);
+    let rows = law
+        .states
+        .iter()
+        .enumerate()
+        .map(|(k, s)| [(k + 1).to_string(), s.name.clone(), s.unit.clone(), s.doc.clone()]);
+    text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
+    if !law.derived.is_empty() {
+        let derived: Vec<_> = law.derived.iter().map(|d| format!("{} from {}", d.name, law.states[d.state].name)).collect();
+        let _ = writeln!(text, "Derived: {}", derived.join(", "));
+    }
+    text.push('\n');
+    text
+}
+
+fn check(name: &str, case_file: Option<&Path>, states: usize, plugin_paths: &[PathBuf]) -> u8 {
+    let library = match open(name, plugin_paths) {
+        Ok(library) => library,
+        Err(code) => return code,
+    };
+    let mut options = Options { states, ..Options::default() };
+    let plugins = match case_file {
+        Some(file) => match case::read(file, &[], plugin_paths) {
+            Ok(program) => {
+                if program.plugin.library.path() != library.path() {
+                    complain(format!(
+                        "{}: uses the plugin {}, not {}",
+                        file.display(),
+                        program.plugin.library.path().display(),
+                        library.path().display()
+                    ));
+                    return BAD_INPUT;
+                }
+                options.characteristic_length = program.characteristic_length;
+                if let Kind::Point(point) = &program.kind {
+                    options.stress_states = vec![point.mode.stress_state()];
+                }
+                vec![program.plugin]
+            }
+            Err(errors) => return refuse(&errors),
+        },
+        None if library.laws().is_empty() => {
+            complain(format!("{}: has no metadata; give its props and nstatv by --case", library.path().display()));
+            return BAD_INPUT;
+        }
+        None => library.laws().iter().map(|law| with_defaults(&library, law)).collect(),
+    };
+    let mut code = DONE;
+    for plugin in plugins {
+        let report = conformance::check(&plugin, &options);
+        say(&format!("{} ({})\n{report}\n", plugin.name, plugin.library.path().display()));
+        if !report.passed() {
+            code = FAILED;
+        }
+    }
+    code
+}
+
+/// A law of a library with its default parameters.
+fn with_defaults(library: &Library, law: &Law) -> Plugin {
+    Plugin {
+        library: library.clone(),
+        name: law.name.clone(),
+        symbol: None,
+        cmname: law.name.to_uppercase(),
+        props: Vec::new(),
+        nstatv: law.states.len(),
+        law: Some(law.clone()),
+    }
+}

@@ -1,0 +1,70 @@
+//! `pullout props LAW`: calibrated parameters, as JSON to be pasted into a case.
+
+use super::{BAD_INPUT, DONE, complain, say};
+use clap::Subcommand;
+use models::concrete_damage::ConcreteDamage;
+use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
+use umat_abi::law::Law as _;
+
+/// Laws that can be calibrated.
+#[derive(Debug, Subcommand)]
+pub(super) enum Law {
+    /// concrete_damage from strengths and fracture energies (N, mm, MPa).
+    #[command(name = "concrete_damage")]
+    ConcreteDamage {
+        /// Young's modulus, MPa.
+        #[arg(long = "E")]
+        youngs_modulus: f64,
+        /// Poisson's ratio.
+        #[arg(long = "nu")]
+        poisson_ratio: f64,
+        /// Uniaxial tensile strength, MPa.
+        #[arg(long = "ft")]
+        tensile_strength: f64,
+        /// Uniaxial compressive strength (positive), MPa.
+        #[arg(long = "fc")]
+        compressive_strength: f64,
+        /// Fracture energy in tension, N/mm: switches the crack band on.
+        #[arg(long = "Gf")]
+        fracture_energy: Option<f64>,
+        /// Fracture energy in compression, N/mm.
+        #[arg(long = "Gc")]
+        crushing_energy: Option<f64>,
+        /// Exponent of compressive damage: smaller is more ductile, > 1 has a finite energy.
+        #[arg(long = "Bc", default_value_t = COMPRESSIVE_EXPONENT)]
+        compressive_exponent: f64,
+    },
+}
+
+pub(super) fn print(law: &Law) -> u8 {
+    let Law::ConcreteDamage {
+        youngs_modulus,
+        poisson_ratio,
+        tensile_strength,
+        compressive_strength,
+        fracture_energy,
+        crushing_energy,
+        compressive_exponent,
+    } = *law;
+    let concrete = Concrete {
+        youngs_modulus,
+        poisson_ratio,
+        tensile_strength,
+        compressive_strength,
+        fracture_energy,
+        crushing_energy,
+    };
+    match properties_with_exponent(&concrete, compressive_exponent) {
+        Ok(properties) => {
+            let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());
+            let table: serde_json::Map<_, _> =
+                names.zip(properties.iter().map(|&value| serde_json::json!(value))).collect();
+            say(&format!("{:#}\n", serde_json::json!({ "plugin": "concrete_damage", "props": table })));
+            DONE
+        }
+        Err(error) => {
+            complain(format!("props concrete_damage: {error}"));
+            BAD_INPUT
+        }
+    }
+}
