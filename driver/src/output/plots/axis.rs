@@ -60,7 +60,8 @@ impl Axis {
 /// Margins; a range of one sign starts or ends at zero if that is not far.
 fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
     let largest = least.abs().max(greatest.abs());
-    let (least, greatest) = if largest > 0.0 && largest.is_finite() { (least, greatest) } else { (0.0, 0.0) };
+    // smaller numbers have no power of ten to divide by
+    let (least, greatest) = if largest > 1e-290 { (least, greatest) } else { (0.0, 0.0) };
     // what rounding leaves of a constant is no range
     let span = least_span.max(1e-6 * largest).max(greatest - least);
     let span = if span > 0.0 { span } else { 1.0 };
@@ -75,9 +76,18 @@ fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
     }
 }
 
-/// The power of a thousand to divide by: 0 as long as numbers are handy.
+/// The power of a thousand to divide by: 0 as long as numbers are handy; small ones become 0.1 … 100.
 fn exponent(largest: f64) -> i32 {
-    if (0.011..1e5).contains(&largest) { 0 } else { 3 * (largest.log10() / 3.0).floor() as i32 }
+    match largest.log10() {
+        _ if (0.011..1e5).contains(&largest) => 0,
+        power if power < 0.0 => 3 * ((power + 1.0) / 3.0).floor() as i32,
+        power => 3 * (power / 3.0).floor() as i32,
+    }
+}
+
+/// Whether a number can be drawn: sums and differences of such numbers are finite.
+pub(super) fn drawable(value: f64) -> bool {
+    value.abs() <= 1e290
 }
 
 /// Decimals that tell neighbouring ticks apart.

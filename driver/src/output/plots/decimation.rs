@@ -1,5 +1,7 @@
 //! Fewer points, same picture.
 
+use super::axis::drawable;
+
 /// Most points that a drawn line has.
 pub(super) const MOST_POINTS: usize = 2000;
 
@@ -26,7 +28,7 @@ pub(super) fn decimate(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     kept
 }
 
-/// The stretches between points that are no numbers.
-pub(super) fn finite_stretches(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
-    points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|stretch| !stretch.is_empty())
+/// The stretches between points that cannot be drawn.
+pub(super) fn drawable_stretches(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    points.split(|&(x, y)| !drawable(x) || !drawable(y)).filter(|stretch| !stretch.is_empty())
 }

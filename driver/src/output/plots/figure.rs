@@ -1,7 +1,7 @@
 //! One picture: axes, lines, measured points, legend.
 
-use super::axis::Axis;
-use super::decimation::{MOST_POINTS, decimate, finite_stretches};
+use super::axis::{Axis, drawable};
+use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
 use super::legend::{Entry, Legend, Sample};
 use super::markup;
 use super::quantity::Quantity;
@@ -104,8 +104,8 @@ impl Figure {
     /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
     fn scaled_lines(&self, x: &Axis, y: &Axis) -> Vec<Vec<Vec<(f64, f64)>>> {
         let scaled = |line: &Line| {
-            let all: usize = finite_stretches(&line.points).map(<[_]>::len).sum();
-            finite_stretches(&line.points)
+            let all: usize = drawable_stretches(&line.points).map(<[_]>::len).sum();
+            drawable_stretches(&line.points)
                 .map(|stretch| {
                     let share = (MOST_POINTS * stretch.len() / all.max(1)).max(12);
                     let points = decimate(stretch, share).into_iter();
@@ -118,7 +118,7 @@ impl Figure {
 
     /// Lines and single points that a legend must not cover.
     fn occupied(&self, x: &Axis, y: &Axis) -> Vec<Vec<(f64, f64)>> {
-        let points = self.marks.iter().flat_map(|marks| &marks.points);
+        let points = self.marks.iter().flat_map(|marks| drawable_stretches(&marks.points).flatten());
         let points = points.map(|&(across, up)| vec![(x.scaled(across), y.scaled(up))]);
         self.scaled_lines(x, y).into_iter().flatten().chain(points).collect()
     }
@@ -201,15 +201,18 @@ impl Figure {
             }
         }
         for (k, marks) in self.marks.iter().enumerate() {
-            for &(across, up) in &marks.points {
+            for &(across, up) in drawable_stretches(&marks.points).flatten() {
                 let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
                 draw_mark(root, k, place, self.mark_color(marks))?;
             }
         }
         let (across, up) = area.get_pixel_range();
-        let frame = [(across.start, up.start), (across.end, up.end)];
-        root.draw(&Rectangle::new(frame, INK.stroke_width(UNIT as u32)))?;
-        legend.draw(root, (frame[0], frame[1]))?;
+        let corners = [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0)];
+        let corner = |(right, lower)| {
+            (if right == 1 { across.end } else { across.start }, if lower == 1 { up.end } else { up.start })
+        };
+        root.draw(&PathElement::new(corners.map(corner).to_vec(), INK.stroke_width(UNIT as u32)))?;
+        legend.draw(root, (corner((0, 0)), corner((1, 1))))?;
         Ok(())
     }
 }
@@ -277,9 +280,9 @@ fn pixels((width, height): (i32, i32)) -> (u32, u32) {
     ((width * UNIT) as u32, (height * UNIT) as u32)
 }
 
-/// Least and greatest finite value, or zeros.
+/// Least and greatest drawable value, or zeros.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let finite = values.filter(|value| value.is_finite());
+    let finite = values.filter(|&value| drawable(value));
     let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     if least <= greatest { (least, greatest) } else { (0.0, 0.0) }
 }

@@ -25,9 +25,12 @@ pub(super) fn raise_and_lower(svg: &str) -> String {
             };
             let shift = (target - height) / size;
             height = target;
+            // renderers drop spaces at the ends of a tspan
+            let text = text.trim_end_matches('\n').replace(' ', "\u{a0}");
             // writing to a String cannot fail
             let _ = write!(result, "<tspan dy=\"{shift:.3}em\" font-size=\"{}%\">{text}</tspan>", 100.0 * size);
         }
+        result.push('\n');
     }
     result
 }

@@ -10,7 +10,7 @@ use std::io;
 use std::path::Path;
 
 #[cfg(test)]
-mod test;
+pub(in crate::output) mod test;
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
