@@ -109,7 +109,7 @@ pub enum PointStep {
     /// One increment per row of a CSV file.
     Table(PointTable),
     /// Linear ramps to end values.
-    Ramp(PointRamp),
+    Ramp(Box<PointRamp>),
 }
 
 /// A step in which the controlled components ramp linearly to their end values.

@@ -1,4 +1,3 @@
-use super::super::plugin::NORMAL_PENALTY;
 use super::{Bench, interface_case, overridden, point_case, schema_accepts};
 use crate::path::program::{
     Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, Kind, Mode, NormalControl, PointDrive,
@@ -308,7 +307,6 @@ fn interface_tables_and_the_second_direction() {
     assert_eq!(rows[1], [Some(0.2), Some(0.05), Some(3.0)]);
     assert_eq!(time_increments, &[1.0, 1.0]);
     assert!(program.columns().contains(&"tau2".to_owned()));
-    assert!(NORMAL_PENALTY > 0.0);
 }
 
 #[test]
