@@ -109,6 +109,23 @@ pub struct Response {
     pub dissipated_energy: f64,
 }
 
+impl Response {
+    /// The response itself if every number of it and of the new state is finite. What overflows at
+    /// this strain may not at a smaller one.
+    ///
+    /// # Errors
+    /// [`Failure::CutBack`] otherwise.
+    pub fn finite(self, state: &[f64]) -> Result<Self, Failure> {
+        let energies = [self.stored_energy, self.dissipated_energy];
+        let mut numbers = self.stress.iter().chain(self.tangent.iter().flatten()).chain(&energies).chain(state);
+        if numbers.all(|number| number.is_finite()) {
+            Ok(self)
+        } else {
+            Err(Failure::CutBack { fraction: 0.25, reason: "a result is not a finite number" })
+        }
+    }
+}
+
 /// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConfigurationError {
@@ -368,14 +385,14 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
             let occurrences = if group.count_parameter >= 0 {
                 let value = props[group.count_parameter as usize];
                 let parameter = &table[group.count_parameter as usize];
-                if !(value >= 0.0 && value <= 1e6 && value.fract() == 0.0) {
+                if !((0.0..=1e6).contains(&value) && value.fract() == 0.0) {
                     return Err(out_of_bounds(parameter, value));
                 }
                 if size * value as usize != rest {
                     return Err(count_error(fixed + size * value as usize));
                 }
                 value as usize
-            } else if rest % size == 0 {
+            } else if rest.is_multiple_of(size) {
                 rest / size
             } else {
                 return Err(count_error(fixed + size * (rest / size + 1)));

@@ -1,3 +1,201 @@
-//! Driving a point along a path.
+//! Driving a point along a path: [`program`] says where to, [`run`] goes there and tells an
+//! [`Observer`] about each increment.
 
+mod deformation;
+mod interface;
+mod newton;
+mod point;
 pub mod program;
+mod replay;
+mod subdivision;
+#[cfg(test)]
+mod test;
+
+use program::{Kind, Program, Until};
+use std::io;
+
+/// One finished increment (or the initial state), as a line of `history.csv`.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Step, from 1; 0 for the initial state.
+    pub step: u32,
+    /// Increment within the step, from 1; 0 for the initial state.
+    pub increment: u32,
+    /// The columns between `increment` and `iterations`, in the order of [`Program::columns`].
+    pub values: &'a [f64],
+    /// Newton iterations (1 for an increment controlled by strain alone).
+    pub iterations: u32,
+}
+
+/// Who wants to know.
+pub trait Observer {
+    /// A row to be written: the initial state, every n-th increment, the last of each step.
+    ///
+    /// # Errors
+    /// Whatever prevented it from being written; the run stops.
+    fn row(&mut self, row: Row<'_>) -> io::Result<()>;
+
+    /// An increment is done, written or not; `values` as in [`Row`].
+    fn increment_done(&mut self, step: u32, increment: u32, values: &[f64]);
+}
+
+/// What a run cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Increments finished (sub-increments not counted).
+    pub increments: u64,
+    /// Newton iterations, all attempts together.
+    pub iterations: u64,
+    /// Calls of the plugin.
+    pub plugin_calls: u64,
+    /// Attempts given up for a smaller increment.
+    pub cutbacks: u64,
+}
+
+/// Why a run ended early.
+#[derive(Debug)]
+pub enum Stop {
+    /// The point could not be advanced.
+    Failed(Failure),
+    /// A result could not be written.
+    Write(io::Error),
+}
+
+/// A point that could not be advanced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1.
+    pub increment: u32,
+    /// What happened and what to do.
+    pub message: String,
+    /// A case that repeats the failed increment from the state before it.
+    pub replay: serde_json::Value,
+}
+
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+/// Runs a program to its end, to an `until`, or to a failure. Rows that were observed stay valid.
+///
+/// # Errors
+/// [`Stop`]; the statistics tell how far it came.
+pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Result<(), Stop>) {
+    let mut statistics = Statistics::default();
+    let result = match &program.kind {
+        Kind::Point(point) => point::run(program, point, observer, &mut statistics),
+        Kind::Interface(interface) => interface::run(program, interface, observer, &mut statistics),
+    };
+    (statistics, result)
+}
+
+/// Number of increments that a program makes at most.
+pub fn increments(program: &Program) -> u64 {
+    use program::{InterfaceDrive, PointDrive};
+    let count = |n: usize| n as u64;
+    match &program.kind {
+        Kind::Point(point) => point
+            .steps
+            .iter()
+            .map(|step| match &step.drive {
+                PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
+                    count(*increments)
+                }
+                PointDrive::Table { rows, .. } => count(rows.len()),
+            })
+            .sum(),
+        Kind::Interface(interface) => interface
+            .steps
+            .iter()
+            .map(|step| match &step.drive {
+                InterfaceDrive::Ramp { increments, .. } => count(*increments),
+                InterfaceDrive::Table { rows, .. } => count(rows.len()),
+            })
+            .sum(),
+    }
+}
+
+/// Which rows are written, and when a step or the run ends early.
+struct Recorder<'a> {
+    observer: &'a mut dyn Observer,
+    every: usize,
+    until: Option<&'a Until>,
+    values: Vec<f64>,
+}
+
+/// What to do after an increment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    GoOn,
+    EndStep,
+    EndRun,
+}
+
+/// Columns before the values of a [`Row`]: step and increment.
+const LEADING_COLUMNS: usize = 2;
+
+impl<'a> Recorder<'a> {
+    fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
+        // step, increment and iterations are no values
+        let length = program.columns().len() - LEADING_COLUMNS - 1;
+        Self { observer, every: program.output.every.max(1), until: program.until.as_ref(), values: vec![0.0; length] }
+    }
+
+    fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {
+        fill(&mut self.values);
+        self.observer.row(Row { step: 0, increment: 0, values: &self.values, iterations: 0 })
+    }
+
+    /// Writes the row if it is due or the last of the step or run.
+    fn increment(
+        &mut self,
+        place: Place,
+        iterations: u32,
+        step_until: Option<&Until>,
+        fill: impl FnOnce(&mut [f64]),
+    ) -> io::Result<Next> {
+        fill(&mut self.values);
+        let place_values = [f64::from(place.step), f64::from(place.increment)];
+        let reached = |until: Option<&Until>| until.is_some_and(|u| u.reached(&place_values, &self.values, iterations));
+        let next = if reached(self.until) {
+            Next::EndRun
+        } else if reached(step_until) {
+            Next::EndStep
+        } else {
+            Next::GoOn
+        };
+        let Place { step, increment, last } = place;
+        if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
+            self.observer.row(Row { step, increment, values: &self.values, iterations })?;
+        }
+        self.observer.increment_done(step, increment, &self.values);
+        Ok(next)
+    }
+}
+
+/// Where in the program an increment is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    step: u32,
+    increment: u32,
+    /// It is the step's last one.
+    last: bool,
+}
+
+impl Until {
+    /// Whether the bound is passed in a row whose columns are `place` (step, increment), `values`, iterations.
+    fn reached(&self, place: &[f64], values: &[f64], iterations: u32) -> bool {
+        let column = self.column;
+        let value = if column < place.len() {
+            place[column]
+        } else {
+            values.get(column - place.len()).copied().unwrap_or(f64::from(iterations))
+        };
+        let value = if self.absolute { value.abs() } else { value };
+        self.greater_than.is_some_and(|bound| value > bound) || self.less_than.is_some_and(|bound| value < bound)
+    }
+}

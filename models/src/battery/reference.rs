@@ -4,13 +4,13 @@ use super::Point;
 use umat_abi::law::{Law, StressState};
 
 /// Columns of one reference file by name.
-struct Table {
+pub struct Table {
     header: Vec<String>,
-    rows: Vec<Vec<f64>>,
+    pub rows: Vec<Vec<f64>>,
 }
 
 impl Table {
-    fn read(file: &str) -> Self {
+    pub fn read(file: &str) -> Self {
         let path = format!("{}/../tests/reference/{file}", env!("CARGO_MANIFEST_DIR"));
         let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
         let header = reader.headers().expect("header").iter().map(String::from).collect();
@@ -21,7 +21,7 @@ impl Table {
         Self { header, rows }
     }
 
-    fn column(&self, name: &str) -> usize {
+    pub fn column(&self, name: &str) -> usize {
         self.header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"))
     }
 }

@@ -5,8 +5,26 @@
 //! Everything is expressed in **η = D/(1 − D) = x^B**, which is also the stored state: D → 1 costs no
 //! digits (1 − D = 1/(1 + η)), and zero is virgin.
 
+use std::ffi::CStr;
+use umat_abi::metadata::Parameter;
+
 #[cfg(test)]
 mod test;
+
+/// A, the scale of a damage function, in a law's parameter table.
+pub(crate) const fn scale_parameter(name: &'static CStr, default_value: f64) -> Parameter {
+    Parameter::new(name, c"1/MPa", default_value, c"scale A of the damage function").above(0.0)
+}
+
+/// B, its exponent.
+pub(crate) const fn exponent_parameter(name: &'static CStr, default_value: f64) -> Parameter {
+    Parameter::new(name, c"-", default_value, c"exponent B of the damage function").above(0.0)
+}
+
+/// Y₀, its threshold.
+pub(crate) const fn threshold_parameter(name: &'static CStr, default_value: f64) -> Parameter {
+    Parameter::new(name, c"MPa", default_value, c"damage energy release rate at which damage begins").at_least(0.0)
+}
 
 /// Largest η: 1 − D stays a normal number and products of two of them do not overflow.
 pub const ETA_MAX: f64 = 1e150;
@@ -53,6 +71,12 @@ impl DamageLaw {
     #[inline]
     pub fn excess(&self, eta: f64) -> f64 {
         eta.powf(1.0 / self.b) / self.a
+    }
+
+    /// dZ/dη = η^(1/B − 1)/(A B); dZ/dD is (1 + η)² times that. For B > 1 infinite at η = 0.
+    #[inline]
+    pub fn excess_rate(&self, eta: f64) -> f64 {
+        eta.powf(1.0 / self.b - 1.0) / (self.a * self.b)
     }
 
     /// ∫₀^D (Y₀ + Z(D')) dD': what growing D from 0 dissipates when its conjugate force is Y itself

@@ -46,6 +46,12 @@ fn excess_inverts_eta_and_the_rate_is_the_derivative() {
         // dD/dY = (dη/dY)/(1+η)²: differences of D itself would cancel as D → 1
         let slope = (law.eta(y + h) - law.eta(y - h)) / (2.0 * h) * integrity(eta).powi(2);
         assert_relative_eq!(law.damage_rate(y, eta), slope, max_relative = 1e-8);
+        // dZ/dη = 1/(dη/dY)
+        assert_relative_eq!(
+            law.excess_rate(eta) * law.damage_rate(y, eta) * (1.0 + eta).powi(2),
+            1.0,
+            max_relative = 1e-12
+        );
     }
     assert_eq!(law.eta(2e-4), 0.0);
     assert_eq!(law.damage_rate(2e-4, 0.0), 0.0);

@@ -31,6 +31,26 @@ impl Elasticity {
         }
     }
 
+    /// The solid with the same bulk modulus and another shear modulus: E = 9kμ/(3k + μ),
+    /// ν = (3k − 2μ)/(2(3k + μ)).
+    #[inline]
+    pub fn with_shear_modulus(&self, shear_modulus: f64) -> Self {
+        let (k, mu) = (self.bulk_modulus, shear_modulus);
+        Self {
+            youngs_modulus: 9.0 * k * mu / (3.0 * k + mu),
+            poisson_ratio: (3.0 * k - 2.0 * mu) / (2.0 * (3.0 * k + mu)),
+            lambda: k - 2.0 * mu / 3.0,
+            shear_modulus: mu,
+            bulk_modulus: k,
+        }
+    }
+
+    /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (models.md §4.1).
+    #[inline]
+    pub fn bulk_modulus_in(&self, dimension: f64) -> f64 {
+        self.youngs_modulus / (dimension * (1.0 - (dimension - 1.0) * self.poisson_ratio))
+    }
+
     /// σ = K₀ : ε = λ tr(ε) I + 2μ ε.
     #[inline]
     pub fn stress(&self, strain: &[f64; 6]) -> [f64; 6] {

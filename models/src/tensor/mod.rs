@@ -4,9 +4,11 @@
 //! plain scalar product and ∂σ/∂ε needs no factors either.
 
 mod elasticity;
+mod isotropic;
 mod spectral;
 
 pub use elasticity::Elasticity;
+pub use isotropic::{IsotropicSplit, isotropic_stiffness};
 pub use spectral::Spectral;
 
 #[cfg(test)]

@@ -61,3 +61,29 @@ fn plane_stress_stiffness_is_the_condensed_one() {
     strain[2] = elasticity.plane_stress_strain_33(&strain);
     assert!(elasticity.stress(&strain)[2].abs() < 1e-15 * 31800.0 * 1e-4);
 }
+
+#[test]
+fn isotropic_split_is_the_elastic_law_of_space_and_plane() {
+    use umat_abi::law::StressState;
+    let elasticity = Elasticity::new(31800.0, 0.18);
+    let twice_shear = 2.0 * elasticity.shear_modulus;
+    let plane = [1e-4, -3e-5, 0.0, 2e-5, 0.0, 0.0];
+    for (stress_state, strain, expected_stiffness) in [
+        (StressState::ThreeD, STRAINS[0], elasticity.stiffness()),
+        (StressState::PlaneStress, plane, elasticity.plane_stress_stiffness()),
+    ] {
+        let split = IsotropicSplit::new(stress_state, &strain);
+        let bulk = elasticity.bulk_modulus_in(split.dimension());
+        let stress = split.stress(twice_shear, bulk * split.trace);
+        let stiffness = isotropic_stiffness(stress_state, twice_shear, bulk);
+        for i in 0..6 {
+            let expected: f64 = (0..6).map(|j| expected_stiffness[i][j] * strain[j]).sum();
+            assert_relative_eq!(stress[i], expected, epsilon = 1e-14, max_relative = 1e-14);
+            for j in 0..6 {
+                assert_relative_eq!(stiffness[i][j], expected_stiffness[i][j], epsilon = 1e-11);
+            }
+        }
+        let energy = 0.5 * (twice_shear * split.deviator_norm_squared() + bulk * split.trace * split.trace);
+        assert_relative_eq!(energy, 0.5 * work(&stress, &strain), max_relative = 1e-14);
+    }
+}

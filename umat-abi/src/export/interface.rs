@@ -89,6 +89,7 @@ fn padded<const N: usize>(values: &[f64]) -> [f64; N] {
 unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refusal> {
     // SAFETY (this function): the caller of `uinter` passes the arguments of a UINTER call; each is checked for
     // NULL before use, and nothing is read beyond the counts that the host gives.
+    // SAFETY: as above.
     let n = directions(unsafe { optional(a.ndir) }, 3)?;
     // SAFETY: as above.
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
@@ -140,6 +141,7 @@ const LM_OPEN: i32 = 2;
 
 unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal> {
     // SAFETY (this function): as in `update_uinter`, for a FRIC call.
+    // SAFETY: as above.
     if unsafe { optional(a.lm) } == Some(LM_OPEN) {
         return Ok(()); // an open point carries no shear; the manual lets LM stand
     }

@@ -46,6 +46,7 @@ pub(super) unsafe fn refuse(arguments: &UmatArguments, name: &std::ffi::CStr, re
 unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
     // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
     // NULL before use, and nothing is read beyond the counts that the host gives.
+    // SAFETY: as above.
     let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
     let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
     let stress_state = StressState::from_counts(counts.0, counts.1, counts.2)

@@ -205,10 +205,17 @@ impl Law {
     }
 
     unsafe fn read(plugin: &Plugin) -> Result<Self, String> {
-        // SAFETY (this function): texts and tables of a description of the right version are static, NUL-terminated
-        // or NULL, and `count` elements long; NULL is checked.
+        // SAFETY: forwarded to the caller.
+        let law = unsafe { Self::read_fields(plugin) }?;
+        law.check_consistency()?;
+        Ok(law)
+    }
+
+    unsafe fn read_fields(plugin: &Plugin) -> Result<Self, String> {
+        // SAFETY: texts and tables of a description of the right version are static, NUL-terminated or NULL, and
+        // `count` elements long; NULL is checked.
         unsafe {
-            let law = Self {
+            Ok(Self {
                 name: text(plugin.law)?,
                 version: text(plugin.version)?,
                 description: text(plugin.description)?,
@@ -229,9 +236,7 @@ impl Law {
                     Ok(Derived { name: text(d.name)?, state: d.state as usize, form: d.form })
                 })?,
                 validate: plugin.validate,
-            };
-            law.check_consistency()?;
-            Ok(law)
+            })
         }
     }
 

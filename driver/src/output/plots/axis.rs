@@ -1,0 +1,88 @@
+//! Range, scale and ticks of an axis.
+
+use super::quantity::Quantity;
+use plotters::coord::ranged1d::{BoldPoints, Ranged};
+use plotters::coord::types::RangedCoordf64;
+use std::ops::Range;
+
+/// Free space beyond the data, as a part of their span.
+const MARGIN: f64 = 0.05;
+
+/// An axis whose numbers are the quantity divided by 10^`exponent`.
+#[derive(Clone, Debug)]
+pub(super) struct Axis {
+    pub label: String,
+    pub range: Range<f64>,
+    pub scale: f64,
+    decimals: usize,
+    ticks: usize,
+}
+
+impl Axis {
+    /// For data between `least` and `greatest`; `least_span` widens a narrower range about its middle.
+    pub fn new(quantity: &Quantity, (least, greatest): (f64, f64), least_span: f64, ticks: usize) -> Self {
+        let (start, end) = widened(least, greatest, least_span);
+        let exponent = exponent(start.abs().max(end.abs()));
+        let scale = 10f64.powi(exponent);
+        let range = start / scale..end / scale;
+        let decimals = decimals(&range, ticks);
+        Self { label: quantity.label(exponent), range, scale, decimals, ticks }
+    }
+
+    /// Where ticks are.
+    pub fn ticks(&self) -> Vec<f64> {
+        RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.ticks))
+    }
+
+    /// Text of a tick.
+    pub fn text(&self, value: f64) -> String {
+        // no "-0.0"
+        let value = if value.abs() < 1e-9 * (self.range.end - self.range.start) { 0.0 } else { value };
+        format!("{value:.*}", self.decimals).replace('-', "−")
+    }
+
+    /// Number of ticks to ask for.
+    pub fn tick_count(&self) -> usize {
+        self.ticks
+    }
+
+    /// A value in the axis's numbers.
+    pub fn scaled(&self, value: f64) -> f64 {
+        value / self.scale
+    }
+
+    /// Position of a scaled value from 0 (start) to 1 (end).
+    pub fn position(&self, scaled: f64) -> f64 {
+        (scaled - self.range.start) / (self.range.end - self.range.start)
+    }
+}
+
+/// Margins; a range of one sign starts or ends at zero if that is not far.
+fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
+    let largest = least.abs().max(greatest.abs());
+    let (least, greatest) = if largest > 0.0 && largest.is_finite() { (least, greatest) } else { (0.0, 0.0) };
+    // what rounding leaves of a constant is no range
+    let span = least_span.max(1e-6 * largest).max(greatest - least);
+    let span = if span > 0.0 { span } else { 1.0 };
+    let spare = 0.5 * (span - (greatest - least));
+    let (start, end) = (least - spare - MARGIN * span, greatest + spare + MARGIN * span);
+    let (narrow, near) = (spare > 0.0, 0.3 * span);
+    match (least, greatest) {
+        _ if narrow => (start, end),
+        (least, _) if least >= -1e-6 * span && least < near => (0.0, end),
+        (_, greatest) if greatest <= 1e-6 * span && greatest > -near => (start, 0.0),
+        _ => (start, end),
+    }
+}
+
+/// The power of a thousand to divide by: 0 as long as numbers are handy.
+fn exponent(largest: f64) -> i32 {
+    if (0.011..1e5).contains(&largest) { 0 } else { 3 * (largest.log10() / 3.0).floor() as i32 }
+}
+
+/// Decimals that tell neighbouring ticks apart.
+fn decimals(range: &Range<f64>, ticks: usize) -> usize {
+    let points = RangedCoordf64::from(range.clone()).key_points(BoldPoints(ticks));
+    let step = points.windows(2).map(|pair| pair[1] - pair[0]).fold(f64::INFINITY, f64::min);
+    if step.is_finite() && step > 0.0 { (-(step * 1.000_001).log10().floor()).clamp(0.0, 12.0) as usize } else { 3 }
+}

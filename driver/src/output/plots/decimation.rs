@@ -1,0 +1,32 @@
+//! Fewer points, same picture.
+
+/// Most points that a drawn line has.
+pub(super) const MOST_POINTS: usize = 2000;
+
+/// At most `most` points (if ≥ 12) in the same order: the run of points is cut into stretches, and of each the first, the last and
+/// the extremes of x and of y stay. Peaks and loops keep their true height.
+pub(super) fn decimate(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
+    if points.len() <= most {
+        return points.to_vec();
+    }
+    let stretches = (most / 6).max(1);
+    let mut kept = Vec::with_capacity(most);
+    for stretch in points.chunks(points.len().div_ceil(stretches)) {
+        let mut indices = vec![0, stretch.len() - 1];
+        let coordinates: [fn(&(f64, f64)) -> f64; 2] = [|point| point.0, |point| point.1];
+        for coordinate in coordinates {
+            let order = |a: &usize, b: &usize| coordinate(&stretch[*a]).total_cmp(&coordinate(&stretch[*b]));
+            indices.extend((0..stretch.len()).min_by(order));
+            indices.extend((0..stretch.len()).max_by(order));
+        }
+        indices.sort_unstable();
+        indices.dedup();
+        kept.extend(indices.into_iter().map(|index| stretch[index]));
+    }
+    kept
+}
+
+/// The stretches between points that are no numbers.
+pub(super) fn finite_stretches(points: &[(f64, f64)]) -> impl Iterator<Item = &[(f64, f64)]> {
+    points.split(|(x, y)| !x.is_finite() || !y.is_finite()).filter(|stretch| !stretch.is_empty())
+}

@@ -1,0 +1,298 @@
+//! One picture: axes, lines, measured points, legend.
+
+use super::axis::Axis;
+use super::decimation::{MOST_POINTS, decimate, finite_stretches};
+use super::legend::{Entry, Legend, Sample};
+use super::markup;
+use super::quantity::Quantity;
+use plotters::prelude::*;
+use std::io;
+
+/// The picture is drawn this much larger, because the SVG backend rounds to whole units.
+pub(super) const UNIT: i32 = 20;
+/// Width of the picture, px.
+pub(super) const WIDTH: i32 = 640;
+/// Height without title and a legend below, px.
+const HEIGHT: i32 = 430;
+const TITLE_SIZE: i32 = 15;
+const LABEL_SIZE: i32 = 15;
+const TICK_SIZE: i32 = 13;
+/// Mean width of a character of a sans-serif font, em.
+pub(super) const CHARACTER: f64 = 0.56;
+
+const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
+const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
+
+/// Okabe & Ito's colours that the colour-blind tell apart, yellow left out (too light for a line).
+const PALETTE: [RGBColor; 7] = [
+    RGBColor(0x00, 0x72, 0xb2),
+    RGBColor(0xd5, 0x5e, 0x00),
+    RGBColor(0x00, 0x9e, 0x73),
+    RGBColor(0xcc, 0x79, 0xa7),
+    RGBColor(0xe6, 0x9f, 0x00),
+    RGBColor(0x56, 0xb4, 0xe9),
+    RGBColor(0x00, 0x00, 0x00),
+];
+
+/// A picture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Stem of the file's name.
+    pub name: String,
+    /// Above the picture; may be empty.
+    pub title: String,
+    /// Along x.
+    pub x: Quantity,
+    /// Along y.
+    pub y: Quantity,
+    /// Computed.
+    pub lines: Vec<Line>,
+    /// Measured.
+    pub marks: Vec<Marks>,
+    /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
+    pub equal_units: bool,
+}
+
+/// A computed curve. Points that are no numbers interrupt it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Line {
+    /// In the legend.
+    pub label: String,
+    /// In the quantities' units.
+    pub points: Vec<(f64, f64)>,
+    /// The history's columns it comes from.
+    pub columns: (String, String),
+}
+
+/// Measured points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Marks {
+    /// In the legend.
+    pub label: String,
+    /// In the quantities' units.
+    pub points: Vec<(f64, f64)>,
+    /// Index of the line that they are to be compared with.
+    pub line: Option<usize>,
+}
+
+impl Figure {
+    /// The picture as SVG.
+    pub fn svg(&self) -> io::Result<String> {
+        let (x, y) = self.axes();
+        let legend = Legend::place(self.legend_entries(), &self.occupied(&x, &y), &x, &y);
+        let title = self.wrapped_title();
+        let title_height = if title.is_empty() { 8 } else { 14 + 20 * title.len() as i32 };
+        let size = (WIDTH, HEIGHT + title_height + legend.height_below());
+        let mut svg = String::new();
+        {
+            let root = SVGBackend::with_string(&mut svg, pixels(size)).into_drawing_area();
+            self.draw(&root, &x, &y, &title, title_height, &legend)
+                .map_err(|error| io::Error::other(error.to_string()))?;
+            root.present().map_err(|error| io::Error::other(error.to_string()))?;
+        }
+        Ok(finish(&svg, size, &markup::plain(&format!("{} {}: {} – {}", self.title, self.name, y.label, x.label))))
+    }
+
+    fn axes(&self) -> (Axis, Axis) {
+        let all = || self.lines.iter().flat_map(|line| &line.points).chain(self.marks.iter().flat_map(|m| &m.points));
+        let (across, up) = (bounds(all().map(|p| p.0)), bounds(all().map(|p| p.1)));
+        let least = |other: (f64, f64)| if self.equal_units { 0.25 * (other.1 - other.0).max(0.0) } else { 0.0 };
+        (Axis::new(&self.x, across, least(up), 9), Axis::new(&self.y, up, least(across), 8))
+    }
+
+    /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
+    fn scaled_lines(&self, x: &Axis, y: &Axis) -> Vec<Vec<Vec<(f64, f64)>>> {
+        let scaled = |line: &Line| {
+            let all: usize = finite_stretches(&line.points).map(<[_]>::len).sum();
+            finite_stretches(&line.points)
+                .map(|stretch| {
+                    let share = (MOST_POINTS * stretch.len() / all.max(1)).max(12);
+                    let points = decimate(stretch, share).into_iter();
+                    points.map(|(across, up)| (x.scaled(across), y.scaled(up))).collect()
+                })
+                .collect()
+        };
+        self.lines.iter().map(scaled).collect()
+    }
+
+    /// Lines and single points that a legend must not cover.
+    fn occupied(&self, x: &Axis, y: &Axis) -> Vec<Vec<(f64, f64)>> {
+        let points = self.marks.iter().flat_map(|marks| &marks.points);
+        let points = points.map(|&(across, up)| vec![(x.scaled(across), y.scaled(up))]);
+        self.scaled_lines(x, y).into_iter().flatten().chain(points).collect()
+    }
+
+    fn legend_entries(&self) -> Vec<Entry> {
+        let lines = self.lines.iter().enumerate().map(|(k, line)| (Sample::Line, color(k), &line.label));
+        let marks =
+            self.marks.iter().enumerate().map(|(k, marks)| (Sample::Mark(k), self.mark_color(marks), &marks.label));
+        let entries: Vec<Entry> =
+            lines.chain(marks).map(|(sample, color, label)| Entry { sample, color, label: label.clone() }).collect();
+        if entries.len() > 1 { entries } else { Vec::new() }
+    }
+
+    /// Measured points are as dark as text beside a single line; among several they take their line's colour.
+    fn mark_color(&self, marks: &Marks) -> RGBColor {
+        marks.line.filter(|_| self.lines.len() > 1).map_or(INK, color)
+    }
+
+    fn wrapped_title(&self) -> Vec<String> {
+        let most = (f64::from(WIDTH - 20) / (CHARACTER * f64::from(TITLE_SIZE))) as usize;
+        let mut lines: Vec<String> = Vec::new();
+        for word in self.title.split_whitespace() {
+            match lines.last_mut() {
+                Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                _ => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
+
+    fn draw<'a>(
+        &self,
+        root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+        x: &Axis,
+        y: &Axis,
+        title: &[String],
+        title_height: i32,
+        legend: &Legend,
+    ) -> Result<(), Box<dyn std::error::Error + 'a>> {
+        root.fill(&WHITE)?;
+        for (k, line) in title.iter().enumerate() {
+            let place = (WIDTH / 2 * UNIT, (18 + 20 * k as i32) * UNIT);
+            root.draw(&Text::new(line.clone(), place, centered(TITLE_SIZE)))?;
+        }
+        let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
+        let left = (f64::from(TICK_SIZE) * CHARACTER * widest as f64) as i32 + 34;
+        let mut chart = ChartBuilder::on(&root.margin(title_height * UNIT, legend.height_below() * UNIT, 0, 0))
+            .margin_left(10 * UNIT)
+            .margin_right(22 * UNIT)
+            .margin_top(4 * UNIT)
+            .margin_bottom(8 * UNIT)
+            .set_label_area_size(LabelAreaPosition::Left, left * UNIT)
+            .set_label_area_size(LabelAreaPosition::Bottom, 46 * UNIT)
+            .build_cartesian_2d(x.range.clone(), y.range.clone())?;
+        chart
+            .configure_mesh()
+            .light_line_style(TRANSPARENT)
+            .bold_line_style(GRID.stroke_width(UNIT as u32))
+            .axis_style(INK.stroke_width(UNIT as u32))
+            .set_all_tick_mark_size(5 * UNIT)
+            .x_labels(x.tick_count())
+            .y_labels(y.tick_count())
+            .x_label_formatter(&|value| x.text(*value))
+            .y_label_formatter(&|value| y.text(*value))
+            .label_style(font(TICK_SIZE))
+            .axis_desc_style(font(LABEL_SIZE))
+            .x_desc(x.label.clone())
+            .y_desc(y.label.clone())
+            .draw()?;
+        let area = chart.plotting_area();
+        for (start, end) in zero_lines(x, y) {
+            area.draw(&PathElement::new(vec![start, end], ZERO.stroke_width(UNIT as u32)))?;
+        }
+        for (k, stretches) in self.scaled_lines(x, y).into_iter().enumerate() {
+            for points in stretches {
+                area.draw(&PathElement::new(points, color(k).stroke_width(2 * UNIT as u32)))?;
+            }
+        }
+        for (k, marks) in self.marks.iter().enumerate() {
+            for &(across, up) in &marks.points {
+                let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
+                draw_mark(root, k, place, self.mark_color(marks))?;
+            }
+        }
+        let (across, up) = area.get_pixel_range();
+        let frame = [(across.start, up.start), (across.end, up.end)];
+        root.draw(&Rectangle::new(frame, INK.stroke_width(UNIT as u32)))?;
+        legend.draw(root, (frame[0], frame[1]))?;
+        Ok(())
+    }
+}
+
+/// Where x or y is zero inside the frame.
+fn zero_lines(x: &Axis, y: &Axis) -> Vec<((f64, f64), (f64, f64))> {
+    let inside = |axis: &Axis| axis.range.start < 0.0 && axis.range.end > 0.0;
+    let horizontal = inside(y).then_some(((x.range.start, 0.0), (x.range.end, 0.0)));
+    let vertical = inside(x).then_some(((0.0, y.range.start), (0.0, y.range.end)));
+    horizontal.into_iter().chain(vertical).collect()
+}
+
+/// An open mark: circle, square, triangle, diamond, cross, in turn.
+pub(super) fn draw_mark<'a>(
+    root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+    shape: usize,
+    (x, y): (i32, i32),
+    color: RGBColor,
+) -> Result<(), Box<dyn std::error::Error + 'a>> {
+    let pen = color.stroke_width((1.4 * f64::from(UNIT)) as u32);
+    let half = (3.4 * f64::from(UNIT)) as i32;
+    let closed = |corners: &[(i32, i32)]| {
+        let corners: Vec<_> = corners.iter().map(|(a, b)| (x + a * half / 10, y + b * half / 10)).collect();
+        let outline: Vec<_> = corners.iter().chain(&corners[..2]).copied().collect();
+        (Polygon::new(corners, WHITE.filled()), PathElement::new(outline, pen))
+    };
+    let corners: &[(i32, i32)] = match shape % 5 {
+        0 => {
+            root.draw(&Circle::new((x, y), half, WHITE.filled()))?;
+            root.draw(&Circle::new((x, y), half, pen))?;
+            return Ok(());
+        }
+        1 => &[(-9, -9), (9, -9), (9, 9), (-9, 9)],
+        2 => &[(0, -12), (11, 8), (-11, 8)],
+        3 => &[(0, -13), (13, 0), (0, 13), (-13, 0)],
+        _ => {
+            for end in [(1, 1), (1, -1)] {
+                let (a, b) = (end.0 * half, end.1 * half);
+                root.draw(&PathElement::new(vec![(x - a, y - b), (x + a, y + b)], pen))?;
+            }
+            return Ok(());
+        }
+    };
+    let (fill, outline) = closed(corners);
+    root.draw(&fill)?;
+    root.draw(&outline)?;
+    Ok(())
+}
+
+fn color(line: usize) -> RGBColor {
+    PALETTE[line % PALETTE.len()]
+}
+
+/// The font at a size in px (the backend divides by 1.24).
+pub(super) fn font(size: i32) -> TextStyle<'static> {
+    ("sans-serif", f64::from(size * UNIT) * 1.24).into_text_style(&(1, 1)).color(&INK)
+}
+
+fn centered(size: i32) -> TextStyle<'static> {
+    use plotters::style::text_anchor::{HPos, Pos, VPos};
+    font(size).pos(Pos::new(HPos::Center, VPos::Center))
+}
+
+fn pixels((width, height): (i32, i32)) -> (u32, u32) {
+    ((width * UNIT) as u32, (height * UNIT) as u32)
+}
+
+/// Least and greatest finite value, or zeros.
+fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
+    let finite = values.filter(|value| value.is_finite());
+    let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+    if least <= greatest { (least, greatest) } else { (0.0, 0.0) }
+}
+
+/// Shown at its size in px, with round joins and a name for readers that cannot see it.
+fn finish(svg: &str, size: (i32, i32), description: &str) -> String {
+    let drawn = pixels(size);
+    let escaped = maud::html! { title { (description.trim()) } }.into_string();
+    let svg = svg.replacen(
+        &format!("width=\"{}\" height=\"{}\"", drawn.0, drawn.1),
+        &format!("width=\"{}\" height=\"{}\" role=\"img\" stroke-linejoin=\"round\"", size.0, size.1),
+        1,
+    );
+    let (head, body) = svg.split_once(">\n").unwrap_or((&svg, ""));
+    format!("{head}>\n{escaped}\n{}", markup::raise_and_lower(body))
+}

@@ -1,0 +1,129 @@
+//! The legend: in a corner where nothing is drawn, else below the picture.
+
+use super::axis::Axis;
+use super::figure::{CHARACTER, UNIT, draw_mark, font};
+use super::markup;
+use plotters::prelude::*;
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+
+const TEXT_SIZE: i32 = 13;
+const LINE_HEIGHT: i32 = 19;
+/// Length of a line's sample, px.
+const SAMPLE: i32 = 26;
+const PADDING: i32 = 8;
+/// Distance from the frame, px.
+const OFFSET: i32 = 10;
+/// About what remains of the picture's width and height for the plot, px: decides whether a corner is free.
+const PLOT: (f64, f64) = (540.0, 370.0);
+
+/// What stands in front of a label.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Sample {
+    Line,
+    /// The mark of this number.
+    Mark(usize),
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Entry {
+    pub sample: Sample,
+    pub color: RGBColor,
+    pub label: String,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Place {
+    /// Right side, lower side.
+    Corner(bool, bool),
+    Below,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Legend {
+    entries: Vec<Entry>,
+    place: Place,
+}
+
+impl Legend {
+    /// Looks for a corner that is free of lines and points.
+    pub fn place(entries: Vec<Entry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
+        let mut legend = Self { entries, place: Place::Below };
+        let (width, height) = legend.size();
+        let part = (f64::from(width + 2 * OFFSET) / PLOT.0, f64::from(height + 2 * OFFSET) / PLOT.1);
+        let free = |&(right, lower): &(bool, bool)| {
+            let inside = |(across, up): (f64, f64)| {
+                (if right { across > 1.0 - part.0 } else { across < part.0 })
+                    && (if lower { up < part.1 } else { up > 1.0 - part.1 })
+            };
+            let passes = |stretch: &Vec<(f64, f64)>| {
+                let places: Vec<_> = stretch.iter().map(|&(a, b)| (x.position(a), y.position(b))).collect();
+                places.windows(2).any(|ends| along(ends[0], ends[1]).any(inside)) || places.iter().any(|&p| inside(p))
+            };
+            part.0 < 0.9 && part.1 < 0.6 && !drawn.iter().any(passes)
+        };
+        let corners = [(true, false), (false, false), (true, true), (false, true)];
+        if let Some(&(right, lower)) = corners.iter().find(|corner| free(corner)) {
+            legend.place = Place::Corner(right, lower);
+        }
+        legend
+    }
+
+    /// What it needs below the picture, px.
+    pub fn height_below(&self) -> i32 {
+        if self.place == Place::Below && !self.entries.is_empty() { self.size().1 } else { 0 }
+    }
+
+    fn size(&self) -> (i32, i32) {
+        let longest = self.entries.iter().map(|entry| markup::length(&entry.label)).max().unwrap_or(0);
+        let text = (longest as f64 * CHARACTER * f64::from(TEXT_SIZE)) as i32;
+        (2 * PADDING + SAMPLE + 8 + text, 2 * PADDING + LINE_HEIGHT * self.entries.len() as i32 - 4)
+    }
+
+    /// Draws it; `frame`: upper left and lower right corner of the plot.
+    pub fn draw<'a>(
+        &self,
+        root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
+        frame: ((i32, i32), (i32, i32)),
+    ) -> Result<(), Box<dyn std::error::Error + 'a>> {
+        if self.entries.is_empty() {
+            return Ok(());
+        }
+        let (width, height) = (self.size().0 * UNIT, self.size().1 * UNIT);
+        let ((left, top), (right, bottom)) = frame;
+        let offset = OFFSET * UNIT;
+        let corner = match self.place {
+            Place::Corner(on_right, lower) => {
+                let x = if on_right { right - offset - width } else { left + offset };
+                (x, if lower { bottom - offset - height } else { top + offset })
+            }
+            Place::Below => (left, bottom + 52 * UNIT),
+        };
+        if self.place != Place::Below {
+            let opposite = (corner.0 + width, corner.1 + height);
+            root.draw(&Rectangle::new([corner, opposite], WHITE.mix(0.85).filled()))?;
+        }
+        for (k, entry) in self.entries.iter().enumerate() {
+            let y = corner.1 + (PADDING + LINE_HEIGHT * k as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
+            let x = corner.0 + PADDING * UNIT;
+            match entry.sample {
+                Sample::Line => {
+                    let pen = entry.color.stroke_width(2 * UNIT as u32);
+                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], pen))?;
+                }
+                Sample::Mark(shape) => draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?,
+            }
+            let style = font(TEXT_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
+            root.draw(&Text::new(entry.label.clone(), (x + (SAMPLE + 8) * UNIT, y), style))?;
+        }
+        Ok(())
+    }
+}
+
+/// Places along a straight stretch, one about every hundredth of the picture.
+fn along(start: (f64, f64), end: (f64, f64)) -> impl Iterator<Item = (f64, f64)> {
+    let steps = (100.0 * (end.0 - start.0).abs().max((end.1 - start.1).abs())).clamp(1.0, 200.0) as i32;
+    (0..=steps).map(move |k| {
+        let weight = f64::from(k) / f64::from(steps);
+        (start.0 + weight * (end.0 - start.0), start.1 + weight * (end.1 - start.1))
+    })
+}

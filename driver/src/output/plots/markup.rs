@@ -1,0 +1,72 @@
+//! Indices and exponents in labels: `ε_{11}`, `10^{−3}`.
+
+use std::fmt::Write as _;
+
+/// Size of an index or exponent relative to the text.
+const SMALL: f64 = 0.73;
+/// How far they are lowered or raised, in em of the text.
+const LOWERED: f64 = 0.22;
+const RAISED: f64 = -0.36;
+
+/// Turns the markup inside the text elements of an SVG (their content is a line of its own) into `tspan`s.
+pub(super) fn raise_and_lower(svg: &str) -> String {
+    let mut result = String::with_capacity(svg.len() + 1024);
+    for line in svg.split_inclusive('\n') {
+        if line.starts_with('<') || Pieces(line).all(|(level, _)| level == Level::Base) {
+            result.push_str(line);
+            continue;
+        }
+        let mut height = 0.0;
+        for (level, text) in Pieces(line) {
+            let (target, size) = match level {
+                Level::Base => (0.0, 1.0),
+                Level::Index => (LOWERED, SMALL),
+                Level::Exponent => (RAISED, SMALL),
+            };
+            let shift = (target - height) / size;
+            height = target;
+            // writing to a String cannot fail
+            let _ = write!(result, "<tspan dy=\"{shift:.3}em\" font-size=\"{}%\">{text}</tspan>", 100.0 * size);
+        }
+    }
+    result
+}
+
+/// The label without markup.
+pub(super) fn plain(label: &str) -> String {
+    Pieces(label).map(|(_, text)| text).collect()
+}
+
+/// Number of characters that are seen.
+pub(super) fn length(label: &str) -> usize {
+    Pieces(label).map(|(_, text)| text.chars().count()).sum()
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Level {
+    Base,
+    Index,
+    Exponent,
+}
+
+/// The pieces of a label from left to right.
+struct Pieces<'a>(&'a str);
+
+impl<'a> Iterator for Pieces<'a> {
+    type Item = (Level, &'a str);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        let text = self.0;
+        for (level, opening) in [(Level::Index, "_{"), (Level::Exponent, "^{")] {
+            if let Some((inner, rest)) = text.strip_prefix(opening).and_then(|text| text.split_once('}')) {
+                self.0 = rest;
+                return Some((level, inner));
+            }
+        }
+        let first = text.chars().next()?.len_utf8();
+        let opening = ["_{", "^{"].iter().filter_map(|opening| text[first..].find(opening)).min();
+        let (piece, rest) = text.split_at(opening.map_or(text.len(), |start| first + start));
+        self.0 = rest;
+        Some((Level::Base, piece))
+    }
+}

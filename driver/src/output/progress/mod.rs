@@ -1,0 +1,148 @@
+//! How far a run is: a bar on a terminal, now and then a line otherwise, nothing when quiet.
+
+use super::number;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::fmt::Write as _;
+use std::io::{IsTerminal, Write};
+use std::time::{Duration, Instant};
+
+#[cfg(test)]
+mod test;
+
+/// The bar is redrawn, and the clock read, about this often.
+const REFRESH: Duration = Duration::from_millis(50);
+/// Lines are at least so far apart.
+const LEAST_PAUSE: Duration = Duration::from_secs(2);
+/// A line is due after so long, however little was done.
+const GREATEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// Reports to standard error.
+pub struct Progress {
+    display: Display,
+    /// Names of what is shown, and their indices among the values given to [`Self::advance`].
+    shown: Vec<(String, usize)>,
+    total: u64,
+    start: Instant,
+    pace: Pace,
+}
+
+enum Display {
+    Quiet,
+    Bar(ProgressBar),
+    Lines { title: String, schedule: Schedule, to: Box<dyn Write + Send> },
+}
+
+impl Progress {
+    /// For a run of at most `total` increments. `shown`: what to tell of the present state, as (name, index among the
+    /// values of a row), for example `("s11", 7)`.
+    pub fn new(title: &str, total: u64, shown: Vec<(String, usize)>, quiet: bool) -> Self {
+        let display = if quiet {
+            Display::Quiet
+        } else if std::io::stderr().is_terminal() {
+            let bar = ProgressBar::new(total);
+            let template = "{prefix} [{bar:30}] {pos}/{len} {elapsed}<{eta} {msg}";
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_prefix(title.to_owned());
+            Display::Bar(bar)
+        } else {
+            let to = Box::new(std::io::stderr());
+            Display::Lines { title: title.to_owned(), schedule: Schedule::default(), to }
+        };
+        Self { display, shown, total, start: Instant::now(), pace: Pace::default() }
+    }
+
+    /// `done` increments are finished; `values` are those of the last row. Costs a comparison unless something is due.
+    #[inline]
+    pub fn advance(&mut self, done: u64, values: &[f64]) {
+        if done >= self.pace.next && !matches!(self.display, Display::Quiet) {
+            self.report(done, values);
+        }
+    }
+
+    #[cold]
+    fn report(&mut self, done: u64, values: &[f64]) {
+        let now = self.start.elapsed();
+        self.pace.adapt(done, now);
+        let present = || {
+            self.shown.iter().fold(String::new(), |mut text, (name, index)| {
+                let value = values.get(*index).copied().unwrap_or(f64::NAN);
+                let _ = write!(text, " {name} = {}", number::significant(value, 4));
+                text
+            })
+        };
+        match &mut self.display {
+            Display::Quiet => {}
+            Display::Bar(bar) => {
+                bar.set_position(done);
+                bar.set_message(present());
+            }
+            Display::Lines { title, schedule, to } => {
+                if schedule.due(done, self.total, now) {
+                    let percent = 100 * done / self.total.max(1);
+                    let seconds = now.as_secs();
+                    // a closed standard error is no reason to stop a run
+                    let _ = writeln!(to, "{title}: {done}/{} ({percent} %, {seconds} s){}", self.total, present());
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// After how many increments the clock is read again: doubled or halved until that takes about [`REFRESH`].
+struct Pace {
+    next: u64,
+    stride: u64,
+    last: Duration,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { next: 1, stride: 1, last: Duration::ZERO }
+    }
+}
+
+impl Pace {
+    fn adapt(&mut self, done: u64, now: Duration) {
+        let elapsed = now.saturating_sub(self.last);
+        if elapsed < REFRESH / 2 {
+            self.stride = self.stride.saturating_mul(2);
+        } else if elapsed > REFRESH * 2 {
+            self.stride = (self.stride / 2).max(1);
+        }
+        self.last = now;
+        self.next = done.saturating_add(self.stride);
+    }
+}
+
+/// When a line is due: about every tenth of the run, not sooner than [`LEAST_PAUSE`] after the last, not later than
+/// [`GREATEST_PAUSE`]. A run of under two seconds prints none.
+#[derive(Default)]
+struct Schedule {
+    last: Duration,
+    tenths: u64,
+}
+
+impl Schedule {
+    fn due(&mut self, done: u64, total: u64, now: Duration) -> bool {
+        let tenths = 10 * done / total.max(1);
+        let pause = now.saturating_sub(self.last);
+        let due = pause >= LEAST_PAUSE && (tenths > self.tenths || pause >= GREATEST_PAUSE);
+        if due {
+            (self.last, self.tenths) = (now, tenths);
+        }
+        due
+    }
+}

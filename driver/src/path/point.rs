@@ -1,0 +1,611 @@
+//! A material point along a path.
+
+use super::deformation::{columns, incremental_motion, matrix, rotated};
+use super::newton::{Divergence, Evaluation, Targets};
+use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
+use super::program::{STRAIN_NAMES, STRESS_NAMES};
+use super::subdivision::{Divisible, Trouble, advance};
+use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop, replay};
+use nalgebra::Matrix3;
+use umat_abi::host::{CallOutcome, Derived, Overrun, UmatCall};
+use umat_abi::law::Request;
+
+/// Runs a point program.
+pub(super) fn run(
+    program: &Program,
+    point: &PointProgram,
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<(), Stop> {
+    let mut runner = match Runner::new(program, point) {
+        Ok(runner) => runner,
+        Err(message) => return Err(failed(1, 1, message, serde_json::Value::Null)),
+    };
+    let mut recorder = Recorder::new(program, observer);
+    recorder.initial(|values| runner.fill(values))?;
+    for (index, step) in point.steps.iter().enumerate() {
+        let number = to_u32(index + 1);
+        match runner.step(step, number, program, &mut recorder, statistics)? {
+            Next::EndRun => break,
+            Next::GoOn | Next::EndStep => {}
+        }
+    }
+    Ok(())
+}
+
+fn to_u32(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
+}
+
+fn failed(step: u32, increment: u32, message: String, replay: serde_json::Value) -> Stop {
+    Stop::Failed(Failure { step, increment, message, replay })
+}
+
+/// The state of the point between increments.
+#[derive(Clone, Debug)]
+pub(super) struct Committed {
+    pub(super) strain: [f64; 6],
+    pub(super) stress: [f64; 6],
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: [f64; 3],
+    pub(super) step_time: f64,
+    pub(super) total_time: f64,
+    pub(super) deformation_gradient: Matrix3<f64>,
+    pub(super) temperature: f64,
+    pub(super) predef: Vec<f64>,
+}
+
+/// Where the current increment leads.
+#[derive(Clone, Debug)]
+pub(super) struct Goal {
+    /// Values at the start of the increment, by component (of the controlled quantity).
+    start: [f64; 6],
+    /// Controls with the values at the end of the increment.
+    pub(super) controls: [Control; 6],
+    /// Left sides of the relations at the start of the increment.
+    relations_at_start: Vec<f64>,
+    /// Relations with the right sides at the end of the increment.
+    pub(super) relations: Vec<Constraint>,
+    /// Step time at the start and at the end of the increment.
+    pub(super) step_time: (f64, f64),
+    /// Total time at the start of the step.
+    time_of_step: f64,
+    pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
+    pub(super) temperature: (f64, f64),
+    pub(super) predef: (Vec<f64>, Vec<f64>),
+}
+
+struct Runner<'p> {
+    components: &'static [usize],
+    controllable: &'static [usize],
+    nlgeom: bool,
+    plane_stress: bool,
+    /// State that tells ε33, if the law has one.
+    strain_33: Option<usize>,
+    plugin_name: &'p str,
+    max_iterations: u32,
+    derived: &'p [Derived],
+    call: UmatCall,
+    committed: Committed,
+    /// Tangent at the last committed state, for the first guess.
+    tangent: Option<[[f64; 6]; 6]>,
+    goal: Goal,
+    trial: Trial,
+}
+
+/// The end of the last attempt.
+#[derive(Clone, Debug)]
+struct Trial {
+    strain: [f64; 6],
+    tangent: Option<[[f64; 6]; 6]>,
+    step_time: f64,
+    total_time: f64,
+    deformation_gradient: Matrix3<f64>,
+    temperature: f64,
+}
+
+fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
+    // exact at both ends
+    if fraction == 1.0 { to } else { from + fraction * (to - from) }
+}
+
+impl<'p> Runner<'p> {
+    fn new(program: &'p Program, point: &'p PointProgram) -> Result<Self, String> {
+        let plugin = &program.plugin;
+        let stress_state = point.mode.stress_state();
+        let mut call = UmatCall::new(
+            &plugin.library,
+            plugin.symbol.as_deref(),
+            &plugin.cmname,
+            stress_state,
+            plugin.nstatv,
+            &plugin.props,
+        )
+        .map_err(|error| error.to_string())?;
+        if let Some(length) = program.characteristic_length {
+            call.celent = length;
+        }
+        call.jstep[2] = i32::from(point.nlgeom);
+        let initial = &point.initial;
+        if !initial.predef.is_empty() {
+            call.predef.clone_from(&initial.predef);
+            call.dpred = vec![0.0; initial.predef.len()];
+        }
+        let plane_stress = stress_state.components().len() == 3;
+        let states = plugin.law.as_ref().map_or(&[][..], |law| &law.states);
+        let gradient = matrix(&initial.deformation_gradient);
+        let committed = Committed {
+            strain: initial.strain,
+            stress: initial.stress,
+            statev: initial.statev.clone(),
+            energies: [0.0; 3],
+            step_time: 0.0,
+            total_time: initial.time,
+            deformation_gradient: gradient,
+            temperature: initial.temperature,
+            predef: call.predef.clone(),
+        };
+        let goal = Goal {
+            start: [0.0; 6],
+            controls: [Control::FREE; 6],
+            relations_at_start: Vec::new(),
+            relations: Vec::new(),
+            step_time: (0.0, 0.0),
+            time_of_step: initial.time,
+            deformation_gradient: None,
+            temperature: (initial.temperature, initial.temperature),
+            predef: (call.predef.clone(), call.predef.clone()),
+        };
+        Ok(Self {
+            components: stress_state.components(),
+            controllable: point.mode.controllable(),
+            nlgeom: point.nlgeom,
+            plane_stress,
+            strain_33: states.iter().position(|state| state.name == "strain_33"),
+            plugin_name: &plugin.name,
+            max_iterations: program.controls.max_iterations,
+            derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
+            call,
+            trial: Trial {
+                strain: committed.strain,
+                tangent: None,
+                step_time: 0.0,
+                total_time: initial.time,
+                deformation_gradient: gradient,
+                temperature: initial.temperature,
+            },
+            committed,
+            tangent: None,
+            goal,
+        })
+    }
+
+    /// The columns from `time` to before `iterations`.
+    fn fill(&self, values: &mut [f64]) {
+        let state = &self.committed;
+        values[0] = state.total_time;
+        values[1..7].copy_from_slice(&state.strain);
+        if self.plane_stress {
+            values[3] = self.strain_33.map_or(f64::NAN, |k| state.statev[k]);
+        }
+        values[7..13].copy_from_slice(&state.stress);
+        let mut next = 13;
+        if self.nlgeom {
+            for i in 0..3 {
+                for j in 0..3 {
+                    values[next] = state.deformation_gradient[(i, j)];
+                    next += 1;
+                }
+            }
+        }
+        let end = next + state.statev.len();
+        values[next..end].copy_from_slice(&state.statev);
+        next = end;
+        for derived in self.derived {
+            values[next] = derived.value(&state.statev);
+            next += 1;
+        }
+        values[next..next + 3].copy_from_slice(&state.energies);
+    }
+
+    fn step(
+        &mut self,
+        step: &PointStep,
+        number: u32,
+        program: &Program,
+        recorder: &mut Recorder<'_>,
+        statistics: &mut Statistics,
+    ) -> Result<Next, Stop> {
+        self.committed.step_time = 0.0;
+        self.call.jstep[0] = i32::try_from(number).unwrap_or(i32::MAX);
+        let plan = Plan::new(step, self);
+        let count = plan.increments();
+        for index in 0..count {
+            let increment = to_u32(index + 1);
+            self.call.kinc = i32::try_from(increment).unwrap_or(i32::MAX);
+            plan.set_goal(index, self);
+            match advance(self, program.controls, statistics) {
+                Ok(iterations) => {
+                    statistics.increments += 1;
+                    let place = Place { step: number, increment, last: index + 1 == count };
+                    let next =
+                        recorder.increment(place, iterations, step.until.as_ref(), |values| self.fill(values))?;
+                    if next != Next::GoOn {
+                        return Ok(next);
+                    }
+                }
+                Err(message) => {
+                    let replay = replay::point(program, &self.committed, &self.goal);
+                    let message = format!(
+                        "plugin '{}', step {number}, increment {increment} (time {}): {message}",
+                        self.plugin_name, self.committed.total_time
+                    );
+                    return Err(failed(number, increment, message, replay));
+                }
+            }
+        }
+        Ok(Next::GoOn)
+    }
+
+    /// Left side of a relation at the committed state.
+    fn relation(&self, relation: &Constraint) -> f64 {
+        self.components
+            .iter()
+            .map(|&i| relation.strain[i] * self.committed.strain[i] + relation.stress[i] * self.committed.stress[i])
+            .sum()
+    }
+
+    /// Controls and relations at a fraction of the increment.
+    fn targets_at(&self, fraction: f64, relations: &mut Vec<Constraint>) -> [Control; 6] {
+        let mut controls = self.goal.controls;
+        for (control, &start) in controls.iter_mut().zip(&self.goal.start) {
+            match control {
+                Control::Strain(end) | Control::Stress(end) => *end = lerp(start, *end, fraction),
+                _ => {}
+            }
+        }
+        relations.clone_from(&self.goal.relations);
+        for (relation, &start) in relations.iter_mut().zip(&self.goal.relations_at_start) {
+            relation.equals = lerp(start, relation.equals, fraction);
+        }
+        controls
+    }
+
+    /// Sets what does not change during the iterations of an attempt.
+    fn prepare_call(&mut self, from: f64, to: f64) {
+        let goal = &self.goal;
+        let call = &mut self.call;
+        let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
+        call.time = [at(from), goal.time_of_step + at(from)];
+        call.dtime = at(to) - at(from);
+        call.temp = lerp(goal.temperature.0, goal.temperature.1, from);
+        call.dtemp = lerp(goal.temperature.0, goal.temperature.1, to) - call.temp;
+        for k in 0..call.predef.len() {
+            let (start, end) = (goal.predef.0[k], goal.predef.1[k]);
+            call.predef[k] = lerp(start, end, from);
+            call.dpred[k] = lerp(start, end, to) - call.predef[k];
+        }
+        self.trial.step_time = at(to);
+        self.trial.total_time = goal.time_of_step + at(to);
+        self.trial.temperature = lerp(goal.temperature.0, goal.temperature.1, to);
+    }
+
+    /// The strain controlled by F: its midpoint increment; STRAN and STRESS are rotated by the host.
+    fn attempt_deformation(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        let Some((start, end)) = self.goal.deformation_gradient else { return Ok(0) };
+        let at = |fraction: f64| if fraction == 1.0 { end } else { start + (end - start) * fraction };
+        let (f0, f1) = (at(from), at(to));
+        let motion = incremental_motion(&f0, &f1)
+            .ok_or_else(|| Trouble::Fatal("the deformation gradient inverts the volume (det F <= 0)".into()))?;
+        let strain = rotated(&self.committed.strain, &motion.rotation, 2.0);
+        let stress = rotated(&self.committed.stress, &motion.rotation, 1.0);
+        self.call.drot = columns(&motion.rotation);
+        self.call.dfgrd0 = columns(&f0);
+        self.call.dfgrd1 = columns(&f1);
+        let request = Request::Stress;
+        evaluate(
+            &mut self.call,
+            &self.committed,
+            &strain,
+            &stress,
+            &motion.strain_increment,
+            request,
+            self.components,
+            statistics,
+        )
+        .map_err(|trouble| trouble.named(self.plugin_name))?;
+        for &i in self.components {
+            self.trial.strain[i] = strain[i] + motion.strain_increment[i];
+        }
+        self.trial.deformation_gradient = f1;
+        self.trial.tangent = None;
+        Ok(1)
+    }
+}
+
+/// What can go wrong in one evaluation.
+#[derive(Clone, Debug, PartialEq)]
+enum CallTrouble {
+    CutBack(f64),
+    NotFinite,
+    Overrun(Overrun),
+}
+
+impl CallTrouble {
+    fn named(self, plugin: &str) -> Trouble {
+        match self {
+            Self::CutBack(fraction) => Trouble::CutBack {
+                fraction,
+                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),
+            },
+            Self::NotFinite => Trouble::CutBack {
+                fraction: 0.5,
+                reason: format!("the plugin '{plugin}' returned NaN or infinite stresses"),
+            },
+            Self::Overrun(overrun) => Trouble::Fatal(overrun.to_string()),
+        }
+    }
+}
+
+/// One call from the committed state.
+#[inline]
+#[allow(clippy::too_many_arguments, reason = "borrows parts of the runner separately")]
+fn evaluate(
+    call: &mut UmatCall,
+    committed: &Committed,
+    strain: &[f64; 6],
+    stress: &[f64; 6],
+    increment: &[f64; 6],
+    request: Request,
+    components: &[usize],
+    statistics: &mut Statistics,
+) -> Result<(), CallTrouble> {
+    for (k, &i) in components.iter().enumerate() {
+        call.stran[k] = strain[i];
+        call.dstran[k] = increment[i];
+        call.stress_mut()[k] = stress[i];
+    }
+    call.statev_mut().copy_from_slice(&committed.statev);
+    call.energies = committed.energies;
+    statistics.plugin_calls += 1;
+    match call.call(request) {
+        Err(overrun) => Err(CallTrouble::Overrun(overrun)),
+        Ok(CallOutcome::CutBack(fraction)) => Err(CallTrouble::CutBack(fraction)),
+        Ok(CallOutcome::Done) if call.stress().iter().all(|s| s.is_finite()) => Ok(()),
+        Ok(CallOutcome::Done) => Err(CallTrouble::NotFinite),
+    }
+}
+
+/// The result of a call in six components.
+#[inline]
+fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
+    let mut evaluation = Evaluation { stress: [0.0; 6], tangent: [[0.0; 6]; 6] };
+    for (row, &i) in components.iter().enumerate() {
+        evaluation.stress[i] = call.stress()[row];
+        for (column, &j) in components.iter().enumerate() {
+            evaluation.tangent[i][j] = call.tangent(row, column);
+        }
+    }
+    evaluation
+}
+
+impl Divisible for Runner<'_> {
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        self.prepare_call(from, to);
+        if self.goal.deformation_gradient.is_some() {
+            return self.attempt_deformation(from, to, statistics);
+        }
+        let mut relations = Vec::new();
+        let controls = self.targets_at(to, &mut relations);
+        let targets =
+            Targets { components: self.components, controls, constraints: &relations, strain: self.committed.strain };
+        let mut increment = [0.0; 6];
+        for &i in self.components {
+            if let Control::Strain(end) = controls[i] {
+                increment[i] = end - self.committed.strain[i];
+            }
+        }
+        let components = self.components;
+        let (call, committed) = (&mut self.call, &self.committed);
+        let mut run = |increment: &[f64; 6], request: Request| {
+            evaluate(call, committed, &committed.strain, &committed.stress, increment, request, components, statistics)
+                .map(|()| evaluation(call, components))
+        };
+        let iterations = if targets.strain_only() {
+            run(&increment, Request::Stress).map_err(|trouble| trouble.named(self.plugin_name))?;
+            self.trial.tangent = None;
+            1
+        } else {
+            if let Some(tangent) = &self.tangent {
+                targets.first_guess(&mut increment, &self.committed.stress, tangent);
+            }
+            let mut last_tangent = [[0.0; 6]; 6];
+            let solved = targets.solve_increment(&mut increment, self.max_iterations, |increment| {
+                let evaluation = run(increment, Request::StressAndTangent)?;
+                last_tangent = evaluation.tangent;
+                Ok::<_, CallTrouble>(evaluation)
+            });
+            self.trial.tangent = Some(last_tangent);
+            match solved {
+                Ok(iterations) => iterations,
+                Err(Divergence::Evaluation(trouble)) => return Err(trouble.named(self.plugin_name)),
+                Err(Divergence::NotConverged { residual }) => {
+                    return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
+                }
+            }
+        };
+        statistics.iterations += u64::from(iterations);
+        for &i in components {
+            // exactly the prescribed value, not the sum of its increments
+            self.trial.strain[i] = match controls[i] {
+                Control::Strain(end) => end,
+                _ => self.committed.strain[i] + increment[i],
+            };
+        }
+        Ok(iterations)
+    }
+
+    fn commit(&mut self) {
+        let state = &mut self.committed;
+        state.strain = self.trial.strain;
+        for (k, &i) in self.components.iter().enumerate() {
+            state.stress[i] = self.call.stress()[k];
+        }
+        state.statev.copy_from_slice(self.call.statev());
+        state.energies = self.call.energies;
+        state.step_time = self.trial.step_time;
+        state.total_time = self.trial.total_time;
+        state.deformation_gradient = self.trial.deformation_gradient;
+        state.temperature = self.trial.temperature;
+        self.tangent = self.trial.tangent;
+    }
+}
+
+impl Runner<'_> {
+    /// Words for a residual that does not vanish.
+    fn not_converged(&self, residual: &[f64; 6]) -> String {
+        let worst = |i: &usize| residual[*i].abs();
+        // a ramped stress is the culprit rather than the free components that it drags along
+        let ramped = |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if end != self.goal.start[*i]);
+        let candidates: Vec<usize> = self.components.iter().copied().filter(ramped).collect();
+        let by_residual = |a: &usize, b: &usize| worst(a).total_cmp(&worst(b));
+        if let Some(i) = candidates.into_iter().max_by(by_residual) {
+            let Control::Stress(end) = self.goal.controls[i] else { return String::new() };
+            return format!(
+                "no equilibrium found for {stress} = {end} MPa (reached {reached} MPa): stress control cannot pass a \
+                 peak; control {strain} by strain instead",
+                stress = STRESS_NAMES[i],
+                reached = self.committed.stress[i],
+                strain = STRAIN_NAMES[i],
+            );
+        }
+        match self.components.iter().copied().max_by(by_residual) {
+            Some(i) => format!(
+                "no equilibrium found: {} stays {:.3e} MPa off its target; control {} by strain, or use smaller \
+                 increments",
+                STRESS_NAMES[i], residual[i], STRAIN_NAMES[i]
+            ),
+            None => "no equilibrium found".into(),
+        }
+    }
+}
+
+/// A step's end values, and its values at the start.
+struct Plan<'s> {
+    step: &'s PointStep,
+    start: [f64; 6],
+    relations: Vec<f64>,
+    time: f64,
+    gradient: Matrix3<f64>,
+    temperature: f64,
+    predef: Vec<f64>,
+}
+
+impl<'s> Plan<'s> {
+    fn new(step: &'s PointStep, runner: &Runner<'_>) -> Self {
+        let state = &runner.committed;
+        let controls = match &step.drive {
+            PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => *controls,
+            PointDrive::DeformationGradient { .. } => [Control::FREE; 6],
+        };
+        let start = std::array::from_fn(|i| match controls[i] {
+            _ if !runner.controllable.contains(&i) => state.strain[i],
+            Control::Strain(_) | Control::HoldStrain => state.strain[i],
+            Control::Stress(_) | Control::HoldStress => state.stress[i],
+            Control::Constraint(_) => 0.0,
+        });
+        Self {
+            step,
+            start,
+            relations: step.constraints.iter().map(|relation| runner.relation(relation)).collect(),
+            time: state.total_time,
+            gradient: state.deformation_gradient,
+            temperature: state.temperature,
+            predef: state.predef.clone(),
+        }
+    }
+
+    fn increments(&self) -> usize {
+        match &self.step.drive {
+            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => *increments,
+            PointDrive::Table { rows, .. } => rows.len(),
+        }
+    }
+
+    /// Describes increment `index` (from 0) of the step.
+    fn set_goal(&self, index: usize, runner: &mut Runner<'_>) {
+        let count = self.increments();
+        let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
+        let (before, after) = (fraction(index), fraction(index + 1));
+        let controllable = runner.controllable;
+        let goal = &mut runner.goal;
+        goal.time_of_step = self.time;
+        goal.deformation_gradient = None;
+        let end_temperature = self.step.temperature.unwrap_or(self.temperature);
+        goal.temperature =
+            (lerp(self.temperature, end_temperature, before), lerp(self.temperature, end_temperature, after));
+        let end_predef = self.step.predef.as_ref().unwrap_or(&self.predef);
+        for k in 0..self.predef.len() {
+            goal.predef.0[k] = lerp(self.predef[k], end_predef[k], before);
+            goal.predef.1[k] = lerp(self.predef[k], end_predef[k], after);
+        }
+        runner.committed.predef.clone_from(&goal.predef.0);
+        goal.relations.clone_from(&self.step.constraints);
+        goal.relations_at_start.clear();
+        for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
+            goal.relations_at_start.push(lerp(start, relation.equals, before));
+            relation.equals = lerp(start, relation.equals, after);
+        }
+        match &self.step.drive {
+            PointDrive::Ramp { time, controls, .. } => {
+                goal.step_time = (time * before, time * after);
+                for i in 0..6 {
+                    let start = self.start[i];
+                    goal.controls[i] = match controls[i] {
+                        _ if !controllable.contains(&i) => Control::Strain(start),
+                        Control::Strain(end) => Control::Strain(lerp(start, end, after)),
+                        Control::Stress(end) => Control::Stress(lerp(start, end, after)),
+                        Control::HoldStrain => Control::Strain(start),
+                        Control::HoldStress => Control::Stress(start),
+                        relation @ Control::Constraint(_) => relation,
+                    };
+                    goal.start[i] = match controls[i] {
+                        Control::Strain(end) | Control::Stress(end) if controllable.contains(&i) => {
+                            lerp(start, end, before)
+                        }
+                        _ => start,
+                    };
+                }
+            }
+            PointDrive::Table { controls, time_increments, rows } => {
+                let start = runner.committed.step_time;
+                goal.step_time = (start, start + time_increments[index]);
+                for i in 0..6 {
+                    let present = match controls[i] {
+                        Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => {
+                            runner.committed.stress[i]
+                        }
+                        _ => runner.committed.strain[i],
+                    };
+                    goal.start[i] = present;
+                    goal.controls[i] = match controls[i] {
+                        _ if !controllable.contains(&i) => Control::Strain(self.start[i]),
+                        Control::Strain(_) => Control::Strain(rows[index][i]),
+                        Control::Stress(_) => Control::Stress(rows[index][i]),
+                        Control::HoldStrain => Control::Strain(self.start[i]),
+                        Control::HoldStress => Control::Stress(self.start[i]),
+                        relation @ Control::Constraint(_) => relation,
+                    };
+                }
+            }
+            PointDrive::DeformationGradient { time, end, .. } => {
+                goal.step_time = (time * before, time * after);
+                let end = matrix(end);
+                let at = |fraction: f64| {
+                    if fraction == 1.0 { end } else { self.gradient + (end - self.gradient) * fraction }
+                };
+                goal.deformation_gradient = Some((at(before), at(after)));
+            }
+        }
+    }
+}

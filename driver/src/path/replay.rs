@@ -1,0 +1,113 @@
+//! The replay case: the state before a failed increment, and the increment, as a case file.
+
+use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
+use super::{interface, point};
+use serde_json::{Map, Value, json};
+
+/// The case with its steps and initial state replaced; plugin and files by absolute path.
+fn frame(program: &Program) -> Map<String, Value> {
+    let mut case = program.document.as_object().cloned().unwrap_or_default();
+    for key in ["until", "compare", "output", "temperature", "predef"] {
+        case.remove(key);
+    }
+    case.insert("title".into(), json!(format!("Replay of a failed increment: {}", program.title)));
+    if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
+        // a plugin found by name is found again; a path is relative to the case file, which moves
+        let is_path =
+            material.get("plugin").and_then(Value::as_str).is_some_and(|name| name.contains(['/', '.', '\\']));
+        if is_path {
+            let path = program.plugin.library.path();
+            let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+            material.insert("plugin".into(), json!(absolute.to_string_lossy()));
+        }
+        material.remove("statev0");
+    }
+    case
+}
+
+/// Replays an increment of a material point.
+pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::Goal) -> Value {
+    let Kind::Point(point) = &program.kind else { return Value::Null };
+    let mut case = frame(program);
+    let components = point.mode.stress_state().components();
+    let mut initial = json!({
+        "strain": named(&STRAIN_NAMES, components, &state.strain),
+        "stress": named(&STRESS_NAMES, components, &state.stress),
+        "statev": state.statev,
+        "time": state.total_time,
+    });
+    let mut step = json!({ "increments": 1, "time": goal.step_time.1 - goal.step_time.0 });
+    if let Some((start, end)) = &goal.deformation_gradient {
+        initial["F"] = rows(start);
+        step["F"] = rows(end);
+    } else {
+        let mut target = Map::new();
+        for &i in point.mode.controllable() {
+            match goal.controls[i] {
+                Control::Strain(value) => target.insert(STRAIN_NAMES[i].into(), json!(value)),
+                Control::Stress(value) => target.insert(STRESS_NAMES[i].into(), json!(value)),
+                Control::HoldStrain | Control::HoldStress | Control::Constraint(_) => None,
+            };
+        }
+        step["target"] = target.into();
+        if !goal.relations.is_empty() {
+            let relations = goal.relations.iter().map(|relation| {
+                let mut terms = Map::new();
+                for &i in components {
+                    for (names, values) in [(STRAIN_NAMES, relation.strain), (STRESS_NAMES, relation.stress)] {
+                        if values[i] != 0.0 {
+                            terms.insert(names[i].into(), json!(values[i]));
+                        }
+                    }
+                }
+                terms.insert("equals".into(), json!(relation.equals));
+                Value::Object(terms)
+            });
+            step["constraints"] = relations.collect();
+        }
+    }
+    case.insert("temperature".into(), json!(goal.temperature.0));
+    step["temperature"] = json!(goal.temperature.1);
+    if !point.initial.predef.is_empty() {
+        case.insert("predef".into(), json!(goal.predef.0));
+        step["predef"] = json!(goal.predef.1);
+    }
+    case.insert("initial".into(), initial);
+    case.insert("steps".into(), json!([step]));
+    Value::Object(case)
+}
+
+/// Replays an increment of a contact point.
+pub(super) fn interface(program: &Program, state: &interface::Committed, goal: &interface::Goal) -> Value {
+    let Kind::Interface(interface) = &program.kind else { return Value::Null };
+    let mut case = frame(program);
+    let mut initial = json!({ "statev": state.statev, "time": state.total_time, "slip": state.slip[0] });
+    let mut target = json!({ "slip": goal.end[0] });
+    if interface.tangential_directions == 2 {
+        initial["slip2"] = json!(state.slip[1]);
+        target["slip2"] = json!(goal.end[1]);
+    }
+    if state.gap.is_finite() {
+        initial["gap"] = json!(state.gap);
+    }
+    let normal = match goal.normal {
+        NormalControl::Gap => "gap",
+        NormalControl::Pressure => "p",
+    };
+    target[normal] = json!(goal.end[2]);
+    case.insert("initial".into(), initial);
+    case.insert(
+        "steps".into(),
+        json!([{ "increments": 1, "time": goal.step_time.1 - goal.step_time.0, "target": target }]),
+    );
+    Value::Object(case)
+}
+
+fn named(names: &[&str; 6], components: &[usize], values: &[f64; 6]) -> Value {
+    let entries = components.iter().map(|&i| (names[i].to_owned(), json!(values[i])));
+    Value::Object(entries.collect())
+}
+
+fn rows(matrix: &nalgebra::Matrix3<f64>) -> Value {
+    json!(std::array::from_fn::<[f64; 3], 3, _>(|i| std::array::from_fn(|j| matrix[(i, j)])))
+}

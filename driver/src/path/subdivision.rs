@@ -1,0 +1,73 @@
+//! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
+
+use super::Statistics;
+use super::program::Controls;
+
+/// An attempt that did not succeed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trouble {
+    /// Try a smaller piece: this fraction of it.
+    CutBack {
+        /// 0 < fraction < 1.
+        fraction: f64,
+        /// What to tell if no piece is small enough.
+        reason: String,
+    },
+    /// No smaller piece can help.
+    Fatal(String),
+}
+
+/// A point that can go from one fraction of an increment to another.
+pub(super) trait Divisible {
+    /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
+    /// Returns the number of iterations.
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
+
+    /// Makes the state of the last attempt the committed one.
+    fn commit(&mut self);
+}
+
+/// A piece that succeeds is followed by one this much longer.
+const GROWTH: f64 = 2.0;
+/// A plugin may ask for a tiny fraction for ever: no single cut is smaller than this.
+const SMALLEST_CUT: f64 = 0.05;
+/// PNEWDT close to 1 must still shorten the piece.
+const LARGEST_CUT: f64 = 0.75;
+
+/// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
+/// committed is the state after the last successful piece.
+pub(super) fn advance(
+    point: &mut impl Divisible,
+    controls: Controls,
+    statistics: &mut Statistics,
+) -> Result<u32, String> {
+    let mut done = 0.0;
+    let mut piece = 1.0;
+    let mut cutbacks = 0;
+    let mut iterations = 0;
+    let smallest = 0.5_f64.powi(i32::try_from(controls.max_cutbacks).unwrap_or(i32::MAX));
+    loop {
+        let to = if done + piece >= 1.0 - 0.5 * smallest { 1.0 } else { done + piece };
+        match point.attempt(done, to, statistics) {
+            Ok(count) => {
+                point.commit();
+                iterations += count;
+                if to == 1.0 {
+                    return Ok(iterations);
+                }
+                piece = (to - done) * GROWTH;
+                done = to;
+                cutbacks = 0;
+            }
+            Err(Trouble::Fatal(message)) => return Err(message),
+            Err(Trouble::CutBack { fraction, reason }) => {
+                statistics.cutbacks += 1;
+                cutbacks += 1;
+                piece = (to - done) * fraction.clamp(SMALLEST_CUT, LARGEST_CUT);
+                if cutbacks > controls.max_cutbacks || piece < smallest {
+                    return Err(format!("{reason} (given up after {cutbacks} cut-backs in a row)"));
+                }
+            }
+        }
+    }
+}

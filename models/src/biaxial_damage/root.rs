@@ -1,0 +1,174 @@
+//! The least root m ≥ 1 of M(m) − m (models.md §6.3): M is continuous but neither monotone nor smooth,
+//! so the pieces between its kinks are scanned for the first change of sign.
+
+/// Cells of each piece, equal in ln m.
+const CELLS: u32 = 16;
+/// A residual this small at a kink is a root: there the residual may only touch zero, and rounding decides
+/// on which side it passes. Uniaxial stress is one such point, a committed state met again another.
+const TOUCHING: f64 = 64.0 * f64::EPSILON;
+/// Three times what bisection needs from neighbouring powers of two down to neighbouring numbers, and
+/// what it needs in ln m before.
+const MAX_ITERATIONS: u32 = 256;
+/// Every so many steps of a bracketing bisect, whatever the interpolation says.
+const FORCED_BISECTION: u32 = 4;
+
+/// The result: a point, its neighbour across the change of sign (itself if hit), what is left.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Root {
+    /// The better of the two ends of the last bracket.
+    pub m: f64,
+    /// The other one.
+    pub other: f64,
+    /// The residual at `m`.
+    pub residual: f64,
+}
+
+impl Root {
+    fn exact(m: f64, residual: f64) -> Self {
+        Self { m, other: m, residual }
+    }
+}
+
+/// What the search samples.
+pub(super) trait Equation {
+    /// All that is known at one m.
+    type Sample: Copy;
+    /// Evaluates at m.
+    fn sample(&self, m: f64) -> Self::Sample;
+    /// M(m) − m.
+    fn residual(sample: &Self::Sample) -> f64;
+    /// Quantities whose falling through 0 kinks M upwards.
+    fn kinks(&self, sample: &Self::Sample) -> [f64; 2];
+    /// True only if M > m everywhere between two samples of one piece.
+    fn excluded(&self, start: &Self::Sample, end: (f64, &Self::Sample)) -> bool;
+}
+
+/// The least root in [1, upper] of a residual that is > 0 at 1, where the sample is `first`, and ≤ 0 at
+/// `upper`.
+///
+/// `break_points` lie inside, in ascending order. `None` if no sign changes.
+#[inline]
+pub(super) fn least_root<E: Equation>(
+    equation: &E,
+    first: E::Sample,
+    break_points: &[f64],
+    upper: f64,
+) -> Option<Root> {
+    let mut start = (1.0, first);
+    for &end in break_points.iter().chain([&upper]) {
+        let last = (end, equation.sample(end));
+        if !equation.excluded(&start.1, (end, &last.1)) {
+            let cell_ratio = |from: f64| ((end / from).ln() / f64::from(CELLS)).exp();
+            let mut lower = start;
+            if lower.0 == 1.0 {
+                match near_onset(equation, lower, cell_ratio(1.0)) {
+                    Ok(root) => return Some(root),
+                    Err(reached) => lower = reached,
+                }
+            }
+            let ratio = cell_ratio(lower.0);
+            for cell in 1..=CELLS {
+                let m = lower.0 * ratio;
+                let next = if cell == CELLS { last } else { (m, equation.sample(m)) };
+                if let Some(root) = root_of_cell(equation, lower, next) {
+                    return Some(root);
+                }
+                lower = next;
+            }
+            let residual = E::residual(&last.1);
+            if residual <= TOUCHING * end {
+                return Some(Root::exact(end, residual));
+            }
+        }
+        start = last;
+    }
+    None
+}
+
+/// Just after onset the root is as near to 1 as M(1) is, and another root may follow within the first cell:
+/// nodes at 1 + 2 (M(1) − 1), then four times as far each. `Err` is the last of them before `limit`.
+#[inline]
+fn near_onset<E: Equation>(equation: &E, first: (f64, E::Sample), limit: f64) -> Result<Root, (f64, E::Sample)> {
+    let mut lower = first;
+    let mut distance = 2.0 * E::residual(&first.1);
+    while 1.0 + distance < limit && distance > 0.0 {
+        let next = (1.0 + distance, equation.sample(1.0 + distance));
+        if let Some(root) = root_of_cell(equation, lower, next) {
+            return Ok(root);
+        }
+        lower = next;
+        distance *= 4.0;
+    }
+    Err(lower)
+}
+
+/// The root in a cell at whose start the residual is positive: at a kink, or between ends of unlike signs.
+#[inline]
+fn root_of_cell<E: Equation>(equation: &E, start: (f64, E::Sample), end: (f64, E::Sample)) -> Option<Root> {
+    let residual = |m: f64| E::residual(&equation.sample(m));
+    let ends = [E::residual(&start.1), E::residual(&end.1)];
+    let (before, after) = (equation.kinks(&start.1), equation.kinks(&end.1));
+    let mut least: Option<Root> = None;
+    for k in 0..2 {
+        if before[k] > 0.0 && after[k] <= 0.0 {
+            let kink = |m: f64| equation.kinks(&equation.sample(m))[k];
+            let m = bracketed(kink, (start.0, before[k]), (end.0, after[k])).m;
+            let value = residual(m);
+            if value <= TOUCHING * m && least.is_none_or(|root| m < root.m) {
+                least = Some(Root::exact(m, value));
+            }
+        }
+    }
+    match least {
+        Some(root) if root.residual >= -TOUCHING * root.m => Some(root),
+        Some(root) => Some(bracketed(residual, (start.0, ends[0]), (root.m, root.residual))),
+        None if ends[1] <= 0.0 => Some(bracketed(residual, (start.0, ends[0]), (end.0, ends[1]))),
+        None => None,
+    }
+}
+
+/// Chandrupatla's method: inverse quadratic interpolation where it is safe, else bisection; in ln m as long
+/// as the ends differ by more than a factor.
+#[inline]
+fn bracketed(residual: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64)) -> Root {
+    // a and b enclose the root, a is the latest point, c the one that a or b replaced
+    let mut fraction = 0.5;
+    for iteration in 1..=MAX_ITERATIONS {
+        if b.1 == 0.0 {
+            return Root::exact(b.0, 0.0);
+        }
+        let wide = a.0 > 4.0 * b.0 || b.0 > 4.0 * a.0;
+        let x = if wide { a.0.sqrt() * b.0.sqrt() } else { a.0 + fraction * (b.0 - a.0) };
+        if x == a.0 || x == b.0 {
+            break;
+        }
+        let value = residual(x);
+        if value == 0.0 {
+            return Root::exact(x, 0.0);
+        }
+        let c;
+        if (value > 0.0) == (a.1 > 0.0) {
+            c = a;
+        } else {
+            c = b;
+            b = a;
+        }
+        a = (x, value);
+        let (better, width) = (if a.1.abs() < b.1.abs() { a } else { b }, (b.0 - a.0).abs());
+        let least = f64::EPSILON * better.0 / width;
+        if least > 0.5 {
+            break;
+        }
+        let xi = (a.0 - b.0) / (c.0 - b.0);
+        let phi = (a.1 - b.1) / (c.1 - b.1);
+        let safe = phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi;
+        fraction = if safe && iteration % FORCED_BISECTION != 0 {
+            a.1 / (b.1 - a.1) * c.1 / (b.1 - c.1) + (c.0 - a.0) / (b.0 - a.0) * a.1 / (c.1 - a.1) * b.1 / (c.1 - b.1)
+        } else {
+            0.5
+        }
+        .clamp(least, 1.0 - least);
+    }
+    let (m, other) = if a.1.abs() < b.1.abs() { (a, b) } else { (b, a) };
+    Root { m: m.0, other: other.0, residual: m.1 }
+}

@@ -1,0 +1,221 @@
+//! The bond envelope τ(s): largest bond traction after the largest slip s (models.md §9.2; thesis 6.23, 6.24).
+
+use umat_abi::law::ConfigurationError;
+
+/// Rounding allowed where two slopes given by the user should be equal.
+const SLOPE_ROUNDING: f64 = 1e-9;
+
+/// How the envelope goes on after its linear start.
+#[derive(Clone, Copy, Debug)]
+enum Form<'p> {
+    /// a₁ s^b₁ up to the peak, then a₂ s^b₂ (6.24).
+    Powers { rise: [f64; 2], fall: [f64; 2] },
+    /// Straight lines through (slip, traction) pairs, one after the other; constant after the last (6.23).
+    Piecewise { points: &'p [f64] },
+}
+
+/// A bond envelope: k_e s up to `critical_slip`, then the form; after the peak not below the residual.
+#[derive(Clone, Copy, Debug)]
+pub struct Envelope<'p> {
+    /// k_e, MPa/mm.
+    pub elastic_stiffness: f64,
+    /// τ_res, MPa.
+    pub residual: f64,
+    /// g_crit: where debonding starts, mm.
+    pub critical_slip: f64,
+    /// g_peak, mm.
+    pub peak_slip: f64,
+    form: Form<'p>,
+}
+
+/// Traction on the envelope and its slope.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Strength {
+    /// τ(s), MPa.
+    pub traction: f64,
+    /// τ'(s), MPa/mm; at a joint the slope of the side of smaller slips, from which loading comes.
+    pub slope: f64,
+}
+
+impl<'p> Envelope<'p> {
+    /// Linear, power, power. The joints are the intersections (closed form), so that τ is continuous:
+    /// g_crit = (a₁/k_e)^(1/(1−b₁)), g_peak = (a₂/a₁)^(1/(b₁−b₂)).
+    ///
+    /// # Errors
+    /// Coefficients that give no rise followed by a fall.
+    pub fn powers(
+        elastic_stiffness: f64,
+        rise: [f64; 2],
+        fall: [f64; 2],
+        residual: f64,
+    ) -> Result<Self, ConfigurationError> {
+        let ([a_1, b_1], [a_2, b_2]) = (rise, fall);
+        require(elastic_stiffness > 0.0, "laws A and B need k_e > 0", elastic_stiffness)?;
+        require(a_1 > 0.0, "the powers form needs a_1 > 0", a_1)?;
+        require(a_2 > 0.0, "the powers form needs a_2 > 0", a_2)?;
+        require(b_1 > 0.0 && b_1 < 1.0, "the powers form needs 0 < b_1 < 1", b_1)?;
+        require(b_2 < 0.0, "the powers form needs b_2 < 0", b_2)?;
+        let critical_slip = (a_1 / elastic_stiffness).powf(1.0 / (1.0 - b_1));
+        let peak_slip = (a_2 / a_1).powf(1.0 / (b_1 - b_2));
+        let ordered = critical_slip.is_normal() && peak_slip.is_finite() && critical_slip < peak_slip;
+        require(ordered, "the joints of the powers form must satisfy 0 < g_crit < g_peak", critical_slip)?;
+        let envelope =
+            Self { elastic_stiffness, residual, critical_slip, peak_slip, form: Form::Powers { rise, fall } };
+        envelope.with_residual_below_peak()
+    }
+
+    /// Linear interpolation of (slip, traction) pairs, from (0, 0) unless the first slip is 0 (a bond
+    /// that is rigid but for k_e). g_crit is where k_e s meets the lines.
+    ///
+    /// # Errors
+    /// Slips that do not increase, a secant stiffness that grows or exceeds k_e (unloading could then
+    /// return more energy than was spent), no traction at all.
+    pub fn piecewise(elastic_stiffness: f64, points: &'p [f64], residual: f64) -> Result<Self, ConfigurationError> {
+        require(elastic_stiffness > 0.0, "laws A and B need k_e > 0", elastic_stiffness)?;
+        // a written (0, 0) is the one that is meant anyway
+        let points = if points.starts_with(&[0.0, 0.0]) { &points[2..] } else { points };
+        require(
+            points.len() >= 2,
+            "the piecewise form needs at least one point beside (0, 0)",
+            points.len() as f64 / 2.0,
+        )?;
+        let (first_slip, first_traction) = (points[0], points[1]);
+        let within = first_traction <= elastic_stiffness * first_slip * (1.0 + SLOPE_ROUNDING);
+        require(first_slip == 0.0 || within, "the first segment must not be steeper than k_e", first_traction)?;
+        let (mut peak_slip, mut peak) = (first_slip, first_traction);
+        let mut critical_slip = if first_traction < elastic_stiffness * first_slip * (1.0 - SLOPE_ROUNDING) {
+            Some(0.0)
+        } else {
+            (elastic_stiffness * first_slip >= first_traction * (1.0 - SLOPE_ROUNDING)).then_some(first_slip)
+        };
+        for [g_i, tau_i, g_j, tau_j] in segments(points) {
+            require(g_j > g_i, "the slips of the points must increase", g_j)?;
+            let falling = tau_j * g_i <= tau_i * g_j * (1.0 + SLOPE_ROUNDING);
+            require(falling, "the secant stiffness traction/slip of the points must not grow", g_j)?;
+            if critical_slip.is_none() && elastic_stiffness * g_j >= tau_j {
+                let slope = (tau_j - tau_i) / (g_j - g_i);
+                critical_slip = Some((tau_i - slope * g_i) / (elastic_stiffness - slope));
+            }
+            if tau_j > peak {
+                (peak_slip, peak) = (g_j, tau_j);
+            }
+        }
+        require(peak > 0.0, "the piecewise form needs a traction > 0", peak)?;
+        let critical_slip = critical_slip.unwrap_or(points[points.len() - 1] / elastic_stiffness);
+        let form = Form::Piecewise { points };
+        let peak_slip = peak_slip.max(critical_slip);
+        Self { elastic_stiffness, residual, critical_slip, peak_slip, form }.with_residual_below_peak()
+    }
+
+    fn with_residual_below_peak(self) -> Result<Self, ConfigurationError> {
+        let peak = self.strength(self.peak_slip).traction;
+        require(self.residual <= peak, "tau_res must not exceed the peak of the envelope", self.residual)?;
+        Ok(self)
+    }
+
+    /// τ(s) and τ'(s), s ≥ 0.
+    #[inline]
+    pub fn strength(&self, slip: f64) -> Strength {
+        if slip <= self.critical_slip {
+            return Strength { traction: self.elastic_stiffness * slip, slope: self.elastic_stiffness };
+        }
+        let strength = match self.form {
+            Form::Powers { rise, fall } => {
+                let [a, b] = if slip <= self.peak_slip { rise } else { fall };
+                let traction = a * slip.powf(b);
+                Strength { traction, slope: b * traction / slip }
+            }
+            Form::Piecewise { points } => interpolated(points, slip),
+        };
+        if slip > self.peak_slip && strength.traction < self.residual {
+            return Strength { traction: self.residual, slope: 0.0 };
+        }
+        strength
+    }
+
+    /// k_u(κ) = min(k_e, max(k_u, τ(κ)/κ)) and its derivative by κ: never softer than the secant, so
+    /// that the inelastic slip grows monotonically and unloading gives no energy.
+    #[inline]
+    pub fn unloading_stiffness(&self, largest_slip: f64, parameter: f64) -> (f64, f64) {
+        if largest_slip <= self.critical_slip {
+            return (self.elastic_stiffness, 0.0);
+        }
+        let Strength { traction, slope } = self.strength(largest_slip);
+        let secant = traction / largest_slip;
+        if secant >= self.elastic_stiffness || parameter >= self.elastic_stiffness {
+            (self.elastic_stiffness, 0.0)
+        } else if secant > parameter {
+            (secant, (slope - secant) / largest_slip)
+        } else {
+            (parameter, 0.0)
+        }
+    }
+
+    /// 1 − d(κ) = (τ(κ) − τ_res)/(k_e κ − τ_res) of law B, 1 up to g_crit, and its derivative by κ.
+    #[inline]
+    pub fn integrity(&self, largest_slip: f64) -> (f64, f64) {
+        if largest_slip <= self.critical_slip {
+            return (1.0, 0.0);
+        }
+        let Strength { traction, slope } = self.strength(largest_slip);
+        let elastic = self.elastic_stiffness * largest_slip - self.residual;
+        let integrity = ((traction - self.residual) / elastic).clamp(0.0, 1.0);
+        (integrity, (slope - self.elastic_stiffness * integrity) / elastic)
+    }
+
+    /// Whether law B can follow this envelope: τ_res below τ(g_crit), and d(κ) never decreasing.
+    ///
+    /// # Errors
+    /// The rule that is broken.
+    pub fn check_damage(&self) -> Result<(), ConfigurationError> {
+        let (k, residual) = (self.elastic_stiffness, self.residual);
+        let allowed = residual == 0.0 || residual < self.strength(self.critical_slip).traction;
+        require(allowed, "law B needs tau_res below the traction at the end of the linear start", residual)?;
+        // for the powers it is a theorem; on a line τ = c + m s: d' ∝ k (c − τ_res) + m τ_res
+        if let Form::Piecewise { points } = self.form {
+            for [g_i, tau_i, g_j, tau_j] in segments(points) {
+                let m = (tau_j - tau_i) / (g_j - g_i);
+                let growth = k * (tau_i - m * g_i - residual) + m * residual;
+                let floored = g_i >= self.peak_slip && tau_i.max(tau_j) <= residual;
+                let elastic = g_j <= self.critical_slip;
+                let rule = "law B cannot follow a piecewise envelope along which its damage would decrease";
+                require(elastic || floored || growth >= -SLOPE_ROUNDING * k * tau_i, rule, g_j)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Consecutive pairs of points as (g_i, τ_i, g_j, τ_j).
+fn segments(points: &[f64]) -> impl Iterator<Item = [f64; 4]> {
+    points.chunks_exact(2).zip(points.chunks_exact(2).skip(1)).map(|(i, j)| [i[0], i[1], j[0], j[1]])
+}
+
+/// The piecewise linear function through (0, 0) (unless the first slip is 0) and the points, constant
+/// after the last; at a point the slope before it.
+fn interpolated(points: &[f64], slip: f64) -> Strength {
+    let count = points.len() / 2;
+    let (mut low, mut high) = (0, count);
+    // low: number of points with a slip below `slip`
+    while low < high {
+        let middle = (low + high) / 2;
+        if points[2 * middle] < slip { low = middle + 1 } else { high = middle }
+    }
+    if low == count {
+        return Strength { traction: points[2 * count - 1], slope: 0.0 };
+    }
+    let (g_i, tau_i) = if low == 0 { (0.0, 0.0) } else { (points[2 * low - 2], points[2 * low - 1]) };
+    let (g_j, tau_j) = (points[2 * low], points[2 * low + 1]);
+    if g_j <= g_i {
+        return Strength { traction: tau_j, slope: 0.0 };
+    }
+    let slope = (tau_j - tau_i) / (g_j - g_i);
+    // measured from the nearer end, so that the points themselves are met exactly
+    let traction = if slip - g_i <= g_j - slip { tau_i + slope * (slip - g_i) } else { tau_j - slope * (g_j - slip) };
+    Strength { traction, slope }
+}
+
+/// The rule as an error unless it holds.
+pub(super) fn require(holds: bool, rule: &'static str, value: f64) -> Result<(), ConfigurationError> {
+    if holds { Ok(()) } else { Err(ConfigurationError::Inconsistent { rule, value }) }
+}

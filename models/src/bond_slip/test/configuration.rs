@@ -1,0 +1,100 @@
+//! What PROPS and increments are refused.
+
+use super::*;
+use umat_abi::law::{InterfaceIncrement, TangentialIncrement};
+
+/// The rule that PROPS break, if any.
+fn broken_rule(props: &[f64]) -> Option<&'static str> {
+    check_properties(&BondSlip::INFO, props).expect("within the table's bounds");
+    match BondSlip::parameters(props) {
+        Err(ConfigurationError::Inconsistent { rule, .. }) => Some(rule),
+        Err(error) => panic!("{error}"),
+        Ok(_) => None,
+    }
+}
+
+fn refuses(props: &[f64], word: &str) {
+    let rule = broken_rule(props).unwrap_or_else(|| panic!("accepted: {props:?}"));
+    assert!(rule.contains(word), "{rule}");
+}
+
+#[test]
+fn defaults_are_consistent() {
+    assert_eq!(broken_rule(&props(&[])), None);
+    for props in variants() {
+        assert_eq!(broken_rule(&props), None);
+    }
+}
+
+#[test]
+fn refuses_what_gives_no_envelope() {
+    refuses(&props(&[(K_E, 0.0)]), "k_e");
+    refuses(&props(&[(B_1, 1.0)]), "b_1");
+    refuses(&props(&[(B_1 + 2, 0.1)]), "b_2");
+    refuses(&props(&[(A_2, 0.0)]), "a_2");
+    refuses(&props(&[(A_2 - 2, 0.0)]), "a_1");
+    refuses(&props(&[(A_2, 1e-6)]), "g_crit < g_peak");
+    refuses(&props(&[(TAU_RES, 1.4)]), "tau_res");
+    refuses(&props(&[(LAW, 1.0), (TAU_RES, 1.0)]), "tau_res");
+    refuses(&props(&[(G_0, 0.0)]), "g_0");
+    refuses(&props(&[(LAW, 2.0), (K_E, 0.0)]), "k_f");
+    assert_eq!(broken_rule(&props(&[(LAW, 2.0), (K_E, 0.0), (K_F, 1e4)])), None);
+}
+
+#[test]
+fn refuses_points_that_give_no_envelope() {
+    refuses(&piecewise(&[], &[]), "one point");
+    refuses(&piecewise(&[], &[[0.0, 0.0]]), "one point");
+    refuses(&piecewise(&[], &[[1e-3, 0.0]]), "traction");
+    refuses(&piecewise(&[], &[[1e-3, 1.0]]), "steeper");
+    refuses(&piecewise(&[], &[[1e-3, 0.9], [1e-3, 1.0]]), "increase");
+    refuses(&piecewise(&[(TAU_RES, 0.0)], &[[1e-3, 0.1], [2e-3, 0.5]]), "secant");
+    // a hump after a valley: damage would have to heal
+    refuses(&piecewise(&[(LAW, 1.0)], &[[1e-3, 0.95], [2e-3, 0.55], [3e-3, 0.8]]), "damage");
+    assert_eq!(broken_rule(&piecewise(&[(TAU_RES, 0.0)], &[[1e-3, 0.5]])), None);
+    assert_eq!(broken_rule(&piecewise(&[], &[[0.0, 0.5]])), None);
+    let wrong_count = [&props(&[(FORM, 1.0), (POINT_COUNT, 2.0)])[..], &[1e-3, 0.5]].concat();
+    let error = check_properties(&BondSlip::INFO, &wrong_count);
+    assert!(matches!(error, Err(ConfigurationError::ParameterCount { given: 19, expected: 21 })));
+}
+
+#[test]
+fn the_hard_law_needs_its_stiffness_only_where_it_is_used() {
+    let props = props(&[(NORMAL_LAW, 0.0)]);
+    let parameters = BondSlip::parameters(&props).expect("a host may fill the 0 later");
+    let mut state = [0.0; 12];
+    let contact = InterfaceIncrement {
+        directions: 2,
+        relative_displacement: [0.0, 1e-4, 0.0],
+        increment: [0.0, 1e-4, 0.0],
+        traction: [0.0; 3],
+    };
+    let refused = BondSlip::update(&parameters, &contact, &mut state, Request::StressAndTangent);
+    assert!(matches!(refused, Err(Failure::Configuration(ConfigurationError::Inconsistent { .. }))));
+    let sliding = TangentialIncrement { directions: 1, slip_increment: [1e-4, 0.0], pressure: 0.0 };
+    let response = BondSlip::update_tangential(&parameters, &sliding, &mut state, Request::StressAndTangent);
+    approx::assert_relative_eq!(response.expect("FRIC").traction[0], 0.095, max_relative = 1e-14);
+}
+
+#[test]
+fn asks_for_a_cut_back_when_input_is_no_number() {
+    for props in variants() {
+        let parameters = BondSlip::parameters(&props).expect("consistent");
+        for place in 0..3 {
+            let mut displacement = [1e-3; 3];
+            displacement[place] = f64::NAN;
+            let contact = InterfaceIncrement {
+                directions: 3,
+                relative_displacement: displacement,
+                increment: [0.0; 3],
+                traction: [0.0; 3],
+            };
+            let response = BondSlip::update(&parameters, &contact, &mut [0.0; 12], Request::Stress);
+            assert!(matches!(response, Err(Failure::CutBack { .. })));
+            let [pressure, slip_increment @ ..] = displacement;
+            let sliding = TangentialIncrement { directions: 2, slip_increment, pressure };
+            let response = BondSlip::update_tangential(&parameters, &sliding, &mut [0.0; 12], Request::Stress);
+            assert!(matches!(response, Err(Failure::CutBack { .. })));
+        }
+    }
+}

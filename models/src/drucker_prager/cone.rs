@@ -1,0 +1,93 @@
+//! The cone in stress space: α and k of eq. 5.22, ᾱ of the potential.
+
+use umat_abi::law::ConfigurationError;
+
+/// α, k, ᾱ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cone {
+    /// α of F = αI₁ + √J₂ − k.
+    pub friction: f64,
+    /// k, MPa.
+    pub shear_strength: f64,
+    /// ᾱ of Ψ = ᾱI₁ + √J₂.
+    pub dilation: f64,
+}
+
+/// What cohesion and angles mean; the numbers in PROPS.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Match {
+    /// 0: β and d of ABAQUS' linear model.
+    Abaqus,
+    /// 1: Mohr–Coulomb's compression edges.
+    Outer,
+    /// 2: Mohr–Coulomb in plane strain.
+    PlaneStrain,
+}
+
+impl Match {
+    /// From PROPS, where only listed numbers arrive.
+    pub(super) fn from_number(value: f64) -> Self {
+        match value {
+            1.0 => Self::Outer,
+            2.0 => Self::PlaneStrain,
+            _ => Self::Abaqus,
+        }
+    }
+
+    /// α of an angle.
+    fn slope(self, angle: f64) -> f64 {
+        let (sin, tan) = (angle.sin(), angle.tan());
+        match self {
+            Self::Abaqus => tan / (3.0 * 3.0_f64.sqrt()),
+            Self::Outer => 2.0 * sin / (3.0_f64.sqrt() * (3.0 - sin)),
+            Self::PlaneStrain => tan / (9.0 + 12.0 * tan * tan).sqrt(),
+        }
+    }
+
+    /// k.
+    fn shear_strength(self, cohesion: f64, angle: f64) -> f64 {
+        match self {
+            Self::Abaqus => cohesion / 3.0_f64.sqrt(),
+            Self::Outer => 6.0 * cohesion * angle.cos() / (3.0_f64.sqrt() * (3.0 - angle.sin())),
+            Self::PlaneStrain => 3.0 * cohesion / (9.0 + 12.0 * angle.tan().powi(2)).sqrt(),
+        }
+    }
+}
+
+impl Cone {
+    /// From cohesion (MPa) and angles (degrees).
+    ///
+    /// # Errors
+    /// If the dilation angle exceeds the friction angle.
+    pub fn new(
+        cohesion: f64,
+        friction_degrees: f64,
+        dilation_degrees: f64,
+        matched: Match,
+    ) -> Result<Self, ConfigurationError> {
+        if dilation_degrees > friction_degrees {
+            return Err(ConfigurationError::Inconsistent {
+                rule: "dilation_angle_deg must not exceed friction_angle_deg",
+                value: dilation_degrees,
+            });
+        }
+        let friction = friction_degrees.to_radians();
+        Ok(Self {
+            friction: matched.slope(friction),
+            shear_strength: matched.shear_strength(cohesion, friction),
+            dilation: matched.slope(dilation_degrees.to_radians()),
+        })
+    }
+
+    /// Mean stress at the apex, k/(3α); infinite without friction.
+    #[inline]
+    pub fn apex(&self) -> f64 {
+        self.shear_strength / (3.0 * self.friction)
+    }
+
+    /// F(σ_m, √J₂).
+    #[inline]
+    pub fn yield_function(&self, mean_stress: f64, root_j2: f64) -> f64 {
+        3.0 * self.friction * mean_stress + root_j2 - self.shear_strength
+    }
+}

@@ -1,0 +1,79 @@
+//! Isotropic linear relations in n normal directions (models.md §4.1): n = 3, or n = 2 in plane
+//! stress, where the law of the plane is as simple as that of space once σ33 = 0 is built in.
+
+use umat_abi::law::StressState;
+
+/// ε split into the n-dimensional deviator e (with the shears) and the trace θ.
+#[derive(Clone, Copy, Debug)]
+pub struct IsotropicSplit {
+    /// How many normal directions, 2 or 3.
+    directions: usize,
+    /// e, engineering shear.
+    pub deviator: [f64; 6],
+    /// θ = Σ ε_ii over the n directions.
+    pub trace: f64,
+}
+
+/// The number of normal directions in which a stress state drives a law.
+#[inline]
+fn normal_directions(stress_state: StressState) -> usize {
+    if stress_state == StressState::PlaneStress { 2 } else { 3 }
+}
+
+impl IsotropicSplit {
+    /// Splits a strain; in plane stress ε33 is not looked at.
+    #[inline]
+    pub fn new(stress_state: StressState, strain: &[f64; 6]) -> Self {
+        let directions = normal_directions(stress_state);
+        let trace: f64 = strain[..directions].iter().sum();
+        let mean = trace / directions as f64;
+        let mut deviator = *strain;
+        deviator[directions..3].fill(0.0);
+        for normal in &mut deviator[..directions] {
+            *normal -= mean;
+        }
+        Self { directions, deviator, trace }
+    }
+
+    /// n.
+    #[inline]
+    pub fn dimension(&self) -> f64 {
+        self.directions as f64
+    }
+
+    /// e : e.
+    #[inline]
+    pub fn deviator_norm_squared(&self) -> f64 {
+        super::strain_norm_squared(&self.deviator)
+    }
+
+    /// 2μ e + s I_n with 2μ = `twice_shear_modulus` and s = `mean_stress`.
+    #[inline]
+    pub fn stress(&self, twice_shear_modulus: f64, mean_stress: f64) -> [f64; 6] {
+        let mut stress = self.deviator.map(|e| twice_shear_modulus * e);
+        for normal in &mut stress[..self.directions] {
+            *normal += mean_stress;
+        }
+        for shear in &mut stress[3..] {
+            *shear *= 0.5;
+        }
+        stress
+    }
+}
+
+/// 2μ I_dev + k_n I_n ⊗ I_n in components, `bulk_modulus` = k_n (so s = k_n θ).
+#[inline]
+pub fn isotropic_stiffness(stress_state: StressState, twice_shear_modulus: f64, bulk_modulus: f64) -> [[f64; 6]; 6] {
+    let directions = normal_directions(stress_state);
+    let coupling = bulk_modulus - twice_shear_modulus / directions as f64;
+    let mut stiffness = [[0.0; 6]; 6];
+    for i in 0..directions {
+        stiffness[i][..directions].fill(coupling);
+        stiffness[i][i] += twice_shear_modulus;
+    }
+    let shears = if directions == 3 { 3..6 } else { 3..4 };
+    for i in shears {
+        stiffness[i][i] = 0.5 * twice_shear_modulus;
+    }
+    stiffness
+}
