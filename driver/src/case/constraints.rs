@@ -24,11 +24,8 @@ pub fn assign(
     mode: Mode,
     place: &Place,
 ) -> Vec<Constraint> {
-    let constraints: Vec<Constraint> = given
-        .iter()
-        .enumerate()
-        .map(|(k, constraint)| read(reader, constraint, mode, &place.index(k)))
-        .collect();
+    let constraints: Vec<Constraint> =
+        given.iter().enumerate().map(|(k, constraint)| read(reader, constraint, mode, &place.index(k))).collect();
     let free: Vec<usize> = mode.controllable().iter().copied().filter(|i| !named[*i]).collect();
     let mut chosen = 0_u32;
     for count in 1..=constraints.len() {
@@ -79,7 +76,10 @@ fn read(reader: &mut Reader<'_>, given: &document::Constraint, mode: Mode, place
         equals: given.equals.unwrap_or(0.0),
     };
     if !has_coefficient(&constraint) {
-        reader.problem(place, "has no coefficient other than 0; write for example {\"s22\": 1, \"s11\": -0.5, \"equals\": 0}");
+        reader.problem(
+            place,
+            "has no coefficient other than 0; write for example {\"s22\": 1, \"s11\": -0.5, \"equals\": 0}",
+        );
     }
     constraint
 }
@@ -100,7 +100,8 @@ fn matching_sets(constraints: &[Constraint], free: &[usize]) -> Vec<u32> {
     for constraint in constraints {
         let mut larger: Vec<u32> = Vec::new();
         for set in &sets {
-            larger.extend(free.iter().filter(|i| set >> **i & 1 == 0 && touches(constraint, **i)).map(|i| set | 1 << i));
+            larger
+                .extend(free.iter().filter(|i| set >> **i & 1 == 0 && touches(constraint, **i)).map(|i| set | 1 << i));
         }
         larger.sort_unstable_by_key(|set| set.reverse_bits());
         larger.reverse();

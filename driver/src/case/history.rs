@@ -116,7 +116,8 @@ fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> 
     let (x, y) = (find(&curve.file_x, "file_x"), find(&curve.file_y, "file_y"));
     match csv.numbers(&[x?, y?], true) {
         Ok(rows) if rows.is_empty() => {
-            reader.problem(&place.key("file"), format!("{}: the two columns share no row with numbers", path.display()));
+            reader
+                .problem(&place.key("file"), format!("{}: the two columns share no row with numbers", path.display()));
             None
         }
         Ok(rows) => Some(rows.into_iter().map(|row| (row[0], row[1])).collect()),

@@ -8,8 +8,8 @@ use super::point::{read_table, statev};
 use super::problem::Place;
 use super::steps::{self, Counted};
 use super::{Reader, Resolved};
-use crate::path::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
 use crate::path::program::interface_columns;
+use crate::path::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
 
 /// Names of targets and of table columns.
 const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
@@ -78,8 +78,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let two_directions = plugin.as_ref().map(|plugin| interface_columns(2, plugin));
     directions = directions.max(directions_of(reader, documents));
     let columns = if directions == 2 { two_directions } else { one_direction };
-    let mut resolve =
-        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, entry, columns.as_deref(), place);
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
+        one_step(reader, step, entry, columns.as_deref(), place)
+    };
     let open = steps::expand(reader, documents, &place, &mut resolve);
     let kind = Kind::Interface(InterfaceProgram {
         entry: if entry == Entry::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },

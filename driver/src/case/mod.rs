@@ -192,9 +192,7 @@ fn finish(
     let description = reader.optional(common.description, &root.key("description")).cloned();
     let columns = resolved.columns.as_deref();
     let place = root.key("until");
-    let until = reader
-        .optional(common.until, &place)
-        .and_then(|until| history::until(reader, until, columns, &place));
+    let until = reader.optional(common.until, &place).and_then(|until| history::until(reader, until, columns, &place));
     let compare = history::compare_all(reader, common.compare, columns, &root.key("compare"));
     let output = reader.optional(common.output, &root.key("output")).cloned().unwrap_or_default();
     if output.vtu == Some(true) {

@@ -55,7 +55,8 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
         check_symbol(reader, &library, material, place, purpose.entry);
     }
     let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let name = law.as_ref().map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone());
+    let name =
+        law.as_ref().map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone());
     let nstatv = nstatv(reader, law.as_ref(), material, place)?;
     let props = properties(reader, law.as_ref(), material, place, purpose);
     Some(Plugin {
@@ -113,7 +114,8 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
     let matching = laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase()));
     let law = matching.max_by_key(|law| law.name.len());
     if law.is_none() {
-        let message = format!("'{cmname}' begins with the name of no law of the library{}", super::problem::hint(cmname, names));
+        let message =
+            format!("'{cmname}' begins with the name of no law of the library{}", super::problem::hint(cmname, names));
         reader.problem(&place.key("cmname"), message);
         return None;
     }
@@ -137,8 +139,11 @@ fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: Use) -
         && law.stress_states & state_bit(mode) == 0
     {
         let modes = [Mode::ThreeD, Mode::PlaneStrain, Mode::Axisymmetric, Mode::PlaneStress];
-        let supported: Vec<&str> =
-            modes.into_iter().filter(|mode| law.stress_states & state_bit(*mode) != 0).map(super::point::mode_name).collect();
+        let supported: Vec<&str> = modes
+            .into_iter()
+            .filter(|mode| law.stress_states & state_bit(*mode) != 0)
+            .map(super::point::mode_name)
+            .collect();
         let message = format!(
             "{} does not support mode {}; supported: {}",
             law.name,

@@ -54,7 +54,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     };
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
-    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
+    let mut resolve =
+        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
     let steps = steps::expand(reader, documents, &place, &mut resolve);
     let kind = mode.map(|mode| Kind::Point(PointProgram { mode, nlgeom, initial, steps }));
     Resolved { plugin, kind, columns, characteristic_length: characteristic_length.unwrap_or(None) }
@@ -103,7 +104,9 @@ impl steps::StepDocument for StepDocument {
 impl Counted for PointStep {
     fn increments(&self) -> u64 {
         match &self.drive {
-            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => *increments as u64,
+            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
+                *increments as u64
+            }
             PointDrive::Table { rows, .. } => rows.len() as u64,
         }
     }
@@ -150,7 +153,8 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
         (PointDrive::Ramp { increments, time, controls }, constraints)
     };
     check_field_variables(reader, ramp.predef.as_deref(), setting, place);
-    let until = ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until =
+        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
     PointStep { drive, constraints, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
 }
 
@@ -194,7 +198,8 @@ fn check_names(
                 reader.problem(&place(name), format!("{prefix}{}", fixed_by_mode(name, mode)));
             }
         } else if strain[i] && stress[i] {
-            let message = format!("{prefix}the same component is given as '{}' and as '{}'", STRAIN_NAMES[i], STRESS_NAMES[i]);
+            let message =
+                format!("{prefix}the same component is given as '{}' and as '{}'", STRAIN_NAMES[i], STRESS_NAMES[i]);
             reader.problem(&place(STRESS_NAMES[i]), message);
         }
     }
@@ -202,7 +207,8 @@ fn check_names(
 
 fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
     check_field_variables(reader, step.predef.as_deref(), setting, place);
-    let until = step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let until =
+        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
     let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).collect();
     let place_of_table = place.key("table");
     let path = reader.folder.join(&step.table);

@@ -140,7 +140,8 @@ pub fn hint<S: AsRef<str>>(name: &str, valid: impl IntoIterator<Item = S>) -> St
 /// The most similar name, if any is similar; of equally distant ones that with the longer common end (e12 → g12).
 pub fn nearest<'a, S: AsRef<str>>(name: &str, valid: &'a [S]) -> Option<&'a str> {
     let wanted = name.to_lowercase();
-    let tolerated = (wanted.chars().count() * 2 / 5).max(1);
+    let length = wanted.chars().count();
+    let tolerated = (length * 2 / 5).max(1).min(length.saturating_sub(1));
     valid
         .iter()
         .map(|candidate| {

@@ -15,7 +15,9 @@ pub fn props_from_json(law: &Law, props: &Value) -> Result<Vec<f64>, Vec<Problem
     let place = Place::root().key("material").key("props");
     match serde_json::from_value::<Option<Props>>(props.clone()) {
         Ok(props) => resolve(law, props.as_ref(), &place),
-        Err(_) => Err(vec![Problem::new(place, "expected an object of numbers, names and lists, or an array of numbers")]),
+        Err(_) => {
+            Err(vec![Problem::new(place, "expected an object of numbers, names and lists, or an array of numbers")])
+        }
     }
 }
 
@@ -139,7 +141,10 @@ fn occurrences(law: &Law, value: Option<&PropValue>, place: &Place, problems: &m
         };
         problems.push(Problem::new(place.clone(), message));
     }
-    list.iter().enumerate().map(|(k, occurrence)| one_occurrence(repeated, occurrence, &place.index(k), problems)).collect()
+    list.iter()
+        .enumerate()
+        .map(|(k, occurrence)| one_occurrence(repeated, occurrence, &place.index(k), problems))
+        .collect()
 }
 
 fn one_occurrence(
@@ -165,7 +170,8 @@ fn one_occurrence(
         return values;
     }
     for (k, (parameter, value)) in repeated.iter().zip(&values).enumerate() {
-        let place = if matches!(occurrence, Occurrence::Named(_)) { place.key(&parameter.name) } else { place.index(k) };
+        let place =
+            if matches!(occurrence, Occurrence::Named(_)) { place.key(&parameter.name) } else { place.index(k) };
         check_bounds(parameter, *value, &place, problems);
     }
     values

@@ -136,7 +136,7 @@ impl Findings<'_> {
             Kind::MinLength { .. } => "is empty".to_owned(),
             Kind::MaxLength { limit } => format!("must have at most {limit} characters"),
             _ => match expected(error) {
-                Some(expected) => format!("expected {expected}, found {}{}", found(), choice_hint(error)),
+                Some(expected) => format!("expected {expected}, found {}", found()),
                 None => error.to_string(),
             },
         };
@@ -147,7 +147,12 @@ impl Findings<'_> {
     /// unknown keys. If none fits in type, what each expects.
     fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
         let here = error.instance_path();
-        let best = context.iter().min_by_key(|branch| branch.iter().map(|e| misfit(e, here)).sum::<usize>());
+        // Of equally good branches: the first, or the last (the most general) if all lack a key.
+        let best = context.iter().enumerate().min_by_key(|(k, branch)| {
+            let misfit = branch_misfit(branch, here);
+            (misfit, if misfit < MISFIT_OF_MISSING_KEY { *k } else { context.len() - k })
+        });
+        let best = best.map(|(_, branch)| branch);
         let fits = best.filter(|branch| branch.iter().all(|e| misfit(e, here) < MISFIT_OF_TYPE));
         if let Some(branch) = fits {
             for error in branch {
@@ -157,7 +162,11 @@ impl Findings<'_> {
         }
         let mut expectations = Vec::new();
         collect_expectations(context, here, &mut expectations);
-        let message = format!("expected {}, found {}", either(&expectations), shown(error.instance()));
+        if expectations.iter().any(|text| text.starts_with('"')) {
+            expectations.retain(|text| text != type_name(JsonType::String));
+        }
+        let hint = word_hint(error.instance(), &expectations);
+        let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance()));
         self.problems.push(Problem::new(place_of(here), message));
     }
 
@@ -188,6 +197,23 @@ const MISFIT_OF_MISSING_KEY: usize = 1_000;
 /// A key that the branch does not know.
 const MISFIT_OF_UNKNOWN_KEY: usize = 100;
 
+fn branch_misfit(branch: &[ValidationError<'_>], here: &Location) -> usize {
+    let at_here = || branch.iter().filter(|error| error.instance_path() == here);
+    let missing: Vec<&str> = at_here()
+        .filter_map(|error| if let Kind::Required { property } = error.kind() { property.as_str() } else { None })
+        .collect();
+    // An unknown key that resembles a missing one is that one, misspelled.
+    let misspelled = at_here()
+        .filter_map(
+            |error| if let Kind::AdditionalProperties { unexpected } = error.kind() { Some(unexpected) } else { None },
+        )
+        .flatten()
+        .filter(|key| super::problem::nearest(key, &missing).is_some())
+        .count();
+    let sum: usize = branch.iter().map(|error| misfit(error, here)).sum();
+    sum - MISFIT_OF_MISSING_KEY * misspelled.min(missing.len())
+}
+
 fn misfit(error: &ValidationError<'_>, here: &Location) -> usize {
     if error.instance_path() != here {
         return 1;
@@ -197,8 +223,7 @@ fn misfit(error: &ValidationError<'_>, here: &Location) -> usize {
         Kind::Required { .. } => MISFIT_OF_MISSING_KEY,
         Kind::AdditionalProperties { unexpected } => MISFIT_OF_UNKNOWN_KEY * unexpected.len(),
         Kind::AnyOf { context } | Kind::OneOfNotValid { context } => {
-            let branches = context.iter().map(|branch| branch.iter().map(|e| misfit(e, here)).sum());
-            branches.min().unwrap_or(MISFIT_OF_TYPE)
+            context.iter().map(|branch| branch_misfit(branch, here)).min().unwrap_or(MISFIT_OF_TYPE)
         }
         _ => 1,
     }
@@ -241,16 +266,11 @@ fn expected(error: &ValidationError<'_>) -> Option<String> {
     }
 }
 
-fn choice_hint(error: &ValidationError<'_>) -> String {
-    if let (Kind::Enum { options: Value::Array(options) }, Value::String(found)) =
-        (error.kind(), error.instance().as_ref())
-    {
-        let names: Vec<&str> = options.iter().filter_map(Value::as_str).collect();
-        if let Some(nearest) = super::problem::nearest(found, &names) {
-            return format!("; nearest valid name: '{nearest}'");
-        }
-    }
-    String::new()
+/// The nearest of several quoted words to a text that is none of them.
+fn word_hint(found: &Value, expectations: &[String]) -> String {
+    let words: Vec<&str> = expectations.iter().map(|text| text.trim_matches('"')).collect();
+    let near = found.as_str().and_then(|found| super::problem::nearest(found, &words));
+    near.map_or_else(String::new, |near| format!("; nearest valid name: '{near}'"))
 }
 
 fn type_name(kind: JsonType) -> &'static str {

@@ -25,11 +25,8 @@ impl CsvFile {
         }
         let bytes = std::fs::read(path).map_err(|error| vec![format!("{file} cannot be read: {error}")])?;
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
-        let mut reader = csv::ReaderBuilder::new()
-            .comment(Some(b'#'))
-            .trim(csv::Trim::All)
-            .flexible(true)
-            .from_reader(bytes);
+        let mut reader =
+            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(bytes);
         let header = reader.headers().map_err(|error| vec![format!("{file}: {error}")])?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
         let mut rows = Vec::new();
@@ -127,10 +124,7 @@ impl Table {
                 problems.push(format!("{file}: the column '{name}' is there twice"));
             } else if name != "time" && !names.contains(&name.as_str()) {
                 let valid = ["time"].iter().chain(names);
-                problems.push(format!(
-                    "{file}: no component is called '{name}'{}",
-                    super::problem::hint(name, valid)
-                ));
+                problems.push(format!("{file}: no component is called '{name}'{}", super::problem::hint(name, valid)));
             }
         }
         if !csv.header.iter().any(|name| names.contains(&name.as_str())) && problems.is_empty() {

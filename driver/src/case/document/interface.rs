@@ -67,10 +67,10 @@ pub struct InterfaceInitial {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum InterfaceStep {
-    /// Steps run several times.
-    Cycle(Cycle<InterfaceStep>),
     /// The same in a member named "cycles".
     Cycles(Cycles<InterfaceStep>),
+    /// Steps run several times.
+    Cycle(Cycle<InterfaceStep>),
     /// One increment per row of a CSV file.
     Table(InterfaceTable),
     /// Linear ramps to end values.

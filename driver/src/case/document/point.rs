@@ -102,14 +102,14 @@ pub enum Components {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PointStep {
-    /// Steps run several times.
-    Cycle(Cycle<PointStep>),
     /// The same in a member named "cycles".
     Cycles(Cycles<PointStep>),
+    /// Steps run several times.
+    Cycle(Cycle<PointStep>),
     /// One increment per row of a CSV file.
     Table(PointTable),
     /// Linear ramps to end values.
-    Ramp(PointRamp),
+    Ramp(Box<PointRamp>),
 }
 
 /// A step in which the controlled components ramp linearly to their end values.

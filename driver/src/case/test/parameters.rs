@@ -24,8 +24,11 @@ fn law(count_parameter: Option<usize>) -> Law {
     let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("the plugin");
     let mut law = Library::open(&found.path).expect("a library").laws()[0].clone();
     let mut mode = parameter("beta_mode", 0.0, 0.0, 2.0);
-    mode.choices =
-        ["uni", "bi", "blend"].iter().zip([0.0, 1.0, 2.0]).map(|(name, value)| Choice { value, name: (*name).into() }).collect();
+    mode.choices = ["uni", "bi", "blend"]
+        .iter()
+        .zip([0.0, 1.0, 2.0])
+        .map(|(name, value)| Choice { value, name: (*name).into() })
+        .collect();
     law.parameters = vec![
         parameter("E", 100.0, 0.0, f64::INFINITY),
         mode,
@@ -66,12 +69,27 @@ fn each_parameters_problem_says_where_and_what() {
         (json!({ "points": 3 }), "$.material.props.points: expected a list [[slip, traction], …]"),
         (json!({ "points": [[1]] }), "$.material.props.points[0]: 1 values given, 2 needed: [slip, traction]"),
         (json!({ "points": [1] }), "$.material.props.points[0]: 1 values given, 2 needed"),
-        (json!({ "points": [[1, 2], [-1, 2]] }), "$.material.props.points[1][0]: slip = -1 is not admissible: it must be >= 0 MPa"),
-        (json!({ "points": [{ "slp": 1 }] }), "$.material.props.points[0].slp: unknown key; nearest valid name: 'slip'"),
+        (
+            json!({ "points": [[1, 2], [-1, 2]] }),
+            "$.material.props.points[1][0]: slip = -1 is not admissible: it must be >= 0 MPa",
+        ),
+        (
+            json!({ "points": [{ "slp": 1 }] }),
+            "$.material.props.points[0].slp: unknown key; nearest valid name: 'slip'",
+        ),
         (json!({ "n_points": 3, "points": [[1, 2]] }), "$.material.props.n_points: is 3, but 'points' has 1 entries"),
-        (json!({ "slip": 3, "points": [[1, 2]] }), "$.material.props.slip: 'slip' belongs to the repeating group 'points'"),
-        (json!({ "beta_mode": "blnd", "points": [[1, 2]] }), "'blnd' is none of 0 = uni, 1 = bi, 2 = blend; nearest valid name: 'blend'"),
-        (json!({ "beta_mode": 1.5, "points": [[1, 2]] }), "$.material.props.beta_mode: beta_mode = 1.5 is not admissible: it must be one of"),
+        (
+            json!({ "slip": 3, "points": [[1, 2]] }),
+            "$.material.props.slip: 'slip' belongs to the repeating group 'points'",
+        ),
+        (
+            json!({ "beta_mode": "blnd", "points": [[1, 2]] }),
+            "'blnd' is none of 0 = uni, 1 = bi, 2 = blend; nearest valid name: 'blend'",
+        ),
+        (
+            json!({ "beta_mode": 1.5, "points": [[1, 2]] }),
+            "$.material.props.beta_mode: beta_mode = 1.5 is not admissible: it must be one of",
+        ),
         (json!({ "E": "stiff", "points": [[1, 2]] }), "$.material.props.E: expected a number, found the text 'stiff'"),
         (json!({ "E": [[1]], "points": [[1, 2]] }), "$.material.props.E: expected a number, found an array"),
         (json!([100, 0, 2, 0.1, 5]), "$.material.props[2]: n_points = 2, but 1 follow"),

@@ -1,0 +1,149 @@
+//! Mutated documents: no panic, and no word of the machinery in a message.
+
+use super::super::structure;
+use super::{Bench, interface_case, point_case, schema_accepts};
+use serde_json::{Value, json};
+
+/// xorshift64*: the same documents in every run.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, bound: usize) -> usize {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_f491_4f6c_dd1d) >> 33) as usize % bound.max(1)
+    }
+
+    fn value(&mut self) -> Value {
+        let f = json!([[1, 0, 0], [0, 1, 0.5], [0, 0, 1]]);
+        let choices = [
+            json!(null),
+            json!(true),
+            json!(0),
+            json!(-1),
+            json!(2.5),
+            json!(1e300),
+            json!("hold"),
+            json!("plane_stress"),
+            json!(""),
+            json!("abs(s11)"),
+            json!([]),
+            json!([1, 2]),
+            json!([[1, 2]]),
+            json!({}),
+            json!({ "e11": 1 }),
+            json!("path.csv"),
+            json!("text.csv"),
+            json!({ "table": "path.csv" }),
+            f,
+            json!({ "repeat": 3, "steps": [{ "increments": 2 }] }),
+            json!({ "quantity": "s11", "less_than": 0 }),
+            json!([{ "s22": 1, "s11": 0.5 }]),
+            json!({ "slip": 1 }),
+            json!(18_446_744_073_709_551_615_u64),
+        ];
+        choices[self.below(choices.len())].clone()
+    }
+
+    fn key(&mut self) -> &'static str {
+        const KEYS: [&str; 24] = [
+            "e11",
+            "s22",
+            "g12",
+            "F",
+            "target",
+            "time",
+            "table",
+            "repeat",
+            "steps",
+            "cycles",
+            "until",
+            "constraints",
+            "props",
+            "nstatv",
+            "symbol",
+            "mode",
+            "nlgeom",
+            "initial",
+            "strain",
+            "predef",
+            "temperature",
+            "compare",
+            "E",
+            "x y",
+        ];
+        KEYS[self.below(KEYS.len())]
+    }
+
+    /// Changes one place of the document.
+    fn mutate(&mut self, value: &mut Value) {
+        match value {
+            Value::Object(members) if self.below(4) > 0 && !members.is_empty() => {
+                let key = members.keys().nth(self.below(members.len())).cloned().unwrap_or_default();
+                match self.below(8) {
+                    0 => drop(members.shift_remove(&key)),
+                    1 => drop(members.insert(self.key().into(), self.value())),
+                    _ => self.mutate(&mut members[&key]),
+                }
+            }
+            Value::Array(elements) if self.below(4) > 0 && !elements.is_empty() => {
+                let index = self.below(elements.len());
+                match self.below(6) {
+                    0 => drop(elements.remove(index)),
+                    1 => elements.push(self.value()),
+                    _ => self.mutate(&mut elements[index]),
+                }
+            }
+            other => *other = self.value(),
+        }
+    }
+}
+
+#[test]
+fn mutated_documents_are_refused_in_plain_words_or_read() {
+    let bench = Bench::new();
+    let mut random = Random(0x9e37_79b9_7f4a_7c15);
+    let mut full = point_case();
+    full["initial"] = json!({ "strain": [0, 0, 0, 0, 0, 0], "statev": [0, 0], "time": 1 });
+    full["until"] = json!({ "quantity": "abs(e11)", "greater_than": 1 });
+    full["compare"] =
+        json!([{ "file": "curve.csv", "file_x": "strain", "file_y": "stress_MPa", "x": "e11", "y": "s11" }]);
+    full["steps"] = json!([
+        { "increments": 3, "target": { "e11": 1 }, "constraints": [{ "s22": 1, "s11": -0.5, "equals": 0 }] },
+        { "repeat": 2, "steps": [{ "table": "path.csv" }, { "increments": 1, "target": { "s11": "hold" } }] }
+    ]);
+    let (mut accepted, mut refused) = (0, 0);
+    for round in 0..600 {
+        let mut document = if round % 3 == 0 { interface_case() } else { full.clone() };
+        for _ in 0..=random.below(3) {
+            random.mutate(&mut document);
+        }
+        let fits = schema_accepts(&document);
+        match bench.read(&document, &[]) {
+            Ok(_) => {
+                accepted += 1;
+                assert!(fits, "read, but not by the schema: {document}");
+            }
+            Err(errors) => {
+                refused += 1;
+                let text = errors.to_string();
+                assert!(!errors.problems.is_empty() && [2, 3].contains(&errors.exit_code()));
+                for noise in [
+                    "anyOf",
+                    "oneOf",
+                    "untagged",
+                    "did not match any variant",
+                    ": cannot be read:",
+                    "under any of",
+                ] {
+                    assert!(!text.contains(noise), "{document}:\n{text}");
+                }
+                let structural = structure::kind_of(&document)
+                    .map_or(true, |kind| !structure::check(kind, &mut document.clone()).is_empty());
+                assert_eq!(structural, !fits, "{document}:\n{text}");
+            }
+        }
+    }
+    assert!(accepted > 20 && refused > 300, "{accepted} accepted, {refused} refused");
+}
