@@ -4,4 +4,5 @@
 //! Data flows one way: a case file ([`case`]) becomes a checked program ([`path::program`]), which is run
 //! ([`path`]) and recorded ([`output`]). [`conformance`] tests a plugin against what its metadata claims.
 
+pub mod conformance;
 pub mod path;
