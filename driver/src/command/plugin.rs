@@ -192,7 +192,8 @@ fn describe(law: &Law, path: &Path) -> String {
         .map(|(k, s)| [(k + 1).to_string(), s.name.clone(), s.unit.clone(), s.doc.clone()]);
     text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
     if !law.derived.is_empty() {
-        let derived: Vec<_> = law.derived.iter().map(|d| format!("{} from {}", d.name, law.states[d.state].name)).collect();
+        let derived: Vec<_> =
+            law.derived.iter().map(|d| format!("{} from {}", d.name, law.states[d.state].name)).collect();
         let _ = writeln!(text, "Derived: {}", derived.join(", "));
     }
     text.push('\n');

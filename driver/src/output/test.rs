@@ -1,7 +1,8 @@
 //! A result directory from beginning to end, on a curve with a known formula.
 
 use super::compare::compare;
-use super::history::{History, HistoryWriter, Row};
+use super::history::{History, HistoryWriter};
+use crate::path::Row;
 use super::plots::{self, Curve, Spec, Subject};
 use super::report::{self, Account};
 use super::summary::{PeakRecorder, PluginFile, Status, Summary};

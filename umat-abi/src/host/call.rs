@@ -202,9 +202,26 @@ impl UmatCall {
     /// # Errors
     /// As [`Self::call`].
     pub fn call_with_tangent_filled(&mut self, request: Request, filling: f64) -> Result<CallOutcome, Overrun> {
+        let stress_only = request == Request::Stress && self.honours_stress_only;
+        // SAFETY: the arguments stay as they are.
+        unsafe { self.call_with(stress_only, filling, |_| ()) }
+    }
+
+    /// The call itself, with the arguments as `alter` leaves them.
+    ///
+    /// # Safety
+    /// `alter` may make pointers NULL, or point to counts that live as long as the call and that the arrays can hold.
+    #[inline]
+    pub(super) unsafe fn call_with(
+        &mut self,
+        stress_only: bool,
+        filling: f64,
+        alter: impl FnOnce(&mut UmatArguments),
+    ) -> Result<CallOutcome, Overrun> {
         self.ddsdde.as_mut_slice().fill(filling);
         self.pnewdt = PNEWDT_ON_ENTRY;
-        let arguments = self.arguments(request == Request::Stress && self.honours_stress_only);
+        let mut arguments = self.arguments(stress_only);
+        alter(&mut arguments);
         if self.keeps_floating_point {
             // SAFETY: every pointer is valid for the sizes that the counts tell.
             unsafe { arguments.call(self.function) };

@@ -162,18 +162,37 @@ impl UinterCall {
         self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
     }
 
+    /// PROPS.
+    pub fn props(&self) -> &[f64] {
+        self.common.props.as_slice()
+    }
+
     /// Calls the plugin; DDSDDR and LSDI are zeroed before.
     ///
     /// # Errors
     /// [`Overrun`] if it wrote behind an array.
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
-        self.common.tangent.as_mut_slice().fill(0.0);
+        // SAFETY: the arguments stay as they are.
+        unsafe { self.call_with(0.0, |_| ()) }
+    }
+
+    /// The call itself, with DDSDDR filled before and the arguments as `alter` leaves them.
+    ///
+    /// # Safety
+    /// `alter` may make pointers NULL, or point to counts that live as long as the call and that the arrays can hold.
+    pub(super) unsafe fn call_with(
+        &mut self,
+        filling: f64,
+        alter: impl FnOnce(&mut UinterArguments),
+    ) -> Result<CallOutcome, Overrun> {
+        self.common.tangent.as_mut_slice().fill(filling);
         self.common.scratch.fill(0.0);
         self.common.pnewdt = PNEWDT_ON_ENTRY;
         self.lsdi = 0;
-        let arguments = self.arguments();
+        let mut arguments = self.arguments();
+        alter(&mut arguments);
         let function = self.function;
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         self.common.run(|| unsafe { arguments.call(function) })
     }
 
@@ -329,19 +348,38 @@ impl FricCall {
         self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
     }
 
+    /// PROPS.
+    pub fn props(&self) -> &[f64] {
+        self.common.props.as_slice()
+    }
+
     /// Calls the plugin; DDTDDG is zeroed before.
     ///
     /// # Errors
     /// [`Overrun`] if it wrote behind an array.
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
-        self.common.tangent.as_mut_slice().fill(0.0);
+        // SAFETY: the arguments stay as they are.
+        unsafe { self.call_with(0.0, |_| ()) }
+    }
+
+    /// The call itself, with DDTDDG, DDTDDP and DSLIP filled before and the arguments as `alter` leaves them.
+    ///
+    /// # Safety
+    /// `alter` may make pointers NULL, or point to counts that live as long as the call and that the arrays can hold.
+    pub(super) unsafe fn call_with(
+        &mut self,
+        filling: f64,
+        alter: impl FnOnce(&mut FricArguments),
+    ) -> Result<CallOutcome, Overrun> {
+        self.common.tangent.as_mut_slice().fill(filling);
         self.common.scratch.fill(0.0);
         self.common.pnewdt = PNEWDT_ON_ENTRY;
-        self.dslip = [0.0; 2];
-        self.pressure_tangent = [0.0; 2];
-        let arguments = self.arguments();
+        self.dslip = [filling; 2];
+        self.pressure_tangent = [filling; 2];
+        let mut arguments = self.arguments();
+        alter(&mut arguments);
         let function = self.function;
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         self.common.run(|| unsafe { arguments.call(function) })
     }
 

@@ -6,7 +6,7 @@ use std::fmt;
 /// A bit pattern no computation produces: a signalling-free NaN with a marked payload.
 const CANARY: u64 = 0x7ff8_c0de_ba5e_ba11;
 /// Doubles behind each array.
-const CANARIES: usize = 4;
+pub(super) const CANARIES: usize = 4;
 
 /// A plugin wrote behind one of its arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

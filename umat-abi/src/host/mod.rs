@@ -1,5 +1,6 @@
 //! The host side: finding, loading and calling plugins, ours and anybody's.
 
+mod altered;
 mod call;
 mod description;
 mod discovery;
@@ -8,6 +9,7 @@ mod interface_call;
 mod library;
 mod memory;
 
+pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{Found, library_file_name, search_paths};

@@ -1,25 +1,13 @@
 //! `history.csv`: written line by line as the run goes on, read back for pictures and comparisons.
 
 use super::{at, malformed, number};
+use crate::path::Row;
 use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 #[cfg(test)]
 mod test;
-
-/// One line of the history.
-#[derive(Clone, Copy, Debug)]
-pub struct Row<'a> {
-    /// From 1; 0 is the initial state.
-    pub step: u32,
-    /// From 1 in each step.
-    pub increment: u32,
-    /// The columns from `time` to the one before `iterations`.
-    pub values: &'a [f64],
-    /// Newton iterations of the increment.
-    pub iterations: u32,
-}
 
 /// Writes `history.csv` so that a killed run keeps every finished line: each is formatted in memory and handed to the
 /// kernel by one `write(2)`.

@@ -1,8 +1,8 @@
 //! `summary.json`: what came out, for scripts.
 
 use super::compare::Comparison;
-use super::history::Row;
 use super::{at, malformed};
+use crate::path::Row;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};

@@ -1,0 +1,229 @@
+//! NaN, infinity, wrong counts and wrong parameters: refused without touching what must stay.
+//!
+//! Input that makes no sense: arrays as they were and a cut-back request, or NaN and a cut-back request. Wrong
+//! configuration: NaN and a cut-back request, because some hosts ignore PNEWDT and would go on with zeros.
+
+use super::metadata::parameter_of;
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::{Answer, Committed, Entry, Subject, same_bits};
+use umat_abi::host::{Alteration, CallOutcome};
+use umat_abi::law::StressState;
+use umat_abi::metadata::flags;
+
+const BAD: [f64; 3] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY];
+/// The tangent before a call: what stays untouched shows.
+const FILLING: f64 = 4.25e44;
+/// States tried.
+const STATES: usize = 4;
+
+/// Everything as before the call.
+fn untouched(from: &Committed, answer: &Answer) -> bool {
+    same_bits(&from.output, &answer.output)
+        && same_bits(&from.statev, &answer.statev)
+        && same_bits(&from.energies, &answer.energies)
+        && answer.tangent.iter().all(|x| *x == FILLING)
+}
+
+/// The first `count` stresses NaN, the states as they were.
+fn not_a_number(from: &Committed, answer: &Answer, count: usize) -> bool {
+    answer.output[..count].iter().all(|x| x.is_nan()) && same_bits(&from.statev[..answer.statev.len()], &answer.statev)
+}
+
+fn cut_back(answer: &Answer) -> bool {
+    matches!(answer.outcome, CallOutcome::CutBack(_))
+}
+
+/// States later in their histories, with non-zero STATEV if there are any.
+fn chosen(sample: &[State]) -> impl Iterator<Item = &State> {
+    let eventful = sample.iter().filter(|state| state.from.statev.iter().any(|x| *x != 0.0));
+    let quiet = sample.iter().filter(|state| state.from.statev.iter().all(|x| *x == 0.0));
+    eventful.chain(quiet).take(STATES)
+}
+
+/// NaN and infinities in strains, increments and states, one at a time.
+pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "NaN and infinity";
+    let described = subject.described();
+    // Third-party code may loop for ever on infinity; NaN ends most loops.
+    let values = if described { &BAD[..] } else { &BAD[..1] };
+    let (mut tried, mut wrong, mut first) = (0, 0, String::new());
+    for state in chosen(sample) {
+        for &value in values {
+            for (name, from, step) in spoiled(subject, state, value) {
+                let answer = subject.call(&from, &step, FILLING, Alteration::None);
+                tried += 1;
+                let count = answer.output.len();
+                let good = cut_back(&answer) && (untouched(&from, &answer) || not_a_number(&from, &answer, count));
+                if !good {
+                    wrong += 1;
+                    if wrong == 1 {
+                        first = format!("{name} = {value}: {}", words(&from, &answer));
+                    }
+                }
+            }
+        }
+    }
+    let figure = format!("{}/{tried} refused", tried - wrong);
+    match (wrong, described) {
+        (0, _) => ledger.add(CHECK, Verdict::Pass, figure, "outputs untouched"),
+        (_, true) => ledger.add(CHECK, Verdict::Fail, figure, first),
+        (_, false) => ledger.add(CHECK, Verdict::Info, figure, first),
+    }
+}
+
+/// What a plugin did instead of refusing.
+fn words(from: &Committed, answer: &Answer) -> String {
+    let mut words = vec![match answer.outcome {
+        CallOutcome::Done => "no cut-back asked for".to_owned(),
+        CallOutcome::CutBack(fraction) => format!("cut-back to {fraction}"),
+    }];
+    if answer.output.iter().any(|x| !x.is_finite()) {
+        words.push("stress not finite".into());
+    }
+    if !same_bits(&from.statev[..answer.statev.len()], &answer.statev) {
+        words.push("STATEV changed".into());
+    }
+    words.join(", ")
+}
+
+/// The state with one input spoiled, for each input.
+fn spoiled(subject: &Subject<'_>, state: &State, value: f64) -> Vec<(String, Committed, Vec<f64>)> {
+    let mut cases = Vec::new();
+    for k in 0..state.step.len() {
+        let mut step = state.step.clone();
+        step[k] = value;
+        cases.push((format!("increment of {}", subject.entry.input_name(k)), state.from.clone(), step));
+        if matches!(subject.entry, Entry::Umat(_)) {
+            let mut from = state.from.clone();
+            from.input[k] = value;
+            cases.push((subject.entry.input_name(k), from, state.step.clone()));
+        }
+    }
+    for k in 0..subject.nstatv {
+        let mut from = state.from.clone();
+        from.statev[k] = value;
+        cases.push((subject.state_name(k), from, state.step.clone()));
+    }
+    cases
+}
+
+/// Collects what was accepted although it is wrong.
+struct Refusals {
+    tried: usize,
+    accepted: Vec<String>,
+}
+
+impl Refusals {
+    fn new() -> Self {
+        Self { tried: 0, accepted: Vec::new() }
+    }
+
+    fn note(&mut self, from: &Committed, answer: &Answer, count: usize, what: impl FnOnce() -> String) {
+        self.tried += 1;
+        if !(cut_back(answer) && not_a_number(from, answer, count)) {
+            self.accepted.push(format!("{}: {}", what(), words(from, answer)));
+        }
+    }
+
+    fn report(self, check: &'static str, ledger: &mut Ledger<'_>) {
+        let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
+        match self.accepted.first() {
+            None => ledger.add(check, Verdict::Pass, figure, ""),
+            Some(first) => ledger.add(check, Verdict::Fail, figure, first.clone()),
+        }
+    }
+}
+
+/// Each parameter NaN, infinite, outside its bounds, none of its choices.
+pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "wrong PROPS";
+    let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
+        return ledger.skip(CHECK, "no metadata: bounds are unknown");
+    };
+    let mut refusals = Refusals::new();
+    for k in 0..subject.props.len() {
+        let parameter = &law.parameters[parameter_of(law, k)];
+        let outside = [parameter.lower - 1.0 - parameter.lower.abs(), parameter.upper + 1.0 + parameter.upper.abs()];
+        for value in BAD.into_iter().chain(outside.into_iter().filter(|x| x.is_finite() && !parameter.admits(*x))) {
+            let mut props = subject.props.clone();
+            props[k] = value;
+            let Ok(mut twin) = subject.twin(&props, subject.nstatv) else { continue };
+            let answer = twin.call(&state.from, &state.step, FILLING, Alteration::None);
+            refusals.note(&state.from, &answer, answer.output.len(), || format!("{} = {value}", parameter.name));
+        }
+    }
+    refusals.report(CHECK, ledger);
+}
+
+/// Wrong NTENS, NSTATV, NPROPS, and stress states that the law does not support.
+pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "wrong counts";
+    let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
+        return ledger.skip(CHECK, "no metadata: what the plugin checks is unknown");
+    };
+    let mut alterations = Vec::new();
+    let count = |n: usize| i32::try_from(n).unwrap_or(i32::MAX);
+    if subject.nstatv > 0 {
+        alterations.extend([Alteration::StateCount(count(subject.nstatv) - 1), Alteration::StateCount(-1)]);
+    }
+    let properties = count(subject.props.len());
+    if law.group.is_none() {
+        alterations.extend([properties + 1, properties - 1, 0, -1].map(Alteration::PropertyCount));
+    } else {
+        alterations.extend([0, -1].map(Alteration::PropertyCount));
+    }
+    match subject.entry {
+        Entry::Umat(present) => {
+            let wrong = [[5, 3, 2], [2, 1, 1], [1, 1, 0], [0, 0, 0], [-1, -1, -1]];
+            alterations.extend(wrong.map(Alteration::Components));
+            let other = [StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
+            let unsupported = other.into_iter().filter(|s| s.bits() & law.stress_states == 0);
+            let fitting = unsupported.filter(|s| s.components().len() < present.components().len());
+            alterations.extend(fitting.map(|s| Alteration::Components(<[i32; 3]>::from(s.counts()))));
+        }
+        Entry::Uinter(_) | Entry::Fric(_) => {
+            alterations.extend([[0, 0, 0], [-1, 0, 0]].map(Alteration::Components));
+        }
+    }
+    let mut refusals = Refusals::new();
+    for alteration in alterations {
+        let answer = subject.call(&state.from, &state.step, FILLING, alteration);
+        let components = match alteration {
+            Alteration::Components([n, ..]) => usize::try_from(n).unwrap_or(0).min(answer.output.len()),
+            _ => answer.output.len(),
+        };
+        refusals.note(&state.from, &answer, components, || format!("{alteration:?}"));
+    }
+    refusals.report(CHECK, ledger);
+}
+
+/// CELENT 0, NaN, negative and NULL: all alike, no crack-band scaling, no division by it.
+pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "CELENT unusable";
+    if !matches!(subject.entry, Entry::Umat(_)) {
+        return;
+    }
+    if !subject.claims(flags::USES_CELENT) {
+        return ledger.skip(CHECK, "not used");
+    }
+    let length = subject.length;
+    for state in sample.iter().take(30) {
+        let expected = subject.call(&state.from, &state.step, 0.0, Alteration::Null("celent"));
+        let finite = expected.output.iter().chain(&expected.tangent).all(|x| x.is_finite());
+        if !finite {
+            let detail = format!("NULL in state {}: {}", state.number, words(&state.from, &expected));
+            return ledger.add(CHECK, Verdict::Fail, "", detail);
+        }
+        for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+            subject.length = value;
+            let answer = subject.call(&state.from, &state.step, 0.0, Alteration::None);
+            subject.length = length;
+            if !answer.same(&expected) {
+                let detail = format!("CELENT {value} in state {} differs from NULL", state.number);
+                return ledger.add(CHECK, Verdict::Fail, "", detail);
+            }
+        }
+    }
+    ledger.add(CHECK, Verdict::Pass, "", "0, NaN, negative, infinite and NULL alike");
+}

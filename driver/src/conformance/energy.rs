@@ -1,0 +1,100 @@
+//! Work against stored and dissipated energy, on paths that are subdivided until the trapezoidal rule
+//! tells the truth.
+
+use super::random::Random;
+use super::report::{Ledger, Verdict};
+use super::sample::target;
+use super::subject::{Subject, Trouble};
+use super::{Options, tolerances};
+
+/// Increments per leg; each twice the one before.
+const INCREMENTS: [u32; 4] = [40, 80, 160, 320];
+const LEGS: usize = 3;
+const PATHS: usize = 8;
+
+/// Sums over one path.
+#[derive(Default)]
+struct Balance {
+    work: f64,
+    absolute_work: f64,
+    energy: f64,
+    /// Largest fall of the dissipated energy in an increment.
+    fall: f64,
+    dissipated: f64,
+}
+
+fn run(subject: &mut Subject<'_>, targets: &[Vec<f64>], increments: u32) -> Result<Balance, Trouble> {
+    let mut point = subject.virgin();
+    subject.time_increment = 1.0 / f64::from(increments);
+    let zero = vec![0.0; point.input.len()];
+    // The stress of the virgin state itself: contact in a soft layer carries pressure before it closes.
+    let start = subject.evaluate(&point, &zero)?;
+    point = point.advanced(&zero, &start, 0.0);
+    let first: f64 = point.energies.iter().sum();
+    let mut balance = Balance::default();
+    for target in targets {
+        let step: Vec<f64> =
+            target.iter().zip(&point.input).map(|(end, start)| (end - start) / f64::from(increments)).collect();
+        for _ in 0..increments {
+            let answer = subject.evaluate(&point, &step)?;
+            let next = point.advanced(&step, &answer, subject.time_increment);
+            let work: f64 = (0..next.output.len()).map(|k| 0.5 * (point.output[k] + next.output[k]) * step[k]).sum();
+            balance.work += work;
+            balance.absolute_work += work.abs();
+            balance.fall = balance.fall.max(dissipated(&point.energies) - dissipated(&next.energies));
+            point = next;
+        }
+    }
+    balance.energy = point.energies.iter().sum::<f64>() - first;
+    balance.dissipated = dissipated(&point.energies);
+    Ok(balance)
+}
+
+/// All but the stored energy.
+fn dissipated(energies: &[f64; 5]) -> f64 {
+    energies[1..].iter().sum()
+}
+
+/// The rows "energy balance" and "dissipation".
+pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "energy balance";
+    let mut random = Random(options.seed ^ 0xE4E6);
+    let (mut errors, mut paths, mut fall, mut returned) = ([0.0_f64; INCREMENTS.len()], 0, 0.0_f64, false);
+    for _ in 0..PATHS {
+        let targets: Vec<_> = (0..LEGS).map(|_| target(subject, &mut random)).collect();
+        let balances: Result<Vec<_>, _> =
+            INCREMENTS.iter().map(|&increments| run(subject, &targets, increments)).collect();
+        subject.time_increment = 1.0;
+        let Ok(balances) = balances else { continue };
+        paths += 1;
+        for (error, balance) in errors.iter_mut().zip(&balances) {
+            let work = balance.absolute_work.max(f64::MIN_POSITIVE);
+            *error += (balance.work - balance.energy).abs() / work / PATHS as f64;
+            fall = fall.max(balance.fall / balance.dissipated.abs().max(f64::MIN_POSITIVE));
+            returned |= balance.energy != 0.0;
+        }
+    }
+    if paths == 0 {
+        return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
+    }
+    if !returned && !subject.described() {
+        return ledger.add(CHECK, Verdict::Info, "", "the plugin returns no energies");
+    }
+    let [.., before, last] = errors;
+    let converges = last <= tolerances::ENERGY
+        && errors[1] >= last * tolerances::ENERGY_REDUCTION.powi(INCREMENTS.len() as i32 - 2);
+    let good = last <= tolerances::ENERGY_ROUNDING || converges;
+    let verdict = match good {
+        true => Verdict::Pass,
+        false if subject.described() => Verdict::Fail,
+        false => Verdict::Warn,
+    };
+    let detail = format!(
+        "|work - energy| / work with {before:.1e} before the last halving, order {:.1}, {paths} paths",
+        (errors[1] / last.max(f64::MIN_POSITIVE)).log2() / (INCREMENTS.len() - 2) as f64
+    );
+    ledger.add(CHECK, verdict, format!("{last:.1e}"), detail);
+    // Nothing promises it: some published laws do not dissipate at every step.
+    let verdict = if fall <= tolerances::DISSIPATION { Verdict::Pass } else { Verdict::Warn };
+    ledger.add("dissipation grows", verdict, format!("{:.1e}", fall.max(0.0)), "largest fall in an increment");
+}

@@ -1,0 +1,56 @@
+//! Writing where a plugin must not, and not writing where it must.
+
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::Subject;
+use umat_abi::host::Alteration;
+
+/// Values that no law computes.
+const FILLINGS: [f64; 2] = [-1.234_567e77, 9.876_543e-66];
+/// States tried.
+const STATES: usize = 30;
+
+/// Entries of the tangent (FRIC: and of DSLIP) that the plugin leaves as they were.
+pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    let columns = subject.entry.inputs();
+    let mut unset = std::collections::BTreeSet::new();
+    for state in sample.iter().take(STATES) {
+        let [first, second] = FILLINGS.map(|filling| subject.call(&state.from, &state.step, filling, Alteration::None));
+        for (k, (a, b)) in first.tangent.iter().zip(&second.tangent).enumerate() {
+            if [*a, *b] == FILLINGS {
+                unset.insert(format!("({},{})", k / columns + 1, k % columns + 1));
+            }
+        }
+        if first.slip_increment[0] == FILLINGS[0] && second.slip_increment[0] == FILLINGS[1] {
+            unset.insert("DSLIP".into());
+        }
+    }
+    let detail = unset.iter().cloned().collect::<Vec<_>>().join(", ");
+    match unset.len() {
+        0 => ledger.add("tangent entries set", Verdict::Pass, "", ""),
+        n => ledger.add("tangent entries set", Verdict::Fail, format!("{n} unset"), format!("never written: {detail}")),
+    }
+}
+
+/// Input arguments that the plugin writes.
+pub(super) fn inputs_untouched(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    for state in sample.iter().take(STATES) {
+        subject.call(&state.from, &state.step, 0.0, Alteration::None);
+        let changed = subject.changed_inputs(&state.from, &state.step);
+        if !changed.is_empty() {
+            let detail = format!("state {}: writes to {}", state.number, changed.join(", "));
+            return ledger.add("inputs untouched", Verdict::Fail, "", detail);
+        }
+    }
+    ledger.add("inputs untouched", Verdict::Pass, "", "");
+}
+
+/// Writes behind the ends of arrays, in any call of any check.
+pub(super) fn overruns(subject: &Subject<'_>, ledger: &mut Ledger<'_>) {
+    if subject.overruns.is_empty() {
+        return ledger.add("array bounds", Verdict::Pass, "", "");
+    }
+    let arrays: Vec<_> = subject.overruns.iter().map(|(array, calls)| format!("{array} in {calls} calls")).collect();
+    let detail = format!("writes behind the end of {}", arrays.join(", "));
+    ledger.add("array bounds", Verdict::Fail, format!("{} arrays", arrays.len()), detail);
+}

@@ -1,0 +1,156 @@
+//! `pullout plugin check`: a plugin against what its metadata claims, through the ABI.
+//!
+//! Every check drives the plugin itself, as a host does, on a sample of random histories, and compares the
+//! answers with each other: differences of the stress with the tangent, a call with its repetition, a path
+//! with the rotated path, work with energy. A law that breaks a claim fails; a plain UMAT, which claims
+//! nothing, gets warnings and information.
+//!
+//! The checks call the plugin in this process. What crashes it (a fault that takes the process down) is the
+//! business of the worker around it.
+
+mod bad_input;
+mod determinism;
+mod energy;
+mod memory;
+mod metadata;
+mod null_arguments;
+mod random;
+mod report;
+mod rotation;
+mod sample;
+mod scale;
+mod step_size;
+mod subject;
+mod tangent;
+mod tolerances;
+mod virgin;
+
+pub use report::{Report, Row, Verdict};
+
+use crate::path::program::Plugin;
+use report::Ledger;
+use subject::{Entry, Subject};
+use umat_abi::host::Law;
+use umat_abi::law::StressState;
+use umat_abi::metadata::kinds;
+
+/// What to check with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// PROPS; `None`: the plugin's, or if it has none the defaults of the metadata.
+    pub props: Option<Vec<f64>>,
+    /// CELENT, mm; `None`: one that the law accepts.
+    pub characteristic_length: Option<f64>,
+    /// Of the random histories.
+    pub seed: u64,
+    /// Number of random histories per stress state.
+    pub states: usize,
+    /// Size of the strains (slips, mm); `None`: found from the response.
+    pub strain_size: Option<f64>,
+    /// STATEV of a plain UMAT; `None`: the plugin's.
+    pub nstatv: Option<usize>,
+    /// Stress states of a plain UMAT, which cannot tell.
+    pub stress_states: Vec<StressState>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            props: None,
+            characteristic_length: None,
+            seed: 0x5EED,
+            states: 200,
+            strain_size: None,
+            nstatv: None,
+            stress_states: vec![StressState::ThreeD],
+        }
+    }
+}
+
+impl Options {
+    /// PROPS for a plugin.
+    fn properties(&self, plugin: &Plugin) -> Vec<f64> {
+        match (&self.props, &plugin.law) {
+            (Some(props), _) => props.clone(),
+            (None, Some(law)) if plugin.props.is_empty() => metadata::default_properties(law),
+            (None, _) => plugin.props.clone(),
+        }
+    }
+}
+
+/// Checks a plugin: its metadata, then every entry point with every stress state.
+pub fn check(plugin: &Plugin, options: &Options) -> Report {
+    let mut report = Report::default();
+    let props = options.properties(plugin);
+    if let Some(law) = &plugin.law {
+        metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
+    }
+    let mut subjects = Vec::new();
+    for entry in entries(plugin.law.as_ref(), options) {
+        let label = entry.label();
+        match Subject::new(plugin, entry, &props, options) {
+            Ok(subject) => subjects.push(subject),
+            Err(error) => {
+                Ledger::new(&mut report, label).add("entry point", Verdict::Fail, "missing", error.to_string());
+            }
+        }
+    }
+    for subject in &mut subjects {
+        check_subject(subject, options, &mut Ledger::new(&mut report, subject.entry.label()));
+    }
+    virgin::agreement_with_three_d(&mut subjects, options, &mut report);
+    for subject in &subjects {
+        memory::overruns(subject, &mut Ledger::new(&mut report, subject.entry.label()));
+    }
+    report
+}
+
+/// Every entry point and set of components that the law claims.
+fn entries(law: Option<&Law>, options: &Options) -> Vec<Entry> {
+    const SOLID: [StressState; 3] =
+        [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
+    let Some(law) = law else {
+        return options.stress_states.iter().map(|&stress_state| Entry::Umat(stress_state)).collect();
+    };
+    let mut entries = Vec::new();
+    if law.kinds & kinds::UMAT != 0 {
+        let supported = SOLID.into_iter().filter(|stress_state| stress_state.bits() & law.stress_states != 0);
+        entries.extend(supported.map(Entry::Umat));
+    }
+    if law.kinds & kinds::UINTER != 0 {
+        entries.extend([2, 3].map(Entry::Uinter));
+    }
+    if law.kinds & kinds::FRIC != 0 {
+        entries.extend([1, 2].map(Entry::Fric));
+    }
+    entries
+}
+
+/// All checks of one entry point and stress state.
+fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    virgin::virgin_state(subject, ledger);
+    scale::find(subject, options, ledger);
+    let sample = sample::draw(subject, options, ledger);
+    if sample.is_empty() {
+        return;
+    }
+    tangent::check(subject, &sample, ledger);
+    tangent::symmetry(subject, &sample, ledger);
+    memory::unset_entries(subject, &sample, ledger);
+    memory::inputs_untouched(subject, &sample, ledger);
+    determinism::repeatability(subject, &sample, ledger);
+    determinism::call_order(subject, &sample, ledger);
+    determinism::threads(subject, &sample, options, ledger);
+    determinism::stress_only(subject, &sample, ledger);
+    virgin::zero_increment(subject, &sample, ledger);
+    virgin::strain_33(subject, &sample, ledger);
+    rotation::check(subject, options, ledger);
+    rotation::incremental_rotation(subject, &sample, options, ledger);
+    step_size::check(subject, options, ledger);
+    energy::check(subject, options, ledger);
+    bad_input::not_finite(subject, &sample, ledger);
+    bad_input::properties(subject, &sample, ledger);
+    bad_input::counts(subject, &sample, ledger);
+    bad_input::characteristic_length(subject, &sample, ledger);
+    null_arguments::check(subject, &sample, ledger);
+}

@@ -1,0 +1,43 @@
+//! NULL for every argument that a plugin may not need: hosts pass it.
+
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::Subject;
+use umat_abi::host::Alteration;
+use umat_abi::metadata::flags;
+
+/// States tried.
+const STATES: usize = 5;
+
+/// The answer is the same bit for bit; without CELENT, if the law uses it, any finite one.
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "NULL arguments";
+    if !subject.described() {
+        return ledger.skip(CHECK, "no metadata: the plugin may read any argument");
+    }
+    let several_laws = subject.plugin.library.laws().len() > 1;
+    let mut errors = Vec::new();
+    let names = subject.argument_names().0;
+    for &name in names {
+        // A library of several laws finds out by its name which one is meant.
+        if several_laws && (name == "cmname" || name == "ciname") {
+            continue;
+        }
+        for state in sample.iter().take(STATES) {
+            let expected = subject.call(&state.from, &state.step, 0.0, Alteration::None);
+            let found = subject.call(&state.from, &state.step, 0.0, Alteration::Null(name));
+            let other_law = name == "celent" && subject.claims(flags::USES_CELENT);
+            let good = if other_law {
+                found.output.iter().chain(&found.statev).all(|x| x.is_finite())
+            } else {
+                found.same(&expected)
+            };
+            if !good {
+                errors.push(format!("{} = NULL changes the answer", name.to_uppercase()));
+                break;
+            }
+        }
+    }
+    let verdict = if errors.is_empty() { Verdict::Pass } else { Verdict::Fail };
+    ledger.add(CHECK, verdict, format!("{} arguments", names.len()), errors.join("; "));
+}

@@ -1,0 +1,159 @@
+//! Isotropy: a rotated path gives rotated stresses. And DROT: what turns with the material.
+
+use super::random::Random;
+use super::report::{Ledger, Verdict};
+use super::sample::{State, step_to, target};
+use super::subject::{Entry, Subject, distance, largest};
+use super::{Options, tolerances};
+use umat_abi::host::Alteration;
+use umat_abi::law::StressState;
+use umat_abi::metadata::flags;
+
+type Rotation = [[f64; 3]; 3];
+/// Pairs of indices of the six components.
+const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// R T Rᵀ of six components; `shear` 2 for strains, 1 for stresses.
+fn rotated_tensor(values: &[f64; 6], rotation: &Rotation, shear: f64) -> [f64; 6] {
+    let mut tensor = [[0.0; 3]; 3];
+    for (value, (i, j)) in values.iter().zip(PAIRS) {
+        let value = if i == j { *value } else { value / shear };
+        (tensor[i][j], tensor[j][i]) = (value, value);
+    }
+    PAIRS.map(|(i, j)| {
+        let mut sum = 0.0;
+        for k in 0..3 {
+            for l in 0..3 {
+                sum += rotation[i][k] * tensor[k][l] * rotation[j][l];
+            }
+        }
+        if i == j { sum } else { shear * sum }
+    })
+}
+
+/// Inputs (or outputs) in the rotated frame. Slips turn in the plane of the interface; a single one changes sign.
+fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec<f64> {
+    let turn = |first: usize| {
+        let mut values = values.to_vec();
+        let (a, b) = (values[first], values[first + 1]);
+        values[first] = rotation[0][0] * a + rotation[0][1] * b;
+        values[first + 1] = rotation[1][0] * a + rotation[1][1] * b;
+        values
+    };
+    let flip = |k: usize| {
+        let mut values = values.to_vec();
+        values[k] = -values[k];
+        values
+    };
+    match entry {
+        Entry::Umat(stress_state) => {
+            let components = stress_state.components();
+            let mut six = [0.0; 6];
+            for (value, &i) in values.iter().zip(components) {
+                six[i] = *value;
+            }
+            let six = rotated_tensor(&six, rotation, shear);
+            components.iter().map(|&i| six[i]).collect()
+        }
+        Entry::Uinter(3) => turn(1),
+        Entry::Fric(2) => turn(0),
+        Entry::Uinter(_) => flip(1),
+        Entry::Fric(_) => flip(0),
+    }
+}
+
+fn random_rotation(subject: &Subject<'_>, random: &mut Random) -> Rotation {
+    random.rotation(subject.entry != Entry::Umat(StressState::ThreeD))
+}
+
+/// Error relative to the largest stress, after rounding of the elastic stress is taken off.
+fn relative_error(subject: &Subject<'_>, input: &[f64], output: &[f64], expected: &[f64]) -> f64 {
+    let sizes = input.iter().zip(&subject.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
+    let floor = tolerances::CANCELLATION * largest(&subject.output_size) * sizes;
+    (distance(output, expected) - floor).max(0.0) / largest(expected).max(f64::MIN_POSITIVE)
+}
+
+/// Random paths of three legs, and the same rotated.
+pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "isotropy";
+    if !subject.claims(flags::ISOTROPIC) {
+        return ledger.skip(CHECK, "not claimed");
+    }
+    let mut random = Random(options.seed ^ 0x707);
+    let entry = subject.entry;
+    let (mut worst, mut refused) = (0.0_f64, 0);
+    for _ in 0..options.states {
+        let rotation = random_rotation(subject, &mut random);
+        let (mut point, mut turned) = (subject.virgin(), subject.virgin());
+        for _ in 0..3 {
+            let end = target(subject, &mut random);
+            let (step, turned_step) = (step_to(&point, &end), step_to(&turned, &rotated(entry, &end, &rotation, 2.0)));
+            let answers = (subject.evaluate(&point, &step), subject.evaluate(&turned, &turned_step));
+            let (Ok(answer), Ok(turned_answer)) = answers else {
+                refused += 1;
+                break;
+            };
+            let expected = rotated(entry, &answer.output, &rotation, 1.0);
+            worst = worst.max(relative_error(subject, &end, &turned_answer.output, &expected));
+            point = point.advanced(&step, &answer, subject.time_increment);
+            turned = turned.advanced(&turned_step, &turned_answer, subject.time_increment);
+        }
+    }
+    let verdict = if worst <= tolerances::ROTATION { Verdict::Pass } else { Verdict::Fail };
+    let detail = if refused > 0 { format!("{refused} paths cut short by cut-backs") } else { String::new() };
+    ledger.add(CHECK, verdict, format!("{worst:.1e}"), detail);
+}
+
+/// DROT: the host has turned stress and strain; states that are tensors turn in the plugin, scalars do not.
+pub(super) fn incremental_rotation(
+    subject: &mut Subject<'_>,
+    sample: &[State],
+    options: &Options,
+    ledger: &mut Ledger<'_>,
+) {
+    const CHECK: &str = "DROT";
+    if !matches!(subject.entry, Entry::Umat(_)) {
+        return;
+    }
+    if !subject.described() {
+        return ledger.skip(CHECK, "no metadata: which states are tensors is unknown");
+    }
+    let mut random = Random(options.seed ^ 0xD407);
+    let identity = subject.rotation;
+    let mut worst = (0.0_f64, 0);
+    for state in sample {
+        let rotation = random_rotation(subject, &mut random);
+        let mut from = state.from.clone();
+        from.input = rotated(subject.entry, &from.input, &rotation, 2.0);
+        from.output = rotated(subject.entry, &from.output, &rotation, 1.0);
+        let step = rotated(subject.entry, &state.step, &rotation, 2.0);
+        let mut turned_before = from.clone();
+        turned_before.statev = rotated_states(subject, &from.statev, &rotation);
+        let expected = subject.call(&turned_before, &step, 0.0, Alteration::None);
+        // Column-major: entry [j] of the array is column j.
+        subject.rotation = std::array::from_fn(|j| std::array::from_fn(|i| rotation[i][j]));
+        let found = subject.call(&from, &step, 0.0, Alteration::None);
+        subject.rotation = identity;
+        let end: Vec<f64> = from.input.iter().zip(&step).map(|(x, d)| x + d).collect();
+        let error = relative_error(subject, &end, &found.output, &expected.output)
+            .max(distance(&found.statev, &expected.statev) / largest(&expected.statev).max(f64::MIN_POSITIVE));
+        if error > worst.0 || error.is_nan() {
+            worst = (error, state.number);
+        }
+    }
+    let verdict = if worst.0 <= tolerances::ROTATION { Verdict::Pass } else { Verdict::Fail };
+    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), "stress and states against states turned before");
+}
+
+/// STATEV with its strain-like tensors turned.
+fn rotated_states(subject: &Subject<'_>, statev: &[f64], rotation: &Rotation) -> Vec<f64> {
+    let mut states = statev.to_vec();
+    let table = subject.plugin.law.as_ref().map_or(&[][..], |law| &law.states);
+    for start in (0..table.len()).filter(|&k| table[k].tensor_component == 1) {
+        if let Some(six) = states.get_mut(start..start + 6) {
+            let tensor: [f64; 6] = std::array::from_fn(|i| six[i]);
+            six.copy_from_slice(&rotated_tensor(&tensor, rotation, 2.0));
+        }
+    }
+    states
+}

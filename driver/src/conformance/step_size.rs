@@ -1,0 +1,62 @@
+//! The same proportional path in 1, 10, 100 and 1000 increments.
+
+use super::random::Random;
+use super::report::{Ledger, Verdict};
+use super::sample::target;
+use super::subject::{Subject, Trouble, distance, largest};
+use super::{Options, tolerances};
+use umat_abi::metadata::flags;
+
+const COUNTS: [u32; 4] = [1, 10, 100, 1000];
+const PATHS: usize = 6;
+
+/// The end stress of a path from the virgin state.
+fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, Trouble> {
+    let mut point = subject.virgin();
+    subject.time_increment = 1.0 / f64::from(count);
+    for k in 1..=count {
+        // From the fraction itself, so that rounding does not add up.
+        let fraction = f64::from(k) / f64::from(count);
+        let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
+        let answer = subject.evaluate(&point, &step)?;
+        point = point.advanced(&step, &answer, subject.time_increment);
+    }
+    Ok(point.output)
+}
+
+/// Errors against 1000 increments; a law that claims to be exact must be.
+pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "increment size";
+    let mut random = Random(options.seed ^ 0x57E9);
+    let (mut errors, mut paths) = ([0.0_f64; 3], 0);
+    for _ in 0..PATHS {
+        let end = target(subject, &mut random);
+        let stresses: Result<Vec<_>, _> = COUNTS.iter().map(|&count| end_stress(subject, &end, count)).collect();
+        subject.time_increment = 1.0;
+        let Ok(stresses) = stresses else { continue };
+        paths += 1;
+        let sizes = end.iter().zip(&subject.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
+        let floor = tolerances::CANCELLATION * largest(&subject.output_size) * sizes;
+        let largest = largest(&stresses[3]).max(f64::MIN_POSITIVE);
+        for k in 0..3 {
+            errors[k] = errors[k].max((distance(&stresses[k], &stresses[3]) - floor).max(0.0) / largest);
+        }
+    }
+    if paths == 0 {
+        return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
+    }
+    let worst = largest(&errors);
+    let detail = format!(
+        "1, 10, 100 increments against 1000: {:.1e}, {:.1e}, {:.1e}{}",
+        errors[0],
+        errors[1],
+        errors[2],
+        if errors[2] > 1e-13 { format!("; order {:.1}", (errors[1] / errors[2]).log10()) } else { String::new() }
+    );
+    let verdict = match (subject.claims(flags::PATH_EXACT), worst <= tolerances::PATH_EXACT) {
+        (true, true) => Verdict::Pass,
+        (true, false) => Verdict::Fail,
+        (false, _) => Verdict::Info,
+    };
+    ledger.add(CHECK, verdict, format!("{worst:.1e}"), detail);
+}

@@ -1,0 +1,472 @@
+//! What is checked: one entry point with one set of components, called through the ABI as a function
+//! from (committed point, step) to an answer. UMAT, UINTER and FRIC look alike from here.
+//!
+//! | | input | output |
+//! |---|---|---|
+//! | UMAT | NTENS strains | NTENS stresses |
+//! | UINTER | penetration, slips | pressure, shear tractions |
+//! | FRIC | slips, pressure | shear tractions |
+
+use super::Options;
+use crate::path::program::Plugin;
+use std::collections::BTreeMap;
+use std::fmt;
+use umat_abi::host::{Alteration, CallOutcome, FricCall, LoadError, Overrun, UinterCall, UmatCall, Validation};
+use umat_abi::law::StressState;
+
+/// Entry point and components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Entry {
+    Umat(StressState),
+    /// NDIR.
+    Uinter(usize),
+    /// NFDIR.
+    Fric(usize),
+}
+
+impl Entry {
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::Umat(StressState::ThreeD) => "3D, NTENS 6",
+            Self::Umat(StressState::PlaneStrainOrAxisymmetric) => "plane strain, NTENS 4",
+            Self::Umat(StressState::PlaneStress) => "plane stress, NTENS 3",
+            Self::Uinter(2) => "UINTER, NDIR 2",
+            Self::Uinter(_) => "UINTER, NDIR 3",
+            Self::Fric(1) => "FRIC, NFDIR 1",
+            Self::Fric(_) => "FRIC, NFDIR 2",
+        }
+    }
+
+    /// Number of inputs.
+    pub(super) fn inputs(self) -> usize {
+        match self {
+            Self::Umat(stress_state) => stress_state.components().len(),
+            Self::Uinter(n) => n,
+            Self::Fric(n) => n + 1,
+        }
+    }
+
+    /// Number of outputs.
+    pub(super) fn outputs(self) -> usize {
+        match self {
+            Self::Fric(n) => n,
+            other => other.inputs(),
+        }
+    }
+
+    /// What input number `k` is called.
+    pub(super) fn input_name(self, k: usize) -> String {
+        const STRAINS: [&str; 6] = crate::path::program::STRAIN_NAMES;
+        match self {
+            Self::Umat(stress_state) => STRAINS[stress_state.components()[k]].into(),
+            Self::Uinter(_) if k == 0 => "penetration".into(),
+            Self::Fric(n) if k == n => "pressure".into(),
+            Self::Uinter(_) => format!("slip{k}"),
+            Self::Fric(_) => format!("slip{}", k + 1),
+        }
+    }
+}
+
+/// What a host keeps of a point.
+#[derive(Clone, Debug)]
+pub(super) struct Committed {
+    pub(super) input: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: [f64; 5],
+    /// FRIC: accumulated DSLIP.
+    slip: [f64; 2],
+    /// UINTER: LOPENCLOSE, LSTATE.
+    flags: [i32; 2],
+    time: f64,
+    increment: i32,
+}
+
+impl Committed {
+    /// After an accepted step.
+    pub(super) fn advanced(&self, step: &[f64], answer: &Answer, time_increment: f64) -> Self {
+        Self {
+            input: self.input.iter().zip(step).map(|(x, d)| x + d).collect(),
+            output: answer.output.clone(),
+            statev: answer.statev.clone(),
+            energies: answer.energies,
+            slip: [self.slip[0] + answer.slip_increment[0], self.slip[1] + answer.slip_increment[1]],
+            flags: answer.flags,
+            time: self.time + time_increment,
+            increment: self.increment + 1,
+        }
+    }
+}
+
+/// What a call left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Answer {
+    pub(super) outcome: CallOutcome,
+    pub(super) output: Vec<f64>,
+    /// Row by row: outputs × inputs.
+    pub(super) tangent: Vec<f64>,
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: [f64; 5],
+    pub(super) slip_increment: [f64; 2],
+    flags: [i32; 2],
+    /// FRIC's LM: 0, the tractions are given.
+    lm: i32,
+}
+
+impl Answer {
+    /// Bit for bit the same stresses and states (NaN equals NaN).
+    pub(super) fn same_response(&self, other: &Self) -> bool {
+        same_bits(&self.output, &other.output)
+            && same_bits(&self.statev, &other.statev)
+            && same_bits(&self.energies, &other.energies)
+    }
+
+    /// Bit for bit the same, tangent included.
+    pub(super) fn same(&self, other: &Self) -> bool {
+        self.same_response(other) && same_bits(&self.tangent, &other.tangent) && self.outcome == other.outcome
+    }
+}
+
+/// Bit for bit.
+pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.to_bits() == y.to_bits())
+}
+
+/// The largest absolute value.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+}
+
+/// The largest absolute difference.
+pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()))
+}
+
+/// Why a call gave no result.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trouble {
+    /// A cut-back request with the arrays as they were.
+    CutBack(f64),
+    /// NaN: a configuration error or a panic.
+    Refused,
+    /// Finite PNEWDT ≥ 1, but a result that is not finite.
+    NotFinite(&'static str),
+    /// FRIC gave no tractions.
+    NoTractions(i32),
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CutBack(fraction) => write!(f, "asks for a cut-back to {fraction}"),
+            Self::Refused => f.write_str("refused: NaN and a cut-back request (a panic, or a configuration error)"),
+            Self::NotFinite(array) => write!(f, "{array} is not finite, and PNEWDT asks for no cut-back"),
+            Self::NoTractions(lm) => write!(f, "returns LM = {lm}, no tractions"),
+        }
+    }
+}
+
+#[derive(Debug)]
+enum Call {
+    Umat(Box<UmatCall>),
+    Uinter(Box<UinterCall>),
+    Fric(Box<FricCall>),
+}
+
+/// One entry point with one set of components.
+pub(super) struct Subject<'p> {
+    pub(super) plugin: &'p Plugin,
+    pub(super) entry: Entry,
+    pub(super) props: Vec<f64>,
+    /// CELENT or CHRLNGTH.
+    pub(super) length: f64,
+    pub(super) nstatv: usize,
+    /// Typical magnitude of each input.
+    pub(super) size: Vec<f64>,
+    /// Typical magnitude of each output's tangent row times the inputs' sizes, in the virgin state.
+    pub(super) output_size: Vec<f64>,
+    /// DTIME of each call.
+    pub(super) time_increment: f64,
+    /// DROT, column-major.
+    pub(super) rotation: [[f64; 3]; 3],
+    /// Arrays written behind their ends, and in how many calls.
+    pub(super) overruns: BTreeMap<&'static str, usize>,
+    call: Call,
+}
+
+const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// Host-filled parameters (`role`): 0 in PROPS means that the host chooses.
+const PENALTY: f64 = 1e4;
+
+impl<'p> Subject<'p> {
+    pub(super) fn new(plugin: &'p Plugin, entry: Entry, props: &[f64], options: &Options) -> Result<Self, LoadError> {
+        let law = plugin.law.as_ref();
+        let nstatv = law.map_or(options.nstatv.unwrap_or(plugin.nstatv), |law| law.states.len());
+        let mut props = props.to_vec();
+        for (value, parameter) in props.iter_mut().zip(law.map_or(&[][..], |law| &law.parameters)) {
+            if *value == 0.0 && !parameter.role.is_empty() && parameter.admits(PENALTY) {
+                *value = PENALTY;
+            }
+        }
+        let length = characteristic_length(plugin, &props, options.characteristic_length);
+        let call = Self::prepare(plugin, entry, &props, nstatv)?;
+        Ok(Self {
+            plugin,
+            entry,
+            props,
+            length,
+            nstatv,
+            size: vec![1e-4; entry.inputs()],
+            output_size: vec![1.0; entry.outputs()],
+            time_increment: 1.0,
+            rotation: IDENTITY,
+            overruns: BTreeMap::new(),
+            call,
+        })
+    }
+
+    fn prepare(plugin: &Plugin, entry: Entry, props: &[f64], nstatv: usize) -> Result<Call, LoadError> {
+        let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), plugin.cmname.as_str());
+        // One symbol cannot be both UINTER and FRIC.
+        let symbol = symbol.filter(|_| plugin.law.as_ref().is_none_or(|law| law.kinds.count_ones() == 1));
+        Ok(match entry {
+            Entry::Umat(state) => Call::Umat(Box::new(UmatCall::new(library, symbol, name, state, nstatv, props)?)),
+            Entry::Uinter(n) => Call::Uinter(Box::new(UinterCall::new(library, symbol, name, n, nstatv, props)?)),
+            Entry::Fric(n) => Call::Fric(Box::new(FricCall::new(library, symbol, name, n, nstatv, props)?)),
+        })
+    }
+
+    /// A twin with buffers of its own, for another thread or other properties.
+    pub(super) fn twin(&self, props: &[f64], nstatv: usize) -> Result<Self, LoadError> {
+        Ok(Self {
+            plugin: self.plugin,
+            entry: self.entry,
+            props: props.to_vec(),
+            length: self.length,
+            nstatv,
+            size: self.size.clone(),
+            output_size: self.output_size.clone(),
+            time_increment: self.time_increment,
+            rotation: IDENTITY,
+            overruns: BTreeMap::new(),
+            call: Self::prepare(self.plugin, self.entry, props, nstatv)?,
+        })
+    }
+
+    /// Whether the metadata claims a flag.
+    pub(super) fn claims(&self, flag: u32) -> bool {
+        self.plugin.law.as_ref().is_some_and(|law| law.has(flag))
+    }
+
+    /// Whether the plugin has metadata: then the contract binds it.
+    pub(super) fn described(&self) -> bool {
+        self.plugin.law.is_some()
+    }
+
+    /// The virgin point.
+    pub(super) fn virgin(&self) -> Committed {
+        Committed {
+            input: vec![0.0; self.entry.inputs()],
+            output: vec![0.0; self.entry.outputs()],
+            statev: vec![0.0; self.nstatv],
+            energies: [0.0; 5],
+            slip: [0.0; 2],
+            flags: [-1; 2],
+            time: 0.0,
+            increment: 1,
+        }
+    }
+
+    /// A name for state variable `k`.
+    pub(super) fn state_name(&self, k: usize) -> String {
+        let named = self.plugin.law.as_ref().and_then(|law| law.states.get(k));
+        named.map_or_else(|| format!("sdv{}", k + 1), |state| state.name.clone())
+    }
+
+    /// Names of optional arguments and of the tangent.
+    pub(super) fn argument_names(&self) -> (&'static [&'static str], &'static str) {
+        match self.call {
+            Call::Umat(_) => (UmatCall::OPTIONAL_ARGUMENTS, UmatCall::TANGENT_ARGUMENT),
+            Call::Uinter(_) => (UinterCall::OPTIONAL_ARGUMENTS, UinterCall::TANGENT_ARGUMENT),
+            Call::Fric(_) => (FricCall::OPTIONAL_ARGUMENTS, FricCall::TANGENT_ARGUMENT),
+        }
+    }
+
+    /// The response to a step, or why there is none.
+    pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
+        let answer = self.call(from, step, 0.0, Alteration::None);
+        let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
+        match answer.outcome {
+            CallOutcome::CutBack(_) if answer.output.iter().any(|x| x.is_nan()) => Err(Trouble::Refused),
+            CallOutcome::CutBack(fraction) => Err(Trouble::CutBack(fraction)),
+            CallOutcome::Done if !finite(&answer.output) => Err(Trouble::NotFinite("STRESS")),
+            CallOutcome::Done if !finite(&answer.tangent) => Err(Trouble::NotFinite("DDSDDE")),
+            CallOutcome::Done if !finite(&answer.statev) => Err(Trouble::NotFinite("STATEV")),
+            CallOutcome::Done if answer.lm != 0 => Err(Trouble::NoTractions(answer.lm)),
+            CallOutcome::Done => Ok(answer),
+        }
+    }
+
+    /// Goes along a step, halving it where the plugin asks for a cut-back; returns the number of cut-backs.
+    pub(super) fn advance(&mut self, point: &mut Committed, step: &[f64]) -> Result<usize, Trouble> {
+        const MOST_HALVINGS: u32 = 10;
+        self.advance_halving(point, step, MOST_HALVINGS)
+    }
+
+    fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, Trouble> {
+        match self.evaluate(point, step) {
+            Ok(answer) => {
+                *point = point.advanced(step, &answer, self.time_increment);
+                Ok(0)
+            }
+            Err(Trouble::CutBack(_)) if halvings > 0 => {
+                let half: Vec<f64> = step.iter().map(|d| 0.5 * d).collect();
+                let first = self.advance_halving(point, &half, halvings - 1)?;
+                Ok(1 + first + self.advance_halving(point, &half, halvings - 1)?)
+            }
+            Err(trouble) => Err(trouble),
+        }
+    }
+
+    /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
+    pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
+        let (answer, result) = match &mut self.call {
+            Call::Umat(call) => {
+                call.celent = self.length;
+                call.drot = self.rotation;
+                call.dtime = self.time_increment;
+                umat(call, from, step, filling, alteration)
+            }
+            Call::Uinter(call) => {
+                call.chrlngth = self.length;
+                call.dtime = self.time_increment;
+                uinter(call, from, step, filling, alteration)
+            }
+            Call::Fric(call) => {
+                call.dtime = self.time_increment;
+                fric(call, from, step, filling, alteration)
+            }
+        };
+        if let Err(overrun) = result {
+            *self.overruns.entry(overrun.array).or_default() += 1;
+        }
+        answer
+    }
+
+    /// Arguments that the last call changed although they are inputs.
+    pub(super) fn changed_inputs(&self, from: &Committed, step: &[f64]) -> Vec<&'static str> {
+        let mut changed = Vec::new();
+        let n = from.input.len();
+        let (props, pairs) = match &self.call {
+            Call::Umat(call) => {
+                (call.props(), vec![("STRAN", &call.stran[..n], &from.input[..]), ("DSTRAN", &call.dstran[..n], step)])
+            }
+            Call::Uinter(call) => (call.props(), vec![("DRDISP", &call.drdisp[..n], step)]),
+            Call::Fric(call) => (call.props(), vec![("DGAM", &call.dgam[..n - 1], &step[..n - 1])]),
+        };
+        changed.extend(pairs.iter().filter(|(_, now, before)| !same_bits(now, before)).map(|(name, ..)| *name));
+        if !same_bits(props, &self.props) {
+            changed.push("PROPS");
+        }
+        changed
+    }
+}
+
+/// The given length, or one that the law accepts.
+fn characteristic_length(plugin: &Plugin, props: &[f64], given: Option<f64>) -> f64 {
+    const CANDIDATES: [f64; 4] = [1.0, 10.0, 50.0, 0.1];
+    let accepted =
+        |length: &f64| plugin.law.as_ref().is_none_or(|law| law.validate(props, Some(*length)) == Validation::Valid);
+    given.unwrap_or_else(|| CANDIDATES.into_iter().find(accepted).unwrap_or(CANDIDATES[0]))
+}
+
+type Called = (Answer, Result<(), Overrun>);
+
+/// An overrun says nothing of the result: it is reported by a row of its own.
+fn split(result: Result<CallOutcome, Overrun>) -> (CallOutcome, Result<(), Overrun>) {
+    match result {
+        Ok(outcome) => (outcome, Ok(())),
+        Err(overrun) => (CallOutcome::Done, Err(overrun)),
+    }
+}
+
+fn umat(call: &mut UmatCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = step.len();
+    call.stran[..n].copy_from_slice(&from.input);
+    call.dstran[..n].copy_from_slice(step);
+    call.stress_mut().copy_from_slice(&from.output);
+    let states = call.statev().len();
+    call.statev_mut().copy_from_slice(&from.statev[..states]);
+    call.energies.copy_from_slice(&from.energies[..3]);
+    call.time = [from.time; 2];
+    call.kinc = from.increment;
+    let (outcome, result) = split(call.call_altered(filling, alteration));
+    let [stored, plastic, creep] = call.energies;
+    let answer = Answer {
+        outcome,
+        output: call.stress().to_vec(),
+        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
+        statev: call.statev().to_vec(),
+        energies: [stored, plastic, creep, 0.0, 0.0],
+        slip_increment: [0.0; 2],
+        flags: from.flags,
+        lm: 0,
+    };
+    (answer, result)
+}
+
+fn uinter(call: &mut UinterCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = step.len();
+    for k in 0..n {
+        call.rdisp[k] = from.input[k] + step[k];
+    }
+    call.drdisp[..n].copy_from_slice(step);
+    call.traction_mut().copy_from_slice(&from.output);
+    let states = call.statev().len();
+    call.statev_mut().copy_from_slice(&from.statev[..states]);
+    call.energies = from.energies;
+    call.flags = from.flags;
+    call.time = [from.time + call.dtime; 2];
+    call.counters[1] = from.increment;
+    let (outcome, result) = split(call.call_altered(filling, alteration));
+    let answer = Answer {
+        outcome,
+        output: call.traction().to_vec(),
+        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
+        statev: call.statev().to_vec(),
+        energies: call.energies,
+        slip_increment: [0.0; 2],
+        flags: call.flags,
+        lm: 0,
+    };
+    (answer, result)
+}
+
+fn fric(call: &mut FricCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = step.len() - 1;
+    call.lm = 0;
+    call.dgam[..n].copy_from_slice(&step[..n]);
+    call.pressure = [from.input[n] + step[n], step[n]];
+    call.slip = from.slip;
+    call.traction_mut().copy_from_slice(&from.output);
+    let states = call.statev().len();
+    call.statev_mut().copy_from_slice(&from.statev[..states]);
+    call.energies.copy_from_slice(&from.energies[..2]);
+    call.time = [from.time; 2];
+    call.counters[1] = from.increment;
+    let (outcome, result) = split(call.call_altered(filling, alteration));
+    let entry = |row: usize, column: usize| {
+        if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }
+    };
+    let answer = Answer {
+        outcome,
+        output: call.traction().to_vec(),
+        tangent: (0..n * (n + 1)).map(|k| entry(k / (n + 1), k % (n + 1))).collect(),
+        statev: call.statev().to_vec(),
+        energies: [call.energies[0], call.energies[1], 0.0, 0.0, 0.0],
+        slip_increment: call.dslip,
+        flags: from.flags,
+        lm: call.lm,
+    };
+    (answer, result)
+}

@@ -1,0 +1,280 @@
+//! The consistent tangent against differences of the response, and what it is if it is not that.
+
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::{Answer, Committed, Entry, Subject, distance, largest};
+use super::tolerances::{DIFFERENCES_DECIDE, EXCLUDED_SHARE, SYMMETRY, TANGENT, TANGENT_JUMP};
+use std::fmt;
+use umat_abi::metadata::flags;
+
+/// Steps of the differences, relative to the inputs.
+const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
+/// Wrong states that are looked at to find out what the tangent is.
+const CLASSIFIED: usize = 12;
+
+/// What one state says.
+enum Finding {
+    /// The relative error.
+    Consistent(f64),
+    /// The response has a kink here.
+    Kink,
+    /// The difference quotients disagree among themselves.
+    Undecided,
+    Wrong(Mismatch),
+}
+
+/// A tangent that is not the derivative.
+struct Mismatch {
+    error: f64,
+    row: usize,
+    column: usize,
+    expected: f64,
+    found: f64,
+    differences: Vec<f64>,
+}
+
+/// What a wrong tangent is instead.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    Elastic,
+    /// DDSDDE · ε = σ.
+    Secant,
+    /// The stiffness of the next unloading.
+    Unloading,
+    /// Right, but for a factor on what loading adds to the unloading stiffness.
+    Scaled(f64),
+    Wrong,
+}
+
+impl fmt::Display for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Elastic => f.write_str("elastic: the virgin tangent"),
+            Self::Secant => f.write_str("secant: stress = DDSDDE strain"),
+            Self::Unloading => f.write_str("secant-like: the stiffness of unloading"),
+            Self::Scaled(factor) => write!(f, "wrong: the part due to loading is {factor:.3} of what it should be"),
+            Self::Wrong => f.write_str("wrong"),
+        }
+    }
+}
+
+/// The row "consistent tangent".
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "consistent tangent";
+    let (mut worst, mut kinks, mut undecided) = (0.0_f64, 0, 0);
+    let mut wrong: Vec<(&State, Mismatch)> = Vec::new();
+    for state in sample {
+        match examine(subject, state) {
+            Finding::Consistent(error) => worst = worst.max(error),
+            Finding::Kink => kinks += 1,
+            Finding::Undecided => undecided += 1,
+            Finding::Wrong(mismatch) => wrong.push((state, mismatch)),
+        }
+    }
+    let counts = format!("{} states, {kinks} at kinks, {undecided} undecided", sample.len());
+    let Some((state, mismatch)) = wrong.iter().max_by(|a, b| a.1.error.total_cmp(&b.1.error)) else {
+        let excluded = (kinks + undecided) as f64 > EXCLUDED_SHARE * sample.len() as f64;
+        let verdict = if excluded { Verdict::Warn } else { Verdict::Pass };
+        return ledger.add(CHECK, verdict, format!("{worst:.1e}"), counts);
+    };
+    let kinds: Vec<Kind> = wrong.iter().take(CLASSIFIED).map(|(state, m)| classify(subject, state, m)).collect();
+    let detail = format!(
+        "{}; {} wrong in {counts}; state {}: d(out {})/d({}) = {:.6e} expected, {:.6e} found",
+        summary(&kinds),
+        wrong.len(),
+        state.number,
+        mismatch.row + 1,
+        subject.entry.input_name(mismatch.column),
+        mismatch.expected,
+        mismatch.found
+    );
+    let verdict = if subject.described() { Verdict::Fail } else { Verdict::Warn };
+    ledger.add(CHECK, verdict, format!("{:.1e}", mismatch.error), detail);
+}
+
+/// One word for all wrong states.
+fn summary(kinds: &[Kind]) -> String {
+    let same = |a: &Kind, b: &Kind| match (a, b) {
+        (Kind::Scaled(x), Kind::Scaled(y)) => (x - y).abs() < 1e-2,
+        _ => a == b,
+    };
+    match kinds {
+        [first, rest @ ..] if rest.iter().all(|kind| same(first, kind)) => first.to_string(),
+        _ => Kind::Wrong.to_string(),
+    }
+}
+
+/// The magnitude of each input here: the larger of its group's end values and steps.
+fn local_sizes(subject: &Subject<'_>, from: &Committed, step: &[f64]) -> Vec<f64> {
+    let end = |k: usize| (from.input[k] + step[k]).abs();
+    let solid = matches!(subject.entry, Entry::Umat(_));
+    let all = (0..step.len()).fold(0.0_f64, |m, k| m.max(end(k)));
+    (0..step.len()).map(|k| if solid { all } else { end(k) }.max(1e-3 * subject.size[k])).collect()
+}
+
+/// Errors are relative to these: entry (i, j) · weight(i, j).
+struct Scale {
+    columns: usize,
+    weights: Vec<f64>,
+}
+
+impl Scale {
+    /// Solids: the largest entry. Interfaces: each row times the inputs' sizes, against the row's largest or the
+    /// virgin one, because a normal stiffness says nothing of a shear.
+    fn new(subject: &Subject<'_>, tangent: &[f64]) -> Self {
+        let columns = subject.entry.inputs();
+        let weights = if matches!(subject.entry, Entry::Umat(_)) {
+            vec![1.0 / largest(tangent).max(f64::MIN_POSITIVE); tangent.len()]
+        } else {
+            let row_size = |i: usize| {
+                let sized = (0..columns).map(|j| (tangent[i * columns + j] * subject.size[j]).abs());
+                sized.fold(subject.output_size[i], f64::max).max(f64::MIN_POSITIVE)
+            };
+            (0..tangent.len()).map(|k| subject.size[k % columns] / row_size(k / columns)).collect()
+        };
+        Self { columns, weights }
+    }
+
+    /// The largest weighted difference, and where.
+    fn difference(&self, a: &[f64], b: &[f64]) -> (f64, usize) {
+        (0..a.len()).fold((0.0, 0), |worst, k| {
+            let error = (a[k] - b[k]).abs() * self.weights[k];
+            if error > worst.0 || error.is_nan() { (error, k) } else { worst }
+        })
+    }
+}
+
+/// d(output)/d(input) around the end of a step by fourth-order central differences; `None` if a call fails.
+fn differences(subject: &mut Subject<'_>, from: &Committed, step: &[f64], sizes: &[f64], h: f64) -> Option<Vec<f64>> {
+    let (n, m) = (subject.entry.outputs(), subject.entry.inputs());
+    let mut matrix = vec![0.0; n * m];
+    for j in 0..m {
+        let mut shifted = |factor: f64| {
+            let mut step = step.to_vec();
+            step[j] += factor * h * sizes[j];
+            subject.evaluate(from, &step).ok().map(|answer| answer.output)
+        };
+        let (far_plus, plus, minus, far_minus) = (shifted(2.0)?, shifted(1.0)?, shifted(-1.0)?, shifted(-2.0)?);
+        for i in 0..n {
+            let slope = 8.0 * (plus[i] - minus[i]) - (far_plus[i] - far_minus[i]);
+            matrix[i * m + j] = slope / (12.0 * h * sizes[j]);
+        }
+    }
+    Some(matrix)
+}
+
+/// Compares one state's tangent with the differences at the best step.
+fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
+    let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Finding::Undecided };
+    let sizes = local_sizes(subject, &state.from, &state.step);
+    let scale = Scale::new(subject, &answer.tangent);
+    let quotients: Vec<Vec<f64>> =
+        STEPS.iter().filter_map(|&h| differences(subject, &state.from, &state.step, &sizes, h)).collect();
+    let best = quotients
+        .iter()
+        .map(|matrix| (scale.difference(matrix, &answer.tangent), matrix))
+        .min_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let Some(((error, k), matrix)) = best else { return Finding::Undecided };
+    if error <= TANGENT {
+        return Finding::Consistent(error);
+    }
+    if near_kink(subject, state, &answer, &sizes, &scale) {
+        return Finding::Kink;
+    }
+    let spread = quotients.windows(2).map(|pair| scale.difference(&pair[0], &pair[1]).0).fold(f64::INFINITY, f64::min);
+    if spread > DIFFERENCES_DECIDE * error {
+        return Finding::Undecided;
+    }
+    let (row, column) = (k / scale.columns, k % scale.columns);
+    let differences = matrix.clone();
+    Finding::Wrong(Mismatch { error, row, column, expected: differences[k], found: answer.tangent[k], differences })
+}
+
+/// Whether one-sided differences disagree, or the tangent itself jumps, within the reach of the differences.
+fn near_kink(subject: &mut Subject<'_>, state: &State, here: &Answer, sizes: &[f64], scale: &Scale) -> bool {
+    let columns = scale.columns;
+    for j in 0..columns {
+        for h in [1e-6, 1e-4] {
+            let sides = [-1.0, 1.0].map(|sign| {
+                let mut step = state.step.clone();
+                step[j] += sign * h * sizes[j];
+                subject.evaluate(&state.from, &step).ok()
+            });
+            let [Some(before), Some(after)] = sides else { return true };
+            let jump = |there: &Answer| scale.difference(&there.tangent, &here.tangent).0 > TANGENT_JUMP;
+            let fold = (0..here.output.len()).any(|i| {
+                let second = after.output[i] - 2.0 * here.output[i] + before.output[i];
+                (second / (h * sizes[j])).abs() * scale.weights[i * columns + j] > TANGENT_JUMP
+            });
+            if fold || jump(&before) || jump(&after) {
+                return true;
+            }
+        }
+    }
+    false
+}
+
+/// What a wrong tangent is.
+fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Kind {
+    const SAME: f64 = 1e-6;
+    let Ok(answer) = subject.evaluate(&state.from, &state.step) else { return Kind::Wrong };
+    let tangent = &answer.tangent;
+    let scale = Scale::new(subject, tangent);
+    let virgin = subject.virgin();
+    let tiny: Vec<f64> = state.step.iter().map(|d| 1e-6 * d).collect();
+    if subject.evaluate(&virgin, &tiny).is_ok_and(|elastic| scale.difference(&elastic.tangent, tangent).0 < SAME) {
+        return Kind::Elastic;
+    }
+    let end = state.from.advanced(&state.step, &answer, subject.time_increment);
+    if subject.entry.outputs() == subject.entry.inputs() {
+        let m = end.input.len();
+        let product: Vec<f64> = (0..m).map(|i| (0..m).map(|j| tangent[i * m + j] * end.input[j]).sum()).collect();
+        if distance(&product, &end.output) <= SAME * largest(tangent) * largest(&end.input) {
+            return Kind::Secant;
+        }
+    }
+    // A little way back, where small steps either way unload.
+    let back: Vec<f64> = state.step.iter().map(|d| -1e-3 * d).collect();
+    let sizes = local_sizes(subject, &state.from, &state.step);
+    let Some(unloading) = differences(subject, &end, &back, &sizes, 1e-5) else { return Kind::Wrong };
+    if scale.difference(&unloading, tangent).0 < 1e-3 {
+        return Kind::Unloading;
+    }
+    loading_factor(tangent, &unloading, &mismatch.differences).map_or(Kind::Wrong, Kind::Scaled)
+}
+
+/// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one.
+fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Option<f64> {
+    let loading: Vec<f64> = derivative.iter().zip(unloading).map(|(d, u)| d - u).collect();
+    let found: Vec<f64> = tangent.iter().zip(unloading).map(|(t, u)| t - u).collect();
+    let square: f64 = loading.iter().map(|x| x * x).sum();
+    let factor = loading.iter().zip(&found).map(|(x, y)| x * y).sum::<f64>() / square;
+    let rest: f64 = loading.iter().zip(&found).map(|(x, y)| (y - factor * x).powi(2)).sum();
+    (rest < 1e-4 * square).then_some(factor)
+}
+
+/// C_ij = C_ji as claimed, or how far from it.
+pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    let n = subject.entry.outputs();
+    if n != subject.entry.inputs() {
+        return;
+    }
+    let mut worst = (0.0_f64, 0);
+    for state in sample {
+        let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
+        let transposed: Vec<f64> = (0..n * n).map(|k| answer.tangent[(k % n) * n + k / n]).collect();
+        let error = distance(&answer.tangent, &transposed) / largest(&answer.tangent).max(f64::MIN_POSITIVE);
+        if error > worst.0 {
+            worst = (error, state.number);
+        }
+    }
+    let (figure, symmetric) = (format!("{:.1e}", worst.0), worst.0 <= SYMMETRY);
+    match (subject.claims(flags::SYMMETRIC_TANGENT), symmetric) {
+        (true, true) => ledger.add("symmetric tangent", Verdict::Pass, figure, ""),
+        (true, false) => {
+            ledger.add("symmetric tangent", Verdict::Fail, figure, format!("claimed; state {}", worst.1));
+        }
+        (false, true) => ledger.add("symmetric tangent", Verdict::Info, figure, "symmetric, though not claimed"),
+        (false, false) => ledger.add("symmetric tangent", Verdict::Info, figure, "not claimed"),
+    }
+}

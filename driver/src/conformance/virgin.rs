@@ -1,0 +1,162 @@
+//! States where the answer is known: the virgin state, a step of zero, strain 33, and the same strains
+//! given to another stress state.
+
+use super::random::Random;
+use super::report::{Ledger, Report, Verdict};
+use super::sample::{State, step_to, target};
+use super::subject::{Committed, Entry, Subject, distance, largest};
+use super::{Options, tolerances};
+use umat_abi::law::StressState;
+
+/// The verdict on what the contract demands of plugins with metadata.
+fn blame(subject: &Subject<'_>) -> Verdict {
+    if subject.described() { Verdict::Fail } else { Verdict::Warn }
+}
+
+/// Zero step from zero: no stress. (Contact in a soft layer begins before the gap closes: there the shear.)
+pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "virgin state";
+    let virgin = subject.virgin();
+    match subject.evaluate(&virgin, &vec![0.0; subject.entry.inputs()]) {
+        Err(trouble) => ledger.add(CHECK, blame(subject), "", trouble.to_string()),
+        Ok(answer) => {
+            let skipped = usize::from(matches!(subject.entry, Entry::Uinter(_)));
+            let stress = largest(&answer.output[skipped..]);
+            let verdict = if stress == 0.0 { Verdict::Pass } else { blame(subject) };
+            let initialised: Vec<_> = (0..answer.statev.len())
+                .filter(|&k| answer.statev[k] != 0.0)
+                .map(|k| format!("{} = {:e}", subject.state_name(k), answer.statev[k]))
+                .collect();
+            ledger.add(CHECK, verdict, format!("{stress:e}"), initialised.join(", "));
+        }
+    }
+}
+
+/// A step of zero leaves stress, states and energies as they are.
+pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "zero increment";
+    let zero = vec![0.0; subject.entry.inputs()];
+    let floor = tolerances::CANCELLATION * largest(&subject.output_size);
+    let mut worst = (0.0, String::new());
+    for state in sample {
+        let Ok(end) = subject.evaluate(&state.from, &state.step) else { continue };
+        let point = state.from.advanced(&state.step, &end, subject.time_increment);
+        let answer = match subject.evaluate(&point, &zero) {
+            Ok(answer) => answer,
+            Err(trouble) => {
+                return ledger.add(CHECK, blame(subject), "", format!("state {}: {trouble}", state.number));
+            }
+        };
+        let strain = largest(&point.input) / largest(&subject.size);
+        let stress = (distance(&answer.output, &point.output) - floor * strain).max(0.0);
+        let mut errors = vec![(stress / largest(&point.output).max(f64::MIN_POSITIVE), "stress".to_owned())];
+        for k in 0..point.statev.len() {
+            let (before, after) = (point.statev[k], answer.statev[k]);
+            errors.push(((after - before).abs() / before.abs().max(f64::MIN_POSITIVE), subject.state_name(k)));
+        }
+        if subject.described() {
+            let energy = point.energies.iter().map(|x| x.abs()).sum::<f64>().max(f64::MIN_POSITIVE);
+            errors.push((distance(&answer.energies, &point.energies) / energy, "energies".into()));
+        }
+        for (error, what) in errors {
+            if error > worst.0 {
+                worst = (error, format!("{what} in state {}", state.number));
+            }
+        }
+    }
+    let verdict = if worst.0 <= tolerances::ZERO_INCREMENT { Verdict::Pass } else { blame(subject) };
+    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), worst.1);
+}
+
+/// Index of the state strain_33.
+fn strain_33_index(subject: &Subject<'_>) -> Option<usize> {
+    subject.plugin.law.as_ref()?.states.iter().position(|state| state.name == "strain_33")
+}
+
+/// Where ε33 is given, the state strain_33 is that.
+pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "strain_33";
+    let given = matches!(subject.entry, Entry::Umat(stress_state) if stress_state != StressState::PlaneStress);
+    let (Some(index), true) = (strain_33_index(subject), given) else { return };
+    for state in sample {
+        let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
+        let expected = state.from.input[2] + state.step[2];
+        if (answer.statev[index] - expected).abs() > f64::EPSILON * expected.abs() {
+            let detail = format!("state {}: {:e}, given {expected:e}", state.number, answer.statev[index]);
+            return ledger.add(CHECK, Verdict::Fail, "", detail);
+        }
+    }
+    ledger.add(CHECK, Verdict::Pass, "", "");
+}
+
+/// Plane strain, and plane stress with the ε33 that it found, give the stresses of the 3D response.
+pub(super) fn agreement_with_three_d(subjects: &mut [Subject<'_>], options: &Options, report: &mut Report) {
+    let Some(solid) = subjects.iter().position(|s| s.entry == Entry::Umat(StressState::ThreeD)) else { return };
+    for k in (0..subjects.len()).filter(|&k| k != solid) {
+        let Entry::Umat(stress_state) = subjects[k].entry else { continue };
+        let (plane, solid) = if k < solid {
+            let (low, high) = subjects.split_at_mut(solid);
+            (&mut low[k], &mut high[0])
+        } else {
+            let (low, high) = subjects.split_at_mut(k);
+            (&mut high[0], &mut low[solid])
+        };
+        let mut ledger = Ledger::new(report, plane.entry.label());
+        agreement(plane, solid, stress_state, options, &mut ledger);
+    }
+}
+
+fn agreement(
+    plane: &mut Subject<'_>,
+    solid: &mut Subject<'_>,
+    stress_state: StressState,
+    options: &Options,
+    ledger: &mut Ledger<'_>,
+) {
+    const CHECK: &str = "agrees with 3D";
+    const PATHS: usize = 20;
+    let condensed = stress_state == StressState::PlaneStress;
+    let index = strain_33_index(plane);
+    if condensed && index.is_none() {
+        return ledger.skip(CHECK, "no state strain_33");
+    }
+    let mut random = Random(options.seed ^ 0x33);
+    let mut worst = 0.0_f64;
+    for _ in 0..PATHS {
+        let (mut point, mut whole) = (plane.virgin(), solid.virgin());
+        for _ in 0..3 {
+            let step = step_to(&point, &target(plane, &mut random));
+            let Ok(answer) = plane.evaluate(&point, &step) else { break };
+            point = point.advanced(&step, &answer, plane.time_increment);
+            let end = embedded(&point, stress_state, index.filter(|_| condensed));
+            let step = step_to(&whole, &end);
+            let Ok(answer) = solid.evaluate(&whole, &step) else { break };
+            whole = whole.advanced(&step, &answer, solid.time_increment);
+            let mut expected = [0.0; 6];
+            for (k, &i) in stress_state.components().iter().enumerate() {
+                expected[i] = point.output[k];
+            }
+            let elastic = largest(&solid.output_size) * largest(&end) / largest(&solid.size);
+            worst = worst.max(distance(&expected, &whole.output) / (largest(&expected) + 1e-4 * elastic));
+        }
+    }
+    let verdict = match worst <= tolerances::AGREEMENT {
+        true => Verdict::Pass,
+        // A law may define a plane-stress variant of its own; plane strain is 3D.
+        false if condensed => Verdict::Warn,
+        false => blame(plane),
+    };
+    ledger.add(CHECK, verdict, format!("{worst:.1e}"), "stress on random paths");
+}
+
+/// Six strain components of a point.
+fn embedded(point: &Committed, stress_state: StressState, strain_33: Option<usize>) -> Vec<f64> {
+    let mut strain = vec![0.0; 6];
+    for (k, &i) in stress_state.components().iter().enumerate() {
+        strain[i] = point.input[k];
+    }
+    if let Some(index) = strain_33 {
+        strain[2] = point.statev[index];
+    }
+    strain
+}

@@ -1,0 +1,118 @@
+//! `pullout plugin check` passes sound plugins and finds each error planted in `tests/faulty/`.
+
+use driver::conformance::{Options, Report, Row, Verdict, check};
+use driver::path::program::Plugin;
+use std::path::PathBuf;
+use umat_abi::host::{Found, Library, search_paths};
+
+/// The plugin of that name, built into target/*/deps/ as a dev-dependency.
+fn plugin(name: &str) -> Plugin {
+    let paths: Vec<PathBuf> = search_paths(&[]);
+    let found = Found::by_name(name, &paths).unwrap_or_else(|| panic!("{name} is not in {paths:?}"));
+    let library = Library::open(&found.path).expect("a plugin");
+    let law = library.laws().first().cloned().expect("metadata");
+    let nstatv = law.states.len();
+    Plugin { library, law: Some(law), name: name.into(), symbol: None, cmname: name.into(), props: vec![], nstatv }
+}
+
+fn report(name: &str) -> Report {
+    let report = check(&plugin(name), &Options::default());
+    println!("{name}\n{report}");
+    report
+}
+
+/// The checks that failed, without repetition.
+fn failed(report: &Report) -> Vec<&'static str> {
+    let mut checks: Vec<_> = report.failures().map(|row| row.check).collect();
+    checks.sort_unstable();
+    checks.dedup();
+    checks
+}
+
+fn row<'r>(report: &'r Report, check: &str, stress_state: &str) -> &'r Row {
+    report
+        .rows
+        .iter()
+        .find(|row| row.check == check && row.stress_state.starts_with(stress_state))
+        .unwrap_or_else(|| panic!("no row {check}"))
+}
+
+#[test]
+fn sound_plugins_pass_everything() {
+    for name in ["linear_elastic", "sound_damage", "sound_interface"] {
+        let report = report(name);
+        assert!(report.passed(), "{name}:\n{report}");
+        assert!(report.rows.iter().all(|row| row.verdict != Verdict::Warn), "{name}:\n{report}");
+        assert!(report.rows.iter().filter(|row| row.verdict == Verdict::Pass).count() > 40, "{name}:\n{report}");
+    }
+}
+
+#[test]
+fn a_secant_is_called_so() {
+    let report = report("secant_tangent");
+    assert_eq!(failed(&report), ["consistent tangent"]);
+    for stress_state in ["3D", "plane strain", "plane stress"] {
+        let row = row(&report, "consistent tangent", stress_state);
+        assert!(row.detail.starts_with("secant"), "{}", row.detail);
+    }
+}
+
+#[test]
+fn half_a_damage_term_is_measured() {
+    let report = report("halved_tangent");
+    assert_eq!(failed(&report), ["consistent tangent"]);
+    let row = row(&report, "consistent tangent", "3D");
+    assert!(row.detail.contains("is 0.500 of what it should be"), "{}", row.detail);
+}
+
+#[test]
+fn a_hidden_counter_is_found() {
+    let failed = failed(&report("hidden_memory"));
+    for check in ["repeated call", "order of calls", "thread safety"] {
+        assert!(failed.contains(&check), "{check}: {failed:?}");
+    }
+    assert!(!failed.contains(&"consistent tangent"), "{failed:?}");
+}
+
+#[test]
+fn a_write_behind_statev_is_named() {
+    let report = report("state_overrun");
+    assert_eq!(failed(&report), ["array bounds"]);
+    assert!(row(&report, "array bounds", "3D").detail.contains("STATEV"));
+}
+
+#[test]
+fn an_unset_tangent_entry_is_named() {
+    let report = report("unset_entry");
+    let failed = failed(&report);
+    assert!(failed.contains(&"tangent entries set"), "{failed:?}");
+    assert_eq!(row(&report, "tangent entries set", "3D").detail, "never written: (1,2)");
+}
+
+#[test]
+fn a_panic_is_reported_with_its_state() {
+    let report = report("panicking");
+    assert!(failed(&report).contains(&"answers"));
+    let row = row(&report, "answers", "3D");
+    assert!(row.detail.contains("state ") && row.detail.contains("panic"), "{}", row.detail);
+}
+
+#[test]
+fn an_interface_tangent_is_checked() {
+    let report = report("halved_interface_tangent");
+    assert_eq!(failed(&report), ["consistent tangent"]);
+    for stress_state in ["UINTER, NDIR 2", "UINTER, NDIR 3", "FRIC, NFDIR 1", "FRIC, NFDIR 2"] {
+        assert_eq!(row(&report, "consistent tangent", stress_state).verdict, Verdict::Fail);
+    }
+}
+
+#[test]
+fn a_plain_umat_is_warned_of_not_failed() {
+    let mut plain = plugin("secant_tangent");
+    plain.law = None;
+    plain.props = vec![31800.0, 0.18, 2e-4, 1e-3];
+    let report = check(&plain, &Options::default());
+    println!("{report}");
+    assert!(report.passed(), "{report}");
+    assert_eq!(row(&report, "consistent tangent", "3D").verdict, Verdict::Warn);
+}

@@ -1,0 +1,99 @@
+//! σ = (1 − D) K : ε with Y = ½ ε : K : ε.
+
+use crate::Evolution;
+use models::tensor::{Elasticity, add_dyad, work};
+use std::ffi::CStr;
+use std::marker::PhantomData;
+use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::metadata::{Parameter, StateVariable, flags};
+
+/// What an error may need to know.
+#[derive(Clone, Copy, Debug)]
+pub struct Parts {
+    /// (1 − D) K.
+    pub unloading: [[f64; 6]; 6],
+    /// D.
+    pub damage: f64,
+}
+
+/// An error to plant.
+pub trait Fault {
+    /// The law's name.
+    const NAME: &'static CStr;
+    /// Spoils the response.
+    fn plant(_response: &mut Response, _parts: &Parts) {}
+}
+
+/// The law, with an error.
+#[derive(Debug)]
+pub struct Damage<F>(PhantomData<F>);
+
+const STATES: [StateVariable; 3] = [
+    StateVariable::new(c"r", c"N*mm/mm^3", c"largest energy release rate so far"),
+    StateVariable::new(c"strain_33", c"-", c"total strain 33"),
+    StateVariable::new(c"dissipated_energy", c"N*mm/mm^3", c"energy dissipated since the virgin state"),
+];
+
+impl<F: Fault> Law for Damage<F> {
+    const INFO: LawInfo = LawInfo {
+        name: F::NAME,
+        description: c"Isotropic damage with an exponential decay",
+        parameters: &const {
+            [
+                Parameter::new(c"E", c"MPa", 31800.0, c"Young's modulus").above(0.0),
+                Parameter::new(c"nu", c"-", 0.18, c"Poisson's ratio").above(-1.0).below(0.5),
+                Parameter::new(c"Y_0", c"N*mm/mm^3", 2e-4, c"threshold").at_least(0.0),
+                Parameter::new(c"Y_f", c"N*mm/mm^3", 1e-3, c"decay").above(0.0),
+            ]
+        },
+        repeating: None,
+        states: &STATES,
+        derived: &[],
+        flags: flags::SYMMETRIC_TANGENT
+            | flags::THREAD_SAFE
+            | flags::STRESS_ONLY
+            | flags::PATH_EXACT
+            | flags::ISOTROPIC,
+    };
+
+    type Parameters<'p> = (Elasticity, Evolution);
+
+    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError> {
+        Ok((Elasticity::new(props[0], props[1]), Evolution::new(props[2], props[3])))
+    }
+
+    fn update(
+        (elasticity, evolution): &Self::Parameters<'_>,
+        increment: &Increment,
+        state: &mut [f64],
+        _request: Request,
+    ) -> Result<Response, Failure> {
+        let mut strain = increment.strain;
+        let plane_stress = increment.stress_state == StressState::PlaneStress;
+        if plane_stress {
+            strain[2] = elasticity.plane_stress_strain_33(&strain);
+        }
+        let mut effective = elasticity.stress(&strain);
+        if plane_stress {
+            effective[2] = 0.0;
+        }
+        let rate = 0.5 * work(&effective, &strain);
+        let r = rate.max(state[0]);
+        let integrity = evolution.integrity(r);
+        let stiffness = if plane_stress { elasticity.plane_stress_stiffness() } else { elasticity.stiffness() };
+        let unloading = stiffness.map(|row| row.map(|entry| integrity * entry));
+        let mut tangent = unloading;
+        if rate > state[0] {
+            add_dyad(&mut tangent, -evolution.slope(r), &effective, &effective);
+        }
+        state.copy_from_slice(&[r, strain[2], evolution.dissipated(r)]);
+        let mut response = Response {
+            stress: effective.map(|s| integrity * s),
+            tangent,
+            stored_energy: integrity * rate,
+            dissipated_energy: state[2],
+        };
+        F::plant(&mut response, &Parts { unloading, damage: 1.0 - integrity });
+        Ok(response)
+    }
+}

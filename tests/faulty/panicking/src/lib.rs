@@ -1,0 +1,17 @@
+//! Planted error: a panic beyond D = 0.5.
+
+use faulty_law::{Damage, Fault, Parts};
+use umat_abi::law::Response;
+
+/// An index out of range, say.
+pub struct Panicking;
+
+impl Fault for Panicking {
+    const NAME: &'static std::ffi::CStr = c"panicking";
+
+    fn plant(_response: &mut Response, parts: &Parts) {
+        assert!(parts.damage < 0.5, "planted");
+    }
+}
+
+umat_abi::export_umat!(Damage<Panicking>, "panicking_umat_");

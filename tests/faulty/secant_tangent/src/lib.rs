@@ -1,0 +1,17 @@
+//! Planted error: the secant (1−D) K in place of the consistent tangent.
+
+use faulty_law::{Damage, Fault, Parts};
+use umat_abi::law::Response;
+
+/// The secant.
+pub struct Secant;
+
+impl Fault for Secant {
+    const NAME: &'static std::ffi::CStr = c"secant_tangent";
+
+    fn plant(response: &mut Response, parts: &Parts) {
+        response.tangent = parts.unloading;
+    }
+}
+
+umat_abi::export_umat!(Damage<Secant>, "secant_tangent_umat_");

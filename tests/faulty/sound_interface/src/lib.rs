@@ -1,0 +1,5 @@
+//! The interface law without an error: every check passes.
+
+use faulty_law::{InterfaceDamage, Whole};
+
+umat_abi::export_interface!(InterfaceDamage<Whole>, "sound_interface_uinter_", "sound_interface_fric_");

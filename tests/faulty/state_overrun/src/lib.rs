@@ -1,0 +1,24 @@
+//! Planted error: STATEV(NSTATV+1) is written, as a Fortran UMAT does whose author counted wrong.
+
+use faulty_law::{Damage, Fault};
+use umat_abi::umat::UmatArguments;
+
+/// The error is in the entry point.
+pub struct Overrun;
+
+impl Fault for Overrun {
+    const NAME: &'static std::ffi::CStr = c"state_overrun";
+}
+
+unsafe fn body(arguments: &UmatArguments) {
+    // SAFETY: forwarded to the caller; the write behind STATEV is the planted error, into the host's canaries.
+    unsafe {
+        umat_abi::export::umat::<Damage<Overrun>>(arguments);
+        if let Ok(count @ 1..) = usize::try_from(*arguments.nstatv) {
+            arguments.statev.add(count).write(1.0);
+        }
+    }
+}
+
+umat_abi::umat_symbol!("umat_", umat_fortran, body);
+umat_abi::plugin_symbol!(umat_abi::law_plugin!((umat Damage<Overrun>)));
