@@ -5,7 +5,7 @@
 //! g = ∫ σ dx. The factor r follows from the wanted energy; D̃ from f(D̃) = σ(x)/(E x̃).
 
 use super::uniaxial::{Point, Uniaxial};
-use crate::damage_law::ETA_MAX;
+use crate::damage_law::{ETA_MAX, damage, integrity};
 use umat_abi::law::ConfigurationError;
 
 /// What the crack band of one branch shall dissipate.
@@ -75,9 +75,8 @@ pub(super) fn peak(curve: &Uniaxial) -> Point {
         |q| {
             let point = curve.point(q);
             let ratio = curve.stiffness_ratio(point.eta);
-            let loss = curve.stiffness_loss(point.eta, point.eta);
-            let d = point.eta / (1.0 + point.eta);
-            let loss_rate = curve.stiffness_loss_rate(point.eta);
+            let (loss, loss_rate) = curve.stiffness_losses(integrity(point.eta));
+            let d = damage(point.eta);
             let slope = p * (point.excess / point.energy - 1.0) + 1.0 - 2.0 * d
                 + (loss_rate / loss + loss / ratio) * d / (1.0 + point.eta);
             ((1.0 - point.slope / ratio).ln(), slope)

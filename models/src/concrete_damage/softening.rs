@@ -3,7 +3,7 @@
 use super::Branch;
 use super::crack_band::{CrackBand, Stretch, Stretched};
 use super::uniaxial::Uniaxial;
-use crate::damage_law::{damage, integrity};
+use crate::damage_law::integrity;
 
 /// Relative growth of Y − Y₀ up to which the Hermite rule of sixth order is exact to rounding: its
 /// error is of the order 7e-3 · growth⁶.
@@ -86,12 +86,15 @@ impl Softening {
     fn sixth_order(&self, start: &Branch, end: &Branch) -> f64 {
         let law = &self.curve.law;
         let step = end.maximum - start.maximum;
+        // one division each for 1 − D, 1/(Y − Y₀) and 1/(1 − ρD): this runs in every growing update
         let slopes = |branch: &Branch| {
-            let rate = law.damage_rate(branch.maximum, branch.eta);
-            let excess = branch.maximum - law.threshold;
-            let second = rate * (law.b - 1.0 - 2.0 * law.b * damage(branch.eta)) / excess;
-            let loss = self.curve.stiffness_loss(branch.eta, branch.eta);
-            (loss * rate, self.curve.stiffness_loss_rate(branch.eta) * rate * rate + loss * second)
+            let w = integrity(branch.eta);
+            let d = branch.eta * w;
+            let per_excess = 1.0 / (branch.maximum - law.threshold);
+            let rate = law.b * d * w * per_excess;
+            let second = rate * (law.b - 1.0 - 2.0 * law.b * d) * per_excess;
+            let (loss, loss_rate) = self.curve.stiffness_losses(w);
+            (loss * rate, loss_rate * rate * rate + loss * second)
         };
         let ((first_0, second_0), (first_1, second_1)) = (slopes(start), slopes(end));
         0.5 * (start.maximum + end.maximum) * self.stiffness_drop(start, end)

@@ -73,12 +73,15 @@ impl Uniaxial {
         self.beta / self.rho + (1.0 - self.rho) * (self.rho - self.beta) / (self.rho * rest(eta_0) * rest(eta_1))
     }
 
-    /// −f''(D).
+    /// −f'(D) and −f''(D) = 2 (1 − ρ)(ρ − β)/(1 − ρD)³, through the integrity.
     #[inline]
-    pub fn stiffness_loss_rate(&self, eta: f64) -> f64 {
-        let rest = (1.0 - self.rho) + self.rho * integrity(eta);
-        let numerator = 2.0 * (1.0 - self.rho) * (self.rho - self.beta);
-        if numerator == 0.0 { 0.0 } else { numerator / (rest * rest * rest) }
+    pub fn stiffness_losses(&self, integrity: f64) -> (f64, f64) {
+        if self.rho == self.beta {
+            return (1.0, 0.0);
+        }
+        let per_rest = 1.0 / ((1.0 - self.rho) + self.rho * integrity);
+        let numerator = (1.0 - self.rho) * (self.rho - self.beta) * per_rest * per_rest;
+        ((self.beta + numerator) / self.rho, 2.0 * numerator * per_rest)
     }
 
     /// σ'(x)/E = f − 2 Y D̂'(Y) (−f').
