@@ -129,14 +129,9 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
                 refused += 1;
                 let text = errors.to_string();
                 assert!(!errors.problems.is_empty() && [2, 3].contains(&errors.exit_code()));
-                for noise in [
-                    "anyOf",
-                    "oneOf",
-                    "untagged",
-                    "did not match any variant",
-                    ": cannot be read:",
-                    "under any of",
-                ] {
+                for noise in
+                    ["anyOf", "oneOf", "untagged", "did not match any variant", ": cannot be read:", "under any of"]
+                {
                     assert!(!text.contains(noise), "{document}:\n{text}");
                 }
                 let structural = structure::kind_of(&document)
