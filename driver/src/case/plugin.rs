@@ -98,7 +98,7 @@ fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBu
     None
 }
 
-/// `Some(None)`: a plain UMAT. Of several laws, the one whose name CMNAME begins with, the longest if several.
+/// `Some(None)`: a plain UMAT. Of several laws, CMNAME chooses.
 fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place) -> Option<Option<Law>> {
     let laws = library.laws();
     if let [] | [_] = laws {
@@ -110,9 +110,7 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
         reader.problem(&place.key("cmname"), message);
         return None;
     };
-    let wanted = cmname.to_lowercase();
-    let matching = laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase()));
-    let law = matching.max_by_key(|law| law.name.len());
+    let law = law_of_name(laws, cmname);
     if law.is_none() {
         let message =
             format!("'{cmname}' begins with the name of no law of the library{}", super::problem::hint(cmname, names));
@@ -120,6 +118,12 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
         return None;
     }
     Some(law.cloned())
+}
+
+/// The law whose name CMNAME begins with, the longest of several; upper and lower case are alike.
+pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
+    let wanted = cmname.trim().to_lowercase();
+    laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
 }
 
 /// Whether the law has the entry point and the mode.

@@ -10,6 +10,7 @@ use tempfile::TempDir;
 mod malformed;
 mod parameters;
 mod random;
+mod shipped;
 mod valid;
 
 /// A folder with the files that the cases below name.

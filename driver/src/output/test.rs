@@ -2,10 +2,10 @@
 
 use super::compare::compare;
 use super::history::{History, HistoryWriter};
-use crate::path::Row;
 use super::plots::{self, Curve, Spec, Subject};
 use super::report::{self, Account};
 use super::summary::{PeakRecorder, PluginFile, Status, Summary};
+use crate::path::Row;
 use crate::path::program::Compare;
 use models::damage_law::{DamageLaw, damage, integrity};
 use std::path::Path;
