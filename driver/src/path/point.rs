@@ -75,6 +75,13 @@ pub(super) struct Goal {
     pub(super) predef: (Vec<f64>, Vec<f64>),
 }
 
+impl Goal {
+    /// Whether any component is not given by its strain.
+    fn controls_stress(&self, components: &[usize]) -> bool {
+        components.iter().any(|&i| !matches!(self.controls[i], Control::Strain(_)))
+    }
+}
+
 struct Runner<'p> {
     components: &'static [usize],
     controllable: &'static [usize],
@@ -224,6 +231,9 @@ impl<'p> Runner<'p> {
             let increment = to_u32(index + 1);
             self.call.kinc = i32::try_from(increment).unwrap_or(i32::MAX);
             plan.set_goal(index, self);
+            if index == 0 {
+                self.unloading_tangent(statistics);
+            }
             match advance(self, program.controls, statistics) {
                 Ok(iterations) => {
                     statistics.increments += 1;
@@ -245,6 +255,34 @@ impl<'p> Runner<'p> {
             }
         }
         Ok(Next::GoOn)
+    }
+
+    /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
+    ///
+    /// Below the peak of a softening law two strains have the same lower stress: further along the softening branch
+    /// and back along the unloading branch. A step that asks for a lower stress means the latter; the tangent of the
+    /// last loading increment would lead to the former.
+    fn unloading_tangent(&mut self, statistics: &mut Statistics) {
+        self.tangent = None;
+        if self.goal.deformation_gradient.is_some() || !self.goal.controls_stress(self.components) {
+            return;
+        }
+        self.prepare_call(0.0, 1.0);
+        let (call, committed) = (&mut self.call, &self.committed);
+        let outcome = evaluate(
+            call,
+            committed,
+            &committed.strain,
+            &committed.stress,
+            &[0.0; 6],
+            Request::StressAndTangent,
+            self.components,
+            statistics,
+        );
+        let tangent = evaluation(call, self.components).tangent;
+        if outcome.is_ok() && tangent.as_flattened().iter().all(|x| x.is_finite()) {
+            self.tangent = Some(tangent);
+        }
     }
 
     /// Left side of a relation at the committed state.

@@ -219,3 +219,19 @@ fn simple_shear_follows_the_jaumann_solution() {
     assert!(errors[0] < 1e-3, "{errors:?}");
     assert!((errors[0] / errors[1] - 2.0).abs() < 0.01, "{errors:?}");
 }
+
+/// Beyond the peak a step to zero stress unloads; it does not follow the softening branch.
+#[test]
+fn a_step_to_zero_stress_unloads_a_softening_law() {
+    // pure_damage, table 5.1 tension: peak 3.58 MPa at 1.14e-4
+    let props = [31800.0, 0.18, 5000.0, 1.3, 2e-4];
+    for mode in [Mode::PlaneStrain, Mode::PlaneStress, Mode::ThreeD] {
+        let controls = |first| [first, FREE, FREE, FREE, FREE, FREE];
+        let steps = vec![ramp(20, controls(Control::Strain(2e-4))), ramp(10, controls(Control::Stress(0.0)))];
+        let case = program(plugin("pure_damage", &props), mode, false, steps);
+        let (rows, _) = rows(&case);
+        let (top, last) = (&rows[20], rows.last().expect("rows"));
+        assert!(last[STRAIN].abs() < 1e-12 && last[STRESS].abs() < 1e-8, "{mode:?}: back at the origin");
+        assert_eq!(last[15], top[15], "{mode:?}: eta does not grow");
+    }
+}
