@@ -110,9 +110,44 @@ fn an_interface_tangent_is_checked() {
 fn a_plain_umat_is_warned_of_not_failed() {
     let mut plain = plugin("secant_tangent");
     plain.law = None;
-    plain.props = vec![31800.0, 0.18, 2e-4, 1e-3];
+    plain.props = vec![31800.0, 0.18, 2e-4, 1e-3, 0.0];
     let report = check(&plain, &Options::default());
     println!("{report}");
     assert!(report.passed(), "{report}");
     assert_eq!(row(&report, "consistent tangent", "3D").verdict, Verdict::Warn);
+}
+
+/// Each error of `tests/faulty/selected_fault` by its number, and the check that must fail.
+#[test]
+fn every_check_can_fail() {
+    const FAULTS: [(f64, &str); 16] = [
+        (1.0, "isotropy"),
+        (2.0, "energy balance"),
+        (3.0, "zero increment"),
+        (10.0, "increment size"),
+        (4.0, "symmetric tangent"),
+        (5.0, "strain_33"),
+        (6.0, "stress only"),
+        (7.0, "virgin state"),
+        (8.0, "consistent tangent"),
+        (9.0, "agrees with 3D"),
+        (20.0, "NaN and infinity"),
+        (21.0, "wrong PROPS"),
+        (22.0, "wrong counts"),
+        (23.0, "NULL arguments"),
+        (24.0, "inputs untouched"),
+        (25.0, "DROT"),
+    ];
+    let plugin = plugin("selected_fault");
+    let checked = |fault: f64| {
+        let props = Some(vec![31800.0, 0.18, 2e-4, 1e-3, fault]);
+        check(&plugin, &Options { props, states: 60, ..Options::default() })
+    };
+    assert!(checked(0.0).passed(), "{}", checked(0.0));
+    for (fault, expected) in FAULTS {
+        let report = checked(fault);
+        assert!(failed(&report).contains(&expected), "fault {fault} does not fail '{expected}':\n{report}");
+    }
+    assert!(failed(&checked(26.0)).contains(&"CELENT unusable"), "{}", checked(26.0));
+    assert!(row(&checked(8.0), "consistent tangent", "3D").detail.starts_with("elastic"), "{}", checked(8.0));
 }

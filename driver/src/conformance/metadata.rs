@@ -62,7 +62,7 @@ fn parameter_errors(law: &Law) -> Vec<String> {
     let mut names = HashSet::new();
     for parameter in &law.parameters {
         let name = &parameter.name;
-        if name.is_empty() || !names.insert(name.to_lowercase()) {
+        if name.is_empty() || !names.insert(name) {
             errors.push(format!("the name '{name}' is empty or occurs twice"));
         }
         if parameter.unit.is_empty() || parameter.doc.is_empty() {
@@ -79,7 +79,7 @@ fn state_errors(law: &Law) -> Vec<String> {
     let mut errors = Vec::new();
     let mut names = HashSet::new();
     for state in &law.states {
-        if state.name.is_empty() || !names.insert(state.name.to_lowercase()) {
+        if state.name.is_empty() || !names.insert(&state.name) {
             errors.push(format!("the name '{}' is empty or occurs twice", state.name));
         }
     }

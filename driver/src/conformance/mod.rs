@@ -11,6 +11,7 @@
 mod bad_input;
 mod determinism;
 mod energy;
+mod entry_call;
 mod memory;
 mod metadata;
 mod null_arguments;

@@ -66,11 +66,10 @@ fn random_rotation(subject: &Subject<'_>, random: &mut Random) -> Rotation {
     random.rotation(subject.entry != Entry::Umat(StressState::ThreeD))
 }
 
-/// Error relative to the largest stress, after rounding of the elastic stress is taken off.
+/// The largest difference, relative to the largest stress and a floor for the rounding of the elastic stress.
 fn relative_error(subject: &Subject<'_>, input: &[f64], output: &[f64], expected: &[f64]) -> f64 {
-    let sizes = input.iter().zip(&subject.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
-    let floor = tolerances::CANCELLATION * largest(&subject.output_size) * sizes;
-    (distance(output, expected) - floor).max(0.0) / largest(expected).max(f64::MIN_POSITIVE)
+    let floor = tolerances::CANCELLATION / tolerances::ROTATION * subject.elastic_size(input);
+    distance(output, expected) / (largest(expected) + floor).max(f64::MIN_POSITIVE)
 }
 
 /// Random paths of three legs, and the same rotated.

@@ -75,6 +75,9 @@ fn nonlinearity(
         step[component] += sign * value;
         subject.evaluate(&virgin, &step).ok().map(|answer| sign * answer.output[component])
     };
+    // Contact in a soft layer carries pressure before the gap closes.
+    let start = response(0.0)?;
+    let mut response = |value: f64| response(value).map(|stress| stress - start);
     let stiffness = response(least)? / least;
     let mut begin = None;
     let mut previous = 0.0;

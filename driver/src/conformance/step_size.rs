@@ -8,7 +8,7 @@ use super::{Options, tolerances};
 use umat_abi::metadata::flags;
 
 const COUNTS: [u32; 4] = [1, 10, 100, 1000];
-const PATHS: usize = 6;
+const PATHS: usize = 20;
 
 /// The end stress of a path from the virgin state.
 fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, Trouble> {
@@ -35,11 +35,10 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         subject.time_increment = 1.0;
         let Ok(stresses) = stresses else { continue };
         paths += 1;
-        let sizes = end.iter().zip(&subject.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
-        let floor = tolerances::CANCELLATION * largest(&subject.output_size) * sizes;
-        let largest = largest(&stresses[3]).max(f64::MIN_POSITIVE);
+        let floor = tolerances::CANCELLATION / tolerances::PATH_EXACT * subject.elastic_size(&end);
+        let scale = (largest(&stresses[3]) + floor).max(f64::MIN_POSITIVE);
         for k in 0..3 {
-            errors[k] = errors[k].max((distance(&stresses[k], &stresses[3]) - floor).max(0.0) / largest);
+            errors[k] = errors[k].max(distance(&stresses[k], &stresses[3]) / scale);
         }
     }
     if paths == 0 {
@@ -47,7 +46,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     }
     let worst = largest(&errors);
     let detail = format!(
-        "1, 10, 100 increments against 1000: {:.1e}, {:.1e}, {:.1e}{}",
+        "1, 10, 100 increments against 1000: {:.1e}, {:.1e}, {:.1e}{}; {paths} paths",
         errors[0],
         errors[1],
         errors[2],

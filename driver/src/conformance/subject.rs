@@ -8,10 +8,11 @@
 //! | FRIC | slips, pressure | shear tractions |
 
 use super::Options;
+use super::entry_call::{fric, uinter, umat};
 use crate::path::program::Plugin;
 use std::collections::BTreeMap;
 use std::fmt;
-use umat_abi::host::{Alteration, CallOutcome, FricCall, LoadError, Overrun, UinterCall, UmatCall, Validation};
+use umat_abi::host::{Alteration, CallOutcome, FricCall, LoadError, UinterCall, UmatCall, Validation};
 use umat_abi::law::StressState;
 
 /// Entry point and components.
@@ -75,11 +76,11 @@ pub(super) struct Committed {
     pub(super) statev: Vec<f64>,
     pub(super) energies: [f64; 5],
     /// FRIC: accumulated DSLIP.
-    slip: [f64; 2],
+    pub(super) slip: [f64; 2],
     /// UINTER: LOPENCLOSE, LSTATE.
-    flags: [i32; 2],
-    time: f64,
-    increment: i32,
+    pub(super) flags: [i32; 2],
+    pub(super) time: f64,
+    pub(super) increment: i32,
 }
 
 impl Committed {
@@ -108,9 +109,9 @@ pub(super) struct Answer {
     pub(super) statev: Vec<f64>,
     pub(super) energies: [f64; 5],
     pub(super) slip_increment: [f64; 2],
-    flags: [i32; 2],
+    pub(super) flags: [i32; 2],
     /// FRIC's LM: 0, the tractions are given.
-    lm: i32,
+    pub(super) lm: i32,
 }
 
 impl Answer {
@@ -277,6 +278,12 @@ impl<'p> Subject<'p> {
         }
     }
 
+    /// The stress that an elastic material would have at this input: what rounding is measured by.
+    pub(super) fn elastic_size(&self, input: &[f64]) -> f64 {
+        let sizes = input.iter().zip(&self.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
+        largest(&self.output_size) * sizes
+    }
+
     /// A name for state variable `k`.
     pub(super) fn state_name(&self, k: usize) -> String {
         let named = self.plugin.law.as_ref().and_then(|law| law.states.get(k));
@@ -378,95 +385,4 @@ fn characteristic_length(plugin: &Plugin, props: &[f64], given: Option<f64>) -> 
     let accepted =
         |length: &f64| plugin.law.as_ref().is_none_or(|law| law.validate(props, Some(*length)) == Validation::Valid);
     given.unwrap_or_else(|| CANDIDATES.into_iter().find(accepted).unwrap_or(CANDIDATES[0]))
-}
-
-type Called = (Answer, Result<(), Overrun>);
-
-/// An overrun says nothing of the result: it is reported by a row of its own.
-fn split(result: Result<CallOutcome, Overrun>) -> (CallOutcome, Result<(), Overrun>) {
-    match result {
-        Ok(outcome) => (outcome, Ok(())),
-        Err(overrun) => (CallOutcome::Done, Err(overrun)),
-    }
-}
-
-fn umat(call: &mut UmatCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
-    let n = step.len();
-    call.stran[..n].copy_from_slice(&from.input);
-    call.dstran[..n].copy_from_slice(step);
-    call.stress_mut().copy_from_slice(&from.output);
-    let states = call.statev().len();
-    call.statev_mut().copy_from_slice(&from.statev[..states]);
-    call.energies.copy_from_slice(&from.energies[..3]);
-    call.time = [from.time; 2];
-    call.kinc = from.increment;
-    let (outcome, result) = split(call.call_altered(filling, alteration));
-    let [stored, plastic, creep] = call.energies;
-    let answer = Answer {
-        outcome,
-        output: call.stress().to_vec(),
-        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
-        statev: call.statev().to_vec(),
-        energies: [stored, plastic, creep, 0.0, 0.0],
-        slip_increment: [0.0; 2],
-        flags: from.flags,
-        lm: 0,
-    };
-    (answer, result)
-}
-
-fn uinter(call: &mut UinterCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
-    let n = step.len();
-    for k in 0..n {
-        call.rdisp[k] = from.input[k] + step[k];
-    }
-    call.drdisp[..n].copy_from_slice(step);
-    call.traction_mut().copy_from_slice(&from.output);
-    let states = call.statev().len();
-    call.statev_mut().copy_from_slice(&from.statev[..states]);
-    call.energies = from.energies;
-    call.flags = from.flags;
-    call.time = [from.time + call.dtime; 2];
-    call.counters[1] = from.increment;
-    let (outcome, result) = split(call.call_altered(filling, alteration));
-    let answer = Answer {
-        outcome,
-        output: call.traction().to_vec(),
-        tangent: (0..n * n).map(|k| call.tangent(k / n, k % n)).collect(),
-        statev: call.statev().to_vec(),
-        energies: call.energies,
-        slip_increment: [0.0; 2],
-        flags: call.flags,
-        lm: 0,
-    };
-    (answer, result)
-}
-
-fn fric(call: &mut FricCall, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Called {
-    let n = step.len() - 1;
-    call.lm = 0;
-    call.dgam[..n].copy_from_slice(&step[..n]);
-    call.pressure = [from.input[n] + step[n], step[n]];
-    call.slip = from.slip;
-    call.traction_mut().copy_from_slice(&from.output);
-    let states = call.statev().len();
-    call.statev_mut().copy_from_slice(&from.statev[..states]);
-    call.energies.copy_from_slice(&from.energies[..2]);
-    call.time = [from.time; 2];
-    call.counters[1] = from.increment;
-    let (outcome, result) = split(call.call_altered(filling, alteration));
-    let entry = |row: usize, column: usize| {
-        if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }
-    };
-    let answer = Answer {
-        outcome,
-        output: call.traction().to_vec(),
-        tangent: (0..n * (n + 1)).map(|k| entry(k / (n + 1), k % (n + 1))).collect(),
-        statev: call.statev().to_vec(),
-        energies: [call.energies[0], call.energies[1], 0.0, 0.0, 0.0],
-        slip_increment: call.dslip,
-        flags: from.flags,
-        lm: call.lm,
-    };
-    (answer, result)
 }

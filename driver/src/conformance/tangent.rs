@@ -170,23 +170,28 @@ fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
     let scale = Scale::new(subject, &answer.tangent);
     let quotients: Vec<Vec<f64>> =
         STEPS.iter().filter_map(|&h| differences(subject, &state.from, &state.step, &sizes, h)).collect();
-    let best = quotients
-        .iter()
-        .map(|matrix| (scale.difference(matrix, &answer.tangent), matrix))
-        .min_by(|a, b| a.0.0.total_cmp(&b.0.0));
-    let Some(((error, k), matrix)) = best else { return Finding::Undecided };
+    let errors: Vec<(f64, usize)> = quotients.iter().map(|matrix| scale.difference(matrix, &answer.tangent)).collect();
+    let Some(best) = (0..errors.len()).min_by(|&a, &b| errors[a].0.total_cmp(&errors[b].0)) else {
+        return Finding::Undecided;
+    };
+    let (error, k) = errors[best];
     if error <= TANGENT {
         return Finding::Consistent(error);
     }
     if near_kink(subject, state, &answer, &sizes, &scale) {
         return Finding::Kink;
     }
-    let spread = quotients.windows(2).map(|pair| scale.difference(&pair[0], &pair[1]).0).fold(f64::INFINITY, f64::min);
-    if spread > DIFFERENCES_DECIDE * error {
+    let neighbours = [best.checked_sub(1), Some(best + 1).filter(|&b| b < quotients.len())];
+    let spread = neighbours
+        .into_iter()
+        .flatten()
+        .map(|other| scale.difference(&quotients[best], &quotients[other]).0)
+        .fold(0.0, f64::max);
+    if spread > DIFFERENCES_DECIDE * error || quotients.len() < 2 {
         return Finding::Undecided;
     }
     let (row, column) = (k / scale.columns, k % scale.columns);
-    let differences = matrix.clone();
+    let differences = quotients[best].clone();
     Finding::Wrong(Mismatch { error, row, column, expected: differences[k], found: answer.tangent[k], differences })
 }
 

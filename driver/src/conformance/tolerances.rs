@@ -20,14 +20,17 @@ pub(super) const ZERO_INCREMENT: f64 = 1e-12;
 pub(super) const PATH_EXACT: f64 = 1e-12;
 /// Rounding of a stress that is a small difference of elastic stresses, relative to those.
 pub(super) const CANCELLATION: f64 = 1e-15;
-/// Same components computed by two stress states: the plane-stress iteration stops at ~1e-12.
+/// Same components computed by two stress states.
 pub(super) const AGREEMENT: f64 = 1e-9;
-/// Energy error relative to the work that is rounding of some hundred additions.
-pub(super) const ENERGY_ROUNDING: f64 = 1e-10;
+/// A plane-stress iteration stops at this share of the elastic stress.
+pub(super) const PLANE_STRESS_ITERATION: f64 = 1e-12;
+/// Energy error relative to the work that a few kinks inside increments of 1/320 leave, even if the law is exact
+/// between them: 1/n².
+pub(super) const ENERGY_KINKS: f64 = 1e-5;
 /// Energy error relative to the work after the finest subdivision: ~1/n² for the trapezoidal rule, 1/n for a
 /// law that integrates its dissipation by Euler's rule.
 pub(super) const ENERGY: f64 = 2e-2;
 /// Halving the increment must reduce the energy error at least by this (first order: 2).
 pub(super) const ENERGY_REDUCTION: f64 = 1.6;
-/// Dissipation may fall by this share of itself: rounding.
+/// Dissipation may fall by this share of the work: rounding.
 pub(super) const DISSIPATION: f64 = 1e-12;

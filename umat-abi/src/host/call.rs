@@ -20,6 +20,14 @@ pub enum CallOutcome {
     CutBack(f64),
 }
 
+impl CallOutcome {
+    /// From PNEWDT on return.
+    #[inline]
+    pub(super) fn of(pnewdt: f64) -> Self {
+        if pnewdt > 0.0 && pnewdt < 1.0 { Self::CutBack(pnewdt) } else { Self::Done }
+    }
+}
+
 /// One material point's arguments and the function that takes them.
 ///
 /// Components are those of the stress state (3, 4 or 6). The caller sets the public fields and the
@@ -207,6 +215,12 @@ impl UmatCall {
         unsafe { self.call_with(stress_only, filling, |_| ()) }
     }
 
+    /// What the last call came back with, also if it wrote behind an array.
+    #[inline]
+    pub fn outcome(&self) -> CallOutcome {
+        CallOutcome::of(self.pnewdt)
+    }
+
     /// The call itself, with the arguments as `alter` leaves them.
     ///
     /// # Safety
@@ -235,8 +249,7 @@ impl UmatCall {
         self.statev.check()?;
         self.ddsdde.check()?;
         self.props.check()?;
-        let cut = self.pnewdt > 0.0 && self.pnewdt < 1.0;
-        Ok(if cut { CallOutcome::CutBack(self.pnewdt) } else { CallOutcome::Done })
+        Ok(self.outcome())
     }
 
     fn arguments(&mut self, stress_only: bool) -> UmatArguments {

@@ -74,8 +74,7 @@ impl Common {
         self.tangent.check()?;
         self.statev.check()?;
         self.props.check()?;
-        let cut = self.pnewdt > 0.0 && self.pnewdt < 1.0;
-        Ok(if cut { CallOutcome::CutBack(self.pnewdt) } else { CallOutcome::Done })
+        Ok(CallOutcome::of(self.pnewdt))
     }
 }
 
@@ -174,6 +173,11 @@ impl UinterCall {
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
         // SAFETY: the arguments stay as they are.
         unsafe { self.call_with(0.0, |_| ()) }
+    }
+
+    /// What the last call came back with, also if it wrote behind an array.
+    pub fn outcome(&self) -> CallOutcome {
+        CallOutcome::of(self.common.pnewdt)
     }
 
     /// The call itself, with DDSDDR filled before and the arguments as `alter` leaves them.
@@ -360,6 +364,11 @@ impl FricCall {
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
         // SAFETY: the arguments stay as they are.
         unsafe { self.call_with(0.0, |_| ()) }
+    }
+
+    /// What the last call came back with, also if it wrote behind an array.
+    pub fn outcome(&self) -> CallOutcome {
+        CallOutcome::of(self.common.pnewdt)
     }
 
     /// The call itself, with DDTDDG, DDTDDP and DSLIP filled before and the arguments as `alter` leaves them.

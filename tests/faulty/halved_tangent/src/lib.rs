@@ -9,7 +9,7 @@ pub struct Halved;
 impl Fault for Halved {
     const NAME: &'static std::ffi::CStr = c"halved_tangent";
 
-    fn plant(response: &mut Response, parts: &Parts) {
+    fn plant(response: &mut Response, _state: &mut [f64], parts: &Parts) {
         for i in 0..6 {
             for j in 0..6 {
                 response.tangent[i][j] = 0.5 * (response.tangent[i][j] + parts.unloading[i][j]);

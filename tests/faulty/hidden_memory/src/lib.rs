@@ -12,7 +12,7 @@ pub struct Memory;
 impl Fault for Memory {
     const NAME: &'static std::ffi::CStr = c"hidden_memory";
 
-    fn plant(response: &mut Response, _parts: &Parts) {
+    fn plant(response: &mut Response, _state: &mut [f64], _parts: &Parts) {
         let calls = CALLS.fetch_add(1, Ordering::Relaxed) as f64;
         response.stress[0] *= 1.0 + 1e-12 * calls;
     }

@@ -12,16 +12,28 @@ use umat_abi::metadata::{Parameter, StateVariable, flags};
 pub struct Parts {
     /// (1 − D) K.
     pub unloading: [[f64; 6]; 6],
+    /// K.
+    pub elastic: [[f64; 6]; 6],
     /// D.
     pub damage: f64,
+    /// DSTRAN.
+    pub strain_increment: [f64; 6],
+    /// The parameter `fault`.
+    pub fault: f64,
+    /// What was asked for.
+    pub request: Request,
+    /// Which components.
+    pub stress_state: StressState,
 }
 
 /// An error to plant.
 pub trait Fault {
     /// The law's name.
     const NAME: &'static CStr;
-    /// Spoils the response.
-    fn plant(_response: &mut Response, _parts: &Parts) {}
+    /// Flags claimed beside those of the law.
+    const FLAGS: u32 = 0;
+    /// Spoils the response and the new state.
+    fn plant(_response: &mut Response, _state: &mut [f64], _parts: &Parts) {}
 }
 
 /// The law, with an error.
@@ -44,6 +56,7 @@ impl<F: Fault> Law for Damage<F> {
                 Parameter::new(c"nu", c"-", 0.18, c"Poisson's ratio").above(-1.0).below(0.5),
                 Parameter::new(c"Y_0", c"N*mm/mm^3", 2e-4, c"threshold").at_least(0.0),
                 Parameter::new(c"Y_f", c"N*mm/mm^3", 1e-3, c"decay").above(0.0),
+                Parameter::new(c"fault", c"-", 0.0, c"which error, for a plugin with several").within(0.0, 99.0),
             ]
         },
         repeating: None,
@@ -53,20 +66,21 @@ impl<F: Fault> Law for Damage<F> {
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
-            | flags::ISOTROPIC,
+            | flags::ISOTROPIC
+            | F::FLAGS,
     };
 
-    type Parameters<'p> = (Elasticity, Evolution);
+    type Parameters<'p> = (Elasticity, Evolution, f64);
 
     fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError> {
-        Ok((Elasticity::new(props[0], props[1]), Evolution::new(props[2], props[3])))
+        Ok((Elasticity::new(props[0], props[1]), Evolution::new(props[2], props[3]), props[4]))
     }
 
     fn update(
-        (elasticity, evolution): &Self::Parameters<'_>,
+        (elasticity, evolution, fault): &Self::Parameters<'_>,
         increment: &Increment,
         state: &mut [f64],
-        _request: Request,
+        request: Request,
     ) -> Result<Response, Failure> {
         let mut strain = increment.strain;
         let plane_stress = increment.stress_state == StressState::PlaneStress;
@@ -93,7 +107,11 @@ impl<F: Fault> Law for Damage<F> {
             stored_energy: integrity * rate,
             dissipated_energy: state[2],
         };
-        F::plant(&mut response, &Parts { unloading, damage: 1.0 - integrity });
+        let (damage, stress_state) = (1.0 - integrity, increment.stress_state);
+        let strain_increment = increment.strain_increment;
+        let parts =
+            Parts { unloading, elastic: stiffness, damage, strain_increment, fault: *fault, request, stress_state };
+        F::plant(&mut response, state, &parts);
         Ok(response)
     }
 }

@@ -9,7 +9,7 @@ pub struct Panicking;
 impl Fault for Panicking {
     const NAME: &'static std::ffi::CStr = c"panicking";
 
-    fn plant(_response: &mut Response, parts: &Parts) {
+    fn plant(_response: &mut Response, _state: &mut [f64], parts: &Parts) {
         assert!(parts.damage < 0.5, "planted");
     }
 }

@@ -9,7 +9,7 @@ pub struct Secant;
 impl Fault for Secant {
     const NAME: &'static std::ffi::CStr = c"secant_tangent";
 
-    fn plant(response: &mut Response, parts: &Parts) {
+    fn plant(response: &mut Response, _state: &mut [f64], parts: &Parts) {
         response.tangent = parts.unloading;
     }
 }
