@@ -56,6 +56,21 @@ fn laws_raise_no_trapped_exception() {
     stderr_of_child("floating_point::child_runs_with_traps");
 }
 
+/// The check above can fail: a trapped operation does end the process.
+#[test]
+fn a_trap_ends_a_process() {
+    let program = std::env::current_exe().expect("the path of this program");
+    let test = "floating_point::child_divides_by_zero_with_traps";
+    let output = std::process::Command::new(program).args(["--exact", test, "--ignored"]).output().expect("it runs");
+    assert_eq!(std::os::unix::process::ExitStatusExt::signal(&output.status), Some(8), "SIGFPE");
+}
+
+#[test]
+#[ignore = "runs as a process of its own, which it ends: a_trap_ends_a_process"]
+fn child_divides_by_zero_with_traps() {
+    with_control(|c| c & !TRAPS, || std::hint::black_box(1.0 / std::hint::black_box(0.0_f64)));
+}
+
 #[test]
 #[ignore = "runs as a process of its own, which a trap would end: laws_raise_no_trapped_exception"]
 fn child_runs_with_traps() {
@@ -66,5 +81,17 @@ fn child_runs_with_traps() {
         // A virgin point that is not strained at all: no 0/0.
         let resting = with_control(|c| c & !TRAPS, || history(loaded, stress_state, 0.0));
         assert!(resting.iter().all(|x| x.is_finite()));
+        // NaN and infinity are recognised without an operation that traps.
+        let (point, _) = loaded.loaded_point(stress_state);
+        for value in [f64::NAN, f64::INFINITY] {
+            let mut spoilt = point.clone();
+            spoilt.dstran[0] = value;
+            with_control(|c| c & !TRAPS, || spoilt.call(loaded.umat));
+            assert_eq!(spoilt.pnewdt, 0.5);
+            let mut spoilt = point.clone();
+            spoilt.statev[0] = value;
+            with_control(|c| c & !TRAPS, || spoilt.call(loaded.umat));
+            assert_eq!(spoilt.pnewdt, 0.5);
+        }
     });
 }
