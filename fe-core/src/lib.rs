@@ -5,10 +5,10 @@
 //!
 //! - [`element`]: the reference elements T3, T6, Q4 and Q8, their edges, their integration rules, the isoparametric
 //!   map and the characteristic length that a UMAT receives as `CELENT`;
-//! - [`kinematics`]: small strains from nodal displacements, nodal forces from stresses, the volume of a point;
+//! - [`kinematics`]: small strains from nodal displacements, B-bar for Q4, nodal forces from stresses, the volume of a point;
 //! - [`mesh`]: nodes, elements, parts and named sets, checked as a whole; neighbours and boundaries.
 //!
-//! Not here: B-bar for Q4, large displacements, assembly, contact, the solver, stepping and output. Until they come
+//! Not here: large displacements, assembly, contact, the solver, stepping and output. Until they come
 //! this crate computes no structure; `pullout` does not use it.
 //!
 //! Everything in code is counted from 0. Messages, the pictures of the elements and the arguments `NOEL` and `NPT` of

@@ -92,6 +92,27 @@ impl StrainDisplacement {
         Ok(Self { component_count: model.component_count(), freedom_count, columns })
     }
 
+    /// B-bar: gives all points of an element, each with its volume, the mean of their dilatation, so that a nearly
+    /// incompressible Q4 does not lock. Does nothing in plane stress, where nothing locks.
+    pub fn average_dilatation(points: &mut [(Self, f64)]) {
+        if points.iter().any(|(point, _)| point.component_count != MAX_COMPONENTS) {
+            return;
+        }
+        let total: f64 = points.iter().map(|(_, volume)| volume).sum();
+        for freedom in 0..points.first().map_or(0, |(point, _)| point.freedom_count) {
+            let mean = points.iter().map(|(point, volume)| point.dilatation(freedom) * volume).sum::<f64>() / total;
+            for (point, _) in points.iter_mut() {
+                let third = (mean - point.dilatation(freedom)) / 3.0;
+                point.columns[freedom][..3].iter_mut().for_each(|direct| *direct += third);
+            }
+        }
+    }
+
+    /// ε₁₁ + ε₂₂ + ε₃₃ of a unit displacement.
+    fn dilatation(&self, freedom: usize) -> f64 {
+        self.columns[freedom][..3].iter().sum()
+    }
+
     /// Components of the strain: NTENS.
     pub fn component_count(&self) -> usize {
         self.component_count

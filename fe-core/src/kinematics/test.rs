@@ -150,3 +150,76 @@ fn a_point_on_or_beyond_the_axis_is_refused() {
         assert!(StrainDisplacement::new(PlaneModel::PlaneStrain, &point).is_ok());
     }
 }
+
+type PointsOfVolume = Vec<(StrainDisplacement, f64)>;
+
+/// All points of a Q4 with B-bar and without, each with its volume.
+fn averaged(model: PlaneModel, nodes: &[[f64; 2]]) -> (PointsOfVolume, PointsOfVolume) {
+    let plain: Vec<_> = ElementKind::Q4
+        .full_integration_points()
+        .iter()
+        .map(|point| {
+            let mapped = MappedPoint::new(ElementKind::Q4, nodes, point.coordinates).unwrap();
+            let volume = model.depth(mapped.position[0], 1.0) * mapped.determinant * point.weight;
+            (StrainDisplacement::new(model, &mapped).unwrap(), volume)
+        })
+        .collect();
+    let mut averaged = plain.clone();
+    StrainDisplacement::average_dilatation(&mut averaged);
+    (averaged, plain)
+}
+
+#[test]
+fn average_dilatation_keeps_the_deviator_and_the_mean() {
+    let field = |[x, y]: [f64; 2]| [x * y + 0.3 * x * x, 0.7 * y - 0.2 * x * y];
+    for model in [PlaneModel::PlaneStrain, PlaneModel::Axisymmetric] {
+        for nodes in patch(ElementKind::Q4) {
+            let displacements = displacements(&nodes, field);
+            let (averaged, plain) = averaged(model, &nodes);
+            let strains = |points: &[(StrainDisplacement, f64)]| -> Vec<([f64; 4], f64)> {
+                points.iter().map(|(b, volume)| (b.strain(&displacements), *volume)).collect()
+            };
+            let trace = |strain: &[f64; 4]| strain[0] + strain[1] + strain[2];
+            let (averaged, plain) = (strains(&averaged), strains(&plain));
+            let volume: f64 = plain.iter().map(|(_, volume)| volume).sum();
+            let mean = plain.iter().map(|(strain, volume)| trace(strain) * volume).sum::<f64>() / volume;
+            let mut spread = 0.0_f64;
+            for ((new, _), (old, _)) in averaged.iter().zip(&plain) {
+                spread = spread.max((trace(old) - mean).abs());
+                assert_abs_diff_eq!(trace(new), mean, epsilon = 1e-13);
+                for direct in 0..3 {
+                    let deviator = |strain: &[f64; 4]| strain[direct] - trace(strain) / 3.0;
+                    assert_abs_diff_eq!(deviator(new), deviator(old), epsilon = 1e-13);
+                }
+                assert_eq!(new[3], old[3]);
+            }
+            assert!(spread > 1e-3, "the plain element has a dilatation to average");
+        }
+    }
+}
+
+#[test]
+fn average_dilatation_changes_neither_constant_strain_nor_plane_stress() {
+    let field = |[x, y]: [f64; 2]| [0.1 + 0.7 * x - 0.4 * y, -0.3 + 0.9 * x + 0.2 * y];
+    for nodes in patch(ElementKind::Q4) {
+        for (b, _) in averaged(PlaneModel::PlaneStrain, &nodes).0 {
+            assert_strain(b.strain(&displacements(&nodes, field)), [0.7, 0.2, 0.0, 0.5]);
+        }
+        let (averaged, plain) = averaged(PlaneModel::PlaneStress, &nodes);
+        assert_eq!(averaged, plain);
+    }
+}
+
+/// Bending of a square without B-bar costs volume at its points; with it none, so it does not lock.
+#[test]
+fn average_dilatation_frees_bending_from_volume_change() {
+    let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+    let bending = displacements(&square, |[x, y]| [(x - 0.5) * (y - 0.5), 0.0]);
+    let largest = |points: &[(StrainDisplacement, f64)]| {
+        points.iter().map(|(b, _)| b.strain(&bending)[..3].iter().sum::<f64>().abs()).fold(0.0, f64::max)
+    };
+    let (averaged, plain) = averaged(PlaneModel::PlaneStrain, &square);
+    // The points are at ±1/(2√3) from the middle.
+    assert_abs_diff_eq!(largest(&plain), 0.5 / 3.0_f64.sqrt(), epsilon = 1e-15);
+    assert_abs_diff_eq!(largest(&averaged), 0.0, epsilon = 1e-15);
+}

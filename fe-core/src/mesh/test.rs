@@ -227,6 +227,20 @@ fn folds_between_the_reduced_points_are_found() {
     );
 }
 
+/// Corners and middles on the axis or right of it, but the parabola r = ½ η (η + 1) between them is not.
+#[test]
+fn edges_that_bulge_across_the_axis_are_found() {
+    let positions = [[0.0, 0.0], [0.1, 0.0], [1.1, 2.0], [1.0, 2.0], [0.05, 0.0], [0.1, 1.0], [1.05, 2.0], [0.0, 1.0]];
+    let mut definition = grid(Q8, 1, 1, &[]);
+    for (&node, position) in definition.elements[0].nodes.iter().zip(positions) {
+        definition.nodes[node] = position;
+    }
+    assert!(Mesh::new(definition.clone()).is_ok());
+    definition.parts[0].model = PlaneModel::Axisymmetric;
+    let error = Mesh::new(definition).unwrap_err();
+    assert!(matches!(error, MeshError::PointRadius { element: 0, point: 0, radius, .. } if radius < 0.0), "{error}");
+}
+
 #[test]
 fn slivers_are_refused_only_when_rounding_rules_them() {
     let sliver = |height: f64| {
