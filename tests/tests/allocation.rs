@@ -52,8 +52,11 @@ fn requests() -> u64 {
     REQUESTS.with(Cell::get)
 }
 
+/// The boundary of one law.
+type Boundary = unsafe fn(&UmatArguments);
+
 /// The boundary of every law, called directly: a plugin has an allocator of its own, which this program cannot count.
-const ENTRIES: &[(&str, unsafe fn(&UmatArguments))] = &[
+const ENTRIES: &[(&str, Boundary)] = &[
     ("linear_elastic", umat::<LinearElastic>),
     ("j2_plasticity", umat::<J2Plasticity>),
     ("drucker_prager", umat::<DruckerPrager>),
@@ -91,7 +94,7 @@ fn ten_thousand_calls_allocate_nothing() {
 }
 
 /// An increment that cannot be computed is as quiet.
-fn cut_backs_allocate_nothing(point: &mut PointMemory, entry: unsafe fn(&UmatArguments)) {
+fn cut_backs_allocate_nothing(point: &mut PointMemory, entry: Boundary) {
     point.dstran[0] = f64::NAN;
     let before = requests();
     for _ in 0..1000 {
