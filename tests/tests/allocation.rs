@@ -1,7 +1,11 @@
 //! No law allocates in a call: counted by this program's own allocator, below the boundary of `umat_`.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, strain_path};
-use models::{drucker_prager::DruckerPrager, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic};
+use models::{
+    biaxial_damage::BiaxialDamage, concrete_damage::ConcreteDamage, drucker_prager::DruckerPrager,
+    inelastic_damage::InelasticDamage, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic,
+    pure_damage::PureDamage, reverse_cyclic_damage::ReverseCyclicDamage,
+};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
 use umat_abi::export::umat;
@@ -58,6 +62,11 @@ type Boundary = unsafe fn(&UmatArguments);
 /// The boundary of every law, called directly: a plugin has an allocator of its own, which this program cannot count.
 const ENTRIES: &[(&str, Boundary)] = &[
     ("linear_elastic", umat::<LinearElastic>),
+    ("pure_damage", umat::<PureDamage>),
+    ("inelastic_damage", umat::<InelasticDamage>),
+    ("reverse_cyclic_damage", umat::<ReverseCyclicDamage>),
+    ("biaxial_damage", umat::<BiaxialDamage>),
+    ("concrete_damage", umat::<ConcreteDamage>),
     ("j2_plasticity", umat::<J2Plasticity>),
     ("drucker_prager", umat::<DruckerPrager>),
 ];
