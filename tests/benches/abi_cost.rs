@@ -5,7 +5,11 @@
 //! else the machine does then meets all of them alike.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, strain_path};
-use models::{drucker_prager::DruckerPrager, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic};
+use models::{
+    biaxial_damage::BiaxialDamage, concrete_damage::ConcreteDamage, drucker_prager::DruckerPrager,
+    inelastic_damage::InelasticDamage, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic,
+    pure_damage::PureDamage, reverse_cyclic_damage::ReverseCyclicDamage,
+};
 use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::export::umat;
@@ -105,7 +109,7 @@ fn measure<L: Law>(law: &Sample, calls: usize) -> bool {
     let surcharge = loaded - direct;
     let accepted = surcharge <= ACCEPTED_NANOSECONDS.max(ACCEPTED_SHARE * direct);
     println!(
-        "{:<16} {bare:>10.2} {direct:>10.2} {loaded:>10.2} {surcharge:>+10.2} {:>+8.1} %  {}",
+        "{:<22} {bare:>10.2} {direct:>10.2} {loaded:>10.2} {surcharge:>+10.2} {:>+8.1} %  {}",
         law.name,
         100.0 * surcharge / direct,
         if accepted { "accepted" } else { "TOO MUCH" }
@@ -117,8 +121,17 @@ fn main() {
     // `cargo test --benches` runs this too, without `--bench`: then it only shows that it works.
     let calls = if std::env::args().any(|argument| argument == "--bench") { CALLS / REPEATS } else { 10 };
     println!("ns a call, medians of {REPEATS} repeats of {calls} calls; accepted: +5 ns or +5 %");
-    println!("{:<16} {:>10} {:>10} {:>10} {:>10} {:>10}", "law", "bare", "direct", "dlopen", "surcharge", "");
-    let run = [measure::<LinearElastic>, measure::<J2Plasticity>, measure::<DruckerPrager>];
+    println!("{:<22} {:>10} {:>10} {:>10} {:>10} {:>10}", "law", "bare", "direct", "dlopen", "surcharge", "");
+    let run = [
+        measure::<LinearElastic>,
+        measure::<PureDamage>,
+        measure::<InelasticDamage>,
+        measure::<ReverseCyclicDamage>,
+        measure::<BiaxialDamage>,
+        measure::<ConcreteDamage>,
+        measure::<J2Plasticity>,
+        measure::<DruckerPrager>,
+    ];
     assert_eq!(run.len(), LAWS.len(), "every law of the table");
     let accepted = LAWS.iter().zip(run).filter(|(law, measure)| measure(law, calls)).count();
     if calls > 10 && accepted < LAWS.len() {

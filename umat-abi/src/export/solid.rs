@@ -1,7 +1,7 @@
 //! The body of `umat_`.
 
 use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
-use crate::law::{Increment, Law, MAX_STATES, Request, Response, StressState, check_properties};
+use crate::law::{Increment, Law, Request, Response, StressState, check_properties};
 use crate::metadata::{StateVariable, flags};
 use crate::umat::UmatArguments;
 
@@ -56,7 +56,7 @@ unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
     check_properties(&L::INFO, props)?;
     let parameters = L::parameters(props)?;
-    let mut buffer = [0.0; MAX_STATES];
+    let mut buffer = super::EMPTY;
     // SAFETY: as above.
     let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
     // SAFETY: as above.
