@@ -1,7 +1,7 @@
 //! A material point along a path.
 
 use super::deformation::{columns, incremental_motion, matrix, rotated};
-use super::newton::{Divergence, Evaluation, Targets};
+use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, advance};
@@ -503,8 +503,11 @@ impl Runner<'_> {
     /// Words for a residual that does not vanish.
     fn not_converged(&self, residual: &[f64; 6]) -> String {
         let worst = |i: &usize| residual[*i].abs();
-        // a ramped stress is the culprit rather than the free components that it drags along
-        let ramped = |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if end != self.goal.start[*i]);
+        // a ramped stress is the culprit rather than the free components that it drags along; those may start as far
+        // from their target as the last increment was allowed to leave them
+        let far = |from: f64, to: f64| (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0);
+        let ramped =
+            |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if far(self.goal.start[*i], end));
         let candidates: Vec<usize> = self.components.iter().copied().filter(ramped).collect();
         let by_residual = |a: &usize, b: &usize| worst(a).total_cmp(&worst(b));
         if let Some(i) = candidates.into_iter().max_by(by_residual) {
