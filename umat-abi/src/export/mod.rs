@@ -197,5 +197,10 @@ unsafe fn states<'b>(
 /// Refuses NaN and infinity.
 #[inline]
 fn finite(values: &[f64], reason: &'static str) -> Result<(), Refusal> {
-    if values.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Refusal::CutBack { fraction: CUT_BACK, reason }) }
+    // all of them, without an early exit: that vectorises
+    if values.iter().fold(true, |finite, x| finite & x.is_finite()) {
+        Ok(())
+    } else {
+        Err(Refusal::CutBack { fraction: CUT_BACK, reason })
+    }
 }
