@@ -7,6 +7,8 @@ use umat_abi::law::StressState;
 pub struct Thrown {
     pub strain: [f64; 6],
     pub neighbour: Option<[f64; 6]>,
+    /// Not placed where kinks are: at zero, at a committed strain, on an axis, at repeated values.
+    pub generic: bool,
 }
 
 impl Thrown {
@@ -32,7 +34,7 @@ impl Thrown {
             10..=13 => random.strain(stress_state, any),
             _ => random.strain(stress_state, near),
         };
-        Self { strain, neighbour: None }
+        Self { strain, neighbour: None, generic: kind == 5 || kind >= 10 }
     }
 }
 
@@ -80,5 +82,5 @@ fn repeated(random: &mut Random, stress_state: StressState, size: f64) -> Thrown
         strain = rotated(&strain, &rotation, 2.0);
         neighbour = rotated(&neighbour, &rotation, 2.0);
     }
-    Thrown { strain, neighbour: Some(neighbour) }
+    Thrown { strain, neighbour: Some(neighbour), generic: false }
 }

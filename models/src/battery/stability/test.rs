@@ -42,6 +42,7 @@ fn linear_elastic() {
         monotone: &[],
         dissipative: true,
         continuous: true,
+        steady: true,
     });
 }
 
@@ -54,6 +55,7 @@ fn pure_damage() {
         monotone: &["eta", "Y_max"],
         dissipative: true,
         continuous: true,
+        steady: true,
     });
 }
 
@@ -74,6 +76,7 @@ fn inelastic_damage() {
         monotone: &["eta"],
         dissipative: true,
         continuous: true,
+        steady: true,
     };
     check::<InelasticDamage>(&subject("alpha = 1", Sample::all(&inelastic::CLOSED), |random| {
         (inelastic_corner(random, 1.0), None)
@@ -84,21 +87,27 @@ fn inelastic_damage() {
     }));
 }
 
+fn reverse_corner(random: &mut Random, variant: f64) -> (Vec<f64>, Option<f64>) {
+    let (tension, compression) = (damage_law(random), damage_law(random));
+    ([elasticity(random).as_slice(), &tension, &compression, &[variant]].concat(), None)
+}
+
 #[test]
 fn reverse_cyclic_damage() {
     for (variant, label) in [(0.0, "thesis"), (1.0, "regular")] {
         check::<ReverseCyclicDamage>(&Subject {
             label,
             samples: Sample::all(&reverse::SETS).into_iter().filter(|s| s.props[8] == variant).collect(),
-            corner: |random| {
-                let (tension, compression) = (damage_law(random), damage_law(random));
-                let variant = [pick(random, &[0.0, 1.0])];
-                ([elasticity(random).as_slice(), &tension, &compression, &variant].concat(), None)
+            corner: if variant == 0.0 {
+                |random| reverse_corner(random, 0.0)
+            } else {
+                |random| reverse_corner(random, 1.0)
             },
             monotone: BRANCHES,
             dissipative: true,
             // models.md §5.1: the stress jumps where a principal strain changes its sign
             continuous: variant == 1.0,
+            steady: true,
         });
     }
 }
@@ -130,6 +139,8 @@ fn biaxial_damage() {
             // not hyperelastic, several branches (models.md §6)
             dissipative: false,
             continuous: false,
+            // lagged weights are those of the stress before
+            steady: weights == biaxial::IMPLICIT,
         });
     }
 }
@@ -171,6 +182,7 @@ fn concrete_damage() {
             monotone: BRANCHES,
             dissipative: true,
             continuous: true,
+            steady: true,
         });
     }
 }
@@ -200,6 +212,7 @@ fn j2_plasticity() {
         monotone: &["peeq"],
         dissipative: true,
         continuous: true,
+        steady: true,
     });
 }
 
@@ -218,5 +231,6 @@ fn drucker_prager() {
         monotone: &["peeq"],
         dissipative: true,
         continuous: true,
+        steady: true,
     });
 }
