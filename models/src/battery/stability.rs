@@ -231,6 +231,7 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
             Err(Failure::CutBack { fraction, reason }) => {
                 ledger.states += 1;
                 ledger.cut_backs.entry(reason).or_insert_with(|| (0, self.context(strain))).0 += 1;
+                ledger.require("ordinary parameters are answered", !self.ordinary, || self.context(strain));
                 ledger.require("0 < PNEWDT < 1", fraction > 0.0 && fraction < 1.0, || self.context(strain));
                 return true;
             }

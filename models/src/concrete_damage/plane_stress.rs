@@ -9,7 +9,7 @@ use crate::tensor::Spectral;
 
 /// Newton takes 3–8 steps, bisection at most about 60 to exhaust the digits.
 const MAX_ITERATIONS: usize = 120;
-/// From here on every second step halves the bracket.
+/// From here on every second step halves the bracket, and the search for one takes its full reach.
 const SLOW: usize = 12;
 /// σ33 within so many roundings of its own terms counts as 0. The test is on σ33, not on the step, so
 /// that a solution passes again from the committed state, when damage and the slope no longer grow.
@@ -123,7 +123,7 @@ pub(super) fn solve(
             let slow = iteration > SLOW && iteration % 2 == 0;
             if newton > below && newton < above && !slow { newton } else { inside(below, above) }
         } else {
-            let step = if slope > 0.0 { (residual / slope).abs().min(reach) } else { reach };
+            let step = if slope > 0.0 && iteration <= SLOW { (residual / slope).abs().min(reach) } else { reach };
             reach *= EXPANSION;
             if residual < 0.0 { z + step } else { z - step }
         };

@@ -164,27 +164,38 @@ fn concrete_corner(random: &mut Random, inelastic: bool, band: bool) -> (Vec<f64
     ([elasticity(random).as_slice(), &laws[0], &laws[1], &shared, &fractions, &energies].concat(), length)
 }
 
+/// One form of `concrete_damage`: which of its test's variants, and corners.
+fn concrete_form(label: &'static str, which: &[usize], corner: fn(&mut Random) -> (Vec<f64>, Option<f64>)) {
+    let variants = concrete::variants();
+    check::<ConcreteDamage>(&Subject {
+        label,
+        samples: which.iter().map(|&k| concrete::sample(&variants[k])).collect(),
+        corner,
+        monotone: BRANCHES,
+        dissipative: true,
+        continuous: true,
+        steady: true,
+    });
+}
+
 #[test]
 fn concrete_damage() {
-    type Corner = fn(&mut Random) -> (Vec<f64>, Option<f64>);
-    let variants = concrete::variants();
-    let rows: [(&str, &[usize], Corner); 4] = [
-        ("IV-H", &[0, 2], |random| concrete_corner(random, false, false)),
-        ("IV-HP", &[1], |random| concrete_corner(random, true, false)),
-        ("IV-H, crack band", &[3], |random| concrete_corner(random, false, true)),
-        ("IV-HP, crack band", &[4], |random| concrete_corner(random, true, true)),
-    ];
-    for (label, which, corner) in rows {
-        check::<ConcreteDamage>(&Subject {
-            label,
-            samples: which.iter().map(|&k| concrete::sample(&variants[k])).collect(),
-            corner,
-            monotone: BRANCHES,
-            dissipative: true,
-            continuous: true,
-            steady: true,
-        });
-    }
+    concrete_form("IV-H", &[0, 2], |random| concrete_corner(random, false, false));
+}
+
+#[test]
+fn concrete_damage_inelastic() {
+    concrete_form("IV-HP", &[1], |random| concrete_corner(random, true, false));
+}
+
+#[test]
+fn concrete_damage_crack_band() {
+    concrete_form("IV-H, crack band", &[3], |random| concrete_corner(random, false, true));
+}
+
+#[test]
+fn concrete_damage_inelastic_crack_band() {
+    concrete_form("IV-HP, crack band", &[4], |random| concrete_corner(random, true, true));
 }
 
 #[test]
