@@ -95,6 +95,22 @@ pub struct Increment {
     pub characteristic_length: Option<f64>,
 }
 
+impl Increment {
+    /// Refuses NaN and infinity, which comparisons in a law could hide.
+    ///
+    /// # Errors
+    /// [`Failure::CutBack`].
+    #[inline]
+    pub fn check_strain(&self) -> Result<(), Failure> {
+        // 0 · ±∞ and 0 · NaN are NaN
+        if self.strain.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0 {
+            Ok(())
+        } else {
+            Err(Failure::CutBack { fraction: 0.25, reason: "the strain is not finite" })
+        }
+    }
+}
+
 /// What an update returns beside the new state variables.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {

@@ -49,7 +49,8 @@ pub mod flags {
     pub const FINITE_STRAIN: u32 = 8;
     /// DDSDDE (UINTER: DDSDDR, FRIC: DDTDDG) = NULL means: stress only.
     pub const STRESS_ONLY: u32 = 16;
-    /// The response does not depend on the increment size on proportional monotonic strain paths.
+    /// For all parameters, the response does not depend on the increment size on proportional monotonic strain
+    /// paths.
     pub const PATH_EXACT: u32 = 32;
     /// Isotropic: a rotated strain path gives the rotated stress path.
     pub const ISOTROPIC: u32 = 64;

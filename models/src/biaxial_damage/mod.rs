@@ -20,7 +20,7 @@ pub use weights::{BetaMode, HydrostaticWeight};
 #[cfg(test)]
 mod proportional;
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 /// The law.
 pub struct BiaxialDamage;

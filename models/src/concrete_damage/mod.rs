@@ -13,7 +13,7 @@ mod softening;
 mod uniaxial;
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
@@ -150,7 +150,8 @@ impl Law for ConcreteDamage {
         repeating: None,
         states: &STATES,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
-        flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::PATH_EXACT | flags::ISOTROPIC,
+        // no PATH_EXACT: IV-HP (b_t, b_c > 0) is not, and a flag speaks for all parameters
+        flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::ISOTROPIC,
     };
 
     type Parameters<'p> = Parameters;
@@ -200,6 +201,7 @@ impl Law for ConcreteDamage {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure> {
+        increment.check_strain()?;
         let softening = parameters.softening(increment.characteristic_length);
         let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
             (false, _) => 0.0,

@@ -9,6 +9,8 @@ use crate::tensor::Spectral;
 
 /// Newton takes 3–8 steps, bisection at most about 60 to exhaust the digits.
 const MAX_ITERATIONS: usize = 120;
+/// From here on every second step halves the bracket, and the search for one takes its full reach.
+const SLOW: usize = 12;
 /// σ33 within so many roundings of its own terms counts as 0. The test is on σ33, not on the step, so
 /// that a solution passes again from the committed state, when damage and the slope no longer grow.
 const ROUNDINGS: f64 = 4.0;
@@ -64,6 +66,9 @@ fn inside(below: f64, above: f64) -> f64 {
         0.0
     } else if below == 0.0 || above == 0.0 {
         f64::EPSILON * (below + above)
+    } else if below / above > 4.0 || above / below > 4.0 {
+        // of one sign: halves the decades between them
+        below.signum() * (below.abs().sqrt() * above.abs().sqrt())
     } else {
         0.5 * (below + above)
     }
@@ -90,14 +95,17 @@ pub(super) fn solve(
         Solution { strain_33, axes, normal, evolution }
     };
     let undamaged = history.tension.eta == 0.0 && history.compression.eta == 0.0;
+    let size = plane.values[0].abs().max(plane.values[1].abs());
+    // |ε33| ≤ 2 max|ε| at frozen damage, whatever ν. A guess from a much larger strain is farther away than
+    // halving can come back from.
+    let guess = guess.max(-2.0 * size).min(2.0 * size);
     let mut point = at(if undamaged { elastic } else { guess });
     if undamaged && point.evolution.is_undamaged() {
         return Some(point);
     }
-    let size = plane.values[0].abs().max(plane.values[1].abs());
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
     let mut reach = 0.1 * size.max(point.strain_33.abs());
-    for _ in 0..MAX_ITERATIONS {
+    for iteration in 0..MAX_ITERATIONS {
         let residual = point.evolution.solid.stress[point.normal];
         if residual.abs() <= ROUNDINGS * point.evolution.solid.rounding() {
             return Some(point);
@@ -112,9 +120,10 @@ pub(super) fn solve(
         let newton = z - residual / slope;
         let bracketed = below.is_finite() && above.is_finite();
         let next = if bracketed {
-            if newton > below && newton < above { newton } else { inside(below, above) }
+            let slow = iteration > SLOW && iteration % 2 == 0;
+            if newton > below && newton < above && !slow { newton } else { inside(below, above) }
         } else {
-            let step = if slope > 0.0 { (residual / slope).abs().min(reach) } else { reach };
+            let step = if slope > 0.0 && iteration <= SLOW { (residual / slope).abs().min(reach) } else { reach };
             reach *= EXPANSION;
             if residual < 0.0 { z + step } else { z - step }
         };

@@ -7,7 +7,7 @@ mod extremes;
 mod strength;
 
 use super::*;
-use crate::battery::{self, Point, STRESS_STATES, reference};
+use crate::battery::{self, PATH_COUNTS, Point, STRESS_STATES, Sample, reference};
 
 /// Reference sets (README of `tests/reference`), IV-H.
 const B094: [f64; 14] =
@@ -15,12 +15,12 @@ const B094: [f64; 14] =
 const B120: [f64; 14] =
     [31800.0, 0.18, 7000.0, 1.1, 1.926098e-4, 32.25788, 1.2, 3e-4, 0.10988, 0.0, 0.0, 0.0, 0.0, 0.0];
 
-fn defaults() -> [f64; 14] {
+pub(crate) fn defaults() -> [f64; 14] {
     std::array::from_fn(|i| PARAMETERS[i].default_value)
 }
 
 /// A parameter set with some values replaced.
-fn with(mut props: [f64; 14], changes: &[(&str, f64)]) -> [f64; 14] {
+pub(crate) fn with(mut props: [f64; 14], changes: &[(&str, f64)]) -> [f64; 14] {
     for &(name, value) in changes {
         let index = PARAMETERS.iter().position(|p| p.name() == name).expect("a parameter's name");
         props[index] = value;
@@ -86,7 +86,7 @@ fn reproduces_the_forty_digit_references() {
 }
 
 /// The parameter sets that between them reach every term: IV-H, IV-HP, confinement, crack bands.
-fn variants() -> [([f64; 14], Option<f64>); 5] {
+pub(crate) fn variants() -> [([f64; 14], Option<f64>); 5] {
     let plastic = with(defaults(), &[("b_t", 0.3), ("b_c", 0.2)]);
     let banded = with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)]);
     let all = with(banded, &[("b_t", 0.2), ("b_c", 0.3), ("zeta_c", 1.0)]);
@@ -99,47 +99,27 @@ fn variants() -> [([f64; 14], Option<f64>); 5] {
     ]
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    for (k, (props, length)) in variants().into_iter().enumerate() {
-        let count = if k == 0 { 10_000 } else { 2000 };
-        for stress_state in STRESS_STATES {
-            if let Some(length) = length {
-                banded_tangent(&props, stress_state, length, count / 4);
-            } else {
-                battery::check_tangent::<ConcreteDamage>(&props, stress_state, 3e-4, count);
-            }
-        }
-    }
+/// A variant as the battery takes it.
+pub(crate) fn sample((props, characteristic_length): &([f64; 14], Option<f64>)) -> Sample<'_> {
+    Sample { characteristic_length: *characteristic_length, ..Sample::new(props, 3e-4) }
 }
 
-/// [`battery::check_tangent`] with a characteristic length.
-fn banded_tangent(props: &[f64; 14], stress_state: StressState, length: f64, count: usize) {
-    let mut random = battery::Random(0xBA2D);
-    let mut excluded = 0;
-    for _ in 0..count {
-        let mut point = Point::<ConcreteDamage>::virgin(props, stress_state);
-        point.characteristic_length = Some(length);
-        for _ in 0..2 {
-            let scale = 3e-4 * 10_f64.powf(2.0 * random.unit() - 1.0);
-            let strain = random.strain(stress_state, scale);
-            if battery::tangent_error(&point, &strain) > 1e-6 {
-                excluded += 1;
-            }
-            point.advance(&strain);
-        }
+#[test]
+fn tangent_is_the_derivative_of_the_stress() {
+    let labels = ["IV-H", "IV-HP", "confined", "crack band", "IV-HP, band, confined"];
+    for (label, variant) in labels.into_iter().zip(&variants()) {
+        battery::check_tangents::<ConcreteDamage>(label, &[sample(variant)]);
     }
-    println!("{stress_state:?}: {excluded} of {} states at kinks", 2 * count);
-    assert!(excluded * 200 <= 2 * count, "{excluded} of {} states disagree", 2 * count);
 }
 
 #[test]
 fn response_turns_with_the_axes_and_nothing_heals() {
-    for (props, _) in variants().into_iter().take(3) {
+    let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
+    for variant in &variants() {
         for stress_state in STRESS_STATES {
-            battery::check_rotation::<ConcreteDamage>(&props, stress_state, 3e-4, 300);
-            let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
-            battery::check_invariants::<ConcreteDamage>(&props, stress_state, 3e-4, 300, &monotone, true);
+            battery::check_rotation::<ConcreteDamage>(&sample(variant), stress_state, 300);
+            battery::check_invariants::<ConcreteDamage>(&sample(variant), stress_state, 300, &monotone, true);
+            battery::check_virgin::<ConcreteDamage>(&sample(variant), stress_state, 3e-5, &monotone);
         }
     }
 }
@@ -152,9 +132,13 @@ fn increments_of_a_proportional_path_do_not_matter() {
         [1e-3, -1e-3, 0.0, 0.0, 0.0, 0.0],
         [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0],
     ];
-    for stress_state in STRESS_STATES {
-        for path in paths {
-            battery::check_path_exactness::<ConcreteDamage>(&defaults(), stress_state, &path, &[1, 10, 1000, 100_000]);
+    let banded = with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)]);
+    for variant in [(defaults(), None), (banded, Some(20.0))] {
+        for stress_state in STRESS_STATES {
+            for path in &paths {
+                battery::check_path_exactness::<ConcreteDamage>(&sample(&variant), stress_state, path, &PATH_COUNTS);
+            }
+            battery::check_random_paths::<ConcreteDamage>(&sample(&variant), stress_state, 20, 2);
         }
     }
 }
@@ -165,7 +149,12 @@ fn increments_with_inelastic_strain_converge() {
     let props = with(defaults(), &[("b_t", 0.3), ("b_c", 0.3)]);
     for path in [[3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0], [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0]] {
         let counts = [1, 10, 1000, 20_000];
-        battery::check_path_exactness::<ConcreteDamage>(&props, StressState::ThreeD, &path, &counts);
+        battery::check_path_exactness::<ConcreteDamage>(
+            &Sample::new(&props, 1e-3),
+            StressState::ThreeD,
+            &path,
+            &counts,
+        );
     }
     let stress_after = |count: u32| {
         let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);

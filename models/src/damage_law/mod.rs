@@ -60,11 +60,12 @@ impl DamageLaw {
         if x <= 0.0 { 0.0 } else { x.powf(self.b).min(ETA_MAX) }
     }
 
-    /// D̂'(Y) = B D (1 − D)/(Y − Y₀) at an η on the curve; 0 at and below the threshold.
+    /// D̂'(Y) = B D (1 − D)/(Y − Y₀) at an η on the curve; 0 at and below the threshold, and where η has reached
+    /// its largest value.
     #[inline]
     pub fn damage_rate(&self, damage_energy_release_rate: f64, eta: f64) -> f64 {
         let excess = damage_energy_release_rate - self.threshold;
-        if excess <= 0.0 { 0.0 } else { self.b * damage(eta) * integrity(eta) / excess }
+        if excess <= 0.0 || eta >= ETA_MAX { 0.0 } else { self.b * damage(eta) * integrity(eta) / excess }
     }
 
     /// Z(D) = Y − Y₀ on the curve: η^(1/B)/A.

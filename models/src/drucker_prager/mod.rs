@@ -14,7 +14,7 @@ use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Reques
 use umat_abi::metadata::{Choice, Parameter, flags};
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 /// The law.
 pub struct DruckerPrager;

@@ -50,7 +50,12 @@ fn root(parameters: &Parameters, drive: f64, work: f64) -> Result<f64, Failure> 
         if step.is_nan() || step >= -NEGLIGIBLE_STEP {
             return Ok(eta.min(ETA_MAX));
         }
-        y += y * step;
+        let next = y + y * step;
+        if next == y {
+            // subnormal: no number between
+            return Ok(eta);
+        }
+        y = next;
     }
     Err(Failure::CutBack { fraction: 0.5, reason: "no convergence of the damage criterion" })
 }

@@ -13,7 +13,7 @@ mod poisson_effect;
 use poisson_effect::{LambdaForm, PoissonEffect};
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 const PARAMETERS: [Parameter; 8] = [
     youngs_modulus(31800.0),
@@ -100,7 +100,8 @@ impl Law for InelasticDamage {
             StressState::PlaneStress => end.strain_33,
             _ => increment.strain[2],
         };
-        state[2] = parameters.damage_law.dissipation(eta);
+        // the closed form is monotone but for its last digit
+        state[2] = state[2].max(parameters.damage_law.dissipation(eta));
         let response = Response {
             stress: split.stress(end.twice_shear, end.bulk * end.elastic_trace),
             tangent,
@@ -125,8 +126,11 @@ struct Equilibrium {
 }
 
 impl Parameters {
-    /// Ψ(·, D) is positive definite for every D iff (n−1)ν < α.
+    /// Ψ(·, D) is positive definite for every D iff −α < ν and (n−1)ν < α: ρ runs from 1 to 1/α.
     fn check_definiteness(&self, dimension: f64) -> Result<(), ConfigurationError> {
+        if self.poisson_ratio <= -self.alpha {
+            return Err(ConfigurationError::Inconsistent { rule: "alpha must exceed -nu", value: self.alpha });
+        }
         if (dimension - 1.0) * self.poisson_ratio < self.alpha {
             return Ok(());
         }

@@ -14,7 +14,7 @@ use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Reques
 use umat_abi::metadata::{Parameter, RepeatingGroup, flags};
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 /// The law.
 pub struct J2Plasticity;

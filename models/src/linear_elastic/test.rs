@@ -1,21 +1,27 @@
 use super::*;
-use crate::battery::{STRESS_STATES, check_invariants, check_path_exactness, check_rotation, check_tangent};
+use crate::battery::{
+    PATH_COUNTS, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths, check_rotation,
+    check_tangents, check_virgin,
+};
 
 const PROPS: [f64; 2] = [31800.0, 0.18];
 
 #[test]
 fn passes_the_battery() {
+    let sample = Sample::new(&PROPS, 1e-3);
     for stress_state in STRESS_STATES {
-        assert_eq!(check_tangent::<LinearElastic>(&PROPS, stress_state, 1e-3, 200).1, 0);
-        check_rotation::<LinearElastic>(&PROPS, stress_state, 1e-3, 200);
-        check_invariants::<LinearElastic>(&PROPS, stress_state, 1e-3, 50, &[], true);
-        check_path_exactness::<LinearElastic>(
-            &PROPS,
-            stress_state,
-            &[1e-3, -2e-4, 0.0, 3e-4, 0.0, 0.0],
-            &[1, 10, 1000],
-        );
+        check_rotation::<LinearElastic>(&sample, stress_state, 200);
+        check_invariants::<LinearElastic>(&sample, stress_state, 50, &[], true);
+        check_virgin::<LinearElastic>(&sample, stress_state, 1.0, &[]);
+        let strain = [1e-3, -2e-4, 0.0, 3e-4, 0.0, 0.0];
+        check_path_exactness::<LinearElastic>(&sample, stress_state, &strain, &PATH_COUNTS);
+        check_random_paths::<LinearElastic>(&sample, stress_state, 20, 2);
     }
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_stress() {
+    check_tangents::<LinearElastic>("", &[Sample::new(&PROPS, 1e-3)]);
 }
 
 #[test]

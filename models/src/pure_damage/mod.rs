@@ -7,7 +7,7 @@ use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Reques
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 const PARAMETERS: [Parameter; 5] = [
     youngs_modulus(31800.0),
@@ -88,7 +88,8 @@ impl Law for PureDamage {
         } else {
             increment.strain[2]
         };
-        state[3] = damage_law.dissipation(eta);
+        // the closed form is monotone but for its last digit
+        state[3] = state[3].max(damage_law.dissipation(eta));
         let response = Response {
             stress: undamaged_stress.map(|s| omega * s),
             tangent,

@@ -11,7 +11,7 @@ mod principal;
 use principal::{Damage, SignSplit, Variant};
 
 #[cfg(test)]
-mod test;
+pub(crate) mod test;
 
 const PARAMETERS: [Parameter; 9] = [
     youngs_modulus(31800.0),
@@ -80,6 +80,7 @@ impl Law for ReverseCyclicDamage {
         request: Request,
     ) -> Result<Response, Failure> {
         let Parameters { elasticity, tension, compression, variant } = parameters;
+        increment.check_strain()?;
         let (spectral, split) = if increment.stress_state == StressState::PlaneStress {
             let in_plane = [increment.strain[0], increment.strain[1], 0.0, increment.strain[3], 0.0, 0.0];
             let spectral = Spectral::of_strain(&in_plane);
@@ -104,7 +105,8 @@ impl Law for ReverseCyclicDamage {
             StressState::PlaneStress => elasticity.plane_stress_strain_33(&increment.strain),
             _ => increment.strain[2],
         };
-        state[5] = tension.dissipation(tensile.eta) + compression.dissipation(compressive.eta);
+        // the closed forms are monotone but for their last digit
+        state[5] = state[5].max(tension.dissipation(tensile.eta) + compression.dissipation(compressive.eta));
         let response = Response {
             stress: spectral.stress(&split.principal_stresses(integrity(tensile.eta), integrity(compressive.eta))),
             tangent,

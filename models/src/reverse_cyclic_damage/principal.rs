@@ -94,7 +94,8 @@ impl SignSplit {
                 Variant::Thesis => (share, strains.iter().sum()),
                 Variant::Regular => {
                     let change: f64 = sign * values.iter().sum::<f64>();
-                    (of_present(&|_| step(change)), sign * change.max(0.0))
+                    // the tangent takes its square: ½, the mean of both sides, at θ = 0
+                    (of_present(&|_| step(change).sqrt()), sign * change.max(0.0))
                 }
             };
             Part { share, volumetric_share, strains, volume_change }
