@@ -183,7 +183,10 @@ fn every_law_is_listed_and_described() {
     let searched = list.split("Searched:").nth(1).expect("the folders");
     assert!(searched.contains("/nowhere/at/all (does not exist)") && searched.lines().count() > 3, "{list}");
     for law in LAWS {
-        let line = list.lines().find(|line| line.split_whitespace().next() == Some(law)).expect(law);
+        // beside its own library there is the one of all laws
+        let library = format!("{}{law}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+        let own = |line: &&str| line.split_whitespace().next() == Some(law) && line.ends_with(&library);
+        let line = list.lines().find(own).expect(law);
         let fields: Vec<&str> = line.split_whitespace().collect();
         assert_eq!(fields[1], "0.1.0");
         assert!(fields[2..].contains(&if law == "bond_slip" { "fric" } else { "umat" }), "{line}");
@@ -308,4 +311,31 @@ fn paths_are_relative_to_the_case_file() {
     pullout_in(Path::new("/"), ["run".into(), desk.path("cases/case.json"), "--out".into(), desk.path("else")])
         .expect(0);
     assert!(desk.path("else/history.csv").is_file());
+}
+
+/// `pullout_laws` holds every law; CMNAME chooses.
+#[test]
+fn the_library_of_all_laws_is_driven_by_cmname() {
+    let desk = Desk::new();
+    for (name, stresses) in [("5.3-compression-concrete-damage", "s11"), ("5.3-tension-model-iv", "s11")] {
+        let file = cases().join(format!("chapter-5/{name}.json"));
+        let single = desk.run(&file, &["compare=[]"], "single", 0);
+        let law = json(&file)["material"]["plugin"].as_str().expect("a name").to_owned();
+        let cmname = format!("material.cmname={}-C30", law.to_uppercase());
+        let together = desk.run(&file, &["compare=[]", "material.plugin=pullout_laws", &cmname], "together", 0);
+        assert_eq!(single.history.columns, together.history.columns);
+        assert_eq!(single.history.column(stresses), together.history.column(stresses));
+    }
+    let case = desk.case("case.json", &elastic());
+    let case = case.to_str().expect("UTF-8");
+    let library = "material.plugin=pullout_laws";
+    let outcome = desk.pullout(["check", case, "--set", library]).expect(2);
+    assert!(outcome.stderr.contains("$.material.cmname: is missing"), "{}", outcome.stderr);
+    let outcome = desk.pullout(["check", case, "--set", library, "--set", "material.cmname=GRANITE"]).expect(2);
+    assert!(outcome.stderr.contains("$.material.cmname: "), "{}", outcome.stderr);
+    let list = desk.pullout(["plugin", "list"]).expect(0).stdout;
+    let together: Vec<&str> = list.lines().filter(|line| line.contains("libpullout_laws")).collect();
+    for law in LAWS {
+        assert!(together.iter().any(|line| line.starts_with(law)), "{law} is not in pullout_laws:\n{list}");
+    }
 }
