@@ -9,10 +9,10 @@
 //! ```
 
 mod strain;
-#[cfg(test)]
 mod test;
 
-use super::{Point, Random, STRESS_STATES, Sample, directional_error, near_kink, one_sided_error};
+use super::tangent::{directional_error, near_kink, one_sided_error};
+use super::{Point, Random, STRESS_STATES, Sample};
 use crate::damage_law::integrity;
 use std::collections::BTreeMap;
 use std::fmt;
