@@ -53,6 +53,8 @@ pub struct Ledger {
     tangents: usize,
     /// Right on one side of a kink that they stand on.
     one_sided: usize,
+    /// Tangents so small that differences of the stress do not resolve them to 1e-6: not compared further.
+    unresolved: usize,
     /// Within the reach of the differences of a kink: not compared.
     kinks: usize,
     /// The same of strains that were not placed on kinks.
@@ -84,8 +86,14 @@ impl fmt::Display for Ledger {
         write!(f, " | {} repeated strains", self.repeated)?;
         write!(
             f,
-            " | {} tangents, {} one-sided, {} excluded ({} of {} not placed on kinks), worst {:.1e}",
-            self.tangents, self.one_sided, self.kinks, self.generic_kinks, self.generic_tangents, self.worst_tangent
+            " | {} tangents, {} one-sided, {} below rounding, {} excluded ({} of {} not placed on kinks), worst {:.1e}",
+            self.tangents,
+            self.one_sided,
+            self.unresolved,
+            self.kinks,
+            self.generic_kinks,
+            self.generic_tangents,
+            self.worst_tangent
         )?;
         write!(f, " | {} violations", self.violations.values().map(|(count, _)| count).sum::<usize>())?;
         for (invariant, (count, context)) in &self.violations {
@@ -332,6 +340,8 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         ledger.generic_tangents += usize::from(thrown.generic);
         if error <= 1e-6 {
             ledger.worst_tangent = ledger.worst_tangent.max(error);
+        } else if error <= self.difference_resolution(strain) {
+            ledger.unresolved += 1;
         } else if self.is_right_on_one_side(random, strain) {
             ledger.one_sided += 1;
         } else if near_kink(&self.point, strain, error) {
@@ -340,6 +350,15 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         } else {
             ledger.require("the tangent is the derivative", false, || format!("{error:e}: {}", self.context(strain)));
         }
+    }
+
+    /// What rounding leaves of the longest differences, relative to the tangent: the stress of a nearly fully damaged
+    /// solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged stresses.
+    fn difference_resolution(&self, strain: &[f64; 6]) -> f64 {
+        let tangent = self.point.trial(strain).0.tangent;
+        let scale = tangent.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let [e, nu] = [self.sample.props[0], self.sample.props[1]];
+        4.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) / (1e-4 * scale)
     }
 
     /// On a kink the tangent is the one-sided derivative in a sector of directions; where tension and compression
