@@ -108,8 +108,8 @@ fn states_wanted() -> usize {
     std::env::var("PULLOUT_STATES").map_or(10_000, |text| text.parse().expect("PULLOUT_STATES is a number"))
 }
 
-/// Runs all stress states and prints a row each; fails on a violation, on more than 5 % of tangents at kinks, or on
-/// more than one state in a thousand that is cut back.
+/// Runs all stress states and prints a row each; fails on a violation, on more than 5 % of tangents at kinks or below
+/// rounding, or on more than one state in a thousand that is cut back.
 pub fn check<L: Law>(subject: &Subject<'_>) {
     for stress_state in STRESS_STATES {
         let ledger = run::<L>(subject, stress_state, states_wanted());
@@ -119,6 +119,10 @@ pub fn check<L: Law>(subject: &Subject<'_>) {
         assert!(
             ledger.generic_kinks * 20 <= ledger.generic_tangents,
             "{name} {stress_state:?}: too many kinks: {ledger}"
+        );
+        assert!(
+            ledger.unresolved * 20 <= ledger.tangents,
+            "{name} {stress_state:?}: too many below rounding: {ledger}"
         );
         assert!(
             ledger.cut_backs.values().map(|(count, _)| count).sum::<usize>() * 1000 <= ledger.states,
