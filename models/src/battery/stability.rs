@@ -61,7 +61,7 @@ pub struct Ledger {
     generic_tangents: usize,
     generic_kinks: usize,
     worst_tangent: f64,
-    /// Worst rise of stress over what the tangents allow, at repeated principal strains.
+    /// Strains at or near repeated principal values whose stress was compared with that of a neighbour.
     repeated: usize,
     /// How often each invariant failed, and where first.
     violations: BTreeMap<&'static str, (usize, String)>,
