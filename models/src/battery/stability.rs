@@ -362,7 +362,8 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         let tangent = self.point.trial(strain).0.tangent;
         let scale = tangent.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let [e, nu] = [self.sample.props[0], self.sample.props[1]];
-        4.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) / (1e-4 * scale)
+        let size = strain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        4.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) * self.reach / (1e-4 * size * scale)
     }
 
     /// On a kink the tangent is the one-sided derivative in a sector of directions; where tension and compression
