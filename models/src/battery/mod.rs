@@ -3,10 +3,15 @@
 
 pub mod energy;
 pub mod interface;
+pub mod path;
 pub mod peak;
 pub mod reference;
 pub mod stability;
+pub mod tangent;
 pub mod uniaxial;
+
+pub use path::{PATH_COUNTS, check_path_exactness, check_random_paths};
+pub use tangent::{check_tangents, tangent_error};
 
 use crate::linear_elastic::LinearElastic;
 use crate::tensor::{Elasticity, Spectral};
@@ -143,70 +148,6 @@ impl<'p, L: Law> Point<'p, L> {
     }
 }
 
-/// Relative errors below this are those of the differences, not of the tangent: no other step is tried.
-const GOOD_DIFFERENCE: f64 = 1e-8;
-
-/// How far C·d is from central differences of the stress along each of the directions d: the best of several
-/// steps, relative to the largest tangent entry. Away from kinks this is rounding plus truncation.
-pub fn directional_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], directions: &[[f64; 6]]) -> f64 {
-    let components = point.stress_state.components();
-    let tangent = point.trial(strain).0.tangent;
-    let scale = tangent.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let size = strain.iter().fold(1e-30_f64, |m, x| m.max(x.abs()));
-    let mut best = f64::INFINITY;
-    for relative_step in [1e-5, 1e-4, 1e-6, 1e-7] {
-        let h = relative_step * size;
-        let mut worst = 0.0_f64;
-        for direction in directions {
-            let stress_at =
-                |factor: f64| point.trial(&std::array::from_fn(|i| strain[i] + factor * h * direction[i])).0.stress;
-            let (far_plus, plus, minus, far_minus) = (stress_at(2.0), stress_at(1.0), stress_at(-1.0), stress_at(-2.0));
-            for &i in components {
-                // fourth-order central difference
-                let slope = (8.0 * (plus[i] - minus[i]) - (far_plus[i] - far_minus[i])) / (12.0 * h);
-                let expected: f64 = components.iter().map(|&j| tangent[i][j] * direction[j]).sum();
-                worst = worst.max((slope - expected).abs());
-            }
-        }
-        // a stress that is exactly constant (the apex of a cone) has nothing to scale by
-        best = best.min(if worst == 0.0 { 0.0 } else { worst / scale });
-        if best <= GOOD_DIFFERENCE {
-            break;
-        }
-    }
-    best
-}
-
-/// How far C·d is from the one-sided differences along d: the better side and the best of several steps. At a
-/// kink the tangent must be that of one side.
-pub fn one_sided_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], direction: &[f64; 6]) -> f64 {
-    let components = point.stress_state.components();
-    let (response, _) = point.trial(strain);
-    let scale = response.tangent.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let size = strain.iter().fold(1e-30_f64, |m, x| m.max(x.abs()));
-    let mut best = f64::INFINITY;
-    for h in [1e-5, 1e-4, 1e-6, -1e-5, -1e-4, -1e-6].map(|step| step * size) {
-        let stress_at =
-            |factor: f64| point.trial(&std::array::from_fn(|i| strain[i] + factor * h * direction[i])).0.stress;
-        let (one, two, three) = (stress_at(1.0), stress_at(2.0), stress_at(3.0));
-        let worst = components.iter().fold(0.0_f64, |worst, &i| {
-            // third-order forward difference
-            let slope = (-11.0 * response.stress[i] + 18.0 * one[i] - 9.0 * two[i] + 2.0 * three[i]) / (6.0 * h);
-            let expected: f64 = components.iter().map(|&j| response.tangent[i][j] * direction[j]).sum();
-            worst.max((slope - expected).abs())
-        });
-        best = best.min(if worst == 0.0 { 0.0 } else { worst / scale });
-    }
-    best
-}
-
-/// [`directional_error`] of every column of the tangent.
-pub fn tangent_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6]) -> f64 {
-    let unit = |j: usize| std::array::from_fn(|i| if i == j { 1.0 } else { 0.0 });
-    let columns: [[f64; 6]; 6] = std::array::from_fn(|k| unit(*point.stress_state.components().get(k).unwrap_or(&0)));
-    directional_error(point, strain, &columns[..point.stress_state.components().len()])
-}
-
 /// R ε Rᵀ for a strain (engineering shear) or, with `shear = 1`, a stress.
 pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64; 6] {
     let [a, b, c, d, e, f] = *tensor;
@@ -220,93 +161,6 @@ pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64;
 /// The three stress states.
 pub const STRESS_STATES: [StressState; 3] =
     [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
-
-/// What differences say about the tangents of random states.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TangentSummary {
-    pub tried: usize,
-    /// At kinks: the tangent itself jumps within the reach of the differences.
-    pub excluded: usize,
-    /// Of the others.
-    pub worst: f64,
-}
-
-/// States of each stress state whose tangent is compared: the acceptance asks for 10 000.
-const TANGENT_STATES: usize = 10_000;
-
-/// Tangents of [`TANGENT_STATES`] random states of each stress state, spread over the samples; prints a row each.
-pub fn check_tangents<L: Law>(label: &str, samples: &[Sample<'_>]) {
-    for stress_state in STRESS_STATES {
-        let mut sum = TangentSummary::default();
-        for sample in samples {
-            let one = check_tangent::<L>(sample, stress_state, TANGENT_STATES.div_ceil(samples.len()));
-            sum.tried += one.tried;
-            sum.excluded += one.excluded;
-            sum.worst = sum.worst.max(one.worst);
-        }
-        let name = format!("{} {label}", L::INFO.name.to_string_lossy());
-        println!(
-            "tangent | {name:<38} | {:<25} | {:>6} states | {:>3} at kinks | worst {:.1e}",
-            format!("{stress_state:?}"),
-            sum.tried,
-            sum.excluded,
-            sum.worst
-        );
-    }
-}
-
-/// Random two-leg histories. Fails if a smooth state's tangent disagrees with differences, or if more than 5 % are
-/// excluded.
-pub fn check_tangent<L: Law>(sample: &Sample<'_>, stress_state: StressState, count: usize) -> TangentSummary {
-    let mut random = Random(0x5EED);
-    let mut summary = TangentSummary { tried: count, ..TangentSummary::default() };
-    for number in 0..count {
-        let mut point = sample.point::<L>(stress_state);
-        let first = sample.strain(&mut random, stress_state);
-        if random.unit() < 0.7 {
-            point.advance(&first);
-        }
-        let strain = sample.strain(&mut random, stress_state);
-        let error = tangent_error(&point, &strain);
-        if error <= 1e-6 {
-            summary.worst = summary.worst.max(error);
-        } else if near_kink(&point, &strain, error) {
-            summary.excluded += 1;
-        } else {
-            panic!(
-                "{}: state {number}: tangent error {error:e} at {strain:?} from {:?}",
-                L::INFO.name.to_string_lossy(),
-                point.state
-            );
-        }
-    }
-    assert!(summary.excluded * 20 <= count, "{} of {count} states excluded as kinks", summary.excluded);
-    summary
-}
-
-/// Whether the tangent itself jumps within the reach of the differences around this strain, so that no difference
-/// quotient can be compared with it: by 2 % within that of the longest, or within that of the shorter ones by a
-/// quarter of what the best of them is off. (Smooth tangents vary there by some 1e-5, and their differences are right to 1e-6.)
-fn near_kink<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], error: f64) -> bool {
-    let size = strain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let Response { tangent: here, stress, .. } = point.trial(strain).0;
-    let scale = here.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let largest_stress = stress.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-    let close = (0.25 * error).min(2e-2);
-    point.stress_state.components().iter().any(|&j| {
-        [(-2e-4, 2e-2), (-2e-6, close), (2e-6, close), (2e-4, 2e-2)].into_iter().any(|(step, jump)| {
-            let mut shifted = *strain;
-            shifted[j] += step * size;
-            let there = point.trial(&shifted).0.tangent;
-            // where the stress itself jumps (model III of the thesis) the tangent has no scale
-            let mut neighbour = *strain;
-            neighbour[j] += 1e-12 * step.signum() * size;
-            let beyond = point.trial(&neighbour).0.stress;
-            stress.iter().zip(&beyond).any(|(a, b)| (a - b).abs() > 1e-10 * largest_stress)
-                || here.iter().flatten().zip(there.iter().flatten()).any(|(a, b)| (a - b).abs() > jump * scale)
-        })
-    })
-}
 
 /// A rotated history gives the rotated stress, to 1e-12 of the largest stress. (In the plane states
 /// the rotation is about axis 3.)
@@ -334,74 +188,6 @@ pub fn check_rotation<L: Law>(sample: &Sample<'_>, stress_state: StressState, co
                     expected[i]
                 );
             }
-        }
-    }
-}
-
-/// One, ten, … increments of a proportional path end at the same stress to 1e-12.
-pub fn check_path_exactness<L: Law>(sample: &Sample<'_>, stress_state: StressState, strain: &[f64; 6], counts: &[u32]) {
-    let mut reference: Option<[f64; 6]> = None;
-    for &count in counts {
-        let mut point = sample.point::<L>(stress_state);
-        for step in 1..=count {
-            let fraction = f64::from(step) / f64::from(count);
-            point.advance(&strain.map(|x| fraction * x));
-        }
-        let expected = *reference.get_or_insert(point.stress);
-        let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for i in 0..6 {
-            assert!(
-                (point.stress[i] - expected[i]).abs() <= 1e-12 * largest,
-                "{}: {count} increments: {:?} against {expected:?}",
-                L::INFO.name.to_string_lossy(),
-                point.stress
-            );
-        }
-    }
-}
-
-/// Increments of a proportional path whose end stress must be the same.
-pub const PATH_COUNTS: [u32; 4] = [1, 10, 1000, 100_000];
-
-/// [`check_path_exactness`] in random directions to strains of a third of the size to ten times it: `many` with up
-/// to 1000 increments, `few` with 100 000 as well.
-pub fn check_random_paths<L: Law>(sample: &Sample<'_>, stress_state: StressState, many: usize, few: usize) {
-    let mut random = Random(0x9A7B);
-    for number in 0..many {
-        let scale = sample.size * 10_f64.powf(1.5 * random.unit() - 0.5);
-        let strain = random.strain(stress_state, scale);
-        let counts = &PATH_COUNTS[..if number < few { 4 } else { 3 }];
-        check_path_exactness::<L>(sample, stress_state, &strain, counts);
-    }
-}
-
-/// All-zero STATEV is virgin: zero strain gives zero stress, zero states and the elastic tangent, bit for bit; a
-/// strain below every threshold gives the elastic stress to a few units of the last digit and no damage.
-pub fn check_virgin<L: Law>(sample: &Sample<'_>, stress_state: StressState, elastic_size: f64, history: &[&str]) {
-    let elastic = Point::<LinearElastic>::virgin(&sample.props[..2], stress_state);
-    let point = sample.point::<L>(stress_state);
-    let (response, state) = point.trial(&[0.0; 6]);
-    assert_eq!(response.stress, [0.0; 6]);
-    assert!(state.iter().zip(L::INFO.states).all(|(x, variable)| *x == 0.0 || variable.name() == "crack_band"));
-    let stiffness = elastic.trial(&[0.0; 6]).0.tangent;
-    // of space: the linear law itself condenses plane stress out of it
-    let modulus = Elasticity::new(sample.props[0], sample.props[1]).stiffness()[0][0];
-    // ulps of the products that a stress or a tangent is the sum of
-    let close = |a: &[f64], b: &[f64], scale: f64, ulps: f64| {
-        a.iter().zip(b).all(|(x, y)| (x - y).abs() <= ulps * f64::EPSILON * scale)
-    };
-    assert!(close(response.tangent.as_flattened(), stiffness.as_flattened(), modulus, 4.0), "{:?}", response.tangent);
-    let mut random = Random(0xE1A5);
-    for _ in 0..100 {
-        let scale = elastic_size * random.unit();
-        let strain = random.strain(stress_state, scale);
-        let ((response, state), (expected, _)) = (point.trial(&strain), elastic.trial(&strain));
-        let (stress, linear) = (response.stress, expected.stress);
-        assert!(close(&stress, &linear, modulus * scale, 4.0), "{stress:?} {linear:?} at {strain:?}");
-        let tangent = response.tangent;
-        assert!(close(tangent.as_flattened(), stiffness.as_flattened(), modulus, 16.0), "{tangent:?} {stiffness:?}");
-        for (value, variable) in state.iter().zip(L::INFO.states) {
-            assert!(*value == 0.0 || !history.contains(&variable.name()), "{} = {value}", variable.name());
         }
     }
 }
@@ -447,6 +233,37 @@ pub fn check_invariants<L: Law>(
             for &k in &monotone {
                 assert!((still_state[k] - point.state[k]).abs() <= 1e-13 * point.state[k].abs());
             }
+        }
+    }
+}
+
+/// All-zero STATEV is virgin: zero strain gives zero stress, zero states and the elastic tangent, bit for bit; a
+/// strain below every threshold gives the elastic stress to a few units of the last digit and no damage.
+pub fn check_virgin<L: Law>(sample: &Sample<'_>, stress_state: StressState, elastic_size: f64, history: &[&str]) {
+    let elastic = Point::<LinearElastic>::virgin(&sample.props[..2], stress_state);
+    let point = sample.point::<L>(stress_state);
+    let (response, state) = point.trial(&[0.0; 6]);
+    assert_eq!(response.stress, [0.0; 6]);
+    assert!(state.iter().zip(L::INFO.states).all(|(x, variable)| *x == 0.0 || variable.name() == "crack_band"));
+    let stiffness = elastic.trial(&[0.0; 6]).0.tangent;
+    // of space: the linear law itself condenses plane stress out of it
+    let modulus = Elasticity::new(sample.props[0], sample.props[1]).stiffness()[0][0];
+    // ulps of the products that a stress or a tangent is the sum of
+    let close = |a: &[f64], b: &[f64], scale: f64, ulps: f64| {
+        a.iter().zip(b).all(|(x, y)| (x - y).abs() <= ulps * f64::EPSILON * scale)
+    };
+    assert!(close(response.tangent.as_flattened(), stiffness.as_flattened(), modulus, 4.0), "{:?}", response.tangent);
+    let mut random = Random(0xE1A5);
+    for _ in 0..100 {
+        let scale = elastic_size * random.unit();
+        let strain = random.strain(stress_state, scale);
+        let ((response, state), (expected, _)) = (point.trial(&strain), elastic.trial(&strain));
+        let (stress, linear) = (response.stress, expected.stress);
+        assert!(close(&stress, &linear, modulus * scale, 4.0), "{stress:?} {linear:?} at {strain:?}");
+        let tangent = response.tangent;
+        assert!(close(tangent.as_flattened(), stiffness.as_flattened(), modulus, 16.0), "{tangent:?} {stiffness:?}");
+        for (value, variable) in state.iter().zip(L::INFO.states) {
+            assert!(*value == 0.0 || !history.contains(&variable.name()), "{} = {value}", variable.name());
         }
     }
 }

@@ -9,10 +9,10 @@
 //! ```
 
 mod strain;
-#[cfg(test)]
 mod test;
 
-use super::{Point, Random, STRESS_STATES, Sample, directional_error, near_kink, one_sided_error};
+use super::tangent::{directional_error, near_kink, one_sided_error};
+use super::{Point, Random, STRESS_STATES, Sample};
 use crate::damage_law::integrity;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -53,13 +53,15 @@ pub struct Ledger {
     tangents: usize,
     /// Right on one side of a kink that they stand on.
     one_sided: usize,
+    /// Tangents so small that differences of the stress do not resolve them to 1e-6: not compared further.
+    unresolved: usize,
     /// Within the reach of the differences of a kink: not compared.
     kinks: usize,
     /// The same of strains that were not placed on kinks.
     generic_tangents: usize,
     generic_kinks: usize,
     worst_tangent: f64,
-    /// Worst rise of stress over what the tangents allow, at repeated principal strains.
+    /// Strains at or near repeated principal values whose stress was compared with that of a neighbour.
     repeated: usize,
     /// How often each invariant failed, and where first.
     violations: BTreeMap<&'static str, (usize, String)>,
@@ -84,8 +86,14 @@ impl fmt::Display for Ledger {
         write!(f, " | {} repeated strains", self.repeated)?;
         write!(
             f,
-            " | {} tangents, {} one-sided, {} excluded ({} of {} not placed on kinks), worst {:.1e}",
-            self.tangents, self.one_sided, self.kinks, self.generic_kinks, self.generic_tangents, self.worst_tangent
+            " | {} tangents, {} one-sided, {} below rounding, {} excluded ({} of {} not placed on kinks), worst {:.1e}",
+            self.tangents,
+            self.one_sided,
+            self.unresolved,
+            self.kinks,
+            self.generic_kinks,
+            self.generic_tangents,
+            self.worst_tangent
         )?;
         write!(f, " | {} violations", self.violations.values().map(|(count, _)| count).sum::<usize>())?;
         for (invariant, (count, context)) in &self.violations {
@@ -100,8 +108,8 @@ fn states_wanted() -> usize {
     std::env::var("PULLOUT_STATES").map_or(10_000, |text| text.parse().expect("PULLOUT_STATES is a number"))
 }
 
-/// Runs all stress states and prints a row each; fails on a violation, on more than 5 % of tangents at kinks, or on
-/// more than one state in a thousand that is cut back.
+/// Runs all stress states and prints a row each; fails on a violation, on more than 5 % of tangents at kinks or below
+/// rounding, or on more than one state in a thousand that is cut back.
 pub fn check<L: Law>(subject: &Subject<'_>) {
     for stress_state in STRESS_STATES {
         let ledger = run::<L>(subject, stress_state, states_wanted());
@@ -111,6 +119,10 @@ pub fn check<L: Law>(subject: &Subject<'_>) {
         assert!(
             ledger.generic_kinks * 20 <= ledger.generic_tangents,
             "{name} {stress_state:?}: too many kinks: {ledger}"
+        );
+        assert!(
+            ledger.unresolved * 20 <= ledger.tangents,
+            "{name} {stress_state:?}: too many below rounding: {ledger}"
         );
         assert!(
             ledger.cut_backs.values().map(|(count, _)| count).sum::<usize>() * 1000 <= ledger.states,
@@ -332,6 +344,8 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         ledger.generic_tangents += usize::from(thrown.generic);
         if error <= 1e-6 {
             ledger.worst_tangent = ledger.worst_tangent.max(error);
+        } else if error <= self.difference_resolution(strain) {
+            ledger.unresolved += 1;
         } else if self.is_right_on_one_side(random, strain) {
             ledger.one_sided += 1;
         } else if near_kink(&self.point, strain, error) {
@@ -340,6 +354,16 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         } else {
             ledger.require("the tangent is the derivative", false, || format!("{error:e}: {}", self.context(strain)));
         }
+    }
+
+    /// What rounding leaves of the longest differences, relative to the tangent: the stress of a nearly fully damaged
+    /// solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged stresses.
+    fn difference_resolution(&self, strain: &[f64; 6]) -> f64 {
+        let tangent = self.point.trial(strain).0.tangent;
+        let scale = tangent.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        let [e, nu] = [self.sample.props[0], self.sample.props[1]];
+        let size = strain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        4.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) * self.reach / (1e-4 * size * scale)
     }
 
     /// On a kink the tangent is the one-sided derivative in a sector of directions; where tension and compression

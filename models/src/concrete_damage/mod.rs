@@ -225,11 +225,12 @@ impl Law for ConcreteDamage {
         {
             state[CRACK_BAND] = crack_band;
             state[STRAIN_33_STATE] = if increment.stress_state == StressState::PlaneStress {
-                parameters.elasticity.plane_stress_strain_33(&trial)
+                parameters.elasticity.plane_stress_strain_33(&trial) + state[INELASTIC_STRAIN + 2]
             } else {
                 increment.strain[2]
             };
-            return Ok(response);
+            // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
+            return Ok(Response { dissipated_energy: state[DISSIPATED_ENERGY_STATE], ..response });
         }
         let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
         let stress = point.stress(parameters);
