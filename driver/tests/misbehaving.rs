@@ -5,10 +5,10 @@
 
 mod program;
 
+use end_to_end_tests::{Tool, find, run};
 use program::{Desk, Run, json};
 use serde_json::{Value, json};
 use std::path::PathBuf;
-use std::process::Command;
 
 fn tension(material: Value, end: f64, increments: u32) -> Value {
     let steps = json!([
@@ -119,21 +119,11 @@ void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *
 "#;
 
 fn compiled(desk: &Desk) -> Option<PathBuf> {
+    let mut compiler = find(Tool::C)?;
     let source = desk.write("misbehaving.c", SOURCE);
     let library = desk.path("libmisbehaving.so");
-    let compiler = std::env::var_os("CC").unwrap_or_else(|| "cc".into());
-    let mut command = Command::new(compiler);
-    command.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source);
-    match command.status() {
-        Ok(status) => {
-            assert!(status.success(), "the C plugin does not compile");
-            Some(library)
-        }
-        Err(error) => {
-            println!("SKIPPED: no C compiler ({error})");
-            None
-        }
-    }
+    run(compiler.args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source));
+    Some(library)
 }
 
 /// The C plugin with an error beyond e11 = 0.0045, which increment 5 of 10 passes.
