@@ -357,13 +357,14 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
     }
 
     /// What rounding leaves of the longest differences, relative to the tangent: the stress of a nearly fully damaged
-    /// solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged stresses.
+    /// solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged stresses, and σ33 = 0 is
+    /// solved to some roundings of its terms (where its modulus falls below 1e-12 E, models.md §11 bounds that).
     fn difference_resolution(&self, strain: &[f64; 6]) -> f64 {
         let tangent = self.point.trial(strain).0.tangent;
         let scale = tangent.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));
         let [e, nu] = [self.sample.props[0], self.sample.props[1]];
         let size = strain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        4.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) * self.reach / (1e-4 * size * scale)
+        16.0 * f64::EPSILON * e / (1.0 - 2.0 * nu) * self.reach / (1e-4 * size * scale)
     }
 
     /// On a kink the tangent is the one-sided derivative in a sector of directions; where tension and compression
