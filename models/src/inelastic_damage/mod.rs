@@ -148,7 +148,8 @@ impl Parameters {
         if self.has_closed_criterion() {
             closed_criterion::eta(self, split, eta_before)
         } else {
-            marched_criterion::eta(self, split, eta_before)
+            // a march may step over the largest value
+            marched_criterion::eta(self, split, eta_before).map(|eta| eta.min(ETA_MAX))
         }
     }
 
