@@ -1,0 +1,41 @@
+//! Proportional paths: what the number of increments must not change.
+
+use super::{Random, Sample};
+use umat_abi::law::{Law, StressState};
+
+/// One, ten, … increments of a proportional path end at the same stress to 1e-12.
+pub fn check_path_exactness<L: Law>(sample: &Sample<'_>, stress_state: StressState, strain: &[f64; 6], counts: &[u32]) {
+    let mut reference: Option<[f64; 6]> = None;
+    for &count in counts {
+        let mut point = sample.point::<L>(stress_state);
+        for step in 1..=count {
+            let fraction = f64::from(step) / f64::from(count);
+            point.advance(&strain.map(|x| fraction * x));
+        }
+        let expected = *reference.get_or_insert(point.stress);
+        let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+        for i in 0..6 {
+            assert!(
+                (point.stress[i] - expected[i]).abs() <= 1e-12 * largest,
+                "{}: {count} increments: {:?} against {expected:?}",
+                L::INFO.name.to_string_lossy(),
+                point.stress
+            );
+        }
+    }
+}
+
+/// Increments of a proportional path whose end stress must be the same.
+pub const PATH_COUNTS: [u32; 4] = [1, 10, 1000, 100_000];
+
+/// [`check_path_exactness`] in random directions to strains of a third of the size to ten times it: `many` with up
+/// to 1000 increments, `few` with 100 000 as well.
+pub fn check_random_paths<L: Law>(sample: &Sample<'_>, stress_state: StressState, many: usize, few: usize) {
+    let mut random = Random(0x9A7B);
+    for number in 0..many {
+        let scale = sample.size * 10_f64.powf(1.5 * random.unit() - 0.5);
+        let strain = random.strain(stress_state, scale);
+        let counts = &PATH_COUNTS[..if number < few { 4 } else { 3 }];
+        check_path_exactness::<L>(sample, stress_state, &strain, counts);
+    }
+}
