@@ -8,6 +8,7 @@
 //! - `host` (feature `host`): finding, loading and calling any such library.
 
 pub mod export;
+mod floating_point;
 pub mod fric;
 #[cfg(feature = "host")]
 pub mod host;

@@ -375,7 +375,13 @@ pub mod validation {
 /// `validate(props, nprops, characteristic_length, message, capacity)` → [`validation`]; writes a
 /// NUL-terminated UTF-8 message into `message` (capacity ≥ 512 bytes) unless OK.
 /// `characteristic_length` ≤ 0 or NaN: none is known.
-pub type Validate = unsafe extern "C" fn(*const f64, i32, f64, *mut c_char, usize) -> i32;
+pub type Validate = unsafe extern "C" fn(
+    props: *const f64,
+    nprops: i32,
+    characteristic_length: f64,
+    message: *mut c_char,
+    capacity: usize,
+) -> i32;
 
 /// The description of one law in a library.
 #[repr(C)]

@@ -11,55 +11,105 @@ entry_point! {
     type UinterFunction;
     /// The arguments of UINTER in order.
     struct UinterArguments {
+        /// `(ndir)` traction; (1) is normal, positive in compression.
         stress: *mut f64,
+        /// `(ndir,ndir)` out: d traction / d relative displacement.
         ddsddr: *mut f64,
+        /// `(ndir,ndir)` viscous damping; not touched.
         dviscous: *mut f64,
+        /// `(ndir,ndir)` structural damping; not touched.
         dstructural: *mut f64,
+        /// `(2)` heat fluxes; not touched.
         flux: *mut f64,
+        /// `(2,2)` not touched.
         ddfddt: *mut f64,
+        /// `(ndir,2)` not touched.
         ddsddt: *mut f64,
+        /// `(2,ndir)` not touched.
         ddfddr: *mut f64,
+        /// `(nstatv)` state variables, all 0 in the virgin state.
         statev: *mut f64,
+        /// out: stored energy per area.
         sed: *mut f64,
+        /// out: dissipated energy per area.
         sfd: *mut f64,
+        /// out: 0.
         spd: *mut f64,
+        /// out: 0.
         svd: *mut f64,
+        /// out: 0.
         scd: *mut f64,
+        /// out on failure: wanted fraction of the increment, in (0,1).
         pnewdt: *mut f64,
+        /// `(ndir)` relative displacement at the end; (1) positive is penetration.
         rdisp: *const f64,
+        /// `(ndir)` its increment.
         drdisp: *const f64,
+        /// `(2)` temperatures of the two surfaces at the end.
         temp: *const f64,
+        /// `(2)` their increments.
         dtemp: *const f64,
+        /// `(2,npred)` field variables at the end.
         predef: *const f64,
+        /// `(2,npred)` their increments.
         dpred: *const f64,
+        /// `(2)` step time and total time at the end.
         time: *const f64,
+        /// time increment.
         dtime: *const f64,
+        /// frequency.
         freqr: *const f64,
+        /// `(80)` name of the interaction property, blank-padded.
         ciname: *const c_char,
+        /// `(80)` slave surface.
         slname: *const c_char,
+        /// `(80)` master surface.
         msname: *const c_char,
+        /// `(nprops)` parameters.
         props: *const f64,
+        /// `(mcrd)` the point.
         coords: *const f64,
+        /// `(mcrd,mcrd)` local directions; the first is the normal.
         alocaldir: *const f64,
+        /// `(2,2)` incremental rotation of the tangential directions.
         drot: *const f64,
+        /// area of the point.
         area: *const f64,
+        /// characteristic element length.
         chrlngth: *const f64,
+        /// slave node.
         node: *const i32,
+        /// number of directions, normal included.
         ndir: *const i32,
+        /// number of state variables.
         nstatv: *const i32,
+        /// number of field variables.
         npred: *const i32,
+        /// number of parameters.
         nprops: *const i32,
+        /// number of coordinates.
         mcrd: *const i32,
+        /// step number.
         kstep: *const i32,
+        /// increment number.
         kinc: *const i32,
+        /// iteration number.
         kit: *const i32,
+        /// 1 in a linear perturbation step.
         linper: *const i32,
+        /// contact state of the point; -1 at the start.
         lopenclose: *mut i32,
+        /// the law's own flag; -1 at the start.
         lstate: *mut i32,
+        /// set to 1 to ask for a severe discontinuity iteration.
         lsdi: *mut i32,
+        /// 1: messages are wanted.
         lprint: *const i32,
+        /// hidden CHARACTER length.
         ciname_length: usize,
+        /// hidden CHARACTER length.
         slname_length: usize,
+        /// hidden CHARACTER length.
         msname_length: usize,
     }
 }

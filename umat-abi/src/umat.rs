@@ -4,6 +4,9 @@ use std::ffi::c_char;
 
 /// Declares an entry point's function type, the struct that names its arguments, and the call with
 /// that struct: one list, so that order and types cannot drift apart.
+///
+/// The C header and the Fortran module are generated from this list as well: where a field's
+/// documentation begins with a shape in backticks, the argument is an array of that shape.
 macro_rules! entry_point {
     (
         $(#[$type_doc:meta])* type $function:ident;
@@ -14,7 +17,6 @@ macro_rules! entry_point {
 
         $(#[$struct_doc])*
         #[derive(Clone, Copy, Debug)]
-        #[allow(missing_docs, reason = "the arguments are defined in the ABAQUS manual and in the header")]
         pub struct $arguments { $($(#[$doc])* pub $name: $type,)+ }
 
         impl $arguments {
@@ -37,43 +39,81 @@ entry_point! {
     type UmatFunction;
     /// The arguments of UMAT in order. Arrays are Fortran arrays: DDSDDE(NTENS,NTENS) column-major.
     struct UmatArguments {
+        /// `(ntens)` in: stress at the start, rotated by the host; out: at the end.
         stress: *mut f64,
+        /// `(nstatv)` state variables, all 0 in the virgin state.
         statev: *mut f64,
+        /// `(ntens,ntens)` out: consistent tangent, engineering shear; NULL: not wanted.
         ddsdde: *mut f64,
+        /// out: stored energy per volume.
         sse: *mut f64,
+        /// out: dissipated energy per volume.
         spd: *mut f64,
+        /// out: 0.
         scd: *mut f64,
+        /// heat generation; not touched.
         rpl: *mut f64,
+        /// `(ntens)` not touched.
         ddsddt: *mut f64,
+        /// `(ntens)` not touched.
         drplde: *mut f64,
+        /// not touched.
         drpldt: *mut f64,
+        /// `(ntens)` total strain at the start, engineering shear.
         stran: *const f64,
+        /// `(ntens)` strain increment.
         dstran: *const f64,
+        /// `(2)` step time and total time at the start.
         time: *const f64,
+        /// time increment.
         dtime: *const f64,
+        /// temperature at the start.
         temp: *const f64,
+        /// its increment.
         dtemp: *const f64,
+        /// `(*)` field variables at the start.
         predef: *const f64,
+        /// `(*)` their increments.
         dpred: *const f64,
+        /// `(80)` material name, blank-padded.
         cmname: *const c_char,
+        /// number of direct components.
         ndi: *const i32,
+        /// number of shear components.
         nshr: *const i32,
+        /// number of components: 11, 22, 33, 12, 13, 23.
         ntens: *const i32,
+        /// number of state variables.
         nstatv: *const i32,
+        /// `(nprops)` parameters.
         props: *const f64,
+        /// number of parameters.
         nprops: *const i32,
+        /// `(3)` the point.
         coords: *const f64,
+        /// `(3,3)` incremental rotation.
         drot: *const f64,
+        /// out on failure: wanted fraction of the increment, in (0,1).
         pnewdt: *mut f64,
+        /// characteristic element length.
         celent: *const f64,
+        /// `(3,3)` deformation gradient at the start.
         dfgrd0: *const f64,
+        /// `(3,3)` deformation gradient at the end.
         dfgrd1: *const f64,
+        /// element number.
         noel: *const i32,
+        /// integration point.
         npt: *const i32,
+        /// layer.
         layer: *const i32,
+        /// section point.
         kspt: *const i32,
+        /// `(4)` step number, procedure, NLGEOM, linear perturbation.
         jstep: *const i32,
+        /// increment number.
         kinc: *const i32,
+        /// hidden CHARACTER length.
         cmname_length: usize,
     }
 }

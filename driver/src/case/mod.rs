@@ -1,7 +1,7 @@
 //! From a case file to a [`Program`], with everything that is wrong with it at once.
 //!
-//! A file is parsed ([`json`]), overridden (`--set`), compared with the schema that its serde types make
-//! ([`document`], [`structure`]), and resolved: plugin and parameters, steps, tables, curves. No step stops at
+//! A file is parsed (`json`), overridden (`--set`), compared with the schema that its serde types make
+//! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
 //! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
 
 use crate::path::program::{self, Program};

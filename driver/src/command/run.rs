@@ -141,6 +141,7 @@ fn run_into(program: &Program, folder: &Path, quiet: bool) -> io::Result<Summary
     let message = match result {
         Ok(()) => None,
         Err(Stop::Write(error)) => Some(error.to_string()),
+        Err(Stop::Failed(failure)) if failure.replay.is_null() => Some(failure.message),
         Err(Stop::Failed(failure)) => {
             let replay = folder.join("replay.json");
             fs::write(&replay, format!("{:#}\n", failure.replay))?;

@@ -3,8 +3,8 @@
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
-use super::subdivision::{Divisible, Trouble, advance};
-use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
+use super::subdivision::{Divisible, Trouble, lerp, take_increment};
+use super::{Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use umat_abi::host::{CallOutcome, Derived, FricCall, Overrun, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -19,7 +19,7 @@ pub(super) fn run(
 ) -> Result<(), Stop> {
     let mut runner = match Runner::new(program, interface) {
         Ok(runner) => runner,
-        Err(message) => return Err(failed(1, 1, message, serde_json::Value::Null)),
+        Err(message) => return Err(Stop::unusable(message)),
     };
     let mut recorder = Recorder::new(program, observer);
     recorder.initial(|values| runner.fill(values))?;
@@ -30,10 +30,6 @@ pub(super) fn run(
         }
     }
     Ok(())
-}
-
-fn failed(step: u32, increment: u32, message: String, replay: serde_json::Value) -> Stop {
-    Stop::Failed(Failure { step, increment, message, replay })
 }
 
 /// The entry point in use.
@@ -85,10 +81,6 @@ struct Runner<'p> {
     goal: Goal,
     /// ∂p/∂penetration of the last evaluation.
     normal_stiffness: f64,
-}
-
-fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
-    if fraction == 1.0 { to } else { from + fraction * (to - from) }
 }
 
 impl<'p> Runner<'p> {
@@ -160,24 +152,6 @@ impl<'p> Runner<'p> {
         Ok(())
     }
 
-    fn fill(&self, values: &mut [f64]) {
-        let state = &self.committed;
-        let n = self.directions;
-        values[0] = state.total_time;
-        values[1..=n].copy_from_slice(&state.slip[..n]);
-        values[n + 1] = state.gap;
-        values[n + 2..2 * n + 2].copy_from_slice(&state.shear[..n]);
-        values[2 * n + 2] = state.pressure;
-        let start = 2 * n + 3;
-        let end = start + state.statev.len();
-        values[start..end].copy_from_slice(&state.statev);
-        for (value, derived) in values[end..].iter_mut().zip(self.derived) {
-            *value = derived.value(&state.statev);
-        }
-        let energies = end + self.derived.len();
-        values[energies..energies + 5].copy_from_slice(&state.energies);
-    }
-
     fn step(
         &mut self,
         step: &InterfaceStep,
@@ -201,24 +175,10 @@ impl<'p> Runner<'p> {
             let increment = u32::try_from(index + 1).unwrap_or(u32::MAX);
             self.set_counters(number, increment);
             self.set_goal(step, start, index, count);
-            match advance(self, program.controls, statistics) {
-                Ok(iterations) => {
-                    statistics.increments += 1;
-                    let place = Place { step: number, increment, last: index + 1 == count };
-                    let next =
-                        recorder.increment(place, iterations, step.until.as_ref(), |values| self.fill(values))?;
-                    if next != Next::GoOn {
-                        return Ok(next);
-                    }
-                }
-                Err(message) => {
-                    let replay = replay::interface(program, &self.committed, &self.goal);
-                    let message = format!(
-                        "plugin '{}', step {number}, increment {increment} (time {}): {message}",
-                        self.plugin_name, self.committed.total_time
-                    );
-                    return Err(failed(number, increment, message, replay));
-                }
+            let place = Place { step: number, increment, last: index + 1 == count };
+            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
+            if next != Next::GoOn {
+                return Ok(next);
             }
         }
         Ok(Next::GoOn)
@@ -405,5 +365,27 @@ impl Divisible for Runner<'_> {
 
     fn commit(&mut self) {
         self.committed.clone_from(&self.trial);
+    }
+
+    fn fill(&self, values: &mut [f64]) {
+        let state = &self.committed;
+        let n = self.directions;
+        values[0] = state.total_time;
+        values[1..=n].copy_from_slice(&state.slip[..n]);
+        values[n + 1] = state.gap;
+        values[n + 2..2 * n + 2].copy_from_slice(&state.shear[..n]);
+        values[2 * n + 2] = state.pressure;
+        let start = 2 * n + 3;
+        let end = start + state.statev.len();
+        values[start..end].copy_from_slice(&state.statev);
+        for (value, derived) in values[end..].iter_mut().zip(self.derived) {
+            *value = derived.value(&state.statev);
+        }
+        let energies = end + self.derived.len();
+        values[energies..energies + 5].copy_from_slice(&state.energies);
+    }
+
+    fn replay(&self, program: &Program) -> serde_json::Value {
+        replay::interface(program, &self.committed, &self.goal)
     }
 }

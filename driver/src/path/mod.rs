@@ -74,6 +74,13 @@ pub struct Failure {
     pub replay: serde_json::Value,
 }
 
+impl Stop {
+    /// Nothing could be run at all.
+    fn unusable(message: String) -> Self {
+        Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
+    }
+}
+
 impl From<io::Error> for Stop {
     fn from(error: io::Error) -> Self {
         Self::Write(error)

@@ -1,11 +1,11 @@
 //! A material point along a path.
 
 use super::deformation::{columns, incremental_motion, matrix, rotated};
-use super::newton::{Divergence, Evaluation, Targets};
+use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
-use super::subdivision::{Divisible, Trouble, advance};
-use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop, replay};
+use super::subdivision::{Divisible, Trouble, lerp, take_increment};
+use super::{Next, Observer, Place, Recorder, Statistics, Stop, replay};
 use nalgebra::Matrix3;
 use umat_abi::host::{CallOutcome, Derived, Overrun, UmatCall};
 use umat_abi::law::Request;
@@ -19,7 +19,7 @@ pub(super) fn run(
 ) -> Result<(), Stop> {
     let mut runner = match Runner::new(program, point) {
         Ok(runner) => runner,
-        Err(message) => return Err(failed(1, 1, message, serde_json::Value::Null)),
+        Err(message) => return Err(Stop::unusable(message)),
     };
     let mut recorder = Recorder::new(program, observer);
     recorder.initial(|values| runner.fill(values))?;
@@ -35,10 +35,6 @@ pub(super) fn run(
 
 fn to_u32(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
-}
-
-fn failed(step: u32, increment: u32, message: String, replay: serde_json::Value) -> Stop {
-    Stop::Failed(Failure { step, increment, message, replay })
 }
 
 /// The state of the point between increments.
@@ -109,11 +105,6 @@ struct Trial {
     total_time: f64,
     deformation_gradient: Matrix3<f64>,
     temperature: f64,
-}
-
-fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
-    // exact at both ends
-    if fraction == 1.0 { to } else { from + fraction * (to - from) }
 }
 
 impl<'p> Runner<'p> {
@@ -187,34 +178,6 @@ impl<'p> Runner<'p> {
         })
     }
 
-    /// The columns from `time` to before `iterations`.
-    fn fill(&self, values: &mut [f64]) {
-        let state = &self.committed;
-        values[0] = state.total_time;
-        values[1..7].copy_from_slice(&state.strain);
-        if self.plane_stress {
-            values[3] = self.strain_33.map_or(f64::NAN, |k| state.statev[k]);
-        }
-        values[7..13].copy_from_slice(&state.stress);
-        let mut next = 13;
-        if self.nlgeom {
-            for i in 0..3 {
-                for j in 0..3 {
-                    values[next] = state.deformation_gradient[(i, j)];
-                    next += 1;
-                }
-            }
-        }
-        let end = next + state.statev.len();
-        values[next..end].copy_from_slice(&state.statev);
-        next = end;
-        for derived in self.derived {
-            values[next] = derived.value(&state.statev);
-            next += 1;
-        }
-        values[next..next + 3].copy_from_slice(&state.energies);
-    }
-
     fn step(
         &mut self,
         step: &PointStep,
@@ -234,24 +197,10 @@ impl<'p> Runner<'p> {
             if index == 0 {
                 self.unloading_tangent(statistics);
             }
-            match advance(self, program.controls, statistics) {
-                Ok(iterations) => {
-                    statistics.increments += 1;
-                    let place = Place { step: number, increment, last: index + 1 == count };
-                    let next =
-                        recorder.increment(place, iterations, step.until.as_ref(), |values| self.fill(values))?;
-                    if next != Next::GoOn {
-                        return Ok(next);
-                    }
-                }
-                Err(message) => {
-                    let replay = replay::point(program, &self.committed, &self.goal);
-                    let message = format!(
-                        "plugin '{}', step {number}, increment {increment} (time {}): {message}",
-                        self.plugin_name, self.committed.total_time
-                    );
-                    return Err(failed(number, increment, message, replay));
-                }
+            let place = Place { step: number, increment, last: index + 1 == count };
+            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
+            if next != Next::GoOn {
+                return Ok(next);
             }
         }
         Ok(Next::GoOn)
@@ -497,14 +446,48 @@ impl Divisible for Runner<'_> {
         state.temperature = self.trial.temperature;
         self.tangent = self.trial.tangent;
     }
+
+    fn fill(&self, values: &mut [f64]) {
+        let state = &self.committed;
+        values[0] = state.total_time;
+        values[1..7].copy_from_slice(&state.strain);
+        if self.plane_stress {
+            values[3] = self.strain_33.map_or(f64::NAN, |k| state.statev[k]);
+        }
+        values[7..13].copy_from_slice(&state.stress);
+        let mut next = 13;
+        if self.nlgeom {
+            for i in 0..3 {
+                for j in 0..3 {
+                    values[next] = state.deformation_gradient[(i, j)];
+                    next += 1;
+                }
+            }
+        }
+        let end = next + state.statev.len();
+        values[next..end].copy_from_slice(&state.statev);
+        next = end;
+        for derived in self.derived {
+            values[next] = derived.value(&state.statev);
+            next += 1;
+        }
+        values[next..next + 3].copy_from_slice(&state.energies);
+    }
+
+    fn replay(&self, program: &Program) -> serde_json::Value {
+        replay::point(program, &self.committed, &self.goal)
+    }
 }
 
 impl Runner<'_> {
     /// Words for a residual that does not vanish.
     fn not_converged(&self, residual: &[f64; 6]) -> String {
         let worst = |i: &usize| residual[*i].abs();
-        // a ramped stress is the culprit rather than the free components that it drags along
-        let ramped = |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if end != self.goal.start[*i]);
+        // a ramped stress is the culprit rather than the free components that it drags along; those may start as far
+        // from their target as the last increment was allowed to leave them
+        let far = |from: f64, to: f64| (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0);
+        let ramped =
+            |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if far(self.goal.start[*i], end));
         let candidates: Vec<usize> = self.components.iter().copied().filter(ramped).collect();
         let by_residual = |a: &usize, b: &usize| worst(a).total_cmp(&worst(b));
         if let Some(i) = candidates.into_iter().max_by(by_residual) {

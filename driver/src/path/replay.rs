@@ -4,13 +4,16 @@ use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS
 use super::{interface, point};
 use serde_json::{Map, Value, json};
 
+const TITLE: &str = "Replay of a failed increment: ";
+
 /// The case with its steps and initial state replaced; plugin and files by absolute path.
 fn frame(program: &Program) -> Map<String, Value> {
     let mut case = program.document.as_object().cloned().unwrap_or_default();
     for key in ["until", "compare", "output", "temperature", "predef"] {
         case.remove(key);
     }
-    case.insert("title".into(), json!(format!("Replay of a failed increment: {}", program.title)));
+    let title = program.title.strip_prefix(TITLE).unwrap_or(&program.title);
+    case.insert("title".into(), json!(format!("{TITLE}{title}")));
     if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
         // a plugin found by name is found again; a path is relative to the case file, which moves
         let is_path =

@@ -1,7 +1,7 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
-use super::Statistics;
-use super::program::Controls;
+use super::program::{Controls, Program, Until};
+use super::{Failure, Next, Place, Recorder, Statistics, Stop};
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,11 @@ pub(super) enum Trouble {
     Fatal(String),
 }
 
+/// Between two values; exact at both ends.
+pub(super) fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
+    if fraction == 1.0 { to } else { from + fraction * (to - from) }
+}
+
 /// A point that can go from one fraction of an increment to another.
 pub(super) trait Divisible {
     /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
@@ -25,6 +30,34 @@ pub(super) trait Divisible {
 
     /// Makes the state of the last attempt the committed one.
     fn commit(&mut self);
+
+    /// The history's columns from `time` to before `iterations`, at the committed state.
+    fn fill(&self, values: &mut [f64]);
+
+    /// A case that repeats the present increment from the committed state.
+    fn replay(&self, program: &Program) -> serde_json::Value;
+}
+
+/// Takes one increment of a program and records it.
+pub(super) fn take_increment(
+    point: &mut impl Divisible,
+    program: &Program,
+    place: Place,
+    step_until: Option<&Until>,
+    recorder: &mut Recorder<'_>,
+    statistics: &mut Statistics,
+) -> Result<Next, Stop> {
+    match advance(point, program.controls, statistics) {
+        Ok(iterations) => {
+            statistics.increments += 1;
+            Ok(recorder.increment(place, iterations, step_until, |values| point.fill(values))?)
+        }
+        Err(reason) => {
+            let Place { step, increment, .. } = place;
+            let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
+            Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program) }))
+        }
+    }
 }
 
 /// A piece that succeeds is followed by one this much longer.
@@ -36,11 +69,7 @@ const LARGEST_CUT: f64 = 0.75;
 
 /// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
 /// committed is the state after the last successful piece.
-pub(super) fn advance(
-    point: &mut impl Divisible,
-    controls: Controls,
-    statistics: &mut Statistics,
-) -> Result<u32, String> {
+fn advance(point: &mut impl Divisible, controls: Controls, statistics: &mut Statistics) -> Result<u32, String> {
     let mut done = 0.0;
     let mut piece = 1.0;
     let mut cutbacks = 0;

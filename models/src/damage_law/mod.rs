@@ -102,14 +102,26 @@ impl DamageLaw {
 
 /// Terms of a series in a ratio ≤ 1/2 until rounding: 2⁻⁶⁰ is below it.
 const SERIES_TERMS: u32 = 64;
+/// The complement of the integral loses digits (it is the difference of two poles) as p comes this close to an integer.
+const POLE_DISTANCE: f64 = 0.02;
 
 /// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p).
 pub(crate) fn excess_integral(eta: f64, p: f64) -> f64 {
     if eta <= 1.0 {
         return lower_integral(eta, p);
     }
-    // ∫_ω^{1/2} (1−w)^p w^−p dw with the binomial series of (1−w)^p; each term integrates to
-    // (2^−s − ω^s)/s, s = k + 1 − p, which tends to −ln(2ω) as s → 0 (B = 1, 1/2, …).
+    if p < 2.0 - POLE_DISTANCE && (p - p.round()).abs() > POLE_DISTANCE {
+        // B_D(1+p, 1−p) = B(1+p, 1−p) − B_{1−D}(1−p, 1+p), by continuation also for p > 1
+        let angle = std::f64::consts::PI * p;
+        return angle / angle.sin() - lower_integral(1.0 / eta, -p);
+    }
+    upper_integral(eta, p) + lower_integral(1.0, p)
+}
+
+/// The part between D = 1/2 and D, for any p: ∫_ω^{1/2} (1−w)^p w^−p dw with the binomial series of (1−w)^p. Each term
+/// integrates to (2^−s − ω^s)/s, s = k + 1 − p, which tends to −ln(2ω) as s → 0 (B = 1, 1/2, …).
+#[cold]
+fn upper_integral(eta: f64, p: f64) -> f64 {
     let integrity = integrity(eta);
     let log_ratio = -(2.0 * integrity).ln();
     let mut upper = 0.0;
@@ -125,23 +137,33 @@ pub(crate) fn excess_integral(eta: f64, p: f64) -> f64 {
         }
         binomial *= -(p - k) / (k + 1.0);
     }
-    lower_integral(1.0, p) + upper
+    upper
 }
 
-/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D).
+/// Levels of the continued fraction at D = 1/2, where each gains a factor of (√2 − 1)² = 0.17.
+const MOST_LEVELS: f64 = 24.0;
+
+/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D), p > −2 and no negative integer.
+///
+/// Gauss's continued fraction ₂F₁(2, 1; c; z) = 1/(1 + d₁z/(1 + d₂z/(1 + …))) with
+/// d_{2k+1} = −(2+k)(c−1+k)/((c−1+2k)(c+2k)), d_{2k} = −k(c−3+k)/((c−2+2k)(c−1+2k)), from the last level that counts.
 fn lower_integral(eta: f64, p: f64) -> f64 {
     let d = damage(eta);
-    let mut term = 1.0;
-    let mut series = 1.0;
-    for k in 0..SERIES_TERMS {
-        let k = f64::from(k);
-        term *= d * (2.0 + k) / (2.0 + p + k);
-        series += term;
-        if term <= 1e-17 * series {
-            break;
-        }
+    let w = integrity(eta);
+    let root = w.sqrt();
+    let gain = (1.0 - root) / (1.0 + root);
+    // half the levels that bring gain^levels below rounding
+    let pairs = (0.5 * (f64::EPSILON.ln() - 4.0) / gain.max(f64::MIN_POSITIVE).ln()).ceil().min(0.5 * MOST_LEVELS);
+    let c = 2.0 + p;
+    let mut fraction = 1.0;
+    let mut k = pairs;
+    while k >= 1.0 {
+        let even = -k * (c - 3.0 + k) / ((c - 2.0 + 2.0 * k) * (c - 1.0 + 2.0 * k));
+        let j = k - 1.0;
+        let odd = -(2.0 + j) * (c - 1.0 + j) / ((c - 1.0 + 2.0 * j) * (c + 2.0 * j));
+        fraction = 1.0 + odd * d / (1.0 + even * d / fraction);
+        k -= 1.0;
     }
     // D^(1+p) (1−D)^(1−p) = η^(1+p) (1−D)²
-    let w = integrity(eta);
-    eta.powf(1.0 + p) * w * w / (1.0 + p) * series
+    eta.powf(1.0 + p) * w * w / ((1.0 + p) * fraction)
 }

@@ -21,9 +21,9 @@ fn quadrature(law: &DamageLaw, eta: f64) -> f64 {
 
 #[test]
 fn dissipation_is_the_integral_of_the_damage_energy_release_rate() {
-    for b in [0.4, 0.5, 0.94, 1.0, 1.05, 1.3, 2.0, 6.4] {
+    for b in [0.4, 0.5, 0.55, 0.7, 0.94, 0.99, 1.0, 1.01, 1.05, 1.3, 2.0, 6.4] {
         let law = DamageLaw { a: 5000.0, b, threshold: 2e-4 };
-        for eta in [1e-6, 0.1, 0.999, 1.001, 3.0, 50.0, 1e4] {
+        for eta in [1e-6, 0.1, 0.5, 0.999, 1.001, 1.5, 3.0, 50.0, 1e4] {
             assert_relative_eq!(law.dissipation(eta), quadrature(&law, eta), max_relative = 2e-10);
         }
     }

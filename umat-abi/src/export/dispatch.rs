@@ -58,7 +58,10 @@ pub unsafe fn umat_by_name(entries: &[NamedEntry<unsafe fn(&UmatArguments)>], ar
     unsafe {
         match law_named(entries, arguments.cmname) {
             Some(function) => function(arguments),
-            None => super::solid::refuse(arguments, LIBRARY, &Refusal::UnknownLaw),
+            None => {
+                let &UmatArguments { ntens, stress, ddsdde, pnewdt, .. } = arguments;
+                super::solid::refuse(ntens, stress, ddsdde, pnewdt, LIBRARY, &Refusal::UnknownLaw);
+            }
         }
     }
 }

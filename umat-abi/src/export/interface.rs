@@ -2,7 +2,7 @@
 
 use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
 use crate::fric::FricArguments;
-use crate::law::{InterfaceIncrement, InterfaceLaw, MAX_STATES, Request, TangentialIncrement, check_properties};
+use crate::law::{InterfaceIncrement, InterfaceLaw, Request, TangentialIncrement, check_properties};
 use crate::uinter::UinterArguments;
 use std::ffi::CStr;
 
@@ -95,7 +95,7 @@ unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refu
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
     check_properties(&L::INFO, props)?;
     let parameters = L::parameters(props)?;
-    let mut buffer = [0.0; MAX_STATES];
+    let mut buffer = super::EMPTY;
     // SAFETY: as above.
     let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
     // SAFETY: as above.
@@ -151,7 +151,7 @@ unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal>
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
     check_properties(&L::INFO, props)?;
     let parameters = L::parameters(props)?;
-    let mut buffer = [0.0; MAX_STATES];
+    let mut buffer = super::EMPTY;
     // SAFETY: as above.
     let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
     // SAFETY: as above.

@@ -436,36 +436,42 @@ macro_rules! export_interface {
     };
 }
 
-/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME).
-///
-/// ```ignore
-/// umat_abi::export_library!(umat: [Elastic, Damage], interface: [Bond]);
-/// ```
+/// The UMAT entries of a library of several laws.
+#[doc(hidden)]
 #[macro_export]
-macro_rules! export_library {
-    (umat: [$($umat:ty),+ $(,)?], interface: [$($interface:ty),+ $(,)?] $(,)?) => {
-        $crate::silence_panics_on_load!();
-
+macro_rules! library_umat_symbols {
+    ($($law:ty),+) => {
         unsafe fn umat_by_name(arguments: &$crate::umat::UmatArguments) {
             // SAFETY: forwarded to the caller.
             unsafe {
                 $crate::export::umat_by_name(
                     &[$($crate::export::NamedEntry {
-                        name: <$umat as $crate::law::Law>::INFO.name,
-                        function: $crate::export::umat::<$umat> as unsafe fn(&$crate::umat::UmatArguments),
+                        name: <$law as $crate::law::Law>::INFO.name,
+                        function: $crate::export::umat::<$law> as unsafe fn(&$crate::umat::UmatArguments),
                     }),+],
                     arguments,
                 );
             }
         }
+        $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
+        $crate::umat_symbol!("umat", umat_plain, umat_by_name);
+        $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
+    };
+}
+
+/// The UINTER and FRIC entries of a library of several laws; none for a library without interface laws.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! library_interface_symbols {
+    () => {};
+    ($($law:ty),+) => {
         unsafe fn uinter_by_name(arguments: &$crate::uinter::UinterArguments) {
             // SAFETY: forwarded to the caller.
             unsafe {
                 $crate::export::uinter_by_name(
                     &[$($crate::export::NamedEntry {
-                        name: <$interface as $crate::law::InterfaceLaw>::INFO.name,
-                        function: $crate::export::uinter::<$interface>
-                            as unsafe fn(&$crate::uinter::UinterArguments),
+                        name: <$law as $crate::law::InterfaceLaw>::INFO.name,
+                        function: $crate::export::uinter::<$law> as unsafe fn(&$crate::uinter::UinterArguments),
                     }),+],
                     arguments,
                 );
@@ -476,22 +482,34 @@ macro_rules! export_library {
             unsafe {
                 $crate::export::fric_by_name(
                     &[$($crate::export::NamedEntry {
-                        name: <$interface as $crate::law::InterfaceLaw>::INFO.name,
-                        function: $crate::export::fric::<$interface> as unsafe fn(&$crate::fric::FricArguments),
+                        name: <$law as $crate::law::InterfaceLaw>::INFO.name,
+                        function: $crate::export::fric::<$law> as unsafe fn(&$crate::fric::FricArguments),
                     }),+],
                     arguments,
                 );
             }
         }
-        $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
-        $crate::umat_symbol!("umat", umat_plain, umat_by_name);
-        $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
         $crate::uinter_symbol!("uinter_", uinter_fortran, uinter_by_name);
         $crate::uinter_symbol!("uinter", uinter_plain, uinter_by_name);
         $crate::uinter_symbol!("UINTER", uinter_upper, uinter_by_name);
         $crate::fric_symbol!("fric_", fric_fortran, fric_by_name);
         $crate::fric_symbol!("fric", fric_plain, fric_by_name);
         $crate::fric_symbol!("FRIC", fric_upper, fric_by_name);
-        $crate::plugin_symbol!($crate::plugin_chain!($((umat $umat)),+, $((interface $interface)),+));
+    };
+}
+
+/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME).
+/// With no interface law (`interface: []`) the library has neither UINTER nor FRIC.
+///
+/// ```ignore
+/// umat_abi::export_library!(umat: [Elastic, Damage], interface: [Bond]);
+/// ```
+#[macro_export]
+macro_rules! export_library {
+    (umat: [$($umat:ty),+ $(,)?], interface: [$($interface:ty),* $(,)?] $(,)?) => {
+        $crate::silence_panics_on_load!();
+        $crate::library_umat_symbols!($($umat),+);
+        $crate::library_interface_symbols!($($interface),*);
+        $crate::plugin_symbol!($crate::plugin_chain!($((umat $umat)),+ $(, (interface $interface))*));
     };
 }

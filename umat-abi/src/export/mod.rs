@@ -18,9 +18,11 @@ pub use interface::{fric, uinter};
 pub use solid::umat;
 pub use validate::{validate_interface, validate_solid};
 
+use crate::floating_point::in_default_environment;
 use crate::law::{ConfigurationError, Failure, LawInfo};
 use std::fmt;
 use std::io::Write;
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -86,9 +88,10 @@ impl fmt::Display for Refusal {
     }
 }
 
-/// Runs the body of an entry point with panics caught.
+/// Runs the body of an entry point with panics caught, in the default floating-point environment.
+#[inline]
 fn guarded(body: impl FnOnce() -> Result<(), Refusal>) -> Result<(), Refusal> {
-    catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Refusal::Panic))
+    in_default_environment(|| catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Refusal::Panic)))
 }
 
 /// Prints the first refusal of the process that a user has to act on.
@@ -161,6 +164,12 @@ unsafe fn count(pointer: *const i32, argument: &'static str) -> Result<usize, Re
     usize::try_from(value).map_err(|_| Refusal::Null { argument })
 }
 
+/// The trial state on the stack; clearing all of it in every call would cost more than many an update.
+type StateBuffer = [MaybeUninit<f64>; crate::law::MAX_STATES];
+
+/// An empty buffer.
+const EMPTY: StateBuffer = [const { MaybeUninit::uninit() }; crate::law::MAX_STATES];
+
 /// Checks NSTATV and copies the law's states out of STATEV.
 ///
 /// # Safety
@@ -169,7 +178,7 @@ unsafe fn states<'b>(
     info: &LawInfo,
     statev: *const f64,
     nstatv: *const i32,
-    buffer: &'b mut [f64; crate::law::MAX_STATES],
+    buffer: &'b mut StateBuffer,
 ) -> Result<&'b mut [f64], Refusal> {
     let expected = info.states.len();
     // SAFETY: forwarded to the caller.
@@ -177,8 +186,7 @@ unsafe fn states<'b>(
     if usize::try_from(given).is_ok_and(|given| given >= expected) {
         // SAFETY: NSTATV ≥ the number read.
         let source = unsafe { slice(statev, expected, "STATEV") }?;
-        let state = &mut buffer[..expected];
-        state.copy_from_slice(source);
+        let state = buffer[..expected].write_copy_of_slice(source);
         finite(state, "NaN or infinity in STATEV")?;
         Ok(state)
     } else {
@@ -189,5 +197,10 @@ unsafe fn states<'b>(
 /// Refuses NaN and infinity.
 #[inline]
 fn finite(values: &[f64], reason: &'static str) -> Result<(), Refusal> {
-    if values.iter().all(|x| x.is_finite()) { Ok(()) } else { Err(Refusal::CutBack { fraction: CUT_BACK, reason }) }
+    // all of them, without an early exit: that vectorises
+    if values.iter().fold(true, |finite, x| finite & x.is_finite()) {
+        Ok(())
+    } else {
+        Err(Refusal::CutBack { fraction: CUT_BACK, reason })
+    }
 }

@@ -1,21 +1,62 @@
 //! The body of `umat_`.
 
 use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
-use crate::law::{Increment, Law, MAX_STATES, Request, Response, StressState, check_properties};
+use crate::law::{Increment, Law, Request, Response, StressState, check_properties};
 use crate::metadata::{StateVariable, flags};
 use crate::umat::UmatArguments;
+
+/// The arguments that a law of a solid uses: less than half of UMAT's. The rest is not even copied.
+#[derive(Clone, Copy)]
+struct Arguments {
+    stress: *mut f64,
+    statev: *mut f64,
+    ddsdde: *mut f64,
+    sse: *mut f64,
+    spd: *mut f64,
+    scd: *mut f64,
+    stran: *const f64,
+    dstran: *const f64,
+    ndi: *const i32,
+    nshr: *const i32,
+    ntens: *const i32,
+    nstatv: *const i32,
+    props: *const f64,
+    nprops: *const i32,
+    drot: *const f64,
+    celent: *const f64,
+}
 
 /// Runs law `L` as a UMAT.
 ///
 /// # Safety
 /// The arguments are those of a UMAT call: every pointer NULL or valid for what ABAQUS defines.
-#[inline]
+#[inline(always)]
 pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
+    let &UmatArguments { stress, statev, ddsdde, sse, spd, scd, stran, dstran, ndi, nshr, ntens, .. } = arguments;
+    let &UmatArguments { nstatv, props, nprops, drot, celent, pnewdt, .. } = arguments;
+    let used = Arguments {
+        stress,
+        statev,
+        ddsdde,
+        sse,
+        spd,
+        scd,
+        stran,
+        dstran,
+        ndi,
+        nshr,
+        ntens,
+        nstatv,
+        props,
+        nprops,
+        drot,
+        celent,
+    };
     // SAFETY: forwarded to the caller.
-    let outcome = guarded(|| unsafe { update::<L>(arguments) });
+    let outcome = guarded(move || unsafe { update::<L>(&used) });
     if let Err(refusal) = outcome {
         // SAFETY: forwarded to the caller.
-        unsafe { refuse(arguments, L::INFO.name, &refusal) };
+        unsafe { refuse(ntens, stress, ddsdde, pnewdt, L::INFO.name, &refusal) };
     }
 }
 
@@ -24,26 +65,33 @@ pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
 /// # Safety
 /// As for [`umat`].
 #[cold]
-pub(super) unsafe fn refuse(arguments: &UmatArguments, name: &std::ffi::CStr, refusal: &Refusal) {
+pub(super) unsafe fn refuse(
+    ntens: *const i32,
+    stress: *mut f64,
+    ddsdde: *mut f64,
+    pnewdt: *mut f64,
+    name: &std::ffi::CStr,
+    refusal: &Refusal,
+) {
     report(name, refusal);
     let fraction = match *refusal {
         Refusal::CutBack { fraction, .. } => fraction,
         _ => {
             // SAFETY: STRESS and DDSDDE have NTENS and NTENS² values.
             unsafe {
-                if let Some(ntens @ 1..=6) = optional(arguments.ntens) {
-                    fill_nan(arguments.stress, ntens as usize);
-                    fill_nan(arguments.ddsdde, (ntens * ntens) as usize);
+                if let Some(ntens @ 1..=6) = optional(ntens) {
+                    fill_nan(stress, ntens as usize);
+                    fill_nan(ddsdde, (ntens * ntens) as usize);
                 }
             }
             CUT_BACK
         }
     };
     // SAFETY: PNEWDT is NULL or valid.
-    unsafe { store(arguments.pnewdt, fraction) };
+    unsafe { store(pnewdt, fraction) };
 }
 
-unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
+unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
     // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
     // NULL before use, and nothing is read beyond the counts that the host gives.
     // SAFETY: as above.
@@ -56,7 +104,7 @@ unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
     check_properties(&L::INFO, props)?;
     let parameters = L::parameters(props)?;
-    let mut buffer = [0.0; MAX_STATES];
+    let mut buffer = super::EMPTY;
     // SAFETY: as above.
     let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
     // SAFETY: as above.
@@ -68,14 +116,19 @@ unsafe fn update<L: Law>(a: &UmatArguments) -> Result<(), Refusal> {
         }
     }
     let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
-    let response = L::update(&parameters, &increment, state, request)?;
-    check_response(&response, state, request)?;
+    // matched in place: a response is not worth a copy
+    let outcome = L::update(&parameters, &increment, state, request);
+    let response = match &outcome {
+        Ok(response) => response,
+        Err(failure) => return Err((*failure).into()),
+    };
+    check_response(response, state, request)?;
     // SAFETY: as above; nothing fails from here on, so that outputs are written all or not at all.
-    unsafe { write(a, stress_state, &response, state) };
+    unsafe { write(a, stress_state, response, state) };
     Ok(())
 }
 
-unsafe fn read_increment<L: Law>(a: &UmatArguments, stress_state: StressState) -> Result<Increment, Refusal> {
+unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Result<Increment, Refusal> {
     let components = stress_state.components();
     // SAFETY: STRAN, DSTRAN and STRESS have NTENS values.
     let (stran, dstran, stress) = unsafe {
@@ -118,26 +171,40 @@ fn check_response(response: &Response, state: &[f64], request: Request) -> Resul
     finite(&[response.stored_energy], REASON)
 }
 
-unsafe fn write(a: &UmatArguments, stress_state: StressState, response: &Response, state: &[f64]) {
-    let components = stress_state.components();
-    let ntens = components.len();
+unsafe fn write(a: &Arguments, stress_state: StressState, response: &Response, state: &[f64]) {
     // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS) column-major and STATEV(NSTATV ≥ states) were checked for NULL;
     // DDSDDE and the energies may be NULL.
     unsafe {
-        for (k, &i) in components.iter().enumerate() {
-            a.stress.add(k).write(response.stress[i]);
-        }
-        if !a.ddsdde.is_null() {
-            for (column, &j) in components.iter().enumerate() {
-                for (row, &i) in components.iter().enumerate() {
-                    a.ddsdde.add(column * ntens + row).write(response.tangent[i][j]);
-                }
-            }
+        // constant component lists, so that the loops unroll
+        match stress_state {
+            StressState::ThreeD => write_components(a, response, [0, 1, 2, 3, 4, 5]),
+            StressState::PlaneStrainOrAxisymmetric => write_components(a, response, [0, 1, 2, 3]),
+            StressState::PlaneStress => write_components(a, response, [0, 1, 3]),
         }
         std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
         store(a.sse, response.stored_energy);
         store(a.spd, response.dissipated_energy);
         store(a.scd, 0.0);
+    }
+}
+
+/// # Safety
+/// As for [`write`].
+#[inline(always)]
+unsafe fn write_components<const N: usize>(a: &Arguments, response: &Response, components: [usize; N]) {
+    // SAFETY: forwarded to the caller.
+    unsafe {
+        for k in 0..N {
+            a.stress.add(k).write(response.stress[components[k]]);
+        }
+        if !a.ddsdde.is_null() {
+            for column in 0..N {
+                for row in 0..N {
+                    let value = response.tangent[components[row]][components[column]];
+                    a.ddsdde.add(column * N + row).write(value);
+                }
+            }
+        }
     }
 }
 

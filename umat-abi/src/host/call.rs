@@ -1,8 +1,8 @@
 //! A safe call of a UMAT: every argument valid, buffers reused, canaries checked.
 
-use super::floating_point;
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
+use crate::floating_point;
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};

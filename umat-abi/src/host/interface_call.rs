@@ -1,9 +1,9 @@
 //! Safe calls of UINTER and FRIC.
 
 use super::call::CallOutcome;
-use super::floating_point;
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
+use crate::floating_point;
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
 

@@ -1,7 +1,7 @@
 //! A loaded plugin library.
 
 use super::description::Law;
-use super::floating_point;
+use crate::floating_point;
 use crate::fric::FricFunction;
 use crate::metadata::{PLUGIN_SYMBOL, Plugin};
 use crate::uinter::UinterFunction;

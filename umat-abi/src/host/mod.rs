@@ -4,7 +4,6 @@ mod altered;
 mod call;
 mod description;
 mod discovery;
-mod floating_point;
 mod interface_call;
 mod library;
 mod memory;

@@ -5,6 +5,9 @@ use super::axis::drawable;
 /// Most points that a drawn line has.
 pub(super) const MOST_POINTS: usize = 2000;
 
+/// Picks x or y of a point.
+pub(super) type Coordinate = fn(&(f64, f64)) -> f64;
+
 /// At most `most` points (if ≥ 12) in the same order: the run of points is cut into stretches, and of each the first, the last and
 /// the extremes of x and of y stay. Peaks and loops keep their true height.
 pub(super) fn decimate(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
@@ -15,7 +18,7 @@ pub(super) fn decimate(points: &[(f64, f64)], most: usize) -> Vec<(f64, f64)> {
     let mut kept = Vec::with_capacity(most);
     for stretch in points.chunks(points.len().div_ceil(stretches)) {
         let mut indices = vec![0, stretch.len() - 1];
-        let coordinates: [fn(&(f64, f64)) -> f64; 2] = [|point| point.0, |point| point.1];
+        let coordinates: [Coordinate; 2] = [|point| point.0, |point| point.1];
         for coordinate in coordinates {
             let order = |a: &usize, b: &usize| coordinate(&stretch[*a]).total_cmp(&coordinate(&stretch[*b]));
             indices.extend((0..stretch.len()).min_by(order));

@@ -20,6 +20,9 @@ const TICK_SIZE: i32 = 13;
 /// Mean width of a character of a sans-serif font, em.
 pub(super) const CHARACTER: f64 = 0.56;
 
+/// Dashes after the full line, px. The backend draws none: [`Style::pen`] marks them by the width for [`dash`].
+const DASHES: [&[i32]; 4] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[12, 4]];
+
 const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
@@ -63,6 +66,17 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// The history's columns it comes from.
     pub columns: (String, String),
+    /// What tells it from the others.
+    pub style: Style,
+}
+
+/// Colour and dashes of a line, counted from 0: the first dash is a full line.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Style {
+    /// Number of the colour.
+    pub color: usize,
+    /// Number of the dash.
+    pub dash: usize,
 }
 
 /// Measured points.
@@ -124,7 +138,7 @@ impl Figure {
     }
 
     fn legend_entries(&self) -> Vec<Entry> {
-        let lines = self.lines.iter().enumerate().map(|(k, line)| (Sample::Line, color(k), &line.label));
+        let lines = self.lines.iter().map(|line| (Sample::Line(line.style), line.style.color(), &line.label));
         let marks =
             self.marks.iter().enumerate().map(|(k, marks)| (Sample::Mark(k), self.mark_color(marks), &marks.label));
         let entries: Vec<Entry> =
@@ -134,7 +148,8 @@ impl Figure {
 
     /// Measured points are as dark as text beside a single line; among several they take their line's colour.
     fn mark_color(&self, marks: &Marks) -> RGBColor {
-        marks.line.filter(|_| self.lines.len() > 1).map_or(INK, color)
+        let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
+        owner.map_or(INK, |line| line.style.color())
     }
 
     fn wrapped_title(&self) -> Vec<String> {
@@ -167,7 +182,7 @@ impl Figure {
             root.draw(&Text::new(line.clone(), place, centered(TITLE_SIZE)))?;
         }
         let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
-        let left = (f64::from(TICK_SIZE) * CHARACTER * widest as f64) as i32 + 34;
+        let left = (f64::from(TICK_SIZE) * CHARACTER * widest as f64) as i32 + 40;
         let mut chart = ChartBuilder::on(&root.margin(title_height * UNIT, legend.height_below() * UNIT, 0, 0))
             .margin_left(10 * UNIT)
             .margin_right(22 * UNIT)
@@ -195,9 +210,9 @@ impl Figure {
         for (start, end) in zero_lines(x, y) {
             area.draw(&PathElement::new(vec![start, end], ZERO.stroke_width(UNIT as u32)))?;
         }
-        for (k, stretches) in self.scaled_lines(x, y).into_iter().enumerate() {
+        for (line, stretches) in self.lines.iter().zip(self.scaled_lines(x, y)) {
             for points in stretches {
-                area.draw(&PathElement::new(points, color(k).stroke_width(2 * UNIT as u32)))?;
+                area.draw(&PathElement::new(points, line.style.pen()))?;
             }
         }
         for (k, marks) in self.marks.iter().enumerate() {
@@ -262,8 +277,24 @@ pub(super) fn draw_mark<'a>(
     Ok(())
 }
 
-fn color(line: usize) -> RGBColor {
-    PALETTE[line % PALETTE.len()]
+impl Style {
+    fn color(self) -> RGBColor {
+        PALETTE[self.color % PALETTE.len()]
+    }
+
+    /// Two px wide; the few units more stand for the dash.
+    pub(super) fn pen(self) -> ShapeStyle {
+        self.color().stroke_width((2 * UNIT) as u32 + (self.dash % (DASHES.len() + 1)) as u32)
+    }
+}
+
+/// Gives lines whose width says so their dashes.
+fn dash(svg: &str) -> String {
+    DASHES.iter().zip(2 * UNIT + 1..).fold(svg.to_owned(), |svg, (dash, width)| {
+        let lengths: Vec<String> = dash.iter().map(|length| (length * UNIT).to_string()).collect();
+        let dashed = format!("stroke-width=\"{}\" stroke-dasharray=\"{}\"", 2 * UNIT, lengths.join(" "));
+        svg.replace(&format!("stroke-width=\"{width}\""), &dashed)
+    })
 }
 
 /// The font at a size in px (the backend divides by 1.24).
@@ -297,5 +328,5 @@ fn finish(svg: &str, size: (i32, i32), description: &str) -> String {
         1,
     );
     let (head, body) = svg.split_once(">\n").unwrap_or((&svg, ""));
-    format!("{head}>\n{escaped}\n{}", markup::raise_and_lower(body))
+    format!("{head}>\n{escaped}\n{}", markup::raise_and_lower(&dash(body)))
 }

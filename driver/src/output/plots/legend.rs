@@ -1,7 +1,7 @@
 //! The legend: in a corner where nothing is drawn, else below the picture.
 
 use super::axis::Axis;
-use super::figure::{CHARACTER, UNIT, draw_mark, font};
+use super::figure::{CHARACTER, Style, UNIT, draw_mark, font};
 use super::markup;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -9,7 +9,7 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 const TEXT_SIZE: i32 = 13;
 const LINE_HEIGHT: i32 = 19;
 /// Length of a line's sample, px.
-const SAMPLE: i32 = 26;
+const SAMPLE: i32 = 30;
 const PADDING: i32 = 8;
 /// Distance from the frame, px.
 const OFFSET: i32 = 10;
@@ -19,7 +19,8 @@ const PLOT: (f64, f64) = (540.0, 370.0);
 /// What stands in front of a label.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sample {
-    Line,
+    /// A line of this style.
+    Line(Style),
     /// The mark of this number.
     Mark(usize),
 }
@@ -106,9 +107,8 @@ impl Legend {
             let y = corner.1 + (PADDING + LINE_HEIGHT * k as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
             let x = corner.0 + PADDING * UNIT;
             match entry.sample {
-                Sample::Line => {
-                    let pen = entry.color.stroke_width(2 * UNIT as u32);
-                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], pen))?;
+                Sample::Line(style) => {
+                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen()))?;
                 }
                 Sample::Mark(shape) => draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?,
             }

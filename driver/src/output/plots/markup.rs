@@ -25,10 +25,13 @@ pub(super) fn raise_and_lower(svg: &str) -> String {
             };
             let shift = (target - height) / size;
             height = target;
-            // renderers drop spaces at the ends of a tspan
-            let text = text.trim_end_matches('\n').replace(' ', "\u{a0}");
+            // renderers drop spaces at the start of a tspan, even hard ones: move to the right instead
+            let text = text.trim_end_matches('\n');
+            let shown = text.trim_start_matches(' ');
+            let right = if shown.len() < text.len() && level == Level::Base { " dx=\"0.28em\"" } else { "" };
+            let percent = 100.0 * size;
             // writing to a String cannot fail
-            let _ = write!(result, "<tspan dy=\"{shift:.3}em\" font-size=\"{}%\">{text}</tspan>", 100.0 * size);
+            let _ = write!(result, "<tspan{right} dy=\"{shift:.3}em\" font-size=\"{percent}%\">{shown}</tspan>");
         }
         result.push('\n');
     }

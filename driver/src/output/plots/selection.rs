@@ -1,6 +1,6 @@
 //! Which pictures a run gets, and what is in them.
 
-use super::figure::{Figure, Line, Marks};
+use super::figure::{Figure, Line, Marks, Style};
 use super::quantity::{Quantity, Sort};
 use super::{Curve, Run, Subject};
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
@@ -47,12 +47,15 @@ impl Layout {
         let several = runs.len() > 1;
         let mut lines = Vec::new();
         for (k, run) in runs.iter().enumerate() {
-            for (x, y) in &self.pairs {
+            for (pair, (x, y)) in self.pairs.iter().enumerate() {
                 let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
                 if points.iter().any(|(x, y)| x.is_finite() && y.is_finite()) {
                     let label = self.label(run, several.then_some(k), x, y);
-                    lines.push(Line { label, points, columns: (x.clone(), y.clone()) });
+                    // one run: a colour a column; several: a colour a run, a dash a column
+                    let (color, dash) = if several { (k, pair) } else { (pair, 0) };
+                    let style = Style { color, dash };
+                    lines.push(Line { label, points, columns: (x.clone(), y.clone()), style });
                 }
             }
         }

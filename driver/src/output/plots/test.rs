@@ -1,11 +1,11 @@
 use super::axis::Axis;
-use super::decimation::{decimate, drawable_stretches};
-use super::figure::{Figure, Line, Marks, UNIT};
+use super::decimation::{Coordinate, decimate, drawable_stretches};
+use super::figure::{Figure, Line, Marks, Style, UNIT};
 use super::quantity::{Quantity, Sort};
 use super::*;
 
 fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
-    Line { label: label.into(), points, columns: ("e11".into(), "s11".into()) }
+    Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default() }
 }
 
 fn figure(lines: Vec<Line>, marks: Vec<Marks>) -> Figure {
@@ -17,7 +17,7 @@ fn figure(lines: Vec<Line>, marks: Vec<Marks>) -> Figure {
 fn texts(document: &roxmltree::Document<'_>) -> Vec<String> {
     let gather = |node: roxmltree::Node<'_, '_>| {
         let text: String = node.descendants().filter(|d| d.is_text()).filter_map(|d| d.text()).collect();
-        text.replace('\u{a0}', " ").trim().to_string()
+        text.trim().to_string()
     };
     document.descendants().filter(|node| node.has_tag_name("text")).map(gather).collect()
 }
@@ -33,10 +33,11 @@ fn data_lines<'a>(document: &'a roxmltree::Document<'a>) -> Vec<roxmltree::Node<
 fn a_picture_has_its_axes_lines_and_marks() {
     let curve = |k: f64| (0..50).map(|i| (f64::from(i) * 1e-5, k * f64::from(i))).collect::<Vec<_>>();
     let marks = Marks { label: "measured".into(), points: vec![(1e-4, 3.0), (2e-4, 8.0)], line: Some(0) };
-    let svg = figure(vec![line("one", curve(1.0)), line("two", curve(0.5))], vec![marks]).svg().unwrap();
+    let second = Line { style: Style { color: 1, dash: 0 }, ..line("two", curve(0.5)) };
+    let svg = figure(vec![line("one", curve(1.0)), second], vec![marks]).svg().unwrap();
     let document = roxmltree::Document::parse(&svg).unwrap();
     let texts = texts(&document);
-    for expected in ["ε11 [10−3]", "σ11 [MPa]", "Tension & <more>", "one", "two", "measured", "0.1", "0.5", "10", "40"]
+    for expected in ["ε11[10−3]", "σ11[MPa]", "Tension & <more>", "one", "two", "measured", "0.1", "0.5", "10", "40"]
     {
         assert!(texts.iter().any(|text| text == expected), "{expected} in {texts:?}");
     }
@@ -46,6 +47,20 @@ fn a_picture_has_its_axes_lines_and_marks() {
     let root = document.root_element();
     assert_eq!(root.attribute("width"), Some("640"));
     assert_eq!(root.attribute("viewBox").map(|view| view.starts_with("0 0 12800 ")), Some(true));
+}
+
+#[test]
+fn dashes_and_colours_tell_lines_apart() {
+    let styled = |color, dash| Line { style: Style { color, dash }, ..line("l", vec![(0.0, 0.0), (1.0, 1.0)]) };
+    let svg = figure(vec![styled(0, 0), styled(0, 1), styled(1, 2), styled(1, 8)], vec![]).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let look = |line: &roxmltree::Node<'_, '_>| {
+        ["stroke", "stroke-dasharray"].map(|name| line.attribute(name).map(String::from))
+    };
+    let lines: Vec<_> = data_lines(&document).iter().map(look).collect();
+    let distinct: std::collections::BTreeSet<_> = lines.iter().collect();
+    assert_eq!((lines.len(), distinct.len()), (8, 4), "{lines:?}");
+    assert_eq!(lines[0][1], None);
 }
 
 #[test]
@@ -90,10 +105,9 @@ fn decimation_keeps_order_ends_and_extremes() {
     let kept = decimate(&points, 2000);
     assert!(kept.len() <= 2000 && kept.len() > 500, "{}", kept.len());
     assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));
-    let extreme = |points: &[(f64, f64)], of: fn(&(f64, f64)) -> f64, pick: fn(f64, f64) -> f64| {
-        points.iter().map(of).reduce(pick).unwrap()
-    };
-    let coordinates: [fn(&(f64, f64)) -> f64; 2] = [|point| point.0, |point| point.1];
+    let extreme =
+        |points: &[(f64, f64)], of: Coordinate, pick: fn(f64, f64) -> f64| points.iter().map(of).reduce(pick).unwrap();
+    let coordinates: [Coordinate; 2] = [|point| point.0, |point| point.1];
     for of in coordinates {
         for pick in [f64::min, f64::max] {
             assert_eq!(extreme(&kept, of, pick), extreme(&points, of, pick));

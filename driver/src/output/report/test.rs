@@ -1,6 +1,8 @@
 use super::super::summary;
 use super::*;
+use crate::path::program::*;
 use std::path::PathBuf;
+use umat_abi::host::{Found, Library, search_paths};
 
 fn account() -> Account {
     Account {
@@ -81,4 +83,80 @@ fn the_page_is_written_or_the_error_names_it() {
     let missing = folder.path().join("none/report.html");
     let error = write(&missing, &account(), &summary::test::summary(), &[]).unwrap_err();
     assert!(error.to_string().contains("none/report.html"));
+}
+
+/// `linear_elastic` along a ramp with a relation, a row of a table and a bound.
+fn program() -> Program {
+    let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("plugins are built beside the tests");
+    let library = Library::open(&found.path).expect("a library");
+    let law = library.laws().iter().find(|law| law.name == "linear_elastic").expect("the law").clone();
+    let mut controls = [Control::FREE; 6];
+    controls[0] = Control::Strain(-0.005);
+    controls[3] = Control::HoldStrain;
+    let (mut strain, mut stress) = ([0.0; 6], [0.0; 6]);
+    (strain[1], stress[0]) = (2.0, -0.52);
+    let until = Until { column: 3, absolute: true, greater_than: Some(0.01), less_than: None };
+    let step = |drive, constraints: Vec<Constraint>, until| PointStep {
+        drive,
+        constraints,
+        until,
+        temperature: None,
+        predef: None,
+    };
+    let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
+    let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
+    Program {
+        case_file: PathBuf::from("case.json"),
+        title: "t".into(),
+        description: "about".into(),
+        document: serde_json::Value::Null,
+        plugin: Plugin {
+            nstatv: law.states.len(),
+            cmname: "LINEAR_ELASTIC".into(),
+            name: law.name.clone(),
+            symbol: None,
+            props: vec![31800.0, 0.18, -7.5],
+            law: Some(law),
+            library,
+        },
+        kind: Kind::Point(PointProgram {
+            mode: Mode::PlaneStress,
+            nlgeom: false,
+            initial: PointState {
+                strain: [0.0; 6],
+                stress: [0.0; 6],
+                statev: vec![],
+                time: 0.0,
+                deformation_gradient: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                temperature: 0.0,
+                predef: vec![],
+            },
+            steps: std::iter::once(step(ramp, vec![Constraint { strain, stress, equals: 3.0 }], Some(until)))
+                .chain((0..50).map(|_| step(table.clone(), vec![], None)))
+                .collect(),
+        }),
+        characteristic_length: Some(12.5),
+        until: None,
+        controls: Controls::default(),
+        output: Output { every: 10, plots: true },
+        compare: vec![],
+        warnings: vec![],
+    }
+}
+
+#[test]
+fn a_program_is_told_in_words() {
+    let account = Account::of(&program());
+    let expected = "100 increments, time 1: e11 → −0.005, g12 held; 2 e22 + −0.52 s11 = 3; until |e11| > 0.01";
+    assert_eq!(account.steps[0], expected);
+    assert_eq!(account.steps[1], "table of 1 row: e11, g12");
+    assert_eq!(account.steps.len() + account.steps_left_out, 51);
+    assert_eq!(account.mode, "material point, plane stress (NTENS 3)");
+    let settings = [("Characteristic length", "12.5 mm"), ("History", "every 10th increment")];
+    assert_eq!(account.settings, settings.map(|(key, value)| (key.to_string(), value.to_string())));
+    let parameters: Vec<_> = account.parameters.iter().map(|p| (p.name.as_str(), p.value.as_str())).collect();
+    // the metadata know two
+    assert_eq!(parameters, [("E", "31800"), ("nu", "0.18"), ("PROPS(3)", "−7.5")]);
+    assert_eq!(account.parameters[0].unit, "MPa");
+    assert!(!account.parameters[0].meaning.is_empty());
 }

@@ -1,0 +1,341 @@
+//! The command line's contract with scripts: exit codes, messages, files (cli-and-cases.md).
+
+mod program;
+
+use program::{Desk, LAWS, case_files, cases, command, json, pullout_in};
+use serde_json::{Value, json};
+use std::path::Path;
+
+/// Four increments of linear elasticity.
+fn elastic() -> Value {
+    json!({
+        "kind": "point",
+        "title": "elastic",
+        "material": { "plugin": "linear_elastic", "props": { "E": 1000.0, "nu": 0.25 } },
+        "mode": "3d",
+        "steps": [ { "increments": 4, "target": { "e11": 0.001 } } ]
+    })
+}
+
+#[test]
+fn bad_input_is_exit_code_2_and_nothing_is_run() {
+    const MALFORMED: [(&[&str], &str); 13] = [
+        (&["kind=punkt"], "$.kind"),
+        (&["tilte=x"], "$.tilte: unknown key; nearest valid name: 'title'"),
+        (&["material.props.E=-1"], "$.material.props.E"),
+        (&["material.props.e=1"], "$.material.props.e"),
+        (&["material.props=[1]"], "$.material.props"),
+        (&["steps=[]"], "$.steps"),
+        (&["steps.0.increments=0"], "$.steps[0].increments: must be >= 1"),
+        (&["steps.0.target.e12=1"], "nearest valid name: 'g12'"),
+        (&["steps.0.target.s11=1"], "$.steps[0].target.s11"),
+        (&["mode=plane_stress", "steps.0.target.s33=0"], "fixes s33 = s13 = s23 = 0"),
+        (&[r#"steps.0={"table": "nowhere.csv"}"#], "$.steps[0].table"),
+        (&[r#"until={"quantity": "s12x", "greater_than": 1}"#], "$.until.quantity"),
+        (&["steps.0.increments=0", "titel=x", "material.props.nu=0.5"], "$.material.props.nu"),
+    ];
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    for (overrides, expected) in MALFORMED {
+        for verb in ["run", "check"] {
+            let mut arguments = vec![verb, "case.json"];
+            overrides.iter().for_each(|entry| arguments.extend(["--set", entry]));
+            let outcome = desk.pullout(arguments).expect(2);
+            assert!(outcome.stderr.contains("case.json: "), "{}", outcome.stderr);
+            assert!(outcome.stderr.contains(expected), "{overrides:?}: {}", outcome.stderr);
+            // all of them at once
+            assert!(overrides.len() < 3 || outcome.stderr.lines().count() == 3, "{}", outcome.stderr);
+            assert!(outcome.stdout.is_empty() && !desk.has_results(), "{overrides:?}");
+        }
+    }
+}
+
+#[test]
+fn files_that_are_no_cases_are_exit_code_2() {
+    let desk = Desk::new();
+    desk.write("cut.json", "{\"kind\":\n  \"point\",");
+    desk.case("case.json", &elastic());
+    let outcome = desk.pullout(["run", "cut.json"]).expect(2);
+    assert!(outcome.stderr.starts_with("cut.json: line 2"), "{}", outcome.stderr);
+    assert!(desk.pullout(["run", "nowhere.json"]).expect(2).stderr.contains("nowhere.json"));
+    // one bad case of two: neither is run
+    desk.pullout(["run", "case.json", "cut.json"]).expect(2);
+    desk.pullout(["run"]).expect(2);
+    desk.pullout(["walk", "case.json"]).expect(2);
+    desk.pullout(["plot", "nowhere"]).expect(2);
+    assert!(!desk.has_results());
+    for word in ["--help", "--version"] {
+        assert!(desk.pullout([word]).expect(0).stdout.contains("pullout"));
+    }
+}
+
+#[test]
+fn a_plugin_that_cannot_be_loaded_is_exit_code_3() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    desk.write("text.so", "no library");
+    for plugin in ["nowhere", "./nowhere.so", "./text.so"] {
+        for verb in ["run", "check"] {
+            let outcome = desk.pullout([verb, "case.json", "--set", &format!("material.plugin={plugin}")]).expect(3);
+            assert!(outcome.stderr.contains("$.material.plugin: "), "{}", outcome.stderr);
+            assert!(outcome.stderr.contains(plugin.trim_start_matches("./")), "{}", outcome.stderr);
+        }
+        desk.pullout(["plugin", "info", plugin]).expect(3);
+        desk.pullout(["plugin", "check", plugin]).expect(3);
+    }
+    let outcome = desk.pullout(["run", "case.json", "--set", "material.symbol=absent_"]).expect(3);
+    assert!(outcome.stderr.contains("$.material.symbol: ") && outcome.stderr.contains("absent_"), "{}", outcome.stderr);
+    assert!(!desk.has_results());
+}
+
+#[test]
+fn the_same_stem_twice_is_exit_code_2() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    desk.case("other/case.json", &elastic());
+    let outcome = desk.pullout(["run", "case.json", "other/case.json"]).expect(2);
+    assert!(outcome.stderr.contains("the same name"), "{}", outcome.stderr);
+    desk.pullout(["run", "case.json", "case.json", "--out", "out"]).expect(2);
+    assert!(!desk.has_results());
+}
+
+#[test]
+fn results_go_where_they_are_asked_for() {
+    let desk = Desk::new();
+    desk.case("first.json", &elastic());
+    desk.case("second.json", &elastic());
+    let there = |path: &str| desk.path(path).join("history.csv").is_file();
+    assert!(desk.pullout(["run", "first.json"]).expect(0).stdout.contains("first: done, 4 increments"));
+    assert!(there("out/first"));
+    desk.pullout(["run", "first.json", "--out", "one"]).expect(0);
+    assert!(there("one"));
+    desk.pullout(["run", "first.json", "second.json", "--out", "many"]).expect(0);
+    assert!(there("many/first") && there("many/second") && !there("many"));
+}
+
+#[test]
+fn several_cases_all_run_and_the_largest_code_counts() {
+    let desk = Desk::new();
+    let mut failing = elastic();
+    failing["material"] = json!({ "plugin": "concrete_damage" });
+    failing["steps"] = json!([ { "increments": 5, "target": { "s11": 4.0 } } ]);
+    desk.case("failing.json", &failing);
+    desk.case("sound.json", &elastic());
+    desk.pullout(["run", "failing.json", "sound.json"]).expect(1);
+    assert_eq!(json(&desk.path("out/failing/summary.json"))["status"], "failed");
+    assert_eq!(json(&desk.path("out/sound/summary.json"))["status"], "done");
+}
+
+#[test]
+fn overrides_reach_every_case() {
+    let desk = Desk::new();
+    for name in ["first.json", "second.json"] {
+        desk.case(name, &elastic());
+    }
+    let overrides = ["--set", "steps.0.increments=7", "--set", "title=seven", "--set", "controls.max_iterations=3"];
+    desk.pullout([&["run", "first.json", "second.json"][..], &overrides].concat()).expect(0);
+    for name in ["first", "second"] {
+        let summary = json(&desk.path(&format!("out/{name}/summary.json")));
+        assert_eq!((&summary["increments"], &summary["title"]), (&json!(7), &json!("seven")));
+    }
+}
+
+#[test]
+fn quiet_prints_nothing() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    let outcome = desk.pullout(["run", "--quiet", "case.json"]).expect(0);
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+    // a run long enough for progress lines
+    let long = ["--set", "steps.0.increments=400000", "--set", "output.every=400000", "--set", "output.plots=false"];
+    let outcome = desk.pullout([&["run", "--quiet", "case.json"][..], &long].concat()).expect(0);
+    assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+}
+
+#[test]
+fn a_reader_that_went_away_is_no_panic() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    let case = desk.path("case.json");
+    let case = case.to_str().expect("UTF-8");
+    let calls: [(&[&str], i32); 7] = [
+        (&["plugin", "list"], 0),
+        (&["plugin", "info", "bond_slip"], 0),
+        (&["schema"], 0),
+        (&["--help"], 0),
+        (&["run", case], 0),
+        (&["run", case, "--set", "titel=x"], 2),
+        (&["props", "concrete_damage", "--E", "31800", "--nu", "0.18", "--ft", "3.5", "--fc", "34.8"], 0),
+    ];
+    for (arguments, code) in calls {
+        let (reader, writer) = std::io::pipe().expect("a pipe");
+        drop(reader);
+        let mut process = command();
+        process.current_dir(desk.path("")).args(arguments).stderr(writer.try_clone().expect("a pipe")).stdout(writer);
+        assert_eq!(process.status().expect("the program starts").code(), Some(code), "{arguments:?}");
+    }
+}
+
+#[test]
+fn every_law_is_listed_and_described() {
+    let desk = Desk::new();
+    let list = desk.pullout(["plugin", "list", "--plugin-path", "/nowhere/at/all"]).expect(0).stdout;
+    let searched = list.split("Searched:").nth(1).expect("the folders");
+    assert!(searched.contains("/nowhere/at/all (does not exist)") && searched.lines().count() > 3, "{list}");
+    for law in LAWS {
+        // beside its own library there is the one of all laws
+        let library = format!("{}{law}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+        let own = |line: &&str| line.split_whitespace().next() == Some(law) && line.ends_with(&library);
+        let line = list.lines().find(own).expect(law);
+        let fields: Vec<&str> = line.split_whitespace().collect();
+        assert_eq!(fields[1], "0.1.0");
+        assert!(fields[2..].contains(&if law == "bond_slip" { "fric" } else { "umat" }), "{line}");
+        let file = fields.last().expect("the library's file");
+        let by_name = desk.pullout(["plugin", "info", law]).expect(0).stdout;
+        assert_eq!(by_name, desk.pullout(["plugin", "info", file]).expect(0).stdout);
+        for expected in [law, "PROPS (", "STATEV (", "default", "bounds", "MPa", "Modes: ", "dissipated_energy"] {
+            assert!(by_name.contains(expected), "{law}: {expected}\n{by_name}");
+        }
+    }
+    let info = desk.pullout(["plugin", "info", "inelastic_damage"]).expect(0).stdout;
+    for expected in ["kappa", "alpha", "0 (rational)", "3d (NTENS 6)", "plane_stress (NTENS 3)", "Derived: D from eta"]
+    {
+        assert!(info.contains(expected), "{expected}\n{info}");
+    }
+}
+
+#[test]
+fn every_shipped_law_passes_the_check() {
+    let desk = Desk::new();
+    for law in LAWS {
+        let report = desk.pullout(["plugin", "check", law, "--states", "60"]).expect(0).stdout;
+        assert!(report.contains(", none failed"), "{law}\n{report}");
+    }
+    // with a case's parameters and mode
+    let case = cases().join("examples/crack-band-50mm.json");
+    let arguments = ["plugin", "check", "concrete_damage", "--states", "60", "--case", case.to_str().expect("UTF-8")];
+    desk.pullout(arguments).expect(0);
+    desk.pullout(["plugin", "check", "pure_damage", "--case", case.to_str().expect("UTF-8")]).expect(2);
+}
+
+#[test]
+fn faulty_plugins_fail_the_check() {
+    let desk = Desk::new();
+    for (plugin, check) in [
+        ("halved_interface_tangent", "consistent tangent"),
+        ("halved_tangent", "consistent tangent"),
+        ("hidden_memory", "repeated call"),
+        ("panicking", "answers"),
+        ("secant_tangent", "consistent tangent"),
+        ("state_overrun", "array bounds"),
+        ("unset_entry", "tangent entries set"),
+    ] {
+        let report = desk.pullout(["plugin", "check", plugin, "--states", "60"]).expect(1).stdout;
+        let found = |line: &str| line.to_lowercase().starts_with("fail") && line.contains(check);
+        assert!(report.lines().any(found), "{plugin}: {check}\n{report}");
+    }
+}
+
+#[test]
+fn the_schema_accepts_every_shipped_case() {
+    let desk = Desk::new();
+    let schema: Value = serde_json::from_str(&desk.pullout(["schema"]).expect(0).stdout).expect("JSON");
+    assert!(schema["$schema"].as_str().is_some_and(|text| text.contains("2020-12")), "{}", schema["$schema"]);
+    let validator = jsonschema::validator_for(&schema).expect("a schema");
+    for file in case_files() {
+        let case = json(&file);
+        let errors: Vec<String> = validator.iter_errors(&case).map(|error| error.to_string()).collect();
+        assert!(errors.is_empty(), "{}: {errors:?}", file.display());
+        let mut wrong = case;
+        wrong["unknown key"] = json!(1);
+        assert!(!validator.is_valid(&wrong), "{}", file.display());
+    }
+    let files: Vec<String> = case_files().iter().map(|file| file.display().to_string()).collect();
+    let arguments = ["check".to_owned()].into_iter().chain(files);
+    let checked = pullout_in(&desk.path(""), arguments).expect(0).stdout;
+    assert_eq!(checked.lines().count(), case_files().len());
+}
+
+#[test]
+fn calibrated_parameters_reproduce_the_strengths() {
+    let desk = Desk::new();
+    for (youngs_modulus, tensile, compressive) in [("31800", 3.5, 34.8), ("23700", 2.4, 34.8)] {
+        let (ft, fc) = (tensile.to_string(), compressive.to_string());
+        let arguments = ["props", "concrete_damage", "--E", youngs_modulus, "--nu", "0.18", "--ft", &ft, "--fc", &fc];
+        let material: Value = serde_json::from_str(&desk.pullout(arguments).expect(0).stdout).expect("JSON");
+        let mut case = elastic();
+        case["material"] = material;
+        for (name, end, strength, which) in [("t", 4e-4, tensile, "max"), ("c", -5e-3, -compressive, "min")] {
+            case["steps"] = json!([ { "increments": 4000, "target": { "e11": end } } ]);
+            let run = desk.run(&desk.case(&format!("{name}.json"), &case), &["output.plots=false"], name, 0);
+            let peak = run.peak("s11", which);
+            assert!((peak / strength - 1.0).abs() < 1e-5, "{name}: {peak} for {strength}");
+        }
+    }
+    desk.pullout(["props", "concrete_damage", "--E", "31800", "--nu", "0.18", "--ft", "-3.5", "--fc", "34.8"])
+        .expect(2);
+}
+
+#[test]
+fn pictures_of_two_runs_are_overlaid() {
+    let desk = Desk::new();
+    for (name, modulus) in [("soft", 500.0), ("stiff", 2000.0)] {
+        let mut case = elastic();
+        case["title"] = json!(format!("{name} one"));
+        case["material"]["props"]["E"] = json!(modulus);
+        desk.case(&format!("{name}.json"), &case);
+    }
+    desk.pullout(["run", "--quiet", "soft.json", "stiff.json"]).expect(0);
+    let picture = |path: &str| std::fs::read_to_string(desk.path(path)).expect("a picture");
+    let before = picture("out/soft/plots/stress_strain.svg");
+    assert!(!before.contains("stiff one"));
+    desk.pullout(["plot", "out/soft", "out/stiff", "--out", "both"]).expect(0);
+    let both = picture("both/stress_strain.svg");
+    assert!(both.contains("soft one") && both.contains("stiff one"));
+    assert_eq!(before, picture("out/soft/plots/stress_strain.svg"));
+    // redrawn alone it is the same picture
+    std::fs::remove_file(desk.path("out/soft/plots/stress_strain.svg")).expect("a picture");
+    desk.pullout(["plot", "out/soft"]).expect(0);
+    assert_eq!(before, picture("out/soft/plots/stress_strain.svg"));
+}
+
+/// A folder as the user's own: relative paths in a case do not depend on where the program is started.
+#[test]
+fn paths_are_relative_to_the_case_file() {
+    let desk = Desk::new();
+    let mut case = elastic();
+    case["steps"] = json!([ { "table": "../tables/path.csv" } ]);
+    desk.write("tables/path.csv", "e11\n0.001\n");
+    desk.case("cases/case.json", &case);
+    desk.pullout(["run", "cases/case.json"]).expect(0);
+    pullout_in(Path::new("/"), ["run".into(), desk.path("cases/case.json"), "--out".into(), desk.path("else")])
+        .expect(0);
+    assert!(desk.path("else/history.csv").is_file());
+}
+
+/// `pullout_laws` holds every law; CMNAME chooses.
+#[test]
+fn the_library_of_all_laws_is_driven_by_cmname() {
+    let desk = Desk::new();
+    for (name, stresses) in [("5.3-compression-concrete-damage", "s11"), ("5.3-tension-model-iv", "s11")] {
+        let file = cases().join(format!("chapter-5/{name}.json"));
+        let single = desk.run(&file, &["compare=[]"], "single", 0);
+        let law = json(&file)["material"]["plugin"].as_str().expect("a name").to_owned();
+        let cmname = format!("material.cmname={}-C30", law.to_uppercase());
+        let together = desk.run(&file, &["compare=[]", "material.plugin=pullout_laws", &cmname], "together", 0);
+        assert_eq!(single.history.columns, together.history.columns);
+        assert_eq!(single.history.column(stresses), together.history.column(stresses));
+    }
+    let case = desk.case("case.json", &elastic());
+    let case = case.to_str().expect("UTF-8");
+    let library = "material.plugin=pullout_laws";
+    let outcome = desk.pullout(["check", case, "--set", library]).expect(2);
+    assert!(outcome.stderr.contains("$.material.cmname: is missing"), "{}", outcome.stderr);
+    let outcome = desk.pullout(["check", case, "--set", library, "--set", "material.cmname=GRANITE"]).expect(2);
+    assert!(outcome.stderr.contains("$.material.cmname: "), "{}", outcome.stderr);
+    let list = desk.pullout(["plugin", "list"]).expect(0).stdout;
+    let together: Vec<&str> = list.lines().filter(|line| line.contains("libpullout_laws")).collect();
+    for law in LAWS {
+        assert!(together.iter().any(|line| line.starts_with(law)), "{law} is not in pullout_laws:\n{list}");
+    }
+}

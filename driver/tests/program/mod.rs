@@ -1,0 +1,212 @@
+//! The program as its users meet it: run as a process, its files read back.
+#![allow(dead_code, reason = "each test program uses a part of this module")]
+
+use serde_json::Value;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use tempfile::TempDir;
+
+/// What a process left behind.
+#[derive(Debug)]
+pub struct Outcome {
+    /// Exit code; a signal is a panic of the test.
+    pub code: i32,
+    /// Standard output.
+    pub stdout: String,
+    /// Standard error.
+    pub stderr: String,
+}
+
+impl Outcome {
+    /// Asserts the exit code, with the messages if it is another one.
+    pub fn expect(self, code: i32) -> Self {
+        assert_eq!(self.code, code, "stdout:\n{}\nstderr:\n{}", self.stdout, self.stderr);
+        assert!(!self.stderr.contains("panicked at"), "{}", self.stderr);
+        self
+    }
+}
+
+/// The program, with nothing of the caller's plugins.
+pub fn command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pullout"));
+    command.env_remove("PULLOUT_PLUGIN_PATH").stdin(Stdio::null());
+    command
+}
+
+/// Runs `pullout ARGUMENTS` in a folder.
+pub fn pullout_in<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Outcome {
+    let output = command().current_dir(folder).args(arguments).output().expect("the program starts");
+    Outcome {
+        code: output.status.code().expect("an exit code, not a signal"),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+/// A folder for cases and results that vanishes at the end of the test.
+pub struct Desk {
+    folder: TempDir,
+}
+
+impl Desk {
+    pub fn new() -> Self {
+        Self { folder: tempfile::tempdir().expect("a temporary folder") }
+    }
+
+    pub fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    /// Writes a file (folders of its name are made) and returns its path.
+    pub fn write(&self, name: &str, content: &str) -> PathBuf {
+        let path = self.path(name);
+        std::fs::create_dir_all(path.parent().expect("a parent")).expect("a folder");
+        std::fs::write(&path, content).expect("a file");
+        path
+    }
+
+    /// Writes a case.
+    pub fn case(&self, name: &str, case: &Value) -> PathBuf {
+        self.write(name, &case.to_string())
+    }
+
+    /// `pullout ARGUMENTS` in this folder.
+    pub fn pullout<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Outcome {
+        pullout_in(self.folder.path(), arguments)
+    }
+
+    /// Runs a case quietly into the folder `out` and reads what it wrote.
+    pub fn run(&self, case: &Path, overrides: &[&str], out: &str, code: i32) -> Run {
+        let folder = self.path(out);
+        let mut arguments: Vec<&OsStr> =
+            ["run", "--quiet", "--out"].iter().map(OsStr::new).chain([folder.as_os_str(), case.as_os_str()]).collect();
+        for entry in overrides {
+            arguments.extend([OsStr::new("--set"), OsStr::new(entry)]);
+        }
+        let outcome = self.pullout(arguments).expect(code);
+        Run::read(&folder, outcome)
+    }
+
+    /// Whether any result was made here.
+    pub fn has_results(&self) -> bool {
+        self.path("out").exists()
+    }
+}
+
+/// A result directory.
+#[derive(Debug)]
+pub struct Run {
+    pub folder: PathBuf,
+    pub outcome: Outcome,
+    pub history: Table,
+    pub summary: Value,
+}
+
+impl Run {
+    fn read(folder: &Path, outcome: Outcome) -> Self {
+        Self {
+            folder: folder.to_path_buf(),
+            outcome,
+            history: Table::read(&folder.join("history.csv")),
+            summary: json(&folder.join("summary.json")),
+        }
+    }
+
+    /// The largest or least value of a column, over all increments.
+    pub fn peak(&self, column: &str, which: &str) -> f64 {
+        self.summary["peaks"][column][which].as_f64().unwrap_or_else(|| panic!("peaks.{column}.{which}"))
+    }
+}
+
+/// A JSON file.
+pub fn json(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// A CSV file of numbers.
+#[derive(Clone, Debug)]
+pub struct Table {
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<f64>>,
+}
+
+impl Table {
+    /// Reads a file; every line must be whole, and every field a number.
+    pub fn read(path: &Path) -> Self {
+        let text = std::fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        assert!(text.ends_with('\n'), "{}: the last line is cut off", path.display());
+        let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+        let columns: Vec<String> = lines.next().expect("a header").split(',').map(str::to_owned).collect();
+        let number = |field: &str| field.parse().unwrap_or_else(|_| panic!("{}: '{field}'", path.display()));
+        let rows: Vec<Vec<f64>> = lines.map(|line| line.split(',').map(number).collect()).collect();
+        for row in &rows {
+            assert_eq!(row.len(), columns.len(), "{}: {row:?}", path.display());
+        }
+        Self { columns, rows }
+    }
+
+    pub fn column(&self, name: &str) -> Vec<f64> {
+        let k = self.columns.iter().position(|column| column == name).unwrap_or_else(|| panic!("no column {name}"));
+        self.rows.iter().map(|row| row[k]).collect()
+    }
+
+    pub fn last(&self, name: &str) -> f64 {
+        *self.column(name).last().expect("a row")
+    }
+
+    /// y at x by linear interpolation, where x first passes it.
+    pub fn at(&self, x: &str, value: f64, y: &str) -> f64 {
+        let (x, y) = (self.column(x), self.column(y));
+        for k in 1..x.len() {
+            if (x[k - 1] - value) * (x[k] - value) <= 0.0 && x[k] != x[k - 1] {
+                return y[k - 1] + (y[k] - y[k - 1]) * (value - x[k - 1]) / (x[k] - x[k - 1]);
+            }
+        }
+        panic!("{value} is not reached")
+    }
+
+    /// ∫ y dx by the trapezoidal rule.
+    pub fn area(&self, x: &str, y: &str) -> f64 {
+        let (x, y) = (self.column(x), self.column(y));
+        (1..x.len()).map(|k| 0.5 * (y[k] + y[k - 1]) * (x[k] - x[k - 1])).sum()
+    }
+}
+
+/// The folder of the shipped cases.
+pub fn cases() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("the workspace").join("cases")
+}
+
+/// Every shipped case file, sorted.
+pub fn case_files() -> Vec<PathBuf> {
+    fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
+        for entry in std::fs::read_dir(folder).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                collect(&path, files);
+            } else if path.extension().is_some_and(|extension| extension == "json") {
+                files.push(path);
+            }
+        }
+    }
+    let mut files = Vec::new();
+    collect(&cases(), &mut files);
+    files.sort();
+    assert!(files.len() > 40, "{} case files", files.len());
+    files
+}
+
+/// The laws that are shipped.
+pub const LAWS: [&str; 9] = [
+    "biaxial_damage",
+    "bond_slip",
+    "concrete_damage",
+    "drucker_prager",
+    "inelastic_damage",
+    "j2_plasticity",
+    "linear_elastic",
+    "pure_damage",
+    "reverse_cyclic_damage",
+];

@@ -1,0 +1,132 @@
+//! What the README shows works as it stands there: its blocks are taken out, built and run. The UMATs of other
+//! languages in `tests/umats/` are driven by the program beside the plugin of the same law.
+
+mod program;
+
+use end_to_end_tests::{Tool, find, run, workspace};
+use program::{Desk, Run};
+use serde_json::json;
+use std::path::Path;
+use std::process::Command;
+
+/// The fenced blocks of a language, in order.
+fn blocks(language: &str) -> Vec<String> {
+    let text = std::fs::read_to_string(workspace("README.md")).expect("README.md");
+    let fence = format!("```{language}\n");
+    text.split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
+}
+
+/// Largest difference of two runs' stresses and free strains, relative to the largest entry of each column.
+fn difference(a: &Run, b: &Run) -> f64 {
+    let mut worst = 0.0_f64;
+    for name in ["e11", "e22", "e33", "g12", "s11", "s22", "s33", "s12"] {
+        let (a, b) = (a.history.column(name), b.history.column(name));
+        assert_eq!(a.len(), b.len());
+        let scale = a.iter().fold(1e-300_f64, |m, x| m.max(x.abs()));
+        // a component that is free of stress everywhere holds what the iteration left
+        if scale > 1e-7 || name.starts_with(['e', 'g']) {
+            worst = a.iter().zip(&b).fold(worst, |m, (a, b)| m.max((a - b).abs() / scale));
+        }
+    }
+    worst
+}
+
+/// The README's case with a library built from its Fortran or C block, against `linear_elastic`.
+fn umat_of_the_readme(tool: Tool, language: &str, file: &str) {
+    let Some(mut compiler) = find(tool) else { return };
+    let desk = Desk::new();
+    let source = desk.write(file, &blocks(language)[0]);
+    let library = desk.path("libmy_umat.so");
+    run(compiler.args(["-shared", "-fPIC", "-O2", "-o"]).arg(&library).arg(source));
+    let case = desk.write("case.json", &blocks("json")[1]);
+    let theirs = desk.run(&case, &[], "theirs", 0);
+    let ours = desk.run(&case, &["material={\"plugin\": \"linear_elastic\", \"props\": [31800.0, 0.18]}"], "ours", 0);
+    assert!((theirs.history.last("s11") - 31.8).abs() < 1e-10);
+    assert!(difference(&ours, &theirs) < 1e-12);
+    let check = ["plugin", "check", "./libmy_umat.so", "--case", "case.json", "--states", "20"];
+    let verdict = desk.pullout(check).expect(0).stdout;
+    assert!(verdict.contains("consistent"), "{verdict}");
+}
+
+#[test]
+fn the_fortran_umat_runs_and_passes_the_check() {
+    umat_of_the_readme(Tool::Fortran, "fortran", "my_umat.f");
+}
+
+#[test]
+fn the_c_umat_runs_and_passes_the_check() {
+    umat_of_the_readme(Tool::C, "c", "my_umat.c");
+}
+
+#[test]
+fn the_first_case_runs_and_unloads() {
+    let desk = Desk::new();
+    let case = desk.write("case.json", &blocks("json")[0]);
+    let run = desk.run(&case, &[], "out", 0);
+    assert!(run.peak("s11", "min") < -27.0);
+    assert!(run.history.last("s11").abs() < 1e-7, "unloaded");
+    assert!(run.history.last("e11") < -1e-4, "inelastic strain stays");
+}
+
+#[test]
+fn the_rust_law_builds_and_passes_the_check() {
+    let desk = Desk::new();
+    let contract = workspace("umat-abi");
+    let manifest = blocks("toml")[0].replace("../pullout/umat-abi", &contract.to_string_lossy());
+    desk.write("Cargo.toml", &format!("{manifest}\n[workspace]\n"));
+    desk.write("src/lib.rs", &blocks("rust")[0]);
+    let cargo = option_env!("CARGO").unwrap_or("cargo");
+    let target = desk.path("target");
+    // the versions that this workspace uses, so that nothing has to be looked up
+    std::fs::copy(workspace("Cargo.lock"), desk.path("Cargo.lock")).expect("Cargo.lock");
+    run(Command::new(cargo).current_dir(desk.path(".")).env("CARGO_TARGET_DIR", &target).args([
+        "build",
+        "--release",
+        "--offline",
+        "--quiet",
+    ]));
+    let library = target.join("release").join("libhyperbolic.so");
+    let check = desk.pullout(["plugin", "check", &library.to_string_lossy()]);
+    let verdict = check.expect(0).stdout;
+    assert!(verdict.contains("none failed"), "{verdict}");
+    assert!(desk.pullout(["plugin", "info", &library.to_string_lossy()]).expect(0).stdout.contains("gamma_r"));
+}
+
+/// A J2 UMAT in another language along strain cycles, against `j2_plasticity`.
+fn plasticity_in(tool: Tool, file: &str) {
+    let Some(mut compiler) = find(tool) else { return };
+    let desk = Desk::new();
+    let library = desk.path("libforeign.so");
+    let source = workspace("tests/umats").join(file);
+    let include = workspace("umat-abi/include");
+    run(compiler.args(["-shared", "-fPIC", "-O2", "-o"]).arg(&library).arg(source).arg("-I").arg(include).arg("-lm"));
+    // all strains given: both libraries see the same path to the last bit
+    let steps = [0.01, -0.01, 0.02].map(|e| {
+        let target =
+            json!({ "e11": e, "e22": -0.4 * e, "e33": -0.3 * e, "g12": 0.5 * e, "g13": 0.2 * e, "g23": "hold" });
+        json!({ "increments": 50, "target": target })
+    });
+    let case = |material: serde_json::Value| json!({ "kind": "point", "title": file, "material": material, "mode": "3d", "steps": steps });
+    let props = [210_000.0, 0.3, 347.0, 2100.0];
+    let theirs = case(json!({ "plugin": library, "props": props, "nstatv": STATES_OF_THE_FOREIGN_UMAT }));
+    let table = [[347.0, 0.0], [347.0 + 2100.0 * 10.0, 10.0]];
+    let ours = case(json!({ "plugin": "j2_plasticity", "props": { "E": 210_000.0, "nu": 0.3, "hardening": table } }));
+    let theirs = desk.run(&desk.case("theirs.json", &theirs), &[], "theirs", 0);
+    let ours = desk.run(&desk.case("ours.json", &ours), &[], "ours", 0);
+    assert!(ours.peak("s11", "max") > 347.0);
+    assert!(difference(&ours, &theirs) < 1e-12, "{file}: {:e}", difference(&ours, &theirs));
+    assert!(Path::new(&theirs.folder).join("report.html").is_file());
+}
+
+/// Equivalent plastic strain and six plastic strains.
+const STATES_OF_THE_FOREIGN_UMAT: usize = 7;
+
+#[test]
+fn plasticity_in_fortran_follows_the_plugin() {
+    plasticity_in(Tool::Fortran, "j2.f90");
+}
+
+#[test]
+fn plasticity_in_c_follows_the_plugin() {
+    plasticity_in(Tool::C, "j2.c");
+}

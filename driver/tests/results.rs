@@ -1,0 +1,254 @@
+//! The files that a run leaves: columns, lines, and what is kept of a run that fails or is killed.
+
+mod program;
+
+use program::{Desk, Table, command, json};
+use serde_json::{Value, json};
+use std::time::{Duration, Instant};
+
+fn point(material: Value, steps: Value) -> Value {
+    json!({ "kind": "point", "title": "a point", "material": material, "mode": "3d", "steps": steps })
+}
+
+fn interface(material: Value, steps: Value) -> Value {
+    json!({ "kind": "interface", "title": "an interface", "material": material, "steps": steps })
+}
+
+fn elastic() -> Value {
+    json!({ "plugin": "linear_elastic", "props": { "E": 1000.0, "nu": 0.25 } })
+}
+
+#[test]
+fn columns_of_a_material_point() {
+    let desk = Desk::new();
+    let case = point(json!({ "plugin": "pure_damage" }), json!([ { "increments": 1, "target": { "e11": 1e-5 } } ]));
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    let expected = "step,increment,time,e11,e22,e33,g12,g13,g23,s11,s22,s33,s12,s13,s23,eta,Y_max,strain_33,\
+                    dissipated_energy,D,sse,spd,scd,iterations";
+    assert_eq!(run.history.columns.join(","), expected);
+    assert_eq!(run.history.rows[0][..3], [0.0, 0.0, 0.0]);
+    // in plane stress e33 comes from the law
+    let run = desk.run(&desk.path("case.json"), &["mode=plane_stress"], "plane", 0);
+    assert_eq!(run.history.columns.join(","), expected);
+    assert!((run.history.last("e33") / -0.18e-5 - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn columns_of_large_deformation() {
+    let desk = Desk::new();
+    let steps = json!([ { "increments": 2, "F": [[1.1, 0, 0], [0, 1, 0], [0, 0, 1]] } ]);
+    let mut case = point(elastic(), steps);
+    case["nlgeom"] = json!(true);
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    let expected = "s13,s23,F11,F12,F13,F21,F22,F23,F31,F32,F33,strain_33,dissipated_energy,sse,spd,scd,iterations";
+    assert!(run.history.columns.join(",").ends_with(expected), "{:?}", run.history.columns);
+    assert_eq!(run.history.column("F11"), [1.0, 1.05, 1.1]);
+}
+
+#[test]
+fn columns_of_a_contact_point() {
+    let desk = Desk::new();
+    let states = "slip_1,slip_2,side,kappa,g_pl_1,g_pl_2,g_s_1,g_s_2,open,opening,d,dissipated_energy";
+    for entry in ["uinter", "fric"] {
+        let material = json!({ "plugin": "bond_slip", "entry": entry, "props": { "normal_stiffness": 1e5 } });
+        let case = interface(material, json!([ { "increments": 2, "target": { "slip": 0.1, "p": 3.0 } } ]));
+        let run = desk.run(&desk.case(&format!("{entry}.json"), &case), &[], entry, 0);
+        let columns = run.history.columns.join(",");
+        assert_eq!(columns, format!("step,increment,time,slip,gap,tau,p,{states},sed,sfd,spd,svd,scd,iterations"));
+        assert!((run.history.last("p") - 3.0).abs() < 1e-7);
+        assert_eq!(run.history.column("gap").iter().all(|gap| gap.is_nan()), entry == "fric");
+    }
+}
+
+#[test]
+fn numbers_are_read_and_written_exactly() {
+    let desk = Desk::new();
+    // both need correct rounding: a fast parser is off by the last bit
+    let (strain, modulus) = (0.000_199_334_792_362_374_94, 31_800.000_000_000_004);
+    let material = json!({ "plugin": "linear_elastic", "props": { "E": modulus, "nu": 0.0 } });
+    let case = point(material, json!([ { "increments": 1, "target": { "e11": strain } } ]));
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    assert_eq!(run.history.last("e11").to_bits(), f64::to_bits(strain));
+    assert!((run.history.last("s11") / (modulus * strain) - 1.0).abs() < 1e-15);
+    let text = std::fs::read_to_string(run.folder.join("history.csv")).expect("a history");
+    assert!(text.contains(",0.00019933479236237494,"), "{text}");
+}
+
+#[test]
+fn a_table_makes_one_line_per_row() {
+    let desk = Desk::new();
+    let values = [0.001, 0.0007000000000000001, -0.3e-3, 0.0];
+    let rows: Vec<String> = values.iter().zip([0.5, 0.75, 3.0, 10.0]).map(|(e, t)| format!("{t}, {e}, 2")).collect();
+    desk.write("path.csv", &format!("# measured\ntime, e11, s22\n{}\n", rows.join("\n# a remark\n")));
+    let steps = json!([ { "increments": 2, "target": { "e11": 1e-4, "s22": 2 } }, { "table": "path.csv" } ]);
+    let run = desk.run(&desk.case("case.json", &point(elastic(), steps)), &[], "out", 0);
+    assert_eq!(run.history.column("step"), [0.0, 1.0, 1.0, 2.0, 2.0, 2.0, 2.0]);
+    assert_eq!(run.history.column("increment"), [0.0, 1.0, 2.0, 1.0, 2.0, 3.0, 4.0]);
+    // step time in the table, total time in the history
+    assert_eq!(run.history.column("time"), [0.0, 0.5, 1.0, 1.5, 1.75, 4.0, 11.0]);
+    assert_eq!(run.history.column("e11")[3..], values);
+    assert!(run.history.column("s22")[3..].iter().all(|s| (s - 2.0).abs() < 1e-7));
+}
+
+#[test]
+fn a_table_of_a_contact_point() {
+    let desk = Desk::new();
+    let slips = [0.0005, 0.1, 0.05, -0.01];
+    let text: String = slips.iter().map(|slip| format!("{slip}\n")).collect();
+    desk.write("path.csv", &format!("slip\n{text}"));
+    let case = interface(json!({ "plugin": "bond_slip" }), json!([ { "table": "path.csv" } ]));
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    assert_eq!(run.history.column("slip")[1..], slips);
+    assert_eq!(run.history.column("time"), [0.0, 1.0, 2.0, 3.0, 4.0]);
+}
+
+#[test]
+fn a_thinned_history_keeps_the_ends_and_all_peaks() {
+    let desk = Desk::new();
+    let steps = json!([
+        { "increments": 20, "target": { "e11": 0.001 } },
+        { "increments": 5, "target": { "e11": 0.0 } },
+    ]);
+    let run = desk.run(&desk.case("case.json", &point(elastic(), steps)), &["output.every=7"], "out", 0);
+    assert_eq!(run.history.column("increment"), [0.0, 7.0, 14.0, 20.0, 5.0]);
+    assert_eq!(run.summary["increments"], 25);
+    assert!((run.peak("s11", "max") - 1.0).abs() < 1e-12);
+}
+
+#[test]
+fn until_keeps_its_row_and_ends_well() {
+    let desk = Desk::new();
+    let mut case = point(
+        elastic(),
+        json!([
+            { "increments": 10, "target": { "e11": -0.01 }, "until": { "quantity": "s11", "less_than": -3.5 } },
+            { "increments": 10, "target": { "e11": -0.02 } },
+            { "increments": 10, "target": { "e11": 0.0 } },
+        ]),
+    );
+    case["until"] = json!({ "quantity": "abs(e11)", "greater_than": 0.01 });
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    // step 1 ends at e11 = -0.004; the ramp of step 2 starts there and passes 0.01 in its fourth increment
+    assert_eq!(run.history.column("step").iter().filter(|&&step| step == 1.0).count(), 4);
+    assert_eq!((run.history.last("step"), run.history.last("increment")), (2.0, 4.0));
+    assert!((run.history.last("e11") + 0.0104).abs() < 1e-15);
+    assert_eq!(run.summary["status"], "done");
+}
+
+#[test]
+fn cycles_count_their_steps_on() {
+    let desk = Desk::new();
+    let steps = json!([
+        { "increments": 1, "target": { "e11": 0.001 } },
+        { "repeat": 3, "steps": [
+            { "increments": 2, "target": { "e11": 0.002 } },
+            { "increments": 1, "target": { "e11": 0.0 } },
+        ] },
+        { "increments": 1, "target": { "e11": 0.001 } },
+    ]);
+    let run = desk.run(&desk.case("case.json", &point(elastic(), steps)), &[], "out", 0);
+    assert_eq!(run.history.column("step"), [0.0, 1.0, 2.0, 2.0, 3.0, 4.0, 4.0, 5.0, 6.0, 6.0, 7.0, 8.0]);
+    assert_eq!(run.history.column("increment"), [0.0, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0, 2.0, 1.0, 1.0]);
+    assert_eq!(run.history.last("time"), 8.0);
+    let turning: Vec<f64> = [2, 4, 5, 7].map(|k| run.history.column("e11")[k]).to_vec();
+    assert_eq!(turning, [0.0015, 0.0, 0.001, 0.0]);
+}
+
+/// The case fails; its replay fails in the same way, and so does the replay's replay. `stuck`: not even a piece of
+/// the increment succeeds, so that the point stays where it is.
+fn fails_and_replays(desk: &Desk, case: &Value, expected: &[&str], stuck: bool) -> Table {
+    let run = desk.run(&desk.case("case.json", case), &[], "out", 1);
+    assert_eq!(run.summary["status"], "failed");
+    for text in expected {
+        assert!(run.outcome.stderr.contains(text), "'{text}' is not in {}", run.outcome.stderr);
+        assert!(run.summary["message"].as_str().is_some_and(|message| message.contains(text)));
+    }
+    assert!(run.folder.join("report.html").is_file() && run.folder.join("plots").is_dir());
+    let mut replay = run.folder.join("replay.json");
+    desk.pullout(["check".as_ref(), replay.as_os_str()]).expect(0);
+    for out in ["again", "and_again"] {
+        let again = desk.run(&replay, &[], out, 1);
+        for text in expected.iter().filter(|text| !text.starts_with("step ")) {
+            assert!(again.outcome.stderr.contains(text), "'{text}' is not in {}", again.outcome.stderr);
+        }
+        assert!(again.outcome.stderr.contains("step 1, increment 1"), "{}", again.outcome.stderr);
+        let next = again.folder.join("replay.json");
+        if stuck {
+            // the replay starts where the run stopped, bit by bit
+            assert_eq!(json(&replay)["initial"], json(&next)["initial"]);
+        }
+        assert_eq!(json(&replay)["title"], json(&next)["title"]);
+        replay = next;
+    }
+    run.history
+}
+
+#[test]
+fn stress_control_past_the_peak_is_refused_and_replayed() {
+    let desk = Desk::new();
+    let steps = json!([
+        { "increments": 10, "target": { "s11": 3.0 } },
+        { "increments": 20, "target": { "s11": 4.0 } },
+    ]);
+    let expected = [
+        "plugin 'concrete_damage', ",
+        "step 2, increment 11",
+        "stress control cannot pass a peak",
+        "control e11 by strain",
+    ];
+    let history = fails_and_replays(&desk, &point(json!({ "plugin": "concrete_damage" }), steps), &expected, true);
+    assert_eq!(history.rows.len(), 21);
+    assert_eq!((history.last("step"), history.last("increment")), (2.0, 10.0));
+    assert!((history.last("s11") - 3.5).abs() < 1e-6);
+}
+
+#[test]
+fn the_component_to_control_is_the_one_that_is_ramped() {
+    let desk = Desk::new();
+    let steps = json!([ { "increments": 10, "target": { "s12": 6.0 } } ]);
+    let mut case = point(json!({ "plugin": "concrete_damage" }), steps);
+    case["mode"] = json!("plane_stress");
+    fails_and_replays(&desk, &case, &["stress control cannot pass a peak", "control g12 by strain"], false);
+}
+
+#[test]
+fn a_contact_that_does_not_carry_is_refused_and_replayed() {
+    let desk = Desk::new();
+    let material = json!({ "plugin": "bond_slip", "props": { "normal_law": "soft", "normal_stiffness": 1e5 } });
+    let steps = json!([
+        { "increments": 5, "target": { "slip": 0.1, "p": 3.0 } },
+        { "increments": 6, "target": { "p": -3.0 } },
+    ]);
+    let expected = ["plugin 'bond_slip', ", "step 2, increment 4", "no gap found for p", "control gap instead"];
+    let history = fails_and_replays(&desk, &interface(material, steps), &expected, true);
+    assert_eq!(history.rows.len(), 9);
+}
+
+#[test]
+fn a_killed_run_leaves_whole_lines() {
+    const LINES: usize = 20_000;
+    let desk = Desk::new();
+    let steps = json!([ { "increments": 100_000_000, "target": { "e11": 0.001 } } ]);
+    let case = desk.case("case.json", &point(json!({ "plugin": "concrete_damage" }), steps));
+    let mut process = command();
+    process.args(["run", "--quiet", "--out"]).arg(desk.path("out")).arg(case);
+    let mut child = process.spawn().expect("the program starts");
+    let history = desk.path("out/history.csv");
+    let enough = |bytes: u64| bytes > 100 * LINES as u64;
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !std::fs::metadata(&history).is_ok_and(|file| enough(file.len())) {
+        assert!(
+            Instant::now() < deadline && child.try_wait().expect("a child").is_none(),
+            "too few lines were written"
+        );
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    // SIGKILL
+    child.kill().expect("a child");
+    child.wait().expect("a child");
+    let table = Table::read(&history);
+    assert!(table.rows.len() > LINES / 4, "{} lines", table.rows.len());
+    let increments = table.column("increment");
+    assert!(increments.iter().enumerate().all(|(k, &increment)| increment == k as f64));
+    assert!(!desk.path("out/summary.json").exists());
+}

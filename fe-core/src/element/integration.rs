@@ -1,0 +1,101 @@
+//! Integration rules on the reference elements.
+
+use super::ElementKind;
+
+/// How many points an element is integrated with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Integration {
+    /// Exact for the stiffness of an undistorted element.
+    Full,
+    /// One order less: Q8 with 2×2 points.
+    Reduced,
+}
+
+impl std::fmt::Display for Integration {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        formatter.write_str(match self {
+            Self::Full => "full",
+            Self::Reduced => "reduced",
+        })
+    }
+}
+
+/// A point of a rule on a reference element.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct IntegrationPoint {
+    /// (ξ, η).
+    pub coordinates: [f64; 2],
+    /// Weight; they sum to the area of the reference element.
+    pub weight: f64,
+}
+
+impl ElementKind {
+    /// The integration of this kind where nobody asked for another: reduced for Q8, full for the rest.
+    pub const fn default_integration(self) -> Integration {
+        match self {
+            Self::T3 | Self::T6 | Self::Q4 => Integration::Full,
+            Self::Q8 => Integration::Reduced,
+        }
+    }
+
+    /// The points of a rule; `None` where this kind has no such rule (see the module's table).
+    pub const fn integration_points(self, integration: Integration) -> Option<&'static [IntegrationPoint]> {
+        match integration {
+            Integration::Full => Some(self.full_integration_points()),
+            Integration::Reduced => match self {
+                Self::Q8 => Some(&GAUSS_2X2),
+                Self::T3 | Self::T6 | Self::Q4 => None,
+            },
+        }
+    }
+
+    /// The points of the full rule, which every kind has.
+    pub const fn full_integration_points(self) -> &'static [IntegrationPoint] {
+        match self {
+            Self::T3 => &CENTROID,
+            Self::T6 => &TRIANGLE_3,
+            Self::Q4 => &GAUSS_2X2,
+            Self::Q8 => &GAUSS_3X3,
+        }
+    }
+}
+
+/// 1/√3.
+const GAUSS_2_ABSCISSA: f64 = 0.577_350_269_189_625_8;
+/// √(3/5).
+const GAUSS_3_ABSCISSA: f64 = 0.774_596_669_241_483_4;
+
+const THIRD: f64 = 1.0 / 3.0;
+const SIXTH: f64 = 1.0 / 6.0;
+
+static CENTROID: [IntegrationPoint; 1] = [IntegrationPoint { coordinates: [THIRD, THIRD], weight: 0.5 }];
+
+/// The interior three-point rule: its points do not lie on edges, where neighbours would share them.
+static TRIANGLE_3: [IntegrationPoint; 3] = [
+    IntegrationPoint { coordinates: [SIXTH, SIXTH], weight: SIXTH },
+    IntegrationPoint { coordinates: [4.0 * SIXTH, SIXTH], weight: SIXTH },
+    IntegrationPoint { coordinates: [SIXTH, 4.0 * SIXTH], weight: SIXTH },
+];
+
+static GAUSS_2X2: [IntegrationPoint; 4] = product([-GAUSS_2_ABSCISSA, GAUSS_2_ABSCISSA], [1.0, 1.0]);
+
+static GAUSS_3X3: [IntegrationPoint; 9] =
+    product([-GAUSS_3_ABSCISSA, 0.0, GAUSS_3_ABSCISSA], [5.0 / 9.0, 8.0 / 9.0, 5.0 / 9.0]);
+
+/// The product of a rule on −1 … 1 with itself, ξ running fastest; POINTS = COUNT².
+const fn product<const COUNT: usize, const POINTS: usize>(
+    abscissae: [f64; COUNT],
+    weights: [f64; COUNT],
+) -> [IntegrationPoint; POINTS] {
+    let mut points = [IntegrationPoint { coordinates: [0.0; 2], weight: 0.0 }; POINTS];
+    let mut index = 0;
+    while index < POINTS {
+        let (column, row) = (index % COUNT, index / COUNT);
+        points[index] = IntegrationPoint {
+            coordinates: [abscissae[column], abscissae[row]],
+            weight: weights[column] * weights[row],
+        };
+        index += 1;
+    }
+    points
+}

@@ -1,0 +1,126 @@
+#![doc = include_str!("doc.md")]
+
+mod edge;
+mod integration;
+mod mapping;
+mod quadrilateral;
+mod triangle;
+
+pub use edge::{EdgeKind, EdgePoint, LinePoint, gauss_legendre};
+pub use integration::{Integration, IntegrationPoint};
+pub use mapping::{MappedPoint, MappingError, area, characteristic_length};
+
+#[cfg(test)]
+mod test;
+
+/// The most nodes that an element has.
+pub const MAX_NODES: usize = 8;
+
+/// The kinds of element; the module's page has their node numbering.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ElementKind {
+    /// Triangle, 3 nodes, linear.
+    T3,
+    /// Triangle, 6 nodes, quadratic.
+    T6,
+    /// Quadrilateral, 4 nodes, bilinear.
+    Q4,
+    /// Quadrilateral, 8 nodes, quadratic (serendipity).
+    Q8,
+}
+
+/// Shape functions of an element at one point, with their derivatives by two coordinates.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ShapeFunctions {
+    count: usize,
+    values: [f64; MAX_NODES],
+    derivatives: [[f64; 2]; MAX_NODES],
+}
+
+impl ShapeFunctions {
+    /// Of an element with `count` nodes, all zero.
+    fn zero(count: usize) -> Self {
+        Self { count, values: [0.0; MAX_NODES], derivatives: [[0.0; 2]; MAX_NODES] }
+    }
+
+    /// Nᵢ, one for each node.
+    pub fn values(&self) -> &[f64] {
+        &self.values[..self.count]
+    }
+
+    /// The two derivatives of each Nᵢ: by (ξ, η) from [`ElementKind::shape_functions`], by (x, y) in a
+    /// [`MappedPoint`].
+    pub fn derivatives(&self) -> &[[f64; 2]] {
+        &self.derivatives[..self.count]
+    }
+}
+
+impl ElementKind {
+    /// All kinds.
+    pub const ALL: [Self; 4] = [Self::T3, Self::T6, Self::Q4, Self::Q8];
+
+    /// How many nodes it has.
+    pub const fn node_count(self) -> usize {
+        match self {
+            Self::T3 => 3,
+            Self::Q4 => 4,
+            Self::T6 => 6,
+            Self::Q8 => 8,
+        }
+    }
+
+    /// How many corners it has, and edges.
+    pub const fn corner_count(self) -> usize {
+        match self {
+            Self::T3 | Self::T6 => 3,
+            Self::Q4 | Self::Q8 => 4,
+        }
+    }
+
+    /// The kind of its edges.
+    pub const fn edge_kind(self) -> EdgeKind {
+        match self {
+            Self::T3 | Self::Q4 => EdgeKind::Linear,
+            Self::T6 | Self::Q8 => EdgeKind::Quadratic,
+        }
+    }
+
+    /// Local nodes of an edge: start, end, middle; two of them on linear edges. Edges are taken modulo their number.
+    pub fn edge_nodes(self, edge: usize) -> ([usize; 3], usize) {
+        let corners = self.corner_count();
+        let start = edge % corners;
+        ([start, (start + 1) % corners, corners + start], self.edge_kind().node_count())
+    }
+
+    /// (ξᵢ, ηᵢ) of each node.
+    pub fn reference_coordinates(self) -> &'static [[f64; 2]] {
+        match self {
+            Self::T3 | Self::T6 => &triangle::COORDINATES[..self.node_count()],
+            Self::Q4 | Self::Q8 => &quadrilateral::COORDINATES[..self.node_count()],
+        }
+    }
+
+    /// The area of the reference element: ½ or 4.
+    pub fn reference_area(self) -> f64 {
+        match self {
+            Self::T3 | Self::T6 => 0.5,
+            Self::Q4 | Self::Q8 => 4.0,
+        }
+    }
+
+    /// Shape functions at (ξ, η) and their derivatives by ξ and η.
+    pub fn shape_functions(self, reference: [f64; 2]) -> ShapeFunctions {
+        match self {
+            Self::T3 => triangle::linear(reference),
+            Self::T6 => triangle::quadratic(reference),
+            Self::Q4 => quadrilateral::bilinear(reference),
+            Self::Q8 => quadrilateral::serendipity(reference),
+        }
+    }
+}
+
+impl std::fmt::Display for ElementKind {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        std::fmt::Debug::fmt(self, formatter)
+    }
+}

@@ -1,0 +1,137 @@
+//! How elements are connected: neighbours across edges, and boundaries.
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use super::{EdgeNodes, Element, ElementEdge, Mesh, MeshError};
+
+/// For each edge of each element the one on its other side.
+#[derive(Clone, Debug)]
+pub(super) struct Topology {
+    neighbours: Vec<[Option<ElementEdge>; 4]>,
+}
+
+impl Topology {
+    /// Finds the neighbours by the corner nodes of edges.
+    pub(super) fn new(elements: &[Element]) -> Result<Self, MeshError> {
+        let mut neighbours: Vec<[Option<ElementEdge>; 4]> = vec![[None; 4]; elements.len()];
+        let mut first_with: HashMap<[usize; 2], ElementEdge> = HashMap::with_capacity(2 * elements.len());
+        for (index, element) in elements.iter().enumerate() {
+            for edge in 0..element.kind.corner_count() {
+                let this = ElementEdge { element: index, edge };
+                let [start, end, _] = element.edge_nodes(edge).nodes;
+                match first_with.entry([start.min(end), start.max(end)]) {
+                    Entry::Vacant(vacant) => {
+                        vacant.insert(this);
+                    }
+                    Entry::Occupied(occupied) => {
+                        let other = *occupied.get();
+                        if let Some(second) = neighbours[other.element][other.edge] {
+                            let elements = [other.element, second.element, index];
+                            return Err(MeshError::CrowdedEdge { elements, nodes: [start, end] });
+                        }
+                        check_match(elements, other, this)?;
+                        neighbours[other.element][other.edge] = Some(this);
+                        neighbours[this.element][this.edge] = Some(other);
+                    }
+                }
+            }
+        }
+        Ok(Self { neighbours })
+    }
+}
+
+/// Two edges of the same corners: opposite directions, same middle.
+fn check_match(elements: &[Element], first: ElementEdge, second: ElementEdge) -> Result<(), MeshError> {
+    let edges = [first, second].map(|edge| elements[edge.element].edge_nodes(edge.edge));
+    let pair = [first.element, second.element];
+    let nodes = [edges[0].nodes[0], edges[0].nodes[1]];
+    if edges[0].nodes[0] == edges[1].nodes[0] {
+        return Err(MeshError::Overlap { elements: pair, nodes });
+    }
+    let middles = edges.map(|edge| edge.nodes().get(2).copied());
+    if middles[0] != middles[1] {
+        return Err(MeshError::MiddleNode { elements: pair, nodes, middles });
+    }
+    Ok(())
+}
+
+impl Element {
+    /// The nodes of one of its edges; edges are taken modulo their number.
+    pub fn edge_nodes(&self, edge: usize) -> EdgeNodes {
+        let (local, count) = self.kind.edge_nodes(edge);
+        let mut nodes = [0; 3];
+        for position in 0..count {
+            nodes[position] = self.nodes[local[position]];
+        }
+        EdgeNodes { kind: self.kind.edge_kind(), nodes }
+    }
+}
+
+impl Mesh {
+    /// The nodes of an element's edge.
+    pub fn edge_nodes(&self, edge: ElementEdge) -> EdgeNodes {
+        self.elements[edge.element].edge_nodes(edge.edge)
+    }
+
+    /// The same edge as the element on its other side has it; `None` on the boundary.
+    pub fn neighbour(&self, edge: ElementEdge) -> Option<ElementEdge> {
+        self.topology.neighbours[edge.element][edge.edge]
+    }
+
+    /// All edges of all elements, element by element; inner ones come twice, once from each side.
+    pub fn edges(&self) -> impl Iterator<Item = ElementEdge> {
+        self.elements.iter().enumerate().flat_map(|(element, definition)| {
+            (0..definition.kind.corner_count()).map(move |edge| ElementEdge { element, edge })
+        })
+    }
+
+    /// The edges that belong to one element only, element by element.
+    pub fn boundary_edges(&self) -> impl Iterator<Item = ElementEdge> {
+        self.edges().filter(|&edge| self.neighbour(edge).is_none())
+    }
+
+    /// The edges of a part with nothing or with another part on their other side, element by element.
+    pub fn part_boundary_edges(&self, part: usize) -> impl Iterator<Item = ElementEdge> {
+        let part_of = |edge: ElementEdge| self.elements[edge.element].part;
+        self.edges().filter(move |&edge| {
+            part_of(edge) == part && self.neighbour(edge).is_none_or(|other| part_of(other) != part)
+        })
+    }
+
+    /// The boundary as closed loops of edges, each starting at its first edge: counter-clockwise around bodies,
+    /// clockwise around holes. Bodies that touch in a node only stay apart there.
+    pub fn boundary_loops(&self) -> Vec<Vec<ElementEdge>> {
+        let mut visited = vec![[false; 4]; self.elements.len()];
+        let mut loops = Vec::new();
+        for first in self.boundary_edges() {
+            let mut chain = Vec::new();
+            let mut current = first;
+            while !visited[current.element][current.edge] {
+                visited[current.element][current.edge] = true;
+                chain.push(current);
+                current = self.next_boundary_edge(current);
+            }
+            if !chain.is_empty() {
+                loops.push(chain);
+            }
+        }
+        loops
+    }
+
+    /// The boundary edge after this one. Turns about its end node through the elements there, one by one: nothing is
+    /// ambiguous where bodies touch. It ends, for turning is one-to-one and a boundary edge has nothing before it.
+    fn next_boundary_edge(&self, edge: ElementEdge) -> ElementEdge {
+        let mut next = self.next_in_element(edge);
+        while let Some(other) = self.neighbour(next) {
+            next = self.next_in_element(other);
+        }
+        next
+    }
+
+    /// The edge that starts in its element where this one ends.
+    fn next_in_element(&self, edge: ElementEdge) -> ElementEdge {
+        let count = self.elements[edge.element].kind.corner_count();
+        ElementEdge { element: edge.element, edge: (edge.edge + 1) % count }
+    }
+}

@@ -1,0 +1,159 @@
+//! The checks of a mesh definition, but for its connections, which [`super::topology`] checks as it finds them.
+
+use std::collections::{BTreeMap, HashSet};
+
+use super::{Element, ElementDefinition, MeshDefinition, MeshError, SetKind};
+use crate::element::{IntegrationPoint, MAX_NODES, MappedPoint};
+use crate::kinematics::PlaneModel;
+
+/// det J below this fraction of the square of the element's diagonal is refused. It is a difference of products as large
+/// as that square, so rounding leaves about 1e-16 of it: 1e-10 keeps six digits and still allows slivers of 1 : 1e9.
+pub const SMALLEST_RELATIVE_DETERMINANT: f64 = 1e-10;
+
+pub(super) fn check_nodes(definition: &MeshDefinition) -> Result<(), MeshError> {
+    match definition.nodes.iter().position(|position| !position.iter().all(|x| x.is_finite())) {
+        Some(node) => Err(MeshError::Position { node, position: definition.nodes[node] }),
+        None => Ok(()),
+    }
+}
+
+pub(super) fn check_parts(definition: &MeshDefinition) -> Result<(), MeshError> {
+    let mut first_with = BTreeMap::new();
+    for (second, part) in definition.parts.iter().enumerate() {
+        if let Some(first) = first_with.insert(part.name.as_str(), second) {
+            return Err(MeshError::PartName { name: part.name.clone(), first, second });
+        }
+        if !(part.thickness > 0.0 && part.thickness.is_finite()) {
+            return Err(MeshError::Thickness { part: part.name.clone(), thickness: part.thickness });
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn checked_elements(definition: &MeshDefinition) -> Result<Vec<Element>, MeshError> {
+    if definition.elements.is_empty() {
+        return Err(MeshError::NoElements);
+    }
+    (0..definition.elements.len()).map(|element| checked_element(definition, element)).collect()
+}
+
+fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Element, MeshError> {
+    check_node_indices(definition, element)?;
+    let ElementDefinition { kind, part: part_index, ref nodes } = definition.elements[element];
+    let count = definition.parts.len();
+    let part =
+        definition.parts.get(part_index).ok_or(MeshError::PartIndex { element, kind, part: part_index, count })?;
+    let integration = part.integration.unwrap_or(kind.default_integration());
+    let points = kind.integration_points(integration).ok_or_else(|| MeshError::Integration {
+        element,
+        kind,
+        part: part.name.clone(),
+        integration,
+    })?;
+    if part.model == PlaneModel::Axisymmetric
+        && let Some(&node) = nodes.iter().find(|&&node| definition.nodes[node][0] < 0.0)
+    {
+        let radius = definition.nodes[node][0];
+        return Err(MeshError::Radius { element, kind, part: part.name.clone(), node, radius });
+    }
+    let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| definition.nodes[node]).collect();
+    checked_area(definition, element, &positions, points)?;
+    // Any rule gives the area; the full one sees folds that the reduced one misses.
+    let area = checked_area(definition, element, &positions, kind.full_integration_points())?;
+    let mut indices = [0; MAX_NODES];
+    indices[..nodes.len()].copy_from_slice(nodes);
+    Ok(Element { kind, part: part_index, nodes: indices, area })
+}
+
+fn check_node_indices(definition: &MeshDefinition, element: usize) -> Result<(), MeshError> {
+    let ElementDefinition { kind, ref nodes, .. } = definition.elements[element];
+    if nodes.len() != kind.node_count() {
+        return Err(MeshError::NodeCount { element, kind, found: nodes.len() });
+    }
+    let count = definition.nodes.len();
+    for (position, &node) in nodes.iter().enumerate() {
+        if node >= count {
+            return Err(MeshError::NodeIndex { element, kind, node, count });
+        }
+        if nodes[..position].contains(&node) {
+            return Err(MeshError::RepeatedNode { element, kind, node });
+        }
+    }
+    Ok(())
+}
+
+/// The area by these points, each of which must have a sound Jacobian and, about an axis, a radius.
+fn checked_area(
+    definition: &MeshDefinition,
+    element: usize,
+    positions: &[[f64; 2]],
+    points: &[IntegrationPoint],
+) -> Result<f64, MeshError> {
+    let ElementDefinition { kind, part, .. } = definition.elements[element];
+    let part = &definition.parts[part];
+    let mut area = 0.0;
+    let diagonal_squared = diagonal_squared(positions);
+    for (point, integration_point) in points.iter().enumerate() {
+        let MappedPoint { position: [radius, _], determinant, .. } =
+            MappedPoint::new(kind, positions, integration_point.coordinates).map_err(|source| MeshError::Jacobian {
+                element,
+                kind,
+                point,
+                source,
+            })?;
+        if determinant < SMALLEST_RELATIVE_DETERMINANT * diagonal_squared {
+            return Err(MeshError::Sliver { element, kind, point, determinant, diagonal_squared });
+        }
+        if part.model == PlaneModel::Axisymmetric && radius <= 0.0 {
+            return Err(MeshError::PointRadius { element, kind, part: part.name.clone(), point, radius });
+        }
+        area += integration_point.weight * determinant;
+    }
+    Ok(area)
+}
+
+/// The square of the diagonal of the box around these positions.
+fn diagonal_squared(positions: &[[f64; 2]]) -> f64 {
+    (0..2)
+        .map(|k| {
+            let (low, high) = positions
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[k]), high.max(p[k])));
+            (high - low) * (high - low)
+        })
+        .sum()
+}
+
+pub(super) fn check_sets(definition: &MeshDefinition) -> Result<(), MeshError> {
+    let count = definition.nodes.len();
+    for (name, nodes) in &definition.node_sets {
+        let mut seen = HashSet::new();
+        if nodes.is_empty() {
+            return Err(MeshError::EmptySet { kind: SetKind::Node, name: name.clone() });
+        }
+        for &node in nodes {
+            if node >= count {
+                return Err(MeshError::SetNode { name: name.clone(), node, count });
+            }
+            if !seen.insert(node) {
+                return Err(MeshError::SetNodeRepeated { name: name.clone(), node });
+            }
+        }
+    }
+    for (name, edges) in &definition.edge_sets {
+        let mut seen = HashSet::new();
+        if edges.is_empty() {
+            return Err(MeshError::EmptySet { kind: SetKind::Edge, name: name.clone() });
+        }
+        for &edge in edges {
+            let exists = definition.elements.get(edge.element).is_some_and(|e| edge.edge < e.kind.corner_count());
+            if !exists {
+                return Err(MeshError::SetEdge { name: name.clone(), element: edge.element, edge: edge.edge });
+            }
+            if !seen.insert(edge) {
+                return Err(MeshError::SetEdgeRepeated { name: name.clone(), element: edge.element, edge: edge.edge });
+            }
+        }
+    }
+    Ok(())
+}

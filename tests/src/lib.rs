@@ -1,0 +1,36 @@
+//! What the end-to-end tests share: where the plugins are, sample laws, one material point's memory as a
+//! host would own it, random strain paths, and the compilers of other languages.
+
+mod memory;
+mod path;
+mod sample;
+mod toolchain;
+
+pub use memory::PointMemory;
+pub use path::{Random, difference, strain_path};
+pub use sample::{LAWS, Sample, sample};
+pub use toolchain::{Tool, find, run};
+
+use std::path::{Path, PathBuf};
+
+/// The folder into which Cargo builds the plugins: that of the test program itself.
+///
+/// # Panics
+/// If the test program has no path.
+pub fn plugin_folder() -> PathBuf {
+    let program = std::env::current_exe().expect("the path of this program");
+    program.parent().expect("a program lies in a folder").to_path_buf()
+}
+
+/// The shared library of a plugin.
+pub fn plugin(name: &str) -> PathBuf {
+    plugin_folder().join(umat_abi::host::library_file_name(name))
+}
+
+/// A file of this crate or of its neighbours, relative to the workspace.
+///
+/// # Panics
+/// If the crate is no longer a folder of the workspace.
+pub fn workspace(file: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).parent().expect("tests/ lies in the workspace").join(file)
+}

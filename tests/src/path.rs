@@ -1,0 +1,40 @@
+//! Deterministic random strain paths, and how far two arrays are apart.
+
+/// Deterministic pseudo-random numbers (splitmix64).
+#[derive(Clone, Debug)]
+pub struct Random(pub u64);
+
+impl Random {
+    /// Uniform in [−1, 1).
+    pub fn signed(&mut self) -> f64 {
+        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+    }
+}
+
+/// Strain increments of a path that wanders between random corners of the given size, with `ntens` components.
+pub fn strain_path(seed: u64, ntens: usize, size: f64, increments: usize) -> Vec<[f64; 6]> {
+    const INCREMENTS_PER_LEG: usize = 5;
+    let mut random = Random(seed);
+    let mut corner = [0.0; 6];
+    let mut path = Vec::with_capacity(increments);
+    while path.len() < increments {
+        let mut next = [0.0; 6];
+        next[..ntens].fill_with(|| size * random.signed());
+        let increment = std::array::from_fn(|i| (next[i] - corner[i]) / INCREMENTS_PER_LEG as f64);
+        path.extend(std::iter::repeat_n(increment, INCREMENTS_PER_LEG.min(increments - path.len())));
+        corner = next;
+    }
+    path
+}
+
+/// Largest difference of two arrays relative to the largest entry; NaN counts as infinite.
+pub fn difference(left: &[f64], right: &[f64]) -> f64 {
+    assert_eq!(left.len(), right.len(), "arrays of one length");
+    let scale = right.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
+    let worst = left.iter().zip(right).map(|(a, b)| (a - b).abs());
+    worst.fold(0.0, |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) }) / scale
+}

@@ -1,0 +1,97 @@
+//! `libpullout_laws.so`: one `umat_` for all laws; CMNAME tells them apart.
+
+use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
+use umat_abi::host::Library;
+use umat_abi::law::StressState;
+
+fn library() -> Library {
+    Library::open(&plugin("pullout_laws")).expect("a plugin that Cargo built")
+}
+
+/// A point after some increments, with CMNAME as given.
+fn run(library: &Library, law: &Sample, name: Option<&[u8]>) -> PointMemory {
+    let umat = library.umat(None).expect("umat_");
+    let mut point = PointMemory::new(law, StressState::ThreeD);
+    for increment in strain_path(23, 6, law.strain, 20) {
+        point.dstran = increment;
+        let mut arguments = point.arguments();
+        if let Some(name) = name {
+            arguments.cmname = name.as_ptr().cast();
+            arguments.cmname_length = name.len();
+        }
+        // SAFETY: the point's own memory, and a name that is padded, NUL-terminated or unlike every law's.
+        unsafe { arguments.call(umat) };
+        for k in 0..6 {
+            point.stran[k] += increment[k];
+        }
+    }
+    point
+}
+
+fn padded(name: &str) -> Vec<u8> {
+    format!("{name:80}").into_bytes()
+}
+
+#[test]
+fn each_name_runs_its_own_law() {
+    let library = library();
+    assert_eq!(library.laws().len(), LAWS.len() + 1, "the solids and bond_slip");
+    for law in LAWS {
+        let own = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+        let expected = run(&own, law, None).output_bits();
+        let name = law.name;
+        let upper = name.to_uppercase();
+        let mixed: String =
+            name.chars().enumerate().map(|(i, c)| if i % 2 == 0 { c.to_ascii_uppercase() } else { c }).collect();
+        let spellings = [
+            padded(name),
+            padded(&upper),
+            padded(&mixed),
+            padded(&format!("{upper}-MATRIX_2")),
+            padded(&format!("  {upper}")),
+            format!("{upper}\0").into_bytes(),
+            upper.clone().into_bytes(), // a length that tells where it ends, and nothing behind it
+        ];
+        for spelling in spellings {
+            let found = run(&library, law, Some(&spelling)).output_bits();
+            assert_eq!(found, expected, "{}", String::from_utf8_lossy(&spelling));
+        }
+    }
+}
+
+#[test]
+fn the_description_holds_every_law_once() {
+    let library = library();
+    for law in LAWS {
+        let described: Vec<_> = library.laws().iter().filter(|other| other.name == law.name).collect();
+        assert_eq!(described.len(), 1, "{}", law.name);
+        assert_eq!(described[0].states.len(), law.states);
+    }
+}
+
+#[test]
+fn an_unknown_name_is_refused() {
+    let library = library();
+    let law = sample("j2_plasticity");
+    let umat = library.umat(None).expect("umat_");
+    let refused = |name: Option<&[u8]>| {
+        let mut point = PointMemory::new(law, StressState::ThreeD);
+        point.pnewdt = 1e36;
+        let before = point.clone();
+        let mut arguments = point.arguments();
+        arguments.cmname = name.map_or(std::ptr::null(), |name| name.as_ptr().cast());
+        arguments.cmname_length = name.map_or(0, <[u8]>::len);
+        // SAFETY: the point's own memory; a name without the end of a law's name is not read beyond its mismatch.
+        unsafe { arguments.call(umat) };
+        assert!(point.stress.iter().chain(&point.ddsdde).all(|x| x.is_nan()), "{name:?}");
+        assert_eq!(point.pnewdt, 0.5, "{name:?}");
+        assert_eq!((point.statev, point.energies), (before.statev, before.energies), "{name:?}");
+    };
+    refused(None);
+    refused(Some(b"X"));
+    refused(Some(b" \0"));
+    refused(Some(b"\0"));
+    for name in ["", "J", "J2", "J2_PLASTICIT", "MY_J2_PLASTICITY", "STEEL", "LINEAR ELASTIC"] {
+        refused(Some(&padded(name)));
+    }
+}

@@ -1,0 +1,40 @@
+C     Isotropic linear elasticity as a UMAT in fixed form, as it is taught.
+C     PROPS: E, nu. NTENS 6, 4 (plane strain, axisymmetric) or 3 (plane stress).
+      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,RPL,DDSDDT,
+     1 DRPLDE,DRPLDT,STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,
+     2 CMNAME,NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     3 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,JSTEP,KINC)
+      IMPLICIT REAL*8 (A-H,O-Z)
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),DDSDDE(NTENS,NTENS),
+     1 DDSDDT(NTENS),DRPLDE(NTENS),STRAN(NTENS),DSTRAN(NTENS),TIME(2),
+     2 PREDEF(1),DPRED(1),PROPS(NPROPS),COORDS(3),DROT(3,3),
+     3 DFGRD0(3,3),DFGRD1(3,3),JSTEP(4)
+      E=PROPS(1)
+      ANU=PROPS(2)
+      G=E/(2.0D0*(1.0D0+ANU))
+      IF (NDI.EQ.2) THEN
+        DIAG=E/(1.0D0-ANU**2)
+        OFF=ANU*DIAG
+      ELSE
+        OFF=E*ANU/((1.0D0+ANU)*(1.0D0-2.0D0*ANU))
+        DIAG=OFF+2.0D0*G
+      END IF
+      DO 20 J=1,NTENS
+        DO 10 I=1,NTENS
+          DDSDDE(I,J)=0.0D0
+          IF (I.LE.NDI.AND.J.LE.NDI) DDSDDE(I,J)=OFF
+   10   CONTINUE
+        DDSDDE(J,J)=DIAG
+        IF (J.GT.NDI) DDSDDE(J,J)=G
+   20 CONTINUE
+C     The stress is the integral of its increments, as in most UMATs.
+      SSE=0.0D0
+      DO 40 I=1,NTENS
+        DO 30 J=1,NTENS
+          STRESS(I)=STRESS(I)+DDSDDE(I,J)*DSTRAN(J)
+   30   CONTINUE
+        SSE=SSE+0.5D0*STRESS(I)*(STRAN(I)+DSTRAN(I))
+   40 CONTINUE
+      RETURN
+      END

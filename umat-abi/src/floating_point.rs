@@ -1,0 +1,60 @@
+//! The SSE control register (rounding, flush-to-zero, traps), from both sides of the ABI: a foreign library must not
+//! change the host's, and the host's must not change what a law computes.
+
+/// Rounding to nearest, no flush-to-zero, every exception masked: what compilers assume.
+#[cfg(target_arch = "x86_64")]
+const DEFAULT: u32 = 0x1f80;
+
+/// Reads MXCSR.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn control() -> u32 {
+    let mut value = 0_u32;
+    // SAFETY: STMXCSR stores 32 bits at the address.
+    unsafe { std::arch::asm!("stmxcsr [{}]", in(reg) &raw mut value, options(nostack, preserves_flags)) };
+    value
+}
+
+/// Writes MXCSR.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn set_control(value: u32) {
+    // SAFETY: LDMXCSR reads 32 bits; the value came from `control` or is the default.
+    unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, preserves_flags)) };
+}
+
+/// Elsewhere there is nothing to keep.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn control() -> u32 {
+    0
+}
+
+/// Elsewhere there is nothing to keep.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn set_control(_value: u32) {}
+
+/// The control bits, without the sticky exception flags.
+pub(crate) fn modes(control: u32) -> u32 {
+    control & !0x3f
+}
+
+/// Runs `body` in the default floating-point environment: a host may have set traps (a masked division by zero is
+/// harmless in a law, a trapped one kills the process) or flush-to-zero.
+#[cfg(target_arch = "x86_64")]
+#[inline]
+pub(crate) fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
+    let hosts = control();
+    if modes(hosts) == DEFAULT {
+        return body();
+    }
+    set_control(DEFAULT);
+    let result = body();
+    set_control(hosts);
+    result
+}
+
+/// Elsewhere the environment is taken as it is.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
+    body()
+}
