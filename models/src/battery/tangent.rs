@@ -143,12 +143,16 @@ pub fn near_kink<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], error: f64) ->
         [(-2e-4, 2e-2), (-2e-6, close), (2e-6, close), (2e-4, 2e-2)].into_iter().any(|(step, jump)| {
             let mut shifted = *strain;
             shifted[j] += step * size;
-            let there = point.trial(&shifted).0.tangent;
-            // where the stress itself jumps (model III of the thesis) the tangent has no scale
+            let Response { tangent: there, stress: far, .. } = point.trial(&shifted).0;
+            // where the stress itself jumps (model III of the thesis) the tangent has no scale: right there, or
+            // within the step by more than the tangents at its ends allow
             let mut neighbour = *strain;
             neighbour[j] += 1e-12 * step.signum() * size;
             let beyond = point.trial(&neighbour).0.stress;
-            stress.iter().zip(&beyond).any(|(a, b)| (a - b).abs() > 1e-10 * largest_stress)
+            let largest_there = there.iter().flatten().fold(scale, |m, x| m.max(x.abs()));
+            let allowed = 4.0 * largest_there * (step * size).abs();
+            stress.iter().zip(&far).any(|(a, b)| (a - b).abs() > allowed)
+                || stress.iter().zip(&beyond).any(|(a, b)| (a - b).abs() > 1e-10 * largest_stress)
                 || here.iter().flatten().zip(there.iter().flatten()).any(|(a, b)| (a - b).abs() > jump * scale)
         })
     })
