@@ -1,10 +1,10 @@
-//! What the plugin ABI costs: one law called through a loaded library's `umat_`, directly through the same boundary,
-//! and as the bare update in Rust.
+//! What the plugin ABI costs: one law called through a loaded library's `umat_`, through the same `umat_` linked into
+//! the program ("direct"), and as the bare update in Rust.
 //!
 //! `cargo bench -p end-to-end-tests --bench abi_cost`. The ways alternate in short repeats, and medians are compared: what
 //! else the machine does then meets all of them alike.
 
-use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, strain_path};
+use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
 use models::{
     biaxial_damage::BiaxialDamage, concrete_damage::ConcreteDamage, drucker_prager::DruckerPrager,
     inelastic_damage::InelasticDamage, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic,
@@ -15,11 +15,24 @@ use std::time::Instant;
 use umat_abi::export::umat;
 use umat_abi::host::Library;
 use umat_abi::law::{Increment, Law, Request, StressState};
-use umat_abi::umat::{UmatArguments, UmatFunction};
+use umat_abi::umat::UmatFunction;
 
 /// Calls of each way in all.
 const CALLS: usize = 10_000_000;
 const REPEATS: usize = 50;
+/// The laws' `umat_` linked into this program: the same function, with the same 38 arguments, that a library exports.
+mod linked {
+    use super::*;
+    umat_abi::umat_symbol!("linked_linear_elastic_", linear_elastic, umat::<LinearElastic>);
+    umat_abi::umat_symbol!("linked_pure_damage_", pure_damage, umat::<PureDamage>);
+    umat_abi::umat_symbol!("linked_inelastic_damage_", inelastic_damage, umat::<InelasticDamage>);
+    umat_abi::umat_symbol!("linked_reverse_cyclic_damage_", reverse_cyclic_damage, umat::<ReverseCyclicDamage>);
+    umat_abi::umat_symbol!("linked_biaxial_damage_", biaxial_damage, umat::<BiaxialDamage>);
+    umat_abi::umat_symbol!("linked_concrete_damage_", concrete_damage, umat::<ConcreteDamage>);
+    umat_abi::umat_symbol!("linked_j2_plasticity_", j2_plasticity, umat::<J2Plasticity>);
+    umat_abi::umat_symbol!("linked_drucker_prager_", drucker_prager, umat::<DruckerPrager>);
+}
+
 /// Largest accepted surcharge of a loaded library over a direct call: the greater of the two.
 const ACCEPTED_NANOSECONDS: f64 = 5.0;
 const ACCEPTED_SHARE: f64 = 0.05;
@@ -63,20 +76,11 @@ impl Start {
     }
 }
 
-/// The boundary in this program, as one function: inlined into a loop with known arguments its checks would vanish.
-///
-/// # Safety
-/// As for [`umat`].
-#[inline(never)]
-unsafe fn direct<L: Law>(arguments: &UmatArguments) {
-    // SAFETY: forwarded to the caller.
-    unsafe { umat::<L>(arguments) }
-}
-
-fn measure<L: Law>(law: &Sample, calls: usize) -> bool {
+fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
     let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
     let function = black_box(library.umat(None).expect("umat_"));
     let mut start = Start::new(law, function);
+    let linked = black_box(linked);
     let parameters = L::parameters(law.props).expect("valid parameters");
     let increment = Increment {
         stress_state: StressState::ThreeD,
@@ -96,7 +100,7 @@ fn measure<L: Law>(law: &Sample, calls: usize) -> bool {
         nanoseconds[1].push(time(calls, || {
             start.restore();
             // SAFETY: the point's own memory.
-            unsafe { direct::<L>(&black_box(&mut start.point).arguments()) };
+            unsafe { black_box(&mut start.point).arguments().call(linked) };
         }));
         nanoseconds[2].push(time(calls, || {
             state.copy_from_slice(&start.statev);
@@ -122,18 +126,18 @@ fn main() {
     let calls = if std::env::args().any(|argument| argument == "--bench") { CALLS / REPEATS } else { 10 };
     println!("ns a call, medians of {REPEATS} repeats of {calls} calls; accepted: +5 ns or +5 %");
     println!("{:<22} {:>10} {:>10} {:>10} {:>10} {:>10}", "law", "bare", "direct", "dlopen", "surcharge", "");
-    let run = [
-        measure::<LinearElastic>,
-        measure::<PureDamage>,
-        measure::<InelasticDamage>,
-        measure::<ReverseCyclicDamage>,
-        measure::<BiaxialDamage>,
-        measure::<ConcreteDamage>,
-        measure::<J2Plasticity>,
-        measure::<DruckerPrager>,
+    let accepted = [
+        measure::<LinearElastic>(sample("linear_elastic"), linked::linear_elastic, calls),
+        measure::<PureDamage>(sample("pure_damage"), linked::pure_damage, calls),
+        measure::<InelasticDamage>(sample("inelastic_damage"), linked::inelastic_damage, calls),
+        measure::<ReverseCyclicDamage>(sample("reverse_cyclic_damage"), linked::reverse_cyclic_damage, calls),
+        measure::<BiaxialDamage>(sample("biaxial_damage"), linked::biaxial_damage, calls),
+        measure::<ConcreteDamage>(sample("concrete_damage"), linked::concrete_damage, calls),
+        measure::<J2Plasticity>(sample("j2_plasticity"), linked::j2_plasticity, calls),
+        measure::<DruckerPrager>(sample("drucker_prager"), linked::drucker_prager, calls),
     ];
-    assert_eq!(run.len(), LAWS.len(), "every law of the table");
-    let accepted = LAWS.iter().zip(run).filter(|(law, measure)| measure(law, calls)).count();
+    assert_eq!(accepted.len(), LAWS.len(), "every law of the table");
+    let accepted = accepted.into_iter().filter(|accepted| *accepted).count();
     if calls > 10 && accepted < LAWS.len() {
         std::process::exit(1);
     }

@@ -140,9 +140,15 @@ fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
         layouts.push(Layout::new(name, damage.into_iter().map(|column| (strain, column))));
     }
     let ordinate = if span(run, "s12") > span(run, "s22") { "s12" } else { "s22" };
-    layouts.push(Layout { equal_units: true, ..Layout::pair("stress_path", "s11", ordinate) });
+    // uniaxial stress has no path to show
+    if span(run, ordinate) > NEGLIGIBLE_STRESS * span(run, "s11") {
+        layouts.push(Layout { equal_units: true, ..Layout::pair("stress_path", "s11", ordinate) });
+    }
     layouts
 }
+
+/// What mixed control leaves of a stress that should vanish, relative to the one that does not.
+const NEGLIGIBLE_STRESS: f64 = 1e-6;
 
 /// The controlled component with the largest range of strain (of all six if none is controlled).
 fn driven_component(run: &Run<'_>, controlled: &[usize]) -> usize {
