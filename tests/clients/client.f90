@@ -30,8 +30,9 @@ program client
    do kinc = 1, increments
       read (*, *) dstran
       pnewdt = 1e36_c_double
-      call LAW_UMAT(stress, statev, ddsdde, sse, spd, scd, rpl, thermal(:, 1), thermal(:, 2), drpldt, stran, dstran, &
-         time, unity, zero, zero, none, none, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, identity, &
+      ! a short line: the law's name takes the place of LAW_UMAT
+      call LAW_UMAT(stress, statev, ddsdde, sse, spd, scd, rpl, thermal(:, 1), thermal(:, 2), drpldt, &
+         stran, dstran, time, unity, zero, zero, none, none, cmname, ndi, nshr, ntens, nstatv, props, nprops, coords, identity, &
          pnewdt, unity, identity, identity, one, one, one, one, jstep, kinc)
       if (pnewdt < 1) error stop 4
       stran = stran + dstran
