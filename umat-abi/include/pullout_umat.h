@@ -92,7 +92,8 @@
 #define PULLOUT_FLAG_STRESS_ONLY 16
 
 /*
- The response does not depend on the increment size on proportional monotonic strain paths.
+ For all parameters, the response does not depend on the increment size on proportional monotonic strain
+ paths.
  */
 #define PULLOUT_FLAG_PATH_EXACT 32
 
