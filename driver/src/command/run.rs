@@ -4,7 +4,7 @@ use super::{BAD_INPUT, DONE, FAILED, Reading, complain, refuse, say};
 use crate::case;
 use crate::output::compare::compare;
 use crate::output::history::{History, HistoryWriter};
-use crate::output::plots::{self, Picture, Spec};
+use crate::output::plots::{self, Spec};
 use crate::output::progress::Progress;
 use crate::output::report::{self, Account};
 use crate::output::summary::{PeakRecorder, PluginFile, Status, Summary};
@@ -148,14 +148,16 @@ fn run_into(program: &Program, folder: &Path, quiet: bool) -> io::Result<Summary
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let history = History::read(&history_file)?;
     let mut summary = summarise(program, &record.peaks, statistics, message, start.elapsed().as_secs_f64())?;
-    summary.compare = program.compare.iter().map(|curve| compare(&history, curve)).collect();
-    let pictures = if program.output.plots {
-        plots::draw(&folder.join("plots"), &history, &Spec::of(program))?
-    } else {
-        Vec::<Picture>::new()
-    };
+    let mut pictures = Vec::new();
+    // a long history is read back only if something is made of it
+    if program.output.plots || !program.compare.is_empty() {
+        let history = History::read(&history_file)?;
+        summary.compare = program.compare.iter().map(|curve| compare(&history, curve)).collect();
+        if program.output.plots {
+            pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(program))?;
+        }
+    }
     summary.write(&folder.join("summary.json"))?;
     report::write(&folder.join("report.html"), &Account::of(program), &summary, &pictures)?;
     Ok(summary)

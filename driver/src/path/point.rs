@@ -188,6 +188,7 @@ impl<'p> Runner<'p> {
     ) -> Result<Next, Stop> {
         self.committed.step_time = 0.0;
         self.call.jstep[0] = i32::try_from(number).unwrap_or(i32::MAX);
+        self.rest();
         let plan = Plan::new(step, self);
         let count = plan.increments();
         for index in 0..count {
@@ -204,6 +205,14 @@ impl<'p> Runner<'p> {
             }
         }
         Ok(Next::GoOn)
+    }
+
+    /// The kinematics of a point that does not move: what a step without F leaves as it is.
+    fn rest(&mut self) {
+        let gradient = columns(&self.committed.deformation_gradient);
+        self.call.drot = columns(&Matrix3::identity());
+        self.call.dfgrd0 = gradient;
+        self.call.dfgrd1 = gradient;
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
@@ -306,6 +315,7 @@ impl<'p> Runner<'p> {
         }
         self.trial.deformation_gradient = f1;
         self.trial.tangent = None;
+        statistics.iterations += 1;
         Ok(1)
     }
 }

@@ -235,3 +235,20 @@ fn a_step_to_zero_stress_unloads_a_softening_law() {
         assert_eq!(last[15], top[15], "{mode:?}: eta does not grow");
     }
 }
+
+/// A step without F that follows one with F must not rotate the tensor states again and again.
+#[test]
+fn a_step_after_a_rotation_does_not_rotate_on() {
+    let (s, c) = 0.1_f64.sin_cos();
+    let turned = [[1.01 * c, -0.99 * s, 0.0], [1.01 * s, 0.99 * c, 0.0], [0.0, 0.0, 1.0]];
+    let hold = ramp(5, [Control::HoldStrain; 6]);
+    let rotate = step(PointDrive::DeformationGradient { increments: 1, time: 1.0, end: turned });
+    let case = program(plugin("j2_plasticity", &[210_000.0, 0.3, 347.0, 0.0]), Mode::ThreeD, true, vec![rotate, hold]);
+    let (rows, statistics) = rows(&case);
+    assert_eq!(statistics.iterations, 6);
+    let plastic_shear = 15 + 9 + 4;
+    assert!(rows[1][plastic_shear].abs() > 1e-4, "the step with F yields in shear");
+    for row in &rows[2..] {
+        assert_eq!(row[plastic_shear], rows[1][plastic_shear]);
+    }
+}

@@ -15,13 +15,7 @@ pub(super) fn degraded_elasticity(parameters: &Parameters, eta_c: f64) -> Elasti
     }
     let mu = integrity(eta_c) * virgin.shear_modulus;
     let k = hydrostatic_integrity(parameters, eta_c) * virgin.bulk_modulus;
-    Elasticity {
-        youngs_modulus: 9.0 * k * mu / (3.0 * k + mu),
-        poisson_ratio: (3.0 * k - 2.0 * mu) / (2.0 * (3.0 * k + mu)),
-        lambda: k - 2.0 * mu / 3.0,
-        shear_modulus: mu,
-        bulk_modulus: k,
-    }
+    Elasticity::from_bulk_and_shear(k, mu)
 }
 
 /// 1 − β D_c without cancellation: (1 − β) + β (1 − D_c).

@@ -31,11 +31,16 @@ impl Elasticity {
         }
     }
 
-    /// The solid with the same bulk modulus and another shear modulus: E = 9kμ/(3k + μ),
-    /// ν = (3k − 2μ)/(2(3k + μ)).
+    /// The solid with the same bulk modulus and another shear modulus.
     #[inline]
     pub fn with_shear_modulus(&self, shear_modulus: f64) -> Self {
-        let (k, mu) = (self.bulk_modulus, shear_modulus);
+        Self::from_bulk_and_shear(self.bulk_modulus, shear_modulus)
+    }
+
+    /// From k and μ: E = 9kμ/(3k + μ), ν = (3k − 2μ)/(2(3k + μ)).
+    #[inline]
+    pub fn from_bulk_and_shear(bulk_modulus: f64, shear_modulus: f64) -> Self {
+        let (k, mu) = (bulk_modulus, shear_modulus);
         Self {
             youngs_modulus: 9.0 * k * mu / (3.0 * k + mu),
             poisson_ratio: (3.0 * k - 2.0 * mu) / (2.0 * (3.0 * k + mu)),
