@@ -5,7 +5,7 @@ use super::document::{Entry, Material, Props};
 use super::problem::{Place, Problem, nearest};
 use super::props;
 use crate::path::program::{Mode, Plugin};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use umat_abi::host::{self, Found, Law, Library, LoadError, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
@@ -72,13 +72,8 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
 
 /// The library's file: a path relative to the case file, or a name on the search path.
 fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBuf> {
-    const SUFFIXES: [&str; 3] = ["so", "dylib", "dll"];
-    let given = Path::new(plugin);
-    let has_suffix = given.extension().is_some_and(|suffix| SUFFIXES.iter().any(|known| suffix == *known));
-    if has_suffix || plugin.contains(['/', '\\']) {
-        // The loader takes a bare file name for a name on its own search path.
-        let path = reader.folder.join(given);
-        let path = if path.is_absolute() { path } else { Path::new(".").join(path) };
+    if host::names_a_file(plugin) {
+        let path = host::library_path(reader.folder, plugin);
         if path.is_file() {
             return Some(path);
         }

@@ -8,7 +8,7 @@ use clap::Subcommand;
 use memchr::memmem;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Found, Law, Library, search_paths};
+use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
 use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
 
 #[derive(Debug, Subcommand)]
@@ -58,9 +58,12 @@ pub(super) fn act(action: &Action) -> u8 {
 
 /// A library by its law's name or by its path.
 fn open(name: &str, plugin_paths: &[PathBuf]) -> Result<Library, u8> {
-    let is_path = name.contains(['/', '\\', '.']);
     let paths = search_paths(plugin_paths);
-    let file = if is_path { Some(PathBuf::from(name)) } else { Found::by_name(name, &paths).map(|found| found.path) };
+    let file = if names_a_file(name) {
+        Some(library_path(Path::new(""), name))
+    } else {
+        Found::by_name(name, &paths).map(|found| found.path)
+    };
     let Some(file) = file else {
         let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
         complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));

@@ -5,7 +5,7 @@
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
-use umat_abi::host::{CallOutcome, Derived, FricCall, Overrun, UinterCall};
+use umat_abi::host::{Derived, FricCall, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -277,7 +277,7 @@ impl<'p> Runner<'p> {
             }
         };
         let finite = self.trial.pressure.is_finite() && self.trial.shear.iter().all(|t| t.is_finite());
-        check(outcome, finite, self.plugin_name)
+        Trouble::of_call(outcome, finite, self.plugin_name, "tractions")
     }
 
     /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places
@@ -320,21 +320,6 @@ impl<'p> Runner<'p> {
                 self.committed.pressure
             ),
         })
-    }
-}
-
-fn check(outcome: Result<CallOutcome, Overrun>, finite: bool, plugin: &str) -> Result<(), Trouble> {
-    match outcome {
-        Err(overrun) => Err(Trouble::Fatal(overrun.to_string())),
-        Ok(CallOutcome::CutBack(fraction)) => Err(Trouble::CutBack {
-            fraction,
-            reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),
-        }),
-        Ok(CallOutcome::Done) if finite => Ok(()),
-        Ok(CallOutcome::Done) => Err(Trouble::CutBack {
-            fraction: 0.5,
-            reason: format!("the plugin '{plugin}' returned NaN or infinite tractions"),
-        }),
     }
 }
 

@@ -7,7 +7,7 @@ use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Next, Observer, Place, Recorder, Statistics, Stop, replay};
 use nalgebra::Matrix3;
-use umat_abi::host::{CallOutcome, Derived, Overrun, UmatCall};
+use umat_abi::host::{Derived, UmatCall};
 use umat_abi::law::Request;
 
 /// Runs a point program.
@@ -235,6 +235,7 @@ impl<'p> Runner<'p> {
             &[0.0; 6],
             Request::StressAndTangent,
             self.components,
+            self.plugin_name,
             statistics,
         );
         let tangent = evaluation(call, self.components).tangent;
@@ -307,9 +308,9 @@ impl<'p> Runner<'p> {
             &motion.strain_increment,
             request,
             self.components,
+            self.plugin_name,
             statistics,
-        )
-        .map_err(|trouble| trouble.named(self.plugin_name))?;
+        )?;
         for &i in self.components {
             self.trial.strain[i] = strain[i] + motion.strain_increment[i];
         }
@@ -317,30 +318,6 @@ impl<'p> Runner<'p> {
         self.trial.tangent = None;
         statistics.iterations += 1;
         Ok(1)
-    }
-}
-
-/// What can go wrong in one evaluation.
-#[derive(Clone, Debug, PartialEq)]
-enum CallTrouble {
-    CutBack(f64),
-    NotFinite,
-    Overrun(Overrun),
-}
-
-impl CallTrouble {
-    fn named(self, plugin: &str) -> Trouble {
-        match self {
-            Self::CutBack(fraction) => Trouble::CutBack {
-                fraction,
-                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),
-            },
-            Self::NotFinite => Trouble::CutBack {
-                fraction: 0.5,
-                reason: format!("the plugin '{plugin}' returned NaN or infinite stresses"),
-            },
-            Self::Overrun(overrun) => Trouble::Fatal(overrun.to_string()),
-        }
     }
 }
 
@@ -355,8 +332,9 @@ fn evaluate(
     increment: &[f64; 6],
     request: Request,
     components: &[usize],
+    plugin: &str,
     statistics: &mut Statistics,
-) -> Result<(), CallTrouble> {
+) -> Result<(), Trouble> {
     for (k, &i) in components.iter().enumerate() {
         call.stran[k] = strain[i];
         call.dstran[k] = increment[i];
@@ -365,12 +343,9 @@ fn evaluate(
     call.statev_mut().copy_from_slice(&committed.statev);
     call.energies = committed.energies;
     statistics.plugin_calls += 1;
-    match call.call(request) {
-        Err(overrun) => Err(CallTrouble::Overrun(overrun)),
-        Ok(CallOutcome::CutBack(fraction)) => Err(CallTrouble::CutBack(fraction)),
-        Ok(CallOutcome::Done) if call.stress().iter().all(|s| s.is_finite()) => Ok(()),
-        Ok(CallOutcome::Done) => Err(CallTrouble::NotFinite),
-    }
+    let outcome = call.call(request);
+    let finite = call.stress().iter().all(|s| s.is_finite());
+    Trouble::of_call(outcome, finite, plugin, "stresses")
 }
 
 /// The result of a call in six components.
@@ -403,13 +378,14 @@ impl Divisible for Runner<'_> {
             }
         }
         let components = self.components;
-        let (call, committed) = (&mut self.call, &self.committed);
+        let (call, committed, plugin) = (&mut self.call, &self.committed, self.plugin_name);
         let mut run = |increment: &[f64; 6], request: Request| {
-            evaluate(call, committed, &committed.strain, &committed.stress, increment, request, components, statistics)
+            let (strain, stress) = (&committed.strain, &committed.stress);
+            evaluate(call, committed, strain, stress, increment, request, components, plugin, statistics)
                 .map(|()| evaluation(call, components))
         };
         let iterations = if targets.strain_only() {
-            run(&increment, Request::Stress).map_err(|trouble| trouble.named(self.plugin_name))?;
+            run(&increment, Request::Stress)?;
             self.trial.tangent = None;
             1
         } else {
@@ -420,12 +396,12 @@ impl Divisible for Runner<'_> {
             let solved = targets.solve_increment(&mut increment, self.max_iterations, |increment| {
                 let evaluation = run(increment, Request::StressAndTangent)?;
                 last_tangent = evaluation.tangent;
-                Ok::<_, CallTrouble>(evaluation)
+                Ok(evaluation)
             });
             self.trial.tangent = Some(last_tangent);
             match solved {
                 Ok(iterations) => iterations,
-                Err(Divergence::Evaluation(trouble)) => return Err(trouble.named(self.plugin_name)),
+                Err(Divergence::Evaluation(trouble)) => return Err(trouble),
                 Err(Divergence::NotConverged { residual }) => {
                     return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
                 }

@@ -3,6 +3,7 @@
 use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
 use super::{interface, point};
 use serde_json::{Map, Value, json};
+use umat_abi::host;
 
 const TITLE: &str = "Replay of a failed increment: ";
 
@@ -16,8 +17,7 @@ fn frame(program: &Program) -> Map<String, Value> {
     case.insert("title".into(), json!(format!("{TITLE}{title}")));
     if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
         // a plugin found by name is found again; a path is relative to the case file, which moves
-        let is_path =
-            material.get("plugin").and_then(Value::as_str).is_some_and(|name| name.contains(['/', '.', '\\']));
+        let is_path = material.get("plugin").and_then(Value::as_str).is_some_and(host::names_a_file);
         if is_path {
             let path = program.plugin.library.path();
             let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());

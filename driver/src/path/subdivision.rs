@@ -2,6 +2,7 @@
 
 use super::program::{Controls, Program, Until};
 use super::{Failure, Next, Place, Recorder, Statistics, Stop};
+use umat_abi::host::{CallOutcome, Overrun};
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
@@ -15,6 +16,30 @@ pub(super) enum Trouble {
     },
     /// No smaller piece can help.
     Fatal(String),
+}
+
+impl Trouble {
+    /// Judges a call of a plugin: `finite` tells whether all `results` ("stresses", "tractions") are.
+    #[inline]
+    pub(super) fn of_call(
+        outcome: Result<CallOutcome, Overrun>,
+        finite: bool,
+        plugin: &str,
+        results: &str,
+    ) -> Result<(), Self> {
+        match outcome {
+            Ok(CallOutcome::Done) if finite => Ok(()),
+            Ok(CallOutcome::Done) => Err(Self::CutBack {
+                fraction: 0.5,
+                reason: format!("the plugin '{plugin}' returned NaN or infinite {results}"),
+            }),
+            Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
+                fraction,
+                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),
+            }),
+            Err(overrun) => Err(Self::Fatal(overrun.to_string())),
+        }
+    }
 }
 
 /// Between two values; exact at both ends.

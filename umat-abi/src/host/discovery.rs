@@ -17,6 +17,20 @@ pub fn library_file_name(name: &str) -> String {
     format!("{}{name}{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX)
 }
 
+/// Whether a plugin is named by its file (a library's suffix, or a folder) rather than by its law.
+pub fn names_a_file(plugin: &str) -> bool {
+    const SUFFIXES: [&str; 3] = ["so", "dylib", "dll"];
+    let suffix = Path::new(plugin).extension();
+    plugin.contains(['/', '\\']) || suffix.is_some_and(|suffix| SUFFIXES.iter().any(|known| suffix == *known))
+}
+
+/// A library's path, relative to a folder. Never a bare file name: the loader would take that for a name on its own
+/// search path.
+pub fn library_path(folder: &Path, file: &str) -> PathBuf {
+    let path = folder.join(file);
+    if path.is_absolute() { path } else { Path::new(".").join(path) }
+}
+
 /// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`,
 /// `deps/` beside the executable (or its own folder if that is `deps/`), the executable's folder, and
 /// `<prefix>/lib/pullout` of an installation. Folders that do not exist are listed as well.
