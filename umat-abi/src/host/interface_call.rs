@@ -6,6 +6,7 @@ use super::memory::{Guarded, Overrun, fortran_name};
 use crate::floating_point;
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
+use std::ops::{Deref, DerefMut};
 
 /// PNEWDT on entry; see [`super::UmatCall`].
 const PNEWDT_ON_ENTRY: f64 = 1e36;
@@ -19,9 +20,9 @@ static COORDINATES: i32 = MCRD;
 static IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
 static IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-/// What both calls share: the arrays that the plugin writes, the properties, and the place in the history.
+/// What both calls share and give access to: the arrays that the plugin writes, and the properties.
 #[derive(Debug)]
-struct Common {
+pub struct ContactArrays {
     /// Keeps the function's code loaded.
     _library: Library,
     keeps_floating_point: bool,
@@ -36,7 +37,7 @@ struct Common {
     pnewdt: f64,
 }
 
-impl Common {
+impl ContactArrays {
     fn new(
         library: &Library,
         name: &str,
@@ -62,6 +63,41 @@ impl Common {
         }
     }
 
+    /// STRESS (UINTER: \[0\] > 0 is compression) or TAU (FRIC).
+    pub fn traction(&self) -> &[f64] {
+        self.traction.as_slice()
+    }
+
+    /// The traction, to be set before a call.
+    pub fn traction_mut(&mut self) -> &mut [f64] {
+        self.traction.as_mut_slice()
+    }
+
+    /// STATEV.
+    pub fn statev(&self) -> &[f64] {
+        self.statev.as_slice()
+    }
+
+    /// STATEV, to be set before a call.
+    pub fn statev_mut(&mut self) -> &mut [f64] {
+        self.statev.as_mut_slice()
+    }
+
+    /// DDSDDR or DDTDDG (row, column), indices from 0.
+    pub fn tangent(&self, row: usize, column: usize) -> f64 {
+        self.tangent.as_slice()[column * self.traction.as_slice().len() + row]
+    }
+
+    /// PROPS.
+    pub fn props(&self) -> &[f64] {
+        self.props.as_slice()
+    }
+
+    /// What the last call came back with, also if it wrote behind an array.
+    pub fn outcome(&self) -> CallOutcome {
+        CallOutcome::of(self.pnewdt)
+    }
+
     fn run(&mut self, call: impl FnOnce()) -> Result<CallOutcome, Overrun> {
         if self.keeps_floating_point {
             call();
@@ -81,7 +117,7 @@ impl Common {
 /// One contact point's UINTER arguments and the function that takes them.
 #[derive(Debug)]
 pub struct UinterCall {
-    common: Common,
+    common: ContactArrays,
     function: UinterFunction,
     /// RDISP at the end of the increment: \[0\] > 0 penetration, then slips; mm.
     pub rdisp: [f64; 3],
@@ -121,7 +157,7 @@ impl UinterCall {
     ) -> Result<Self, LoadError> {
         Ok(Self {
             function: library.uinter(symbol)?,
-            common: Common::new(library, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
+            common: ContactArrays::new(library, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
             rdisp: [0.0; 3],
             drdisp: [0.0; 3],
             time: [0.0; 2],
@@ -136,36 +172,6 @@ impl UinterCall {
         })
     }
 
-    /// STRESS: \[0\] > 0 is compression.
-    pub fn traction(&self) -> &[f64] {
-        self.common.traction.as_slice()
-    }
-
-    /// STRESS, to be set before a call.
-    pub fn traction_mut(&mut self) -> &mut [f64] {
-        self.common.traction.as_mut_slice()
-    }
-
-    /// STATEV.
-    pub fn statev(&self) -> &[f64] {
-        self.common.statev.as_slice()
-    }
-
-    /// STATEV, to be set before a call.
-    pub fn statev_mut(&mut self) -> &mut [f64] {
-        self.common.statev.as_mut_slice()
-    }
-
-    /// DDSDDR(row, column), indices from 0.
-    pub fn tangent(&self, row: usize, column: usize) -> f64 {
-        self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
-    }
-
-    /// PROPS.
-    pub fn props(&self) -> &[f64] {
-        self.common.props.as_slice()
-    }
-
     /// Calls the plugin; DDSDDR and LSDI are zeroed before.
     ///
     /// # Errors
@@ -173,11 +179,6 @@ impl UinterCall {
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
         // SAFETY: the arguments stay as they are.
         unsafe { self.call_with(0.0, |_| ()) }
-    }
-
-    /// What the last call came back with, also if it wrote behind an array.
-    pub fn outcome(&self) -> CallOutcome {
-        CallOutcome::of(self.common.pnewdt)
     }
 
     /// The call itself, with DDSDDR filled before and the arguments as `alter` leaves them.
@@ -271,7 +272,7 @@ impl UinterCall {
 /// One contact point's FRIC arguments and the function that takes them.
 #[derive(Debug)]
 pub struct FricCall {
-    common: Common,
+    common: ContactArrays,
     function: FricFunction,
     /// On entry 0 slipping, 1 sticking, 2 open; on return 0: tractions given, 1: stick, 2: no shear.
     pub lm: i32,
@@ -312,7 +313,7 @@ impl FricCall {
     ) -> Result<Self, LoadError> {
         Ok(Self {
             function: library.fric(symbol)?,
-            common: Common::new(library, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
+            common: ContactArrays::new(library, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
             lm: 1,
             dgam: [0.0; 2],
             slip: [0.0; 2],
@@ -327,36 +328,6 @@ impl FricCall {
         })
     }
 
-    /// TAU.
-    pub fn traction(&self) -> &[f64] {
-        self.common.traction.as_slice()
-    }
-
-    /// TAU, to be set before a call.
-    pub fn traction_mut(&mut self) -> &mut [f64] {
-        self.common.traction.as_mut_slice()
-    }
-
-    /// STATEV.
-    pub fn statev(&self) -> &[f64] {
-        self.common.statev.as_slice()
-    }
-
-    /// STATEV, to be set before a call.
-    pub fn statev_mut(&mut self) -> &mut [f64] {
-        self.common.statev.as_mut_slice()
-    }
-
-    /// DDTDDG(row, column), indices from 0.
-    pub fn tangent(&self, row: usize, column: usize) -> f64 {
-        self.common.tangent.as_slice()[column * self.common.traction.as_slice().len() + row]
-    }
-
-    /// PROPS.
-    pub fn props(&self) -> &[f64] {
-        self.common.props.as_slice()
-    }
-
     /// Calls the plugin; DDTDDG is zeroed before.
     ///
     /// # Errors
@@ -364,11 +335,6 @@ impl FricCall {
     pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
         // SAFETY: the arguments stay as they are.
         unsafe { self.call_with(0.0, |_| ()) }
-    }
-
-    /// What the last call came back with, also if it wrote behind an array.
-    pub fn outcome(&self) -> CallOutcome {
-        CallOutcome::of(self.common.pnewdt)
     }
 
     /// The call itself, with DDTDDG, DDTDDP and DSLIP filled before and the arguments as `alter` leaves them.
@@ -443,3 +409,23 @@ impl FricCall {
         }
     }
 }
+
+/// Both calls are used through their arrays.
+macro_rules! contact_arrays {
+    ($($call:ty),+) => {$(
+        impl Deref for $call {
+            type Target = ContactArrays;
+
+            fn deref(&self) -> &ContactArrays {
+                &self.common
+            }
+        }
+
+        impl DerefMut for $call {
+            fn deref_mut(&mut self) -> &mut ContactArrays {
+                &mut self.common
+            }
+        }
+    )+};
+}
+contact_arrays!(UinterCall, FricCall);

@@ -12,6 +12,6 @@ pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{Found, library_file_name, library_path, names_a_file, search_paths};
-pub use interface_call::{FricCall, UinterCall};
+pub use interface_call::{ContactArrays, FricCall, UinterCall};
 pub use library::{Library, LoadError};
 pub use memory::Overrun;
