@@ -8,8 +8,7 @@
 //! - [`kinematics`]: small strains from nodal displacements, B-bar for Q4, nodal forces from stresses, the volume of a point;
 //! - [`mesh`]: nodes, elements, parts and named sets, checked as a whole; neighbours and boundaries.
 //!
-//! Not here: large displacements, assembly, contact, the solver, stepping and output. Until they come
-//! this crate computes no structure; `pullout` does not use it.
+
 //!
 //! Everything in code is counted from 0. Messages, the pictures of the elements and the arguments `NOEL` and `NPT` of
 //! a UMAT count from 1, as users do.
@@ -32,6 +31,12 @@
 //! # Ok::<(), fe_core::mesh::MeshError>(())
 //! ```
 
+pub mod assembly;
+pub mod contact;
 pub mod element;
 pub mod kinematics;
 pub mod mesh;
+pub mod model;
+pub mod output;
+pub mod solver;
+pub mod stepping;

@@ -1,0 +1,25 @@
+//! From points to equations: solids evaluated element by element, constraints eliminated, blocks added to a pattern
+//! that is found once.
+
+mod block;
+mod trouble;
+
+pub use block::Blocks;
+pub use trouble::{Place, Trouble};
+
+/// The increment over which points are asked to advance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IncrementContext {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment in the step, from 1.
+    pub increment: u32,
+    /// Newton iteration, from 1.
+    pub iteration: u32,
+    /// Step time at the start of the increment, s.
+    pub step_time: f64,
+    /// Total time at the start of the increment, s.
+    pub total_time: f64,
+    /// Time increment, s.
+    pub time_increment: f64,
+}

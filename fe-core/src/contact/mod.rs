@@ -1,0 +1,1 @@
+//! Contact between two chains of edges: kinematics, laws, enforcement.

@@ -1,0 +1,114 @@
+//! Contact pairs as a model states them.
+
+use super::PluginLaw;
+use crate::mesh::ElementEdge;
+
+/// Two surfaces that touch, and how.
+#[derive(Clone, Debug)]
+pub struct ContactPair {
+    /// What messages call it.
+    pub name: String,
+    /// The surface that carries the contact points: the concrete's hole.
+    pub slave: Vec<ElementEdge>,
+    /// The surface that they slide on: the fibre. One chain of edges.
+    pub master: Vec<ElementEdge>,
+    /// The law.
+    pub law: ContactLaw,
+    /// Where on the slave edges the contact points sit.
+    pub quadrature: Quadrature,
+    /// Contact area per length of the slave edge.
+    pub width: Width,
+    /// The hard normal law's penalty: this times min(E t/h of either body)/(contact width). 100 unless the case says
+    /// otherwise.
+    pub penalty_factor: f64,
+    /// How the hard normal law is enforced.
+    pub enforcement: Enforcement,
+    /// Whether a point's contact fades as it passes either end of the master.
+    pub release: bool,
+}
+
+/// Whose law a contact pair follows.
+#[derive(Clone, Debug)]
+pub enum ContactLaw {
+    /// UINTER: the plugin returns the whole traction.
+    Uinter(PluginLaw),
+    /// FRIC: the plugin returns the tangential traction, the host has the normal law.
+    Fric {
+        /// The tangential law.
+        law: PluginLaw,
+        /// The normal law.
+        normal: NormalLaw,
+    },
+}
+
+/// The host's normal laws (`g_N` > 0 open, p > 0 compression).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NormalLaw {
+    /// Hard, bilateral up to a tension (6.19).
+    Hard(HardLaw),
+    /// Soft exponential (6.20).
+    Soft(SoftLaw),
+}
+
+/// p = ε_N (−g_N), in tension not above p_0; unilateral if p_0 = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HardLaw {
+    /// Tension that opens a point for good, MPa.
+    pub p_0: f64,
+    /// Opening over which the tension falls from p_0 to 0, mm; 0: at once.
+    pub delta_n: f64,
+}
+
+/// The soft exponential law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SoftLaw {
+    /// Pressure at gap 0, MPa.
+    pub p_0: f64,
+    /// Gap at which the pressure is 0, mm.
+    pub g_0: f64,
+}
+
+/// Where the contact points sit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Quadrature {
+    /// Gauss points of each slave edge (2 by default).
+    Gauss {
+        /// Points per edge, 1 to 10.
+        points: usize,
+    },
+    /// The slave nodes, with their shape functions' share of the edge (the thesis).
+    Nodes,
+    /// Gauss points of the segments between slave nodes and projected master nodes: exact on edges that do not match.
+    Segments {
+        /// Points per segment, 1 to 10.
+        points: usize,
+    },
+}
+
+/// Contact area per length of the slave edge.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Width {
+    /// A given width, mm: πφ/2 on each of the two lines of a round fibre.
+    Given(f64),
+    /// The thickness of the slave's part; 2πr in axial symmetry.
+    OfPart,
+}
+
+/// How the hard normal law is enforced.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Enforcement {
+    /// By the penalty alone.
+    Penalty,
+    /// Penalty with Uzawa updates of the multiplier until |g_N| ≤ `tolerance` at closed points.
+    Uzawa {
+        /// Greatest penetration or gap of a closed point, mm.
+        tolerance: f64,
+        /// Most updates in an increment.
+        max_updates: usize,
+    },
+    /// One loop with the multiplier condensed locally: stiffness ε_N ε'/(ε_N + ε') beside a multiplier block −1/ε'.
+    PerturbedLagrangian {
+        /// ε'/ε_N, at least 1e4.
+        ratio: f64,
+    },
+}

@@ -1,0 +1,109 @@
+//! Steps, tolerances and what may be skipped.
+
+/// A stretch of time in which the drives go to new values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Duration, s.
+    pub time: f64,
+    /// Value of each drive at the end; `None`: stays.
+    pub targets: Vec<Option<f64>>,
+    /// How far the increments go.
+    pub control: StepControl,
+}
+
+/// How the increments of a step are chosen. Sizes are fractions of the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum StepControl {
+    /// Equal increments, cut back when one fails.
+    Fixed {
+        /// How many.
+        increments: usize,
+    },
+    /// Automatic increments; under a snap-back the drives follow the mean contact slip.
+    Automatic {
+        /// The first.
+        initial: f64,
+        /// The greatest.
+        maximum: f64,
+        /// The least: below it the run fails.
+        minimum: f64,
+    },
+}
+
+/// Tolerances and limits.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Controls {
+    /// Residual force, relative to the larger of reaction and internal force scale.
+    pub force_tolerance: f64,
+    /// Correction of displacements, relative to the increment's.
+    pub displacement_tolerance: f64,
+    /// Newton iterations of an attempt.
+    pub max_iterations: usize,
+    /// Attempts of one increment.
+    pub max_cutbacks: usize,
+    /// Whether a correction that makes the residual grow is shortened.
+    pub line_search: bool,
+    /// Whether slips of bonded points limit the increments until the load has peaked, and the peak is located.
+    pub locate_peak: bool,
+    /// Viscous stabilisation, N·s/mm per freedom; 0: none.
+    pub viscosity: f64,
+}
+
+impl Default for Controls {
+    fn default() -> Self {
+        Self {
+            force_tolerance: 1e-6,
+            displacement_tolerance: 1e-5,
+            max_iterations: 16,
+            max_cutbacks: 30,
+            line_search: true,
+            locate_peak: true,
+            viscosity: 0.0,
+        }
+    }
+}
+
+/// What a scene does not need is skipped; each item can be switched off, for the benchmark and for doubt. None changes
+/// the result by more than the solver's tolerance.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Skipping {
+    /// Stiffnesses of elements whose tangents and geometry did not change are kept.
+    pub unchanged_elements: bool,
+    /// Elements that stay elastic are condensed onto the zone that does not.
+    pub elastic_far_field: bool,
+    /// A factor is used again while it still converges fast.
+    pub factor_reuse: bool,
+    /// Tangents are asked for only when they will be used.
+    pub unused_tangents: bool,
+    /// A contact point looks for its edge from the last one.
+    pub contact_search: bool,
+    /// The symmetric solver is used while nothing is unsymmetric.
+    pub symmetric_solver: bool,
+}
+
+impl Skipping {
+    /// Everything is skipped that can be.
+    pub const ALL: Self = Self {
+        unchanged_elements: true,
+        elastic_far_field: true,
+        factor_reuse: true,
+        unused_tangents: true,
+        contact_search: true,
+        symmetric_solver: true,
+    };
+    /// Nothing is skipped.
+    pub const NONE: Self = Self {
+        unchanged_elements: false,
+        elastic_far_field: false,
+        factor_reuse: false,
+        unused_tangents: false,
+        contact_search: false,
+        symmetric_solver: false,
+    };
+}
+
+impl Default for Skipping {
+    fn default() -> Self {
+        Self::ALL
+    }
+}

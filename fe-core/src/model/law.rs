@@ -1,0 +1,112 @@
+//! A law behind the plugin interface, with the parameters it runs with.
+
+use crate::kinematics::PlaneModel;
+use umat_abi::host::{FricCall, Law, Library, LoadError, UinterCall, UmatCall};
+use umat_abi::law::StressState;
+use umat_abi::metadata::flags;
+
+/// The plugin of a part or of a contact pair. Which law it is nobody here knows.
+#[derive(Clone, Debug)]
+pub struct PluginLaw {
+    /// The loaded library.
+    pub library: Library,
+    /// Its metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
+    pub law: Option<Law>,
+    /// What messages call it.
+    pub name: String,
+    /// The symbol of the entry point; `None`: the usual ones are tried.
+    pub symbol: Option<String>,
+    /// CMNAME or CINAME.
+    pub cmname: String,
+    /// PROPS.
+    pub props: Vec<f64>,
+    /// NSTATV.
+    pub nstatv: usize,
+}
+
+/// A law that cannot be called.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{name}: {message}")]
+pub struct LawError {
+    /// The law's name.
+    pub name: String,
+    /// Why.
+    pub message: String,
+}
+
+impl PluginLaw {
+    /// Calls of its UMAT in a plane model.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn umat(&self, model: PlaneModel) -> Result<UmatCall, LawError> {
+        let stress_state = match model {
+            PlaneModel::PlaneStress => StressState::PlaneStress,
+            PlaneModel::PlaneStrain | PlaneModel::Axisymmetric => StressState::PlaneStrainOrAxisymmetric,
+        };
+        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, stress_state, self.nstatv, &self.props)
+            .map_err(|error| self.error(&error))
+    }
+
+    /// Calls of its UINTER with one normal and one tangential direction.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn uinter(&self) -> Result<UinterCall, LawError> {
+        UinterCall::new(&self.library, self.symbol.as_deref(), &self.cmname, 2, self.nstatv, &self.props)
+            .map_err(|error| self.error(&error))
+    }
+
+    /// Calls of its FRIC with one tangential direction.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn fric(&self) -> Result<FricCall, LawError> {
+        FricCall::new(&self.library, self.symbol.as_deref(), &self.cmname, 1, self.nstatv, &self.props)
+            .map_err(|error| self.error(&error))
+    }
+
+    /// Whether its tangent is symmetric whatever the parameters and the state.
+    pub fn has_symmetric_tangent(&self) -> bool {
+        self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
+    }
+
+    fn error(&self, error: &LoadError) -> LawError {
+        LawError { name: self.name.clone(), message: error.to_string() }
+    }
+}
+
+#[cfg(test)]
+impl PluginLaw {
+    /// A shipped law with these parameters by name, the others at their defaults.
+    pub(crate) fn shipped(name: &str, given: &[(&str, f64)]) -> Self {
+        let library = Library::open(&end_to_end_tests::plugin(name)).expect("the plugin was built for this test");
+        let law = library.laws()[0].clone();
+        let mut props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
+        if let Some(group) = &law.group {
+            props.truncate(law.parameters.len() - group.size);
+        }
+        for (key, value) in given {
+            let index = law.parameters.iter().position(|parameter| parameter.name == *key);
+            props[index.unwrap_or_else(|| panic!("{name} has no parameter {key}"))] = *value;
+        }
+        let (nstatv, cmname) = (law.states.len(), name.to_uppercase());
+        Self { library, law: Some(law), name: name.into(), symbol: None, cmname, props, nstatv }
+    }
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn a_shipped_law_is_called_through_its_plugin() {
+        let law = PluginLaw::shipped("linear_elastic", &[("E", 200.0), ("nu", 0.0)]);
+        assert!(law.has_symmetric_tangent());
+        let mut call = law.umat(PlaneModel::PlaneStress).unwrap();
+        call.dstran[0] = 0.01;
+        call.call(umat_abi::law::Request::StressAndTangent).unwrap();
+        assert_eq!(call.stress(), [2.0, 0.0, 0.0]);
+        assert!(law.uinter().unwrap_err().to_string().starts_with("linear_elastic: "));
+    }
+}

@@ -1,0 +1,147 @@
+//! What is to be computed: a mesh with laws, contact pairs, supports, loads and steps.
+//!
+//! A [`Model`] is data. Whoever writes one (a case file, a test) fills these structs; [`crate::stepping::Analysis`]
+//! checks them together and runs them.
+//!
+//! # Drives
+//!
+//! Everything that changes in time follows a *drive*: a named number, 0 at the start, that goes linearly to a target
+//! in each [`Step`]. A support moves by it (mm along the support's direction), a load is multiplied by it. A test that
+//! pulls a grip has one drive, the displacement of the grip; drag-out under pressure has two.
+
+mod contact;
+mod controls;
+mod law;
+
+pub use contact::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+pub use controls::{Controls, Skipping, Step, StepControl};
+pub use law::{LawError, PluginLaw};
+
+use crate::mesh::{ElementEdge, Mesh};
+
+/// A degree of freedom: the displacement of a node along x (0) or y (1); r and z in axial symmetry.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Freedom {
+    /// Index of the node.
+    pub node: usize,
+    /// 0 or 1.
+    pub component: usize,
+}
+
+impl Freedom {
+    /// Its place in vectors of displacements and forces: two per node.
+    pub const fn index(self) -> usize {
+        2 * self.node + self.component
+    }
+}
+
+/// Nodes held, or moved, along one direction.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Support {
+    /// What messages and reactions call it.
+    pub name: String,
+    /// Its nodes.
+    pub nodes: Vec<usize>,
+    /// The direction in which they are held, of any length > 0: not along an axis, a roller in rotated axes.
+    pub direction: [f64; 2],
+    /// The drive whose value is the displacement along `direction`, mm; `None`: held where it is.
+    pub drive: Option<usize>,
+}
+
+/// u_dependent = Σ coefficient · u_i: a multi-point constraint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coupling {
+    /// The freedom that is eliminated.
+    pub dependent: Freedom,
+    /// What it follows.
+    pub terms: Vec<(Freedom, f64)>,
+}
+
+/// A load: a drive's value times this.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Load {
+    /// What messages call it.
+    pub name: String,
+    /// The drive that multiplies it.
+    pub drive: usize,
+    /// Where, and how much of it at a drive of 1.
+    pub kind: LoadKind,
+}
+
+/// Kinds of loads.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LoadKind {
+    /// A force at each of these nodes, N; direction fixed.
+    Force {
+        /// Nodes.
+        nodes: Vec<usize>,
+        /// Force on each, N (in axial symmetry on its whole circle).
+        force: [f64; 2],
+    },
+    /// A traction per reference area, MPa; direction and area fixed.
+    Traction {
+        /// Edges.
+        edges: Vec<ElementEdge>,
+        /// Traction, MPa.
+        traction: [f64; 2],
+    },
+    /// A pressure against the body, MPa; under large displacements it follows the edge.
+    Pressure {
+        /// Edges.
+        edges: Vec<ElementEdge>,
+        /// Pressure, MPa.
+        pressure: f64,
+    },
+}
+
+/// What the history calls slip and load.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Measured {
+    /// The drive that is the `slip` of the history; `None`: 0.
+    pub slip: Option<usize>,
+    /// Index of the support whose reaction is the `load`.
+    pub support: Option<usize>,
+    /// The pull direction, unit length: `load` is the reaction along it, `load_lateral` that along its left normal.
+    pub direction: [f64; 2],
+    /// The node whose displacement along the direction is `slip_exit`.
+    pub exit_node: Option<usize>,
+    /// The node whose displacement along the direction is `slip_tail`.
+    pub tail_node: Option<usize>,
+}
+
+impl Default for Measured {
+    fn default() -> Self {
+        Self { slip: None, support: None, direction: [0.0, 1.0], exit_node: None, tail_node: None }
+    }
+}
+
+/// Everything that a computation needs.
+#[derive(Clone, Debug)]
+pub struct Model {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// The law of each part.
+    pub laws: Vec<PluginLaw>,
+    /// Whether nearly incompressible Q4 are averaged, of each part ([`crate::kinematics`]).
+    pub average_dilatation: Vec<bool>,
+    /// Contact pairs.
+    pub contacts: Vec<ContactPair>,
+    /// Names of the drives.
+    pub drives: Vec<String>,
+    /// Supports.
+    pub supports: Vec<Support>,
+    /// Multi-point constraints.
+    pub couplings: Vec<Coupling>,
+    /// Loads.
+    pub loads: Vec<Load>,
+    /// Large displacements: updated Lagrangian, `DROT`, contact on the deformed surfaces. Contact slides far either way.
+    pub nlgeom: bool,
+    /// What the history calls slip and load.
+    pub measured: Measured,
+    /// Steps, in order.
+    pub steps: Vec<Step>,
+    /// Tolerances and limits.
+    pub controls: Controls,
+    /// What may be skipped.
+    pub skipping: Skipping,
+}

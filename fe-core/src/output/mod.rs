@@ -1,0 +1,1 @@
+//! Fields at nodes and points, and the files that hold them.

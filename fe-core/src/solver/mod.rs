@@ -1,0 +1,1 @@
+//! Sparse direct solution with reused symbolic factorisations and checked residuals.

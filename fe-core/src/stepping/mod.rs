@@ -1,0 +1,1 @@
+//! Increments: Newton, line search, cut-back, indirect control, energies.
