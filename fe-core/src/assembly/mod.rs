@@ -2,9 +2,11 @@
 //! that is found once.
 
 mod block;
+mod equations;
 mod trouble;
 
 pub use block::Blocks;
+pub use equations::{ConstraintError, Equations};
 pub use trouble::{Place, Trouble};
 
 /// The increment over which points are asked to advance.
