@@ -65,6 +65,8 @@ pub struct Equations {
     expressions: Vec<Expression>,
     /// Node of each equation.
     nodes: Vec<usize>,
+    /// Whether several freedoms follow an equation.
+    shared: Vec<bool>,
     drive_count: usize,
     /// Couplings in the order in which forces pass from dependent freedoms to their terms.
     transfers: Vec<(usize, Vec<(usize, f64)>)>,
@@ -129,7 +131,13 @@ impl Equations {
                 dependence.is_coupling.then(|| (freedom, dependence.terms.clone()))
             })
             .collect();
-        Ok(Self { expressions, nodes, drive_count, transfers })
+        let mut shared = vec![false; nodes.len()];
+        for (freedom, expression) in expressions.iter().enumerate() {
+            for (equation, _) in &expression.equations {
+                shared[*equation] |= dependences[freedom].is_some();
+            }
+        }
+        Ok(Self { expressions, nodes, shared, drive_count, transfers })
     }
 
     /// How many equations there are.
@@ -166,6 +174,11 @@ impl Equations {
     pub fn is_independent(&self, freedom: usize) -> bool {
         let Expression { equations, drives } = &self.expressions[freedom];
         drives.is_empty() && matches!(equations[..], [(_, 1.0)])
+    }
+
+    /// Whether other freedoms follow this one's equation.
+    pub fn is_shared(&self, freedom: usize) -> bool {
+        self.expressions[freedom].equations.iter().any(|(equation, _)| self.shared[*equation])
     }
 
     /// u += T q + S a.
@@ -291,8 +304,7 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
             None => independent.push(one),
         }
     }
-    let dependence =
-        |terms, drive, one: &Held| Dependence { terms, drive, by: one.by.clone(), is_coupling: false };
+    let dependence = |terms, drive, one: &Held| Dependence { terms, drive, by: one.by.clone(), is_coupling: false };
     Ok(match independent[..] {
         [] => Vec::new(),
         [one] => {

@@ -1,61 +1,134 @@
 //! The system of equations: element and contact stiffness between the rows that the solver sees.
+//!
+//! Rows are the equations but for those in the interior of the condensed far field. Forces and displacements stay with
+//! the freedoms; only corrections and residuals are by rows.
 
+use super::far_field::{self, FarField};
 use super::{Blocks, Equations};
 use crate::mesh::Mesh;
 use crate::model::Freedom;
 use crate::solver::{FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
+use std::sync::Arc;
 
-/// The stiffness of an element: row-major over its freedoms.
+/// The stiffness of elements: row-major over their freedoms.
 pub trait ElementStiffness {
-    /// ∂force/∂displacement of element `element`.
+    /// ∂force/∂displacement of an element.
     fn stiffness(&self, element: usize) -> &[f64];
 }
 
-/// Where the entries of an element's stiffness go: K_rc += coefficient · k_entry at a place of the pattern.
+/// Where the entries of an element's stiffness go.
 #[derive(Clone, Debug)]
 enum Scatter {
-    /// Freedoms are equations or held: (entry of the element, place) pairs with coefficient 1.
-    Direct(Vec<(u32, u32)>),
-    /// Couplings: with coefficients.
+    /// Nowhere: the element is condensed.
+    Condensed,
+    /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`].
+    Direct(Vec<u32>),
+    /// Couplings: (entry of the element, place, coefficient).
     Coupled(Vec<(u32, u32, f64)>),
 }
+
+/// The place of an entry whose row or column is held; the row of an equation that is condensed.
+const NOWHERE: u32 = u32::MAX;
 
 /// A model's equations, their matrix and its solver.
 #[derive(Debug)]
 pub struct System {
     equations: Equations,
+    /// Row of each equation, or [`NOWHERE`].
+    row_of_equation: Vec<u32>,
+    /// Equation of each row.
+    equation_of_row: Vec<usize>,
     matrix: SystemMatrix,
     solver: LinearSolver,
     scatter: Vec<Scatter>,
     element_freedoms: Vec<Vec<usize>>,
     /// Elements with a freedom that a drive moves.
     driven_elements: Vec<usize>,
-    contact: Blocks,
+    /// Blocks of contact and loads, by freedoms.
+    blocks: Blocks,
+    far_field: Option<FarField>,
+    /// Values of the far field in the matrix: places of its stiffness.
+    far_places: Vec<u32>,
+}
+
+/// Which elements a system condenses.
+#[derive(Clone, Copy, Debug)]
+pub struct Condensation<'a, S> {
+    /// The virgin stiffness of the elements.
+    pub elements: &'a S,
+    /// False for elements to condense.
+    pub active: &'a [bool],
 }
 
 impl System {
-    /// Finds the pattern. `contact`: the freedoms that contact may couple; `follower`: groups of freedoms that loads may
-    /// couple beside the elements'.
+    /// Finds the pattern and condenses the far field. `contact`: the freedoms that contact may couple.
     ///
     /// # Errors
     ///
-    /// Those of the symbolic analysis.
-    pub fn new(
+    /// Those of the symbolic analysis and of the condensation.
+    pub fn new<S: ElementStiffness>(
         mesh: &Mesh,
         equations: Equations,
         contact: &[usize],
+        condensation: Option<Condensation<'_, S>>,
         options: SolverOptions,
     ) -> Result<Self, SolverError> {
+        let far_field = match &condensation {
+            Some(Condensation { elements, active }) => FarField::new(mesh, &equations, *elements, active, contact)?,
+            None => None,
+        };
+        let is_active = |element: usize| condensation.as_ref().is_none_or(|c| c.active[element]);
+        let (row_of_equation, equation_of_row) = rows(&equations, far_field.as_ref());
         let element_freedoms: Vec<Vec<usize>> = mesh.elements().iter().map(|element| freedoms(element.nodes())).collect();
-        let groups: Vec<Vec<usize>> =
-            element_freedoms.iter().map(|freedoms| equations_of_all(&equations, freedoms)).collect();
-        let pattern = Pattern::from_groups(equations.count(), groups.iter().map(Vec::as_slice));
-        let scatter = element_freedoms.iter().map(|freedoms| Scatter::new(&equations, &pattern, freedoms)).collect();
+        let by_rows = |freedoms: &[usize]| -> Vec<usize> {
+            equations_of_all(&equations, freedoms).into_iter().map(|equation| row_of_equation[equation] as usize).collect()
+        };
+        let mut groups: Vec<Vec<usize>> = element_freedoms
+            .iter()
+            .enumerate()
+            .filter(|(element, _)| is_active(*element))
+            .map(|(_, freedoms)| by_rows(freedoms))
+            .collect();
+        groups.extend(far_field.iter().map(|far| by_rows(far.border())));
+        let pattern = Pattern::from_groups(equation_of_row.len(), groups.iter().map(Vec::as_slice));
+        let scatter = element_freedoms
+            .iter()
+            .enumerate()
+            .map(|(element, freedoms)| match is_active(element) {
+                true => Scatter::new(&equations, &row_of_equation, &pattern, freedoms),
+                false => Scatter::Condensed,
+            })
+            .collect();
+        let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
+            let rows: Vec<usize> = far
+                .border()
+                .iter()
+                .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
+                .collect();
+            let place = |(&row, &column)| {
+                pattern.index(row, column).expect("the border is a group of the pattern") as u32
+            };
+            rows.iter().flat_map(|row| rows.iter().map(move |column| (row, column))).map(place).collect()
+        });
         let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
         let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
-        let solver = LinearSolver::new(&pattern, equations.nodes(), &equations_of_all(&equations, contact), options)?;
-        let matrix = SystemMatrix::new(pattern);
-        Ok(Self { equations, matrix, solver, scatter, element_freedoms, driven_elements, contact: Blocks::default() })
+        let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.nodes()[equation]).collect();
+        let contact_rows = by_rows(contact);
+        let pattern = Arc::new(pattern);
+        let solver = LinearSolver::new(&pattern, &nodes, &contact_rows, options)?;
+        Ok(Self {
+            matrix: SystemMatrix::new(pattern),
+            equations,
+            row_of_equation,
+            equation_of_row,
+            solver,
+            scatter,
+            element_freedoms,
+            driven_elements,
+            blocks: Blocks::default(),
+            far_field,
+            far_places,
+        })
     }
 
     /// The equations.
@@ -63,9 +136,19 @@ impl System {
         &self.equations
     }
 
-    /// The matrix of the last assembly.
-    pub fn matrix(&self) -> &SystemMatrix {
-        &self.matrix
+    /// How many rows the solver sees.
+    pub fn row_count(&self) -> usize {
+        self.equation_of_row.len()
+    }
+
+    /// The node of a row.
+    pub fn node_of_row(&self, row: usize) -> usize {
+        self.equations.nodes()[self.equation_of_row[row]]
+    }
+
+    /// How many freedoms are condensed.
+    pub fn condensed_count(&self) -> usize {
+        self.far_field.as_ref().map_or(0, |far| far.interior().len())
     }
 
     /// Adds all elements into the matrix.
@@ -73,28 +156,45 @@ impl System {
         let values = &mut self.matrix.values;
         values.fill(0.0);
         for (element, scatter) in self.scatter.iter().enumerate() {
-            let stiffness = elements.stiffness(element);
             match scatter {
+                Scatter::Condensed => {}
                 Scatter::Direct(entries) => {
-                    for &(entry, place) in entries {
-                        values[place as usize] += stiffness[entry as usize];
+                    for (&place, entry) in entries.iter().zip(elements.stiffness(element)) {
+                        if place != NOWHERE {
+                            values[place as usize] += entry;
+                        }
                     }
                 }
                 Scatter::Coupled(entries) => {
+                    let stiffness = elements.stiffness(element);
                     for &(entry, place, coefficient) in entries {
                         values[place as usize] += coefficient * stiffness[entry as usize];
                     }
                 }
             }
         }
+        if let Some(far) = &self.far_field {
+            for (&place, entry) in self.far_places.iter().zip(far.stiffness()) {
+                values[place as usize] += entry;
+            }
+        }
+    }
+
+    /// Adds a number to the diagonal: a dashpot or spring at every row.
+    pub fn add_to_diagonal(&mut self, value: f64) {
+        for row in 0..self.row_count() {
+            let place = self.matrix.pattern().index(row, row).expect("the diagonal is always there");
+            self.matrix.values[place] += value;
+        }
     }
 
     /// Takes over the blocks of contact and of loads that follow the body, by freedoms.
     pub fn set_blocks(&mut self, blocks: &Blocks) {
-        self.contact.clone_from(blocks);
+        self.blocks.clone_from(blocks);
         self.matrix.contact.clear();
         for (freedoms, values) in blocks.iter() {
-            let (rows, values) = reduced_block(&self.equations, freedoms, values);
+            let (equations, values) = reduced_block(&self.equations, freedoms, values);
+            let rows: Vec<usize> = equations.into_iter().map(|e| self.row_of_equation[e] as usize).collect();
             self.matrix.contact.push(&rows, &values);
         }
     }
@@ -126,25 +226,67 @@ impl System {
         self.solver.solve(&self.matrix, right_side).map(|_| ())
     }
 
-    /// Tᵀ K S a: the forces at the equations when the drives move by `drives` and the unknowns stay.
-    pub fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+    /// Tᵀ f by rows.
+    pub fn reduce(&self, forces: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.equations.count()];
+        self.equations.reduce(forces, &mut all);
+        self.equation_of_row.iter().map(|&equation| all[equation]).collect()
+    }
+
+    /// T q + S a from unknowns by rows; the interior of the far field stays 0.
+    pub fn displacements(&self, unknowns: &[f64], drives: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.equations.count()];
+        self.equation_of_row.iter().zip(unknowns).for_each(|(&equation, value)| all[equation] = *value);
         let mut displacements = vec![0.0; self.equations.freedom_count()];
-        self.equations.add_displacements(&vec![0.0; self.equations.count()], drives, &mut displacements);
+        self.equations.add_displacements(&all, drives, &mut displacements);
+        displacements
+    }
+
+    /// Tᵀ K S a by rows: the forces when the drives move by `drives` and the unknowns stay.
+    pub fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+        let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
         for &element in &self.driven_elements {
             add_product(&self.element_freedoms[element], elements.stiffness(element), &displacements, &mut forces);
         }
-        for (freedoms, values) in self.contact.iter() {
+        for (freedoms, values) in self.blocks.iter() {
             add_product(freedoms, values, &displacements, &mut forces);
         }
-        let mut reduced = vec![0.0; self.equations.count()];
-        self.equations.reduce(&forces, &mut reduced);
-        reduced
+        self.reduce(&forces)
+    }
+
+    /// Adds the forces of the far field on its border (`sign` 1), or takes them away (−1).
+    pub fn add_far_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
+        if let Some(far) = &self.far_field {
+            far.add_forces(displacements, sign, forces);
+        }
+    }
+
+    /// Sets the displacements in the far field from those at its border.
+    pub fn expand(&self, displacements: &mut [f64]) {
+        if let Some(far) = &self.far_field {
+            far.expand(displacements);
+        }
     }
 }
 
+/// Row of each equation and equation of each row.
+fn rows(equations: &Equations, far_field: Option<&FarField>) -> (Vec<u32>, Vec<usize>) {
+    let mut row_of_equation = vec![0; equations.count()];
+    for &freedom in far_field.map_or(&[][..], FarField::interior) {
+        for &(equation, _) in equations.equations_of(freedom) {
+            row_of_equation[equation] = NOWHERE;
+        }
+    }
+    let kept: Vec<usize> = (0..equations.count()).filter(|&equation| row_of_equation[equation] != NOWHERE).collect();
+    for (row, &equation) in kept.iter().enumerate() {
+        row_of_equation[equation] = row as u32;
+    }
+    (row_of_equation, kept)
+}
+
 /// The freedoms of some nodes, two each.
-pub(crate) fn freedoms(nodes: &[usize]) -> Vec<usize> {
+pub(super) fn freedoms(nodes: &[usize]) -> Vec<usize> {
     nodes.iter().flat_map(|&node| [0, 1].map(|component| Freedom { node, component }.index())).collect()
 }
 
@@ -182,12 +324,13 @@ fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (
 }
 
 impl Scatter {
-    fn new(equations: &Equations, pattern: &Pattern, freedoms: &[usize]) -> Self {
+    fn new(equations: &Equations, row_of_equation: &[u32], pattern: &Pattern, freedoms: &[usize]) -> Self {
         let mut entries = Vec::with_capacity(freedoms.len() * freedoms.len());
         for (i, &row_freedom) in freedoms.iter().enumerate() {
             for (j, &column_freedom) in freedoms.iter().enumerate() {
                 for &(row, a) in equations.equations_of(row_freedom) {
                     for &(column, b) in equations.equations_of(column_freedom) {
+                        let (row, column) = (row_of_equation[row] as usize, row_of_equation[column] as usize);
                         let place = pattern.index(row, column).expect("the pattern was made from these freedoms");
                         entries.push(((i * freedoms.len() + j) as u32, place as u32, a * b));
                     }
@@ -195,7 +338,11 @@ impl Scatter {
             }
         }
         if entries.iter().all(|(_, _, coefficient)| *coefficient == 1.0) {
-            Self::Direct(entries.into_iter().map(|(entry, place, _)| (entry, place)).collect())
+            let mut places = vec![NOWHERE; freedoms.len() * freedoms.len()];
+            for (entry, place, _) in entries {
+                places[entry as usize] = place;
+            }
+            Self::Direct(places)
         } else {
             Self::Coupled(entries)
         }

@@ -112,12 +112,15 @@ impl StepRun {
             Lead::Drives => {
                 let left = 1.0 - self.progress;
                 self.attempted = self.size.next(left);
-                Target::Drives(self.drives_at(if self.attempted == left { 1.0 } else { self.progress + self.attempted }))
+                Target::Drives(self.drives_at(if self.attempted == left {
+                    1.0
+                } else {
+                    self.progress + self.attempted
+                }))
             }
-            Lead::Slip { increment, .. } => Target::MeanSlip {
-                mean_slip: committed.mean_slip + increment,
-                direction: self.direction(),
-            },
+            Lead::Slip { increment, .. } => {
+                Target::MeanSlip { mean_slip: committed.mean_slip + increment, direction: self.direction() }
+            }
         }
     }
 
@@ -149,7 +152,12 @@ impl StepRun {
     }
 
     /// Whether a converged increment may stand; otherwise with which part of it to try again.
-    pub(super) fn judge(&mut self, converged: &Converged, load: LoadHistory, findings: Findings) -> Result<(), Trouble> {
+    pub(super) fn judge(
+        &mut self,
+        converged: &Converged,
+        load: LoadHistory,
+        findings: Findings,
+    ) -> Result<(), Trouble> {
         if let Lead::Slip { .. } = self.lead
             && self.progress_of(&converged.end.drives) >= 1.0
         {

@@ -197,9 +197,10 @@ impl<'m> Analysis<'m> {
     /// The load and the lateral load, N.
     fn measured_load(&self, snapshot: &Snapshot<'_>) -> [f64; 2] {
         let [x, y] = self.model.measured.direction;
-        self.model.measured.support.map_or([0.0; 2], |support| {
-            [snapshot.reaction_of(support, [x, y]), snapshot.reaction_of(support, [-y, x])]
-        })
+        self.model
+            .measured
+            .support
+            .map_or([0.0; 2], |support| [snapshot.reaction_of(support, [x, y]), snapshot.reaction_of(support, [-y, x])])
     }
 
     /// Makes a converged increment the present state.
@@ -222,9 +223,8 @@ impl<'m> Analysis<'m> {
         let snapshot = self.snapshot();
         let measured = &self.model.measured;
         let [load, load_lateral] = self.measured_load(&snapshot);
-        let along = |node: Option<usize>| {
-            node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction))
-        };
+        let along =
+            |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction));
         let reference = self.energies.external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work);
         Record {
             step,

@@ -237,7 +237,8 @@ impl<'m> Equilibrium<'m> {
     ) -> bool {
         let controls = &self.model.controls;
         let tolerance = controls.force_tolerance * scale;
-        let moved = trial.displacements.iter().zip(&start.displacements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let moved =
+            trial.displacements.iter().zip(&start.displacements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let small_correction = last.is_none_or(|last| last.correction <= controls.displacement_tolerance * moved);
         residual <= NEGLIGIBLE_RESIDUAL * tolerance || (residual <= tolerance && small_correction)
     }
