@@ -3,10 +3,17 @@
 
 mod block;
 mod equations;
+mod far_field;
+mod loads;
+pub mod solids;
+mod system;
 mod trouble;
 
 pub use block::Blocks;
 pub use equations::{ConstraintError, Equations};
+pub use loads::external_forces;
+pub use solids::{Solids, SolidsError};
+pub use system::{Condensation, ElementStiffness, System};
 pub use trouble::{Place, Trouble};
 
 /// The increment over which points are asked to advance.

@@ -4,7 +4,7 @@
 //! the freedoms; only corrections and residuals are by rows.
 
 use super::far_field::{self, FarField};
-use super::{Blocks, Equations};
+use super::{Blocks, Equations, Solids};
 use crate::mesh::Mesh;
 use crate::model::Freedom;
 use crate::solver::{FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
@@ -14,6 +14,12 @@ use std::sync::Arc;
 pub trait ElementStiffness {
     /// ∂force/∂displacement of an element.
     fn stiffness(&self, element: usize) -> &[f64];
+}
+
+impl ElementStiffness for Solids {
+    fn stiffness(&self, element: usize) -> &[f64] {
+        Solids::stiffness(self, element)
+    }
 }
 
 /// Where the entries of an element's stiffness go.

@@ -72,6 +72,8 @@ pub(super) struct Equilibrium<'m> {
     blocks: Blocks,
     /// Whether a factor of the present pattern exists.
     factorised: bool,
+    /// The solids' stiffnesses in the matrix.
+    assembled_version: u64,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     at_committed_state: bool,
     /// The largest force scale so far.
@@ -95,7 +97,7 @@ const CUT: f64 = 0.25;
 
 impl<'m> Equilibrium<'m> {
     pub(super) fn new(model: &'m Model, solids: Solids, contact: Contact, system: System) -> Self {
-        let (freedoms, rows) = (system.equations().freedom_count(), system.equations().count());
+        let freedoms = system.equations().freedom_count();
         Self {
             model,
             solids,
@@ -103,9 +105,10 @@ impl<'m> Equilibrium<'m> {
             system,
             internal: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
-            residual: vec![0.0; rows],
+            residual: Vec::new(),
             blocks: Blocks::default(),
             factorised: false,
+            assembled_version: 0,
             at_committed_state: false,
             greatest_scale: 0.0,
         }
@@ -273,8 +276,9 @@ impl<'m> Equilibrium<'m> {
             let blocks = request.wants_tangent().then_some(&mut self.blocks);
             external_forces(self.model, load, factor, &trial.displacements, &mut self.external, blocks);
         }
-        let unbalanced: Vec<f64> = self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect();
-        self.system.equations().reduce(&unbalanced, &mut self.residual);
+        self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
+        let unbalanced = self.unbalanced();
+        self.residual = self.system.reduce(&unbalanced);
         match unbalanced.iter().position(|force| !force.is_finite()) {
             None => Ok(()),
             Some(freedom) => {
@@ -283,6 +287,11 @@ impl<'m> Equilibrium<'m> {
                 Err(trouble(place, "the internal force is not a finite number".into(), CUT))
             }
         }
+    }
+
+    /// External less internal forces.
+    fn unbalanced(&self) -> Vec<f64> {
+        self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
 
     /// The correction of this iteration.
@@ -335,24 +344,21 @@ impl<'m> Equilibrium<'m> {
         for load in &self.model.loads {
             external_forces(self.model, load, drives[load.drive], &start.displacements, &mut external, None);
         }
-        let mut reduced = vec![0.0; forces.len()];
-        self.system.equations().reduce(&external, &mut reduced);
+        let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);
         forces
     }
 
     fn as_direction(&self, unknowns: &[f64], drives: Vec<f64>) -> Direction {
-        let equations = self.system.equations();
-        let mut displacements = vec![0.0; equations.freedom_count()];
-        equations.add_displacements(unknowns, &drives, &mut displacements);
-        Direction { displacements, drives }
+        Direction { displacements: self.system.displacements(unknowns, &drives), drives }
     }
 
     /// Factorises what has changed since the last time.
     fn factorise(&mut self, statistics: &mut Statistics) -> Result<(), Trouble> {
         let keep = self.model.skipping.unchanged_elements && self.factorised;
-        let elements_changed = self.solids.take_changed() || !keep;
+        let elements_changed = !keep || self.solids.latest_version() != self.assembled_version;
         if elements_changed {
+            self.assembled_version = self.solids.latest_version();
             self.system.assemble_elements(&self.solids);
         }
         self.system.set_blocks(&self.blocks);
@@ -427,7 +433,7 @@ impl<'m> Equilibrium<'m> {
     fn not_converged(&self, residual: f64, scale: f64, iterations: usize) -> Trouble {
         let row = (0..self.residual.len()).max_by(|a, b| self.residual[*a].abs().total_cmp(&self.residual[*b].abs()));
         let place = row.map_or(Place::System, |row| {
-            let node = self.system.equations().nodes()[row];
+            let node = self.system.node_of_row(row);
             Place::Node { node, position: self.model.mesh.nodes()[node] }
         });
         let reason = format!(
