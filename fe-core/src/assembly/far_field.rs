@@ -9,13 +9,12 @@
 //! equation checked with what the laws say: an element that is no longer elastic is noticed exactly, leaves the far field,
 //! and the increment goes on.
 
-use super::system::{ElementStiffness, freedoms};
 use super::Equations;
+use super::system::{ElementStiffness, freedoms};
 use crate::mesh::Mesh;
 use crate::solver::{Pattern, SolverError, Superelement};
 
 /// Condensed elements.
-#[derive(Debug)]
 pub(super) struct FarField {
     superelement: Superelement,
     border: Vec<usize>,
@@ -119,8 +118,8 @@ fn assemble(
     (pattern, values)
 }
 
-/// Which elements may be condensed: their freedoms are each an equation or held still, and carry no load.
-pub(super) fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
+/// Which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
+pub fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
     let mut has_load = vec![false; equations.freedom_count()];
     loaded.iter().for_each(|&freedom| has_load[freedom] = true);
     let plain = |freedom: usize| {
@@ -130,15 +129,9 @@ pub(super) fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usi
     mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().all(plain)).collect()
 }
 
-/// Marks the elements that share a node with marked ones, `rings` times.
-pub(super) fn grow(mesh: &Mesh, marked: &mut [bool], rings: usize) {
-    for _ in 0..rings {
-        let mut touched = vec![false; mesh.nodes().len()];
-        for (element, _) in mesh.elements().iter().zip(&*marked).filter(|(_, is_marked)| **is_marked) {
-            element.nodes().iter().for_each(|&node| touched[node] = true);
-        }
-        for (element, is_marked) in mesh.elements().iter().zip(&mut *marked) {
-            *is_marked |= element.nodes().iter().any(|&node| touched[node]);
-        }
-    }
+/// Which elements have one of these freedoms.
+pub fn touching(mesh: &Mesh, of: &[usize]) -> Vec<bool> {
+    let mut marked = vec![false; 2 * mesh.nodes().len()];
+    of.iter().for_each(|&freedom| marked[freedom] = true);
+    mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().any(|f| marked[f])).collect()
 }

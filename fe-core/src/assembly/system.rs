@@ -3,7 +3,7 @@
 //! Rows are the equations but for those in the interior of the condensed far field. Forces and displacements stay with
 //! the freedoms; only corrections and residuals are by rows.
 
-use super::far_field::{self, FarField};
+use super::far_field::FarField;
 use super::{Blocks, Equations, Solids};
 use crate::mesh::Mesh;
 use crate::model::Freedom;
@@ -37,7 +37,6 @@ enum Scatter {
 const NOWHERE: u32 = u32::MAX;
 
 /// A model's equations, their matrix and its solver.
-#[derive(Debug)]
 pub struct System {
     equations: Equations,
     /// Row of each equation, or [`NOWHERE`].
@@ -59,11 +58,13 @@ pub struct System {
 
 /// Which elements a system condenses.
 #[derive(Clone, Copy, Debug)]
-pub struct Condensation<'a, S> {
-    /// The virgin stiffness of the elements.
-    pub elements: &'a S,
+pub struct Condensation<'a> {
+    /// The solids, with the stiffness of the virgin state in elements to condense.
+    pub elements: &'a Solids,
     /// False for elements to condense.
     pub active: &'a [bool],
+    /// Freedoms that stay although only condensed elements have them.
+    pub retained: &'a [usize],
 }
 
 impl System {
@@ -72,22 +73,28 @@ impl System {
     /// # Errors
     ///
     /// Those of the symbolic analysis and of the condensation.
-    pub fn new<S: ElementStiffness>(
+    pub fn new(
         mesh: &Mesh,
         equations: Equations,
         contact: &[usize],
-        condensation: Option<Condensation<'_, S>>,
+        condensation: Option<Condensation<'_>>,
         options: SolverOptions,
     ) -> Result<Self, SolverError> {
         let far_field = match &condensation {
-            Some(Condensation { elements, active }) => FarField::new(mesh, &equations, *elements, active, contact)?,
+            Some(Condensation { elements, active, retained }) => {
+                FarField::new(mesh, &equations, *elements, active, retained)?
+            }
             None => None,
         };
         let is_active = |element: usize| condensation.as_ref().is_none_or(|c| c.active[element]);
         let (row_of_equation, equation_of_row) = rows(&equations, far_field.as_ref());
-        let element_freedoms: Vec<Vec<usize>> = mesh.elements().iter().map(|element| freedoms(element.nodes())).collect();
+        let element_freedoms: Vec<Vec<usize>> =
+            mesh.elements().iter().map(|element| freedoms(element.nodes())).collect();
         let by_rows = |freedoms: &[usize]| -> Vec<usize> {
-            equations_of_all(&equations, freedoms).into_iter().map(|equation| row_of_equation[equation] as usize).collect()
+            equations_of_all(&equations, freedoms)
+                .into_iter()
+                .map(|equation| row_of_equation[equation] as usize)
+                .collect()
         };
         let mut groups: Vec<Vec<usize>> = element_freedoms
             .iter()
@@ -111,9 +118,8 @@ impl System {
                 .iter()
                 .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
                 .collect();
-            let place = |(&row, &column)| {
-                pattern.index(row, column).expect("the border is a group of the pattern") as u32
-            };
+            let place =
+                |(&row, &column)| pattern.index(row, column).expect("the border is a group of the pattern") as u32;
             rows.iter().flat_map(|row| rows.iter().map(move |column| (row, column))).map(place).collect()
         });
         let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());

@@ -20,6 +20,9 @@ pub enum ModelError {
     /// The pattern of the equations.
     #[error(transparent)]
     Solver(#[from] SolverError),
+    /// A law that fails in the virgin state.
+    #[error("before the first increment: {0}")]
+    Virgin(#[from] Trouble),
     /// Tables of the model that do not fit together.
     #[error("{0}")]
     Inconsistent(String),

@@ -9,6 +9,7 @@ mod size;
 mod snapshot;
 #[cfg(test)]
 mod test;
+mod zone;
 
 pub use energy::Energies;
 pub use error::{ModelError, RunError};
@@ -16,10 +17,8 @@ pub use newton::Iteration;
 pub use record::{Counts, Directive, Observer, Record};
 pub use snapshot::Snapshot;
 
-use crate::assembly::{Equations, IncrementContext, Solids, System};
-use crate::contact::Contact;
+use crate::assembly::{Equations, IncrementContext};
 use crate::model::{Model, Step};
-use crate::solver::SolverOptions;
 use control::{Advance, Findings, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
 
@@ -34,6 +33,8 @@ pub struct Statistics {
     pub cutbacks: u64,
     /// Rounds of multiplier updates and openings.
     pub settlements: u64,
+    /// Times that elements left the condensed far field.
+    pub expansions: u64,
     /// Evaluations of all forces.
     pub evaluations: u64,
     /// Factorisations of the whole matrix.
@@ -45,7 +46,6 @@ pub struct Statistics {
 }
 
 /// A model that is being computed.
-#[derive(Debug)]
 pub struct Analysis<'m> {
     model: &'m Model,
     equilibrium: Equilibrium<'m>,
@@ -68,11 +68,7 @@ impl<'m> Analysis<'m> {
     pub fn new(model: &'m Model) -> Result<Self, ModelError> {
         error::check(model)?;
         let equations = Equations::new(model)?;
-        let solids = Solids::new(model)?;
-        let moduli = solids.elastic_moduli();
-        let contact = Contact::new(&model.mesh, &model.contacts, &moduli, model.skipping.contact_search)?;
-        let system = System::new(&model.mesh, equations, contact.freedoms(), SolverOptions::default())?;
-        let freedoms = system.equations().freedom_count();
+        let freedoms = equations.freedom_count();
         let committed = Committed {
             displacements: vec![0.0; freedoms],
             drives: vec![0.0; model.drives.len()],
@@ -82,7 +78,7 @@ impl<'m> Analysis<'m> {
         };
         Ok(Self {
             model,
-            equilibrium: Equilibrium::new(model, solids, contact, system),
+            equilibrium: Equilibrium::new(model, equations)?,
             committed,
             energies: Energies::default(),
             datum: Energies::default(),

@@ -12,8 +12,9 @@
 //! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c_target − c − g·Tδq_r) / g·(Tδq_d + S d)
 //! ```
 
-use super::{Counts, Energies, Statistics};
-use crate::assembly::{Blocks, IncrementContext, Place, Solids, System, Trouble, external_forces};
+use super::zone::Zone;
+use super::{Counts, Energies, ModelError, Statistics};
+use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loads};
 use crate::contact::Contact;
 use crate::model::Model;
 use crate::solver::{SolverError, Symmetry};
@@ -60,12 +61,12 @@ pub(super) struct Converged {
 }
 
 /// Solids, contact and equations with the memory of an iteration.
-#[derive(Debug)]
 pub(super) struct Equilibrium<'m> {
     pub(super) model: &'m Model,
     pub(super) solids: Solids,
     pub(super) contact: Contact,
     pub(super) system: System,
+    zone: Zone,
     internal: Vec<f64>,
     external: Vec<f64>,
     residual: Vec<f64>,
@@ -96,13 +97,24 @@ const MAX_SETTLEMENTS: usize = 200;
 const CUT: f64 = 0.25;
 
 impl<'m> Equilibrium<'m> {
-    pub(super) fn new(model: &'m Model, solids: Solids, contact: Contact, system: System) -> Self {
-        let freedoms = system.equations().freedom_count();
-        Self {
+    /// Evaluates the virgin state and finds the equations.
+    pub(super) fn new(model: &'m Model, equations: Equations) -> Result<Self, ModelError> {
+        let mut solids = Solids::new(model)?;
+        let contact =
+            Contact::new(&model.mesh, &model.contacts, &solids.elastic_moduli(), model.skipping.contact_search)?;
+        let freedoms = equations.freedom_count();
+        let zone = Zone::new(model, &equations, contact.freedoms());
+        let virgin = vec![0.0; freedoms];
+        let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+        solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms])?;
+        let system = zone.system(model, equations, contact.freedoms(), &solids)?;
+        solids.set_active(zone.active());
+        Ok(Self {
             model,
             solids,
             contact,
             system,
+            zone,
             internal: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             residual: Vec::new(),
@@ -111,7 +123,7 @@ impl<'m> Equilibrium<'m> {
             assembled_version: 0,
             at_committed_state: false,
             greatest_scale: 0.0,
-        }
+        })
     }
 
     /// Finds equilibrium for a target from the committed state.
@@ -132,15 +144,17 @@ impl<'m> Equilibrium<'m> {
         loop {
             let round = self.newton(start, &mut trial, target, context, iterations.len(), statistics)?;
             iterations.extend(round);
-            let settlement = self.contact.settle();
-            if !settlement.again {
+            if self.contact.settle().again {
+                settlements += 1;
+                if settlements > MAX_SETTLEMENTS {
+                    return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
+                }
+                statistics.settlements += 1;
+            } else if self.far_field_holds(&mut trial, context)? {
                 break;
+            } else {
+                statistics.expansions += 1;
             }
-            settlements += 1;
-            if settlements > MAX_SETTLEMENTS {
-                return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
-            }
-            statistics.settlements += 1;
             let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
             self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
         }
@@ -148,6 +162,41 @@ impl<'m> Equilibrium<'m> {
         trial.external.clone_from(&self.external);
         trial.reactions = self.internal.iter().zip(&self.external).map(|(i, e)| i - e).collect();
         Ok(Converged { end: trial, iterations })
+    }
+
+    /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
+    /// that are no longer elastic iterate from now on.
+    fn far_field_holds(&mut self, trial: &mut Committed, context: IncrementContext) -> Result<bool, Trouble> {
+        if !self.zone.condenses() {
+            return Ok(true);
+        }
+        self.system.expand(&mut trial.displacements);
+        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
+        let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
+        self.solids.set_active(&far);
+        let called = self.solids.evaluate(&trial.displacements, &context, Request::Stress, &mut self.internal);
+        self.solids.set_active(self.zone.active());
+        called?;
+        let equations = self.system.equations();
+        let mut residual = vec![0.0; equations.count()];
+        equations.reduce(&self.unbalanced(), &mut residual);
+        let limit = self.model.controls.force_tolerance * self.force_scale();
+        let unbalanced: Vec<bool> = residual.iter().map(|force| force.abs() > limit).collect();
+        if !unbalanced.contains(&true) {
+            return Ok(true);
+        }
+        let equations = self.system.equations();
+        let at_fault = |freedom: &usize| equations.equations_of(*freedom).iter().any(|(e, _)| unbalanced[*e]);
+        let freedoms: Vec<usize> = (0..equations.freedom_count()).filter(at_fault).collect();
+        let equations = equations.clone();
+        self.zone.take_in(&self.model.mesh, &freedoms);
+        self.system = self
+            .zone
+            .system(self.model, equations, self.contact.freedoms(), &self.solids)
+            .map_err(|error| self.unsolvable(&error))?;
+        self.solids.set_active(self.zone.active());
+        self.factorised = false;
+        Ok(false)
     }
 
     /// The last attempt becomes the committed state.
@@ -182,7 +231,7 @@ impl<'m> Equilibrium<'m> {
         let (solids, contact) = (self.solids.counts(), self.contact.counts());
         Counts {
             damaged: solids.damaged,
-            yielding: solids.yielding,
+            yielding: solids.plastic,
             sticking: contact.sticking,
             slipping: contact.slipping,
             open: contact.open,
@@ -274,7 +323,8 @@ impl<'m> Equilibrium<'m> {
         for load in &self.model.loads {
             let factor = trial.drives[load.drive];
             let blocks = request.wants_tangent().then_some(&mut self.blocks);
-            external_forces(self.model, load, factor, &trial.displacements, &mut self.external, blocks);
+            let Model { mesh, nlgeom, .. } = self.model;
+            loads::external(mesh, *nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
         }
         self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
         let unbalanced = self.unbalanced();
@@ -342,7 +392,8 @@ impl<'m> Equilibrium<'m> {
         forces.iter_mut().for_each(|force| *force = -*force);
         let mut external = vec![0.0; start.displacements.len()];
         for load in &self.model.loads {
-            external_forces(self.model, load, drives[load.drive], &start.displacements, &mut external, None);
+            let Model { mesh, nlgeom, .. } = self.model;
+            loads::external(mesh, *nlgeom, &load.kind, drives[load.drive], &start.displacements, &mut external, None);
         }
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);

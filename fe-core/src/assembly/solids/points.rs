@@ -1,7 +1,7 @@
 //! The material points of one part: their states, and calls of their UMAT.
 
-use super::error::SolidsError;
 use super::TangentChoice;
+use super::error::SolidsError;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
@@ -86,7 +86,8 @@ impl Points {
 
     /// Finds DDSDDE of the virgin state.
     pub(super) fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
-        let error = |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
+        let error =
+            |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
         let zero = [0.0; MAX_COMPONENTS];
         self.rest();
         self.set_state(&zero, &zero, &zero);
