@@ -2,6 +2,7 @@
 //! that is found once.
 
 mod block;
+pub mod loads;
 pub mod solids;
 mod trouble;
 
