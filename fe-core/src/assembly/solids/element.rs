@@ -83,7 +83,7 @@ pub(super) fn advance_small<const N: usize>(
         let start = points.committed.strain[index];
         let increment = PointIncrement { strain: std::array::from_fn(|k| strains[point][k] - start[k]), motion: None };
         let [x, y] = shape.positions[point];
-        points.call.coords = [x, y, 0.0];
+        (points.call.coords, points.call.npt) = ([x, y, 0.0], number_of(point));
         *changed |= points.advance(index, &increment, task.request, task.choice).map_err(|trouble| (point, trouble))?;
         // What the displacements say, not a sum of increments.
         points.trial.strain[index] = strains[point];
@@ -95,6 +95,11 @@ pub(super) fn advance_small<const N: usize>(
         shape.at(point).add_conjugate(&symmetric_gradient(&stress), shape.volumes[point], forces);
     }
     Ok(())
+}
+
+/// NPT: from 1, at most [`MAX_POINTS`].
+fn number_of(point: usize) -> i32 {
+    point as i32 + 1
 }
 
 /// p̄ of an element with averaged dilatation.
@@ -180,7 +185,7 @@ pub(super) fn advance_finite<const N: usize>(
         }
         let [f0, f1] = &gradients[point];
         let increment = PointIncrement { strain, motion: Some((&motions[point], f0, f1)) };
-        points.call.coords = present_position(shape, point, end);
+        (points.call.coords, points.call.npt) = (present_position(shape, point, end), number_of(point));
         *changed |= points
             .advance(shape.first_point + point, &increment, task.request, task.choice)
             .map_err(|trouble| (point, trouble))?;
