@@ -29,6 +29,7 @@
 //! ```
 
 mod error;
+pub mod gmsh;
 mod topology;
 mod validation;
 
