@@ -30,6 +30,7 @@
 
 mod error;
 pub mod gmsh;
+pub mod preflight;
 pub mod structured;
 mod topology;
 mod validation;
