@@ -29,6 +29,9 @@
 //! ```
 
 mod error;
+pub mod gmsh;
+pub mod preflight;
+pub mod structured;
 mod topology;
 mod validation;
 
