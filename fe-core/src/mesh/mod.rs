@@ -29,6 +29,8 @@
 //! ```
 
 mod error;
+pub mod gmsh;
+pub mod structured;
 mod topology;
 mod validation;
 

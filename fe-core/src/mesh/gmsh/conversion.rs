@@ -1,0 +1,247 @@
+//! From the elements and groups of a file to parts and sets.
+
+use std::collections::hash_map::Entry;
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+
+use super::PartProperties;
+use super::element_type::ElementType;
+use super::error::GmshFault;
+use super::file::{File, FileElement};
+use crate::element::{ElementKind, area};
+use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition, Part};
+
+/// z may differ by this fraction of the largest coordinate: what a rotation of the model in Gmsh leaves.
+const RELATIVE_PLANE_TOLERANCE: f64 = 1e-9;
+
+/// A fault, with the byte where its cause stands if it stands anywhere.
+type Trouble = (Option<usize>, GmshFault);
+
+/// Makes a mesh of a file.
+pub(super) fn mesh_definition(
+    file: &File,
+    properties: &BTreeMap<String, PartProperties>,
+) -> Result<MeshDefinition, Trouble> {
+    let surfaces = surface_elements(file)?;
+    check_part_names(&surfaces, properties)?;
+    let mut conversion = Conversion::new(file);
+    conversion.add_parts(properties);
+    for (element, kind, group) in surfaces {
+        let part = conversion.definition.parts.partition_point(|part| part.name < group);
+        conversion.add_surface(element, kind, part)?;
+    }
+    conversion.add_sets()?;
+    conversion.check_plane()?;
+    Ok(conversion.definition)
+}
+
+/// The surface elements, each with its kind and the name of its group.
+fn surface_elements(file: &File) -> Result<Vec<(&FileElement, ElementKind, String)>, Trouble> {
+    let (mut surfaces, mut outside) = (Vec::new(), Vec::new());
+    let mut element_with: HashMap<Vec<usize>, usize> = HashMap::new();
+    for element in &file.elements {
+        let ElementType::Surface(kind) = element.element_type else { continue };
+        let groups: Vec<String> = group_names(file, element).into_iter().collect();
+        let group = match &groups[..] {
+            [] => {
+                outside.push(element);
+                continue;
+            }
+            [group] => group.clone(),
+            [first, second, ..] => {
+                let (first, second) = (first.clone(), second.clone());
+                return Err((Some(element.place), GmshFault::TwoGroups { element: element.tag, first, second }));
+            }
+        };
+        let mut nodes = element.nodes.clone();
+        nodes.sort_unstable();
+        if let Some(index) = element_with.insert(nodes, surfaces.len()) {
+            let (earlier, _, earlier_group): &(&FileElement, ElementKind, String) = &surfaces[index];
+            let fault = GmshFault::SameNodes {
+                first: earlier.tag,
+                second: element.tag,
+                first_group: earlier_group.clone(),
+                second_group: group,
+            };
+            return Err((Some(element.place), fault));
+        }
+        surfaces.push((element, kind, group));
+    }
+    if let Some(first) = outside.first() {
+        return Err((Some(first.place), GmshFault::NoGroup { element: first.tag, count: outside.len() }));
+    }
+    if surfaces.is_empty() { Err((None, GmshFault::NoSurface)) } else { Ok(surfaces) }
+}
+
+/// The names of the physical groups of an element. A reversed curve has its group with a minus.
+fn group_names(file: &File, element: &FileElement) -> BTreeSet<String> {
+    let dimension = element.element_type.dimension();
+    let name = |tag: &i64| {
+        let tag = tag.saturating_abs();
+        file.names.get(&(dimension, tag)).cloned().unwrap_or_else(|| tag.to_string())
+    };
+    file.groups[element.groups].iter().map(name).collect()
+}
+
+fn check_part_names(
+    surfaces: &[(&FileElement, ElementKind, String)],
+    properties: &BTreeMap<String, PartProperties>,
+) -> Result<(), Trouble> {
+    let available: BTreeSet<&String> = surfaces.iter().map(|(_, _, group)| group).collect();
+    let without_properties: Vec<String> =
+        available.iter().filter(|name| !properties.contains_key(**name)).map(|name| (*name).clone()).collect();
+    let without_elements: Vec<String> = properties.keys().filter(|name| !available.contains(name)).cloned().collect();
+    if without_properties.is_empty() && without_elements.is_empty() {
+        return Ok(());
+    }
+    let available = available.into_iter().cloned().collect();
+    Err((None, GmshFault::PartNames { without_properties, without_elements, available }))
+}
+
+/// A mesh in the making.
+struct Conversion<'a> {
+    file: &'a File,
+    definition: MeshDefinition,
+    /// The mesh's index of each node of the file.
+    node_index: Vec<Option<usize>>,
+    /// The file's index of each node of the mesh.
+    file_index: Vec<usize>,
+    /// The edges between two corners, by the direction in which their elements have them.
+    edge_with: HashMap<[usize; 2], ElementEdge>,
+}
+
+impl<'a> Conversion<'a> {
+    fn new(file: &'a File) -> Self {
+        Self {
+            file,
+            definition: MeshDefinition::default(),
+            node_index: vec![None; file.nodes.len()],
+            file_index: Vec::new(),
+            edge_with: HashMap::new(),
+        }
+    }
+
+    /// In the order of their names.
+    fn add_parts(&mut self, properties: &BTreeMap<String, PartProperties>) {
+        self.definition.parts = properties
+            .iter()
+            .map(|(name, &PartProperties { model, thickness, integration })| Part {
+                name: name.clone(),
+                model,
+                thickness,
+                integration,
+            })
+            .collect();
+    }
+
+    /// The mesh's index of a node of the file, new if it has none.
+    fn node(&mut self, node: usize) -> usize {
+        *self.node_index[node].get_or_insert_with(|| {
+            let [x, y, _] = self.file.nodes[node].position;
+            self.definition.nodes.push([x, y]);
+            self.file_index.push(node);
+            self.definition.nodes.len() - 1
+        })
+    }
+
+    fn add_surface(&mut self, element: &FileElement, kind: ElementKind, part: usize) -> Result<(), Trouble> {
+        let mut nodes: Vec<usize> = element.nodes.iter().map(|&node| self.node(node)).collect();
+        let corners: Vec<[f64; 2]> =
+            nodes[..kind.corner_count()].iter().map(|&node| self.definition.nodes[node]).collect();
+        if signed_area(&corners) < 0.0 {
+            turn_round(kind, &mut nodes);
+        }
+        let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| self.definition.nodes[node]).collect();
+        area(kind, &positions)
+            .map_err(|source| (Some(element.place), GmshFault::Shape { element: element.tag, source }))?;
+        for edge in 0..kind.corner_count() {
+            let ([start, end, _], _) = kind.edge_nodes(edge);
+            // Two elements on one side are for `Mesh::new` to find.
+            if let Entry::Vacant(vacant) = self.edge_with.entry([nodes[start], nodes[end]]) {
+                vacant.insert(ElementEdge { element: self.definition.elements.len(), edge });
+            }
+        }
+        self.definition.elements.push(ElementDefinition { kind, part, nodes });
+        Ok(())
+    }
+
+    /// Node sets of points, edge and node sets of curves.
+    fn add_sets(&mut self) -> Result<(), Trouble> {
+        let mut point_names = BTreeSet::new();
+        for element in &self.file.elements {
+            let groups = match element.element_type {
+                ElementType::Surface(_) => continue,
+                ElementType::Point | ElementType::Line(_) => group_names(self.file, element),
+            };
+            for group in groups {
+                let added = match element.element_type {
+                    ElementType::Line(_) => {
+                        let edge = self.edge_of(element, &group)?;
+                        self.definition.edge_sets.entry(group.clone()).or_default().push(edge);
+                        element.nodes.iter().map(|&node| self.node(node)).collect()
+                    }
+                    _ => {
+                        point_names.insert(group.clone());
+                        vec![self.node(element.nodes[0])]
+                    }
+                };
+                self.definition.node_sets.entry(group).or_default().extend(added);
+            }
+        }
+        if let Some(name) = point_names.into_iter().find(|name| self.definition.edge_sets.contains_key(name)) {
+            return Err((None, GmshFault::SetName { name }));
+        }
+        for nodes in self.definition.node_sets.values_mut() {
+            nodes.sort_unstable();
+            nodes.dedup();
+        }
+        for edges in self.definition.edge_sets.values_mut() {
+            // Groups of one name may share a curve. The order along the curve stays.
+            let mut seen = HashSet::new();
+            edges.retain(|&edge| seen.insert(edge));
+        }
+        Ok(())
+    }
+
+    /// The element edge that a line lies on: of the element on its left, else of the one on its right.
+    fn edge_of(&self, line: &FileElement, group: &str) -> Result<ElementEdge, Trouble> {
+        let ends = [0, 1].map(|end| self.node_index[line.nodes[end]]);
+        let middle = line.nodes.get(2).map(|&node| self.node_index[node]);
+        let found = match ends {
+            [Some(start), Some(end)] => {
+                self.edge_with.get(&[start, end]).or_else(|| self.edge_with.get(&[end, start])).copied()
+            }
+            _ => None,
+        };
+        found
+            .filter(|&ElementEdge { element, edge }| {
+                let ElementDefinition { kind, ref nodes, .. } = self.definition.elements[element];
+                let (local, count) = kind.edge_nodes(edge);
+                (count == 3).then(|| Some(nodes[local[2]])) == middle
+            })
+            .ok_or_else(|| (Some(line.place), GmshFault::NoEdge { element: line.tag, group: group.to_owned() }))
+    }
+
+    /// All nodes of the mesh have the z of the first.
+    fn check_plane(&self) -> Result<(), Trouble> {
+        let nodes = || self.file_index.iter().map(|&node| &self.file.nodes[node]);
+        let largest = nodes().flat_map(|node| node.position).fold(0.0_f64, |largest, x| largest.max(x.abs()));
+        let other = nodes().next().map_or(0.0, |node| node.position[2]);
+        match nodes().find(|node| (node.position[2] - other).abs() > RELATIVE_PLANE_TOLERANCE * largest) {
+            Some(node) => Err((Some(node.place), GmshFault::OutOfPlane { node: node.tag, z: node.position[2], other })),
+            None => Ok(()),
+        }
+    }
+}
+
+/// The area of a polygon, negative if clockwise.
+fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    let next = corners.iter().cycle().skip(1);
+    corners.iter().zip(next).map(|(a, b)| 0.5 * (a[0] * b[1] - a[1] * b[0])).sum()
+}
+
+/// Turns an element round: the first corner stays the first.
+fn turn_round(kind: ElementKind, nodes: &mut [usize]) {
+    let (corners, middles) = nodes.split_at_mut(kind.corner_count());
+    corners[1..].reverse();
+    middles.reverse();
+}

@@ -1,0 +1,62 @@
+#![doc = include_str!("doc.md")]
+
+mod conversion;
+mod element_type;
+mod error;
+mod file;
+mod source;
+
+#[cfg(test)]
+mod test;
+
+pub use error::{GmshError, GmshFault, Place};
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::MeshDefinition;
+use crate::element::Integration;
+use crate::kinematics::PlaneModel;
+
+/// What a mesh file does not say about a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PartProperties {
+    /// What it assumes about the third direction.
+    pub model: PlaneModel,
+    /// Reference thickness, mm; unused in axial symmetry.
+    pub thickness: f64,
+    /// The integration of all its elements; `None`: each kind's default.
+    pub integration: Option<Integration>,
+}
+
+/// Reads a mesh file; `parts` has the properties of each physical surface by its name.
+///
+/// # Errors
+///
+/// The first fault of the file with its place; all names that the file or `parts` lacks at once.
+pub fn read(path: &Path, parts: &BTreeMap<String, PartProperties>) -> Result<MeshDefinition, GmshError> {
+    let bytes = std::fs::read(path).map_err(|error| GmshError {
+        path: path.to_owned(),
+        place: Place::File,
+        fault: GmshFault::Read { message: error.to_string() },
+    })?;
+    read_bytes(path, &bytes, parts)
+}
+
+/// Reads the bytes of a mesh file; `path` is what messages call it.
+///
+/// # Errors
+///
+/// As [`read`].
+pub fn read_bytes(
+    path: &Path,
+    bytes: &[u8],
+    parts: &BTreeMap<String, PartProperties>,
+) -> Result<MeshDefinition, GmshError> {
+    let mut source = source::Source::new(bytes);
+    let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
+    conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {
+        Some(position) => source.error(path, (position, fault)),
+        None => GmshError { path: path.to_owned(), place: Place::File, fault },
+    })
+}

@@ -1,0 +1,274 @@
+//! How a line is divided.
+//!
+//! Sizes of all gradings but [`Grading::Capped`] form a geometric series: n sizes hᵢ = h₁ qⁱ⁻¹ over the length L with
+//!
+//! ```text
+//! h₁ = L (q − 1)/(qⁿ − 1)        hₙ/h₁ = qⁿ⁻¹        (q = 1: h₁ = L/n)
+//! ```
+
+/// How a line is divided, from its start to its end. Where a number of divisions follows from sizes, it is rounded and
+/// all sizes are scaled to fill the line.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Grading {
+    /// Equal sizes.
+    Uniform {
+        /// How many.
+        count: usize,
+    },
+    /// A number of sizes, the last one `ratio` times the first.
+    Ratio {
+        /// How many.
+        count: usize,
+        /// Last size over first size.
+        ratio: f64,
+    },
+    /// A number of sizes that starts with a given one; q follows.
+    First {
+        /// How many.
+        count: usize,
+        /// First size.
+        first: f64,
+    },
+    /// Sizes at both ends: n = 1 + ln(last/first)/ln q, q = (L − first)/(L − last).
+    Sizes {
+        /// First size.
+        first: f64,
+        /// Last size.
+        last: f64,
+    },
+    /// Sizes that grow by a factor q: n = ln(1 + L (q − 1)/first)/ln q.
+    Growth {
+        /// First size.
+        first: f64,
+        /// Each size over the one before it.
+        growth: f64,
+    },
+    /// Sizes that grow by a factor until they reach the largest, and stay there.
+    Capped {
+        /// First size.
+        first: f64,
+        /// Each size over the one before it.
+        growth: f64,
+        /// Largest size.
+        largest: f64,
+    },
+}
+
+/// Why a line cannot be divided.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GradingError {
+    /// Nothing to divide.
+    #[error("the length to divide is {length}, it must be positive")]
+    Length {
+        /// The length.
+        length: f64,
+    },
+    /// No divisions.
+    #[error("a line must be divided at least once")]
+    Count,
+    /// Not a positive number.
+    #[error("{name} is {value}, it must be positive")]
+    NotPositive {
+        /// What it is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+    },
+    /// A size that does not fit onto the line.
+    #[error("{name} is {value}, more than the length {length} to divide")]
+    TooLarge {
+        /// What it is.
+        name: &'static str,
+        /// Its value.
+        value: f64,
+        /// The length.
+        length: f64,
+    },
+    /// More divisions than anybody wants.
+    #[error(
+        "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
+    )]
+    TooMany {
+        /// How many.
+        count: f64,
+        /// The length.
+        length: f64,
+    },
+    /// Sizes that rounding swallows.
+    #[error("the sizes go down to {smallest:e}, nothing against the length {length}")]
+    Vanishing {
+        /// The smallest size.
+        smallest: f64,
+        /// The length.
+        length: f64,
+    },
+}
+
+/// A line of so many elements is a mistake in a size.
+pub const MOST_DIVISIONS: usize = 100_000;
+
+/// The smallest size over the length: below it, elements are slivers that [`crate::mesh::Mesh::new`] refuses.
+const SMALLEST_FRACTION: f64 = 1e-9;
+
+impl Grading {
+    /// Positions from 0 to `length`, strictly increasing, both ends exact.
+    ///
+    /// # Errors
+    ///
+    /// A length, number, size or factor that is not positive and finite, sizes larger than the line, more than
+    /// [`MOST_DIVISIONS`].
+    pub fn positions(self, length: f64) -> Result<Vec<f64>, GradingError> {
+        if !(length > 0.0 && length.is_finite()) {
+            return Err(GradingError::Length { length });
+        }
+        self.check(length)?;
+        let sizes = match self {
+            Self::Uniform { count } => vec![1.0; count],
+            Self::Ratio { count, ratio } => series(count, ratio),
+            Self::First { count, first } => powers(count, growth_from_first(count, first / length)),
+            Self::Sizes { first, last } => {
+                // Sizes of the whole line, or one that is taken up by both: a single element.
+                let whole = first >= length || last >= length;
+                let count = if whole {
+                    1.0
+                } else if first == last {
+                    length / first
+                } else {
+                    let growth = (length - first) / (length - last);
+                    1.0 + (last / first).ln() / growth.ln()
+                };
+                series(rounded(count, length)?, last / first)
+            }
+            Self::Growth { first, growth } => powers(rounded(growth_count(length, first, growth), length)?, growth),
+            Self::Capped { first, growth, largest } => capped(length, first, growth, largest)?,
+        };
+        cumulated(&sizes, length)
+    }
+
+    fn check(self, length: f64) -> Result<(), GradingError> {
+        let positive = |name, value: f64| {
+            if value > 0.0 && value.is_finite() { Ok(()) } else { Err(GradingError::NotPositive { name, value }) }
+        };
+        let size = |name, value: f64| {
+            positive(name, value)?;
+            if value <= length { Ok(()) } else { Err(GradingError::TooLarge { name, value, length }) }
+        };
+        let number = |count: usize| match count {
+            0 => Err(GradingError::Count),
+            _ => rounded(count as f64, length).map(|_| ()),
+        };
+        match self {
+            Self::Uniform { count } => number(count),
+            Self::Ratio { count, ratio } => number(count).and_then(|()| positive("the ratio of the sizes", ratio)),
+            Self::First { count, first } => number(count).and_then(|()| size("the first size", first)),
+            Self::Sizes { first, last } => size("the first size", first).and_then(|()| size("the last size", last)),
+            Self::Growth { first, growth } => {
+                size("the first size", first).and_then(|()| positive("the growth of the sizes", growth))
+            }
+            Self::Capped { first, growth, largest } => {
+                positive("the first size", first)?;
+                positive("the growth of the sizes", growth)?;
+                positive("the largest size", largest)
+            }
+        }
+    }
+}
+
+/// Divides a line piece by piece through `stops` (ascending, the first is the start): sizes grow from `first` by
+/// `growth` up to `largest`, across the stops too.
+///
+/// # Errors
+///
+/// As [`Grading::positions`] of [`Grading::Capped`]; stops that do not ascend.
+pub fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
+    let mut positions = vec![stops.first().copied().unwrap_or(0.0)];
+    let mut size = first;
+    for ends in stops.windows(2) {
+        let piece = Grading::Capped { first: size, growth, largest }.positions(ends[1] - ends[0])?;
+        size = (growth * (piece[piece.len() - 1] - piece[piece.len() - 2])).min(largest);
+        positions.extend(piece[1..piece.len() - 1].iter().map(|position| ends[0] + position));
+        positions.push(ends[1]);
+    }
+    Ok(positions)
+}
+
+/// A number of divisions from one that is none yet.
+fn rounded(count: f64, length: f64) -> Result<usize, GradingError> {
+    if count <= MOST_DIVISIONS as f64 {
+        Ok((count.round() as usize).max(1))
+    } else {
+        Err(GradingError::TooMany { count, length })
+    }
+}
+
+/// A geometric series from 1 to `ratio`.
+fn series(count: usize, ratio: f64) -> Vec<f64> {
+    let last = count.saturating_sub(1).max(1) as f64;
+    (0..count).map(|index| ratio.powf(index as f64 / last)).collect()
+}
+
+/// 1, q, q², …
+fn powers(count: usize, growth: f64) -> Vec<f64> {
+    (0..count).map(|index| growth.powf(index as f64)).collect()
+}
+
+/// How many sizes from `first` on, growing by `growth`, fill the length; shrinking ones may never do.
+fn growth_count(length: f64, first: f64, growth: f64) -> f64 {
+    if growth == 1.0 {
+        return length / first;
+    }
+    let filled = 1.0 + length * (growth - 1.0) / first;
+    if filled > 0.0 { filled.ln() / growth.ln() } else { f64::INFINITY }
+}
+
+/// q of `count` sizes that start with the fraction `first` of the line: (qⁿ − 1)/(q − 1) = 1/first, by bisection of
+/// ln q, of which the sum is a monotone function.
+fn growth_from_first(count: usize, first: f64) -> f64 {
+    /// Halvings of an interval of ln q to the last bit.
+    const BISECTIONS: usize = 200;
+    if count == 1 {
+        return 1.0;
+    }
+    let sum = |logarithm: f64| (0..count).map(|index| (logarithm * index as f64).exp()).sum::<f64>();
+    // One size beside the first is all the rest at most, and the first is all at least.
+    let limit = first.recip().ln().max(1.0) + 40.0;
+    let (mut low, mut high) = (-limit, limit);
+    for _ in 0..BISECTIONS {
+        let middle = 0.5 * (low + high);
+        if sum(middle) < first.recip() { low = middle } else { high = middle }
+    }
+    (0.5 * (low + high)).exp()
+}
+
+fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
+    let mut size = first.min(largest);
+    let mut sizes = Vec::new();
+    let mut filled = 0.0;
+    // The last size is taken if at least half of it fits.
+    while sizes.is_empty() || filled + 0.5 * size <= length {
+        if sizes.len() == MOST_DIVISIONS {
+            return Err(GradingError::TooMany { count: length / size, length });
+        }
+        sizes.push(size);
+        filled += size;
+        size = (size * growth).min(largest);
+    }
+    Ok(sizes)
+}
+
+/// Positions from sizes of any scale.
+fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, GradingError> {
+    let scale = length / sizes.iter().sum::<f64>();
+    let smallest = scale * sizes.iter().copied().fold(f64::INFINITY, f64::min);
+    if !(smallest >= SMALLEST_FRACTION * length) {
+        return Err(GradingError::Vanishing { smallest, length });
+    }
+    let mut positions = vec![0.0];
+    let mut position = 0.0;
+    for size in &sizes[..sizes.len() - 1] {
+        position += scale * size;
+        positions.push(position);
+    }
+    positions.push(length);
+    Ok(positions)
+}

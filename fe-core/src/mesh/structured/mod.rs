@@ -1,0 +1,235 @@
+//! Structured meshes: blocks of cells from two divided lines, mapped onto what they shall be.
+//!
+//! Every cell becomes one quadrilateral or two triangles. Blocks do not share nodes, so surfaces in contact can lie upon
+//! each other, unless a block is glued to nodes of others ([`StructuredMesh::glued_block`]).
+//!
+//! # Example
+//!
+//! A quarter of a ring, radius 1 to 2, in 6 × 8 Q8 that become larger outwards:
+//!
+//! ```
+//! use fe_core::element::ElementKind::Q8;
+//! use fe_core::kinematics::PlaneModel::PlaneStrain;
+//! use fe_core::mesh::structured::{Block, Grading, Side, StructuredMesh};
+//! use fe_core::mesh::{Mesh, Part};
+//!
+//! let radii = Grading::Ratio { count: 6, ratio: 2.0 }.positions(1.0)?;
+//! let angles = Grading::Uniform { count: 8 }.positions(std::f64::consts::FRAC_PI_2)?;
+//! let ring = |[s, angle]: [f64; 2]| [(1.0 + s) * angle.cos(), (1.0 + s) * angle.sin()];
+//!
+//! let mut mesh = StructuredMesh::default();
+//! let part = mesh.add_part(Part::new("ring", PlaneStrain, 1.0));
+//! let grid = mesh.block(&Block::new(part, Q8, &radii, &angles).mapped(&ring))?;
+//! mesh.edge_set("inner", grid.side_edges(Side::Left));
+//! let mesh = Mesh::new(mesh.definition())?;
+//! assert_eq!(mesh.edge_set("inner").unwrap().len(), 8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod block;
+mod grading;
+
+#[cfg(test)]
+mod test;
+
+pub use block::{Block, Diagonal, Grid, Side};
+pub use grading::{Grading, GradingError, MOST_DIVISIONS, capped_through};
+
+use std::collections::HashMap;
+
+use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
+
+/// Why a block cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StructuredError {
+    /// A line that cannot be divided.
+    #[error(transparent)]
+    Grading(#[from] GradingError),
+    /// Fewer than two positions, or positions that do not ascend.
+    #[error("the divisions of a block along {line} must be at least two ascending numbers")]
+    Divisions {
+        /// ξ or η.
+        line: char,
+    },
+    /// A map that leaves the plane.
+    #[error("the map of a block gives ({}, {}) at ξ = {}, η = {}", position[0], position[1], reference[0], reference[1])]
+    Map {
+        /// (ξ, η).
+        reference: [f64; 2],
+        /// What the map gives.
+        position: [f64; 2],
+    },
+}
+
+/// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
+const GLUE_TOLERANCE: f64 = 1e-6;
+
+/// A mesh in the making.
+#[derive(Clone, Debug, Default)]
+pub struct StructuredMesh {
+    definition: MeshDefinition,
+}
+
+impl StructuredMesh {
+    /// Adds a part; returns its index.
+    pub fn add_part(&mut self, part: Part) -> usize {
+        self.definition.parts.push(part);
+        self.definition.parts.len() - 1
+    }
+
+    /// Adds a block with nodes of its own.
+    ///
+    /// # Errors
+    ///
+    /// Divisions that do not ascend, a map that is not finite.
+    pub fn block(&mut self, block: &Block<'_>) -> Result<Grid, StructuredError> {
+        self.glued_block(block, &[])
+    }
+
+    /// Adds a block that takes those nodes of `others` that coincide with its own.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::block`].
+    pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
+        check_divisions('ξ', block.xi)?;
+        check_divisions('η', block.eta)?;
+        let (columns, rows) = (block.columns(), block.rows());
+        let mut grid = Grid {
+            kind: block.kind,
+            columns,
+            rows,
+            nodes: vec![None; (2 * columns + 1) * (2 * rows + 1)],
+            cells: vec![None; columns * rows],
+        };
+        let glue = Glue::new(&self.definition.nodes, others, shortest_edge(block));
+        for (row, column) in (0..rows).flat_map(|row| (0..columns).map(move |column| (row, column))) {
+            if !(block.keep)(column, row) {
+                continue;
+            }
+            grid.cells[row * columns + column] = Some((self.definition.elements.len(), (block.diagonal)(column, row)));
+            for places in block.cell(column, row) {
+                let nodes = places
+                    .into_iter()
+                    .map(|place| self.node(block, &mut grid, &glue, place))
+                    .collect::<Result<_, _>>()?;
+                self.definition.elements.push(ElementDefinition { kind: block.kind, part: block.part, nodes });
+            }
+        }
+        Ok(grid)
+    }
+
+    /// The node at a place of a block: the grid's, a glued one or a new one.
+    fn node(
+        &mut self,
+        block: &Block<'_>,
+        grid: &mut Grid,
+        glue: &Glue,
+        place: [usize; 2],
+    ) -> Result<usize, StructuredError> {
+        let index = grid.place(place);
+        if let Some(node) = grid.nodes[index] {
+            return Ok(node);
+        }
+        let position = block.position(place);
+        if !position.iter().all(|x| x.is_finite()) {
+            let reference = [block.xi[place[0] / 2], block.eta[place[1] / 2]];
+            return Err(StructuredError::Map { reference, position });
+        }
+        let node = glue.find(&self.definition.nodes, position).unwrap_or_else(|| {
+            self.definition.nodes.push(position);
+            self.definition.nodes.len() - 1
+        });
+        grid.nodes[index] = Some(node);
+        Ok(node)
+    }
+
+    /// Adds nodes to a named set, each once.
+    pub fn node_set(&mut self, name: &str, nodes: impl IntoIterator<Item = usize>) {
+        let set = self.definition.node_sets.entry(name.to_owned()).or_default();
+        set.extend(nodes);
+        set.sort_unstable();
+        set.dedup();
+    }
+
+    /// Names a set of edges; it keeps their order.
+    pub fn edge_set(&mut self, name: &str, edges: Vec<ElementEdge>) {
+        self.definition.edge_sets.insert(name.to_owned(), edges);
+    }
+
+    /// Reference positions of the nodes so far.
+    pub fn nodes(&self) -> &[[f64; 2]] {
+        &self.definition.nodes
+    }
+
+    /// The mesh.
+    pub fn definition(self) -> MeshDefinition {
+        self.definition
+    }
+}
+
+fn check_divisions(line: char, positions: &[f64]) -> Result<(), StructuredError> {
+    let ascending = positions.windows(2).all(|pair| pair[0] < pair[1]);
+    if positions.len() >= 2 && ascending { Ok(()) } else { Err(StructuredError::Divisions { line }) }
+}
+
+/// The shortest edge along a block's sides and grid lines, mapped.
+fn shortest_edge(block: &Block<'_>) -> f64 {
+    let mut shortest = f64::INFINITY;
+    for (i, j) in (0..=block.columns()).flat_map(|i| (0..=block.rows()).map(move |j| (2 * i, 2 * j))) {
+        let here = block.position([i, j]);
+        let mut compare = |place| {
+            let there = block.position(place);
+            let length = (there[0] - here[0]).hypot(there[1] - here[1]);
+            // Edges may collapse where cells are not kept.
+            if length > 0.0 {
+                shortest = shortest.min(length);
+            }
+        };
+        if i < 2 * block.columns() {
+            compare([i + 2, j]);
+        }
+        if j < 2 * block.rows() {
+            compare([i, j + 2]);
+        }
+    }
+    shortest
+}
+
+/// Nodes to which a block is glued, in squares a little larger than the tolerance.
+struct Glue {
+    tolerance: f64,
+    nodes: HashMap<[i64; 2], Vec<usize>>,
+}
+
+impl Glue {
+    fn new(positions: &[[f64; 2]], nodes: &[usize], shortest_edge: f64) -> Self {
+        let mut glue = Self { tolerance: GLUE_TOLERANCE * shortest_edge, nodes: HashMap::new() };
+        for &node in nodes {
+            let square = glue.square(positions[node]);
+            glue.nodes.entry(square).or_default().push(node);
+        }
+        glue
+    }
+
+    fn square(&self, position: [f64; 2]) -> [i64; 2] {
+        position.map(|x| (x / (2.0 * self.tolerance)).floor() as i64)
+    }
+
+    fn find(&self, positions: &[[f64; 2]], position: [f64; 2]) -> Option<usize> {
+        if self.nodes.is_empty() {
+            return None;
+        }
+        let [column, row] = self.square(position);
+        let near = |node: &&usize| {
+            let there = positions[**node];
+            (there[0] - position[0]).hypot(there[1] - position[1]) <= self.tolerance
+        };
+        (-1..=1)
+            .flat_map(|i| (-1..=1).map(move |j| [column.saturating_add(i), row.saturating_add(j)]))
+            .filter_map(|square| self.nodes.get(&square))
+            .flatten()
+            .find(near)
+            .copied()
+    }
+}
