@@ -9,3 +9,4 @@ pub mod command;
 pub mod conformance;
 pub mod output;
 pub mod path;
+pub mod pullout;

@@ -14,6 +14,8 @@ mod point;
 pub use point::*;
 mod interface;
 pub use interface::*;
+pub mod pullout;
+pub use pullout::PulloutCase;
 
 /// A part of the document that was read, or the reason why not. Its schema is that of `T`.
 #[derive(Clone, Debug)]
@@ -90,6 +92,32 @@ impl JsonSchema for Positive {
     }
 }
 
+/// A number > 0 and ≤ 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fraction(pub f64);
+
+impl<'de> Deserialize<'de> for Fraction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = f64::deserialize(deserializer)?;
+        if value > 0.0 && value <= 1.0 {
+            return Ok(Self(value));
+        }
+        Err(D::Error::custom(format!("{value} is not in (0, 1]")))
+    }
+}
+
+impl JsonSchema for Fraction {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Fraction".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 })
+    }
+}
+
 /// Most increments of one step, and of a run.
 pub const MOST_INCREMENTS: u64 = 100_000_000;
 /// Number of increments of a step.
@@ -120,12 +148,12 @@ pub struct Material {
     /// library of several laws (longest law name that it begins with).
     #[schemars(length(min = 1, max = 80))]
     pub cmname: Option<String>,
-    /// Entry point: umat for kind point; uinter (default) or fric for kind interface.
+    /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
     pub entry: Option<Entry>,
     /// Run the plugin in a process of its own.
     pub isolate: Option<bool>,
     /// A library without metadata may be called by several threads at once.
-    #[expect(dead_code, reason = "one point needs one thread")]
+    #[expect(dead_code, reason = "laws are called by one thread")]
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
     #[expect(dead_code, reason = "plugins are not isolated as yet")]

@@ -3,7 +3,7 @@
 use super::document::{Cycle, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
 use super::document::{InterfaceTable, Piece};
 use super::history;
-use super::plugin::{self, Use};
+use super::plugin::{self, Length, Subject, Use};
 use super::point::{read_table, statev};
 use super::problem::Place;
 use super::steps::{self, Counted};
@@ -48,10 +48,11 @@ impl steps::StepDocument for StepDocument {
 pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let root = Place::root();
     let place = root.key("characteristic_length");
-    let characteristic_length = match &case.characteristic_length {
-        None => Ok(None),
-        Some(piece) => reader.piece(piece, &place).map(|length| Some(length.0)).ok_or(()),
+    let length = match &case.characteristic_length {
+        None => Length::NotGiven,
+        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
     };
+    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
     let place = root.key("material");
     let material = reader.piece(&case.material, &place);
     let entry = match material.and_then(|material| material.entry) {
@@ -63,7 +64,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
             Entry::Uinter
         }
     };
-    let purpose = Use { entry, mode: None, characteristic_length };
+    let purpose = Use { subject: Subject::Point, entry, mode: None, length };
     let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
     let place = root.key("initial");
     let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
@@ -90,7 +91,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
         steps: close(open, entry),
     });
-    Resolved { plugin, kind: Some(kind), columns, characteristic_length: characteristic_length.unwrap_or(None) }
+    Resolved { plugin, kind: Some(kind), columns, characteristic_length }
 }
 
 /// A step that says nothing of the normal direction goes on with the control of the step before it.

@@ -1,15 +1,18 @@
-//! From a case file to a [`Program`], with everything that is wrong with it at once.
+//! From a case file to a program ([`Case`]), with everything that is wrong with it at once.
 //!
 //! A file is parsed (`json`), overridden (`--set`), compared with the schema that its serde types make
 //! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
 //! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
 
 use crate::path::program::{self, Program};
-use document::{InterfaceCase, Piece, PointCase};
+use crate::pullout;
+use document::{InterfaceCase, Piece, PointCase, PulloutCase};
 use problem::{Place, Problem};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use umat_abi::host::Library;
 
 mod constraints;
 mod document;
@@ -20,6 +23,7 @@ mod plugin;
 mod point;
 mod problem;
 mod props;
+mod specimen;
 mod steps;
 mod structure;
 mod table;
@@ -30,11 +34,72 @@ pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, Proble
 pub use props::props_from_json;
 pub use structure::schema;
 
+/// A case that was read.
+#[derive(Clone, Debug)]
+pub enum Case {
+    /// A material or contact point along a path.
+    Path(Box<Program>),
+    /// A specimen in two dimensions.
+    Pullout(Box<pullout::Program>),
+}
+
+impl Case {
+    /// The case file.
+    pub fn file(&self) -> &Path {
+        match self {
+            Self::Path(program) => &program.case_file,
+            Self::Pullout(program) => &program.case_file,
+        }
+    }
+
+    /// Its title.
+    pub fn title(&self) -> &str {
+        match self {
+            Self::Path(program) => &program.title,
+            Self::Pullout(program) => &program.title,
+        }
+    }
+
+    /// The history's columns, in the order of the CSV.
+    pub fn columns(&self) -> Vec<String> {
+        match self {
+            Self::Path(program) => program.columns(),
+            Self::Pullout(program) => program.columns(),
+        }
+    }
+
+    /// Curves to compare with.
+    pub fn compare(&self) -> &[program::Compare] {
+        match self {
+            Self::Path(program) => &program.compare,
+            Self::Pullout(program) => &program.compare,
+        }
+    }
+
+    /// Whether pictures are drawn.
+    pub fn draws_plots(&self) -> bool {
+        match self {
+            Self::Path(program) => program.output.plots,
+            Self::Pullout(program) => program.output.plots,
+        }
+    }
+
+    /// Things the user should know although nothing is wrong.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Path(program) => &program.warnings,
+            Self::Pullout(program) => &program.warnings,
+        }
+    }
+}
+
 /// What the parts of a case are resolved with, and what they find.
 struct Reader<'a> {
     /// The case file's folder, to which paths in it are relative.
     folder: &'a Path,
     plugin_paths: &'a [PathBuf],
+    /// The libraries that are loaded, by file.
+    libraries: BTreeMap<PathBuf, Library>,
     problems: Vec<Problem>,
     warnings: Vec<String>,
 }
@@ -61,7 +126,7 @@ impl Reader<'_> {
     }
 }
 
-/// The members that all kinds share.
+/// The members that the kinds of points share.
 struct Common<'c> {
     title: Option<&'c Piece<String>>,
     description: Option<&'c Piece<String>>,
@@ -71,7 +136,7 @@ struct Common<'c> {
     controls: Option<&'c Piece<document::Controls>>,
 }
 
-/// What the kinds resolve; [`finish`] adds the rest.
+/// What the kinds of points resolve; [`finish`] adds the rest.
 struct Resolved {
     plugin: Option<program::Plugin>,
     kind: Option<program::Kind>,
@@ -85,16 +150,17 @@ struct Resolved {
 ///
 /// # Errors
 /// Everything that is wrong with it.
-pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Program, CaseErrors> {
+pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reader = Reader { folder, plugin_paths, problems: Vec::new(), warnings: Vec::new() };
+    let mut reader =
+        Reader { folder, plugin_paths, libraries: BTreeMap::new(), problems: Vec::new(), warnings: Vec::new() };
     match read_with(&mut reader, path, overrides) {
         Some(program) if reader.problems.is_empty() => Ok(program),
         _ => Err(CaseErrors { file: path.into(), problems: reader.problems }),
     }
 }
 
-fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Program> {
+fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Case> {
     let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) => {
@@ -128,7 +194,7 @@ fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Opti
 }
 
 /// Structure first, then meaning; what the structure explains is not said twice.
-fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Program> {
+fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Case> {
     let mut readable = document.clone();
     let structural = structure::check(kind, &mut readable);
     let before = reader.problems.len();
@@ -137,6 +203,9 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             let resolved = interface::resolve(reader, &case);
             let InterfaceCase { title, description, until, compare, output, controls, .. } = &case;
             finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+        }),
+        "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
+            specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
@@ -179,14 +248,14 @@ fn common<'c>(
     }
 }
 
-/// Resolves what all kinds share, and puts the program together if nothing is missing.
+/// Resolves what the kinds of points share, and puts the program together if nothing is missing.
 fn finish(
     reader: &mut Reader<'_>,
     path: &Path,
     document: Value,
     resolved: Resolved,
     common: &Common<'_>,
-) -> Option<Program> {
+) -> Option<Case> {
     let root = Place::root();
     let title = reader.optional(common.title, &root.key("title")).cloned();
     let description = reader.optional(common.description, &root.key("description")).cloned();
@@ -201,7 +270,7 @@ fn finish(
     let limits = reader.optional(common.controls, &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
-    Some(Program {
+    Some(Case::Path(Box::new(Program {
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
         description: description.unwrap_or_default(),
@@ -220,5 +289,5 @@ fn finish(
         },
         compare,
         warnings: std::mem::take(&mut reader.warnings),
-    })
+    })))
 }

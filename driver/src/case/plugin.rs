@@ -5,7 +5,7 @@ use super::document::{Entry, Material, Props};
 use super::problem::{Place, Problem, nearest};
 use super::props;
 use crate::path::program::{Mode, Plugin};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found, Law, Library, LoadError, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
@@ -16,39 +16,53 @@ pub const NORMAL_PENALTY: f64 = 1e5;
 pub const TANGENTIAL_PENALTY: f64 = 1e4;
 
 /// What the case does with the plugin.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct Use {
+    /// What the plugin describes.
+    pub subject: Subject,
     /// The entry point that is called.
     pub entry: Entry,
-    /// The mode of a point case, if it is known.
-    pub mode: Option<Mode>,
-    /// CELENT, if it is given; `Err` if it is given wrongly.
-    pub characteristic_length: Result<Option<f64>, ()>,
+    /// The mode of a material point, if it is known, and where the case says so.
+    pub mode: Option<(Mode, Place)>,
+    /// CELENT.
+    pub length: Length,
+}
+
+/// What a plugin describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// The point that the case is about.
+    Point,
+    /// A part of a specimen, or the contact between parts.
+    Specimen,
+}
+
+/// The characteristic lengths that a law meets.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Length {
+    /// Given wrongly; that has been said.
+    Unknown,
+    /// The case names none.
+    NotGiven,
+    /// As the case says, mm.
+    Given(f64),
+    /// Extremes of the elements of a part: index of the element, length in mm.
+    OfElements(Vec<(usize, f64)>),
 }
 
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
 pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: Use) -> Option<Plugin> {
     if material.isolate == Some(true) {
-        reader.warnings.push("material.isolate: plugins run in this process as yet; isolation is not available".into());
+        let place = place.key("isolate");
+        let place = place.in_words();
+        reader.warnings.push(format!("{place}: plugins run in this process as yet; isolation is not available"));
     }
     let place_of_plugin = place.key("plugin");
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
-    let library = match Library::open(&path) {
-        Ok(library) => library,
-        Err(error) => {
-            reader.problems.push(Problem::plugin(place_of_plugin, error.to_string()));
-            return None;
-        }
-    };
-    if library.changes_floating_point() {
-        reader.warnings.push(format!(
-            "{}: loading it switched the processor's floating-point modes (flush to zero); they were restored",
-            path.display()
-        ));
-    }
+    let library = open(reader, &path, place_of_plugin.clone())?;
     let law = choose_law(reader, &library, material, place)?;
     let usable = match &law {
-        Some(law) => check_kind(reader, law, &place_of_plugin, purpose),
+        Some(law) => check_kind(reader, law, &place_of_plugin, &purpose),
         None => true,
     };
     if usable {
@@ -58,7 +72,7 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     let name =
         law.as_ref().map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone());
     let nstatv = nstatv(reader, law.as_ref(), material, place)?;
-    let props = properties(reader, law.as_ref(), material, place, purpose);
+    let props = properties(reader, law.as_ref(), material, place, &purpose);
     Some(Plugin {
         cmname: material.cmname.clone().unwrap_or_else(|| name.to_uppercase()),
         library,
@@ -68,6 +82,23 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
         props: props.unwrap_or_default(),
         nstatv,
     })
+}
+
+/// Loads a library, each file once in a case.
+fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
+    if let Some(library) = reader.libraries.get(path) {
+        return Some(library.clone());
+    }
+    let library =
+        Library::open(path).map_err(|error| reader.problems.push(Problem::plugin(place, error.to_string()))).ok()?;
+    if library.changes_floating_point() {
+        reader.warnings.push(format!(
+            "{}: loading it switched the processor's floating-point modes (flush to zero); they were restored",
+            path.display()
+        ));
+    }
+    reader.libraries.insert(path.to_owned(), library.clone());
+    Some(library)
 }
 
 /// The library's file: a path relative to the case file, or a name on the search path.
@@ -122,20 +153,24 @@ pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
 }
 
 /// Whether the law has the entry point and the mode.
-fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: Use) -> bool {
+fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use) -> bool {
+    let of_specimen = purpose.subject == Subject::Specimen;
+    let solid = if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
+    let contact =
+        if of_specimen { "it is a law of contact" } else { "it is a law of a contact point; use kind \"interface\"" };
     let (bit, what, advice) = match purpose.entry {
-        Entry::Umat => (kinds::UMAT, "UMAT", "it is a law of a contact point; use kind \"interface\""),
+        Entry::Umat => (kinds::UMAT, "UMAT", contact),
         Entry::Uinter if law.kinds & kinds::FRIC != 0 => (kinds::UINTER, "UINTER", "set \"entry\": \"fric\""),
         Entry::Fric if law.kinds & kinds::UINTER != 0 => (kinds::FRIC, "FRIC", "set \"entry\": \"uinter\""),
-        Entry::Uinter => (kinds::UINTER, "UINTER", "it is a law of a material point; use kind \"point\""),
-        Entry::Fric => (kinds::FRIC, "FRIC", "it is a law of a material point; use kind \"point\""),
+        Entry::Uinter => (kinds::UINTER, "UINTER", solid),
+        Entry::Fric => (kinds::FRIC, "FRIC", solid),
     };
     if law.kinds & bit == 0 {
         reader.problem(place, format!("{} has no {what}: {advice}", law.name));
         return false;
     }
-    if let Some(mode) = purpose.mode
-        && law.stress_states & state_bit(mode) == 0
+    if let Some((mode, place_of_mode)) = &purpose.mode
+        && law.stress_states & state_bit(*mode) == 0
     {
         let modes = [Mode::ThreeD, Mode::PlaneStrain, Mode::Axisymmetric, Mode::PlaneStress];
         let supported: Vec<&str> = modes
@@ -146,10 +181,10 @@ fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: Use) -
         let message = format!(
             "{} does not support mode {}; supported: {}",
             law.name,
-            super::point::mode_name(mode),
+            super::point::mode_name(*mode),
             supported.join(", ")
         );
-        reader.problem(&Place::root().key("mode"), message);
+        reader.problem(place_of_mode, message);
     }
     true
 }
@@ -199,7 +234,7 @@ fn properties(
     law: Option<&Law>,
     material: &Material,
     place: &Place,
-    purpose: Use,
+    purpose: &Use,
 ) -> Option<Vec<f64>> {
     let place = place.key("props");
     let Some(law) = law else {
@@ -214,12 +249,20 @@ fn properties(
         };
     };
     match props::resolve(law, material.props.as_ref(), &place) {
-        Ok(mut values) => {
-            if let Entry::Uinter | Entry::Fric = purpose.entry {
-                fill_penalties(reader, law, &mut values, purpose.entry);
+        Ok(values) => {
+            let filled = match purpose.entry {
+                Entry::Umat => values.clone(),
+                Entry::Uinter | Entry::Fric => filled_penalties(law, &values, purpose.entry),
+            };
+            validate(reader, law, &filled, &place, &purpose.length);
+            if purpose.subject == Subject::Specimen {
+                // the contact pair fills them in from the bodies' stiffness
+                return Some(values);
             }
-            validate(reader, law, &values, &place, purpose);
-            Some(values)
+            for (k, (value, _)) in filled.iter().zip(&values).enumerate().filter(|(_, (new, old))| new != old) {
+                note_filling(reader, law, k, *value);
+            }
+            Some(filled)
         }
         Err(problems) => {
             reader.problems.extend(problems);
@@ -230,25 +273,24 @@ fn properties(
 
 /// Parameters with a penalty role whose value is 0 are the host's to fill. A tangential one only where the law
 /// refuses its 0: others derive it from their own stiffness. FRIC has no normal law.
-fn fill_penalties(reader: &mut Reader<'_>, law: &Law, values: &mut [f64], entry: Entry) {
-    let zero = |values: &[f64], role: &str| {
+fn filled_penalties(law: &Law, values: &[f64], entry: Entry) -> Vec<f64> {
+    let zero = |role: &str| {
         let mut roles = law.parameters.iter().zip(values).map(|(p, value)| p.role == role && *value == 0.0);
         roles.position(|unfilled| unfilled)
     };
-    if let (Some(k), Entry::Uinter) = (zero(values, "normal_penalty"), entry) {
-        values[k] = NORMAL_PENALTY;
-        note_filling(reader, law, k, NORMAL_PENALTY);
+    let mut filled = values.to_vec();
+    if let (Some(k), Entry::Uinter) = (zero("normal_penalty"), entry) {
+        filled[k] = NORMAL_PENALTY;
     }
-    if let Some(k) = zero(values, "tangential_penalty")
-        && let Validation::Invalid(_) = law.validate(values, None)
+    if let Some(k) = zero("tangential_penalty")
+        && let Validation::Invalid(_) = law.validate(&filled, None)
     {
-        values[k] = TANGENTIAL_PENALTY;
-        if let Validation::Invalid(_) = law.validate(values, None) {
-            values[k] = 0.0;
-        } else {
-            note_filling(reader, law, k, TANGENTIAL_PENALTY);
+        filled[k] = TANGENTIAL_PENALTY;
+        if let Validation::Invalid(_) = law.validate(&filled, None) {
+            filled[k] = 0.0;
         }
     }
+    filled
 }
 
 fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
@@ -258,14 +300,23 @@ fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
     ));
 }
 
-/// The law's own opinion.
-fn validate(reader: &mut Reader<'_>, law: &Law, values: &[f64], place: &Place, purpose: Use) {
-    match (law.validate(values, purpose.characteristic_length.unwrap_or(None)), purpose.characteristic_length) {
-        (Validation::Valid, _) | (Validation::NeedsCharacteristicLength(_), Err(())) => {}
-        (Validation::Invalid(message), _) => reader.problem(place, format!("{}: {message}", law.name)),
-        (Validation::NeedsCharacteristicLength(message), Ok(_)) => {
+/// The law's own opinion of its parameters, and of them at each characteristic length.
+fn validate(reader: &mut Reader<'_>, law: &Law, values: &[f64], place: &Place, length: &Length) {
+    let given = if let Length::Given(length) = length { Some(*length) } else { None };
+    match law.validate(values, given) {
+        Validation::Valid => {}
+        Validation::Invalid(message) => return reader.problem(place, format!("{}: {message}", law.name)),
+        Validation::NeedsCharacteristicLength(message) if matches!(length, Length::NotGiven) => {
             let place = Place::root().key("characteristic_length");
-            reader.problem(&place, format!("is missing: {}: {message}", law.name));
+            return reader.problem(&place, format!("is missing: {}: {message}", law.name));
+        }
+        Validation::NeedsCharacteristicLength(_) => {}
+    }
+    let Length::OfElements(elements) = length else { return };
+    for &(element, length) in elements {
+        if let Validation::Invalid(message) = law.validate(values, Some(length)) {
+            let message = format!("{}: in element {}, of length {length:.4} mm: {message}", law.name, element + 1);
+            return reader.problem(place, message);
         }
     }
 }

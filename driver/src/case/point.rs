@@ -4,7 +4,7 @@ use super::constraints;
 use super::document::{self, Components, Cycle, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
 use super::document::{PointStep as StepDocument, PointTable};
 use super::history;
-use super::plugin::{self, Use};
+use super::plugin::{self, Length, Subject, Use};
 use super::problem::{Place, hint};
 use super::steps::{self, Counted};
 use super::table::Table;
@@ -31,10 +31,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     };
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let place = root.key("characteristic_length");
-    let characteristic_length = match &case.characteristic_length {
-        None => Ok(None),
-        Some(piece) => reader.piece(piece, &place).map(|length| Some(length.0)).ok_or(()),
+    let length = match &case.characteristic_length {
+        None => Length::NotGiven,
+        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
     };
+    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
     let place = root.key("material");
     let material = reader.piece(&case.material, &place);
     let plugin = material.and_then(|material| {
@@ -42,7 +43,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
             let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
             reader.problem(&place.key("entry"), message);
         }
-        plugin::resolve(reader, material, &place, Use { entry: Entry::Umat, mode, characteristic_length })
+        let mode = mode.map(|mode| (mode, root.key("mode")));
+        plugin::resolve(reader, material, &place, Use { subject: Subject::Point, entry: Entry::Umat, mode, length })
     });
     let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
     let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
@@ -58,7 +60,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
     let steps = steps::expand(reader, documents, &place, &mut resolve);
     let kind = mode.map(|mode| Kind::Point(PointProgram { mode, nlgeom, initial, steps }));
-    Resolved { plugin, kind, columns, characteristic_length: characteristic_length.unwrap_or(None) }
+    Resolved { plugin, kind, columns, characteristic_length }
 }
 
 fn mode_of(mode: document::Mode) -> Mode {

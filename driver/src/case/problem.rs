@@ -36,6 +36,11 @@ impl Place {
         other.0.strip_prefix(&self.0).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
     }
 
+    /// As `--set` names it: `material.props`.
+    pub fn in_words(&self) -> &str {
+        self.0.trim_start_matches("$.")
+    }
+
     /// The text.
     pub fn as_str(&self) -> &str {
         &self.0

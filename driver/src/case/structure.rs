@@ -3,7 +3,7 @@
 //! The `jsonschema` crate decides; this module chooses among the branches of a union the one that was meant,
 //! so that "neither this nor that nor that" does not reach the user.
 
-use super::document::{InterfaceCase, PointCase};
+use super::document::{InterfaceCase, PointCase, PulloutCase};
 use super::problem::{Place, Problem, hint, shown};
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
@@ -19,6 +19,7 @@ type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
 const KINDS: &[KindSchema] = &[
     ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
     ("interface", |generator| generator.subschema_for::<InterfaceCase>().to_value()),
+    ("pullout", |generator| generator.subschema_for::<PulloutCase>().to_value()),
 ];
 
 /// Names of the kinds.

@@ -1,7 +1,7 @@
 //! `pullout plugin list | info | check`.
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
-use crate::case;
+use crate::case::{self, Case};
 use crate::conformance::{self, Options};
 use crate::path::program::{Kind, Plugin};
 use clap::Subcommand;
@@ -211,7 +211,11 @@ fn check(name: &str, case_file: Option<&Path>, states: usize, plugin_paths: &[Pa
     let mut options = Options { states, ..Options::default() };
     let plugins = match case_file {
         Some(file) => match case::read(file, &[], plugin_paths) {
-            Ok(program) => {
+            Ok(Case::Pullout(_)) => {
+                complain(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
+                return BAD_INPUT;
+            }
+            Ok(Case::Path(program)) => {
                 if program.plugin.library.path() != library.path() {
                     complain(format!(
                         "{}: uses the plugin {}, not {}",

@@ -1,29 +1,31 @@
 //! `pullout run` and `pullout check`.
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, refuse, say};
-use crate::case;
+use crate::case::{self, Case};
 use crate::output::compare::compare;
 use crate::output::history::{History, HistoryWriter};
 use crate::output::plots::{self, Spec};
-use crate::output::progress::Progress;
+use crate::output::progress::{Extent, Progress};
 use crate::output::report::{self, Account};
-use crate::output::summary::{PeakRecorder, PluginFile, Status, Summary};
-use crate::path::program::{Kind, Program};
+use crate::output::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use crate::path::program::Kind;
 use crate::path::{self, Observer, Row, Statistics, Stop};
+use crate::pullout;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use umat_abi::host::{Law, Library};
 
 /// Validates cases.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
     let mut code = DONE;
     for file in cases {
         match case::read(file, &reading.overrides, &reading.plugin_paths) {
-            Ok(program) => {
+            Ok(case) => {
                 say(&format!("{}: no errors\n", file.display()));
-                program.warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
+                case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
             }
             Err(errors) => code = code.max(refuse(&errors)),
         }
@@ -48,36 +50,36 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
             code = code.max(BAD_INPUT);
         }
         match case::read(file, &reading.overrides, &reading.plugin_paths) {
-            Ok(program) => jobs.push((program, folder)),
+            Ok(case) => jobs.push((case, folder)),
             Err(errors) => code = code.max(refuse(&errors)),
         }
     }
     if code != DONE {
         return code;
     }
-    jobs.iter().map(|(program, folder)| run_one(program, folder, quiet)).max().unwrap_or(DONE)
+    jobs.iter().map(|(case, folder)| run_one(case, folder, quiet)).max().unwrap_or(DONE)
 }
 
 /// Runs one case and says what came out.
-fn run_one(program: &Program, folder: &Path, quiet: bool) -> u8 {
-    match run_into(program, folder, quiet) {
+fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
+    match run_into(case, folder, quiet) {
         Ok(summary) => {
             if !quiet {
-                say(&outcome(&summary, program, folder));
+                say(&outcome(&summary, case, folder));
             }
             for warning in &summary.warnings {
-                complain(format!("{}: warning: {warning}", program.case_file.display()));
+                complain(format!("{}: warning: {warning}", case.file().display()));
             }
             match &summary.message {
                 None => DONE,
                 Some(message) => {
-                    complain(format!("{}: {message}", program.case_file.display()));
+                    complain(format!("{}: {message}", case.file().display()));
                     FAILED
                 }
             }
         }
         Err(error) => {
-            complain(format!("{}: {error}", program.case_file.display()));
+            complain(format!("{}: {error}", case.file().display()));
             FAILED
         }
     }
@@ -119,24 +121,27 @@ impl Observer for Record {
     fn increment_done(&mut self, row: Row<'_>) {
         self.peaks.observe(&row);
         self.done += 1;
-        self.progress.advance(self.done, row.values);
+        self.progress.advance(self.done, &row);
     }
 }
 
-fn run_into(program: &Program, folder: &Path, quiet: bool) -> io::Result<Summary> {
+fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     fs::create_dir_all(folder)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
     remove_leftovers(folder)?;
-    let columns = program.columns();
+    let columns = case.columns();
     let history_file = folder.join("history.csv");
     let start = Instant::now();
     let mut record = Record {
         writer: HistoryWriter::create(&history_file, &columns)?,
         peaks: PeakRecorder::new(&columns),
-        progress: Progress::new(&title(program), path::increments(program), shown(program), quiet),
+        progress: Progress::new(&title(case), extent(case), shown(case), quiet),
         done: 0,
     };
-    let (statistics, result) = path::run(program, &mut record);
+    let (statistics, result) = match case {
+        Case::Path(program) => path::run(program, &mut record),
+        Case::Pullout(program) => pullout::run(program, &mut record),
+    };
     record.progress.finish();
     let message = match result {
         Ok(()) => None,
@@ -148,42 +153,35 @@ fn run_into(program: &Program, folder: &Path, quiet: bool) -> io::Result<Summary
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let mut summary = summarise(program, &record.peaks, statistics, message, start.elapsed().as_secs_f64())?;
+    let mut summary = summarise(case, &record.peaks, statistics, message, start.elapsed().as_secs_f64())?;
     let mut pictures = Vec::new();
     // a long history is read back only if something is made of it
-    if program.output.plots || !program.compare.is_empty() {
+    if case.draws_plots() || !case.compare().is_empty() {
         let history = History::read(&history_file)?;
-        summary.compare = program.compare.iter().map(|curve| compare(&history, curve)).collect();
-        if program.output.plots {
-            pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(program))?;
+        summary.compare = case.compare().iter().map(|curve| compare(&history, curve)).collect();
+        if case.draws_plots() {
+            pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(case))?;
         }
     }
     summary.write(&folder.join("summary.json"))?;
-    report::write(&folder.join("report.html"), &Account::of(program), &summary, &pictures)?;
+    report::write(&folder.join("report.html"), &Account::of(case), &summary, &pictures)?;
     Ok(summary)
 }
 
 fn summarise(
-    program: &Program,
+    case: &Case,
     peaks: &PeakRecorder,
     statistics: Statistics,
     message: Option<String>,
     wall_time_s: f64,
 ) -> io::Result<Summary> {
-    let plugin = &program.plugin;
-    let version = plugin.law.as_ref().map_or("", |law| &law.version);
-    let mut warnings = program.warnings.clone();
-    if plugin.library.changes_floating_point() {
-        warnings.push(format!(
-            "loading '{}' changed the floating-point modes (flush-to-zero); they were restored, and are around each call",
-            plugin.name
-        ));
-    }
+    let (plugin, plugins) = plugins(case)?;
     Ok(Summary {
         status: if message.is_none() { Status::Done } else { Status::Failed },
         message,
-        title: program.title.clone(),
-        plugin: PluginFile::identify(plugin.library.path(), version)?,
+        title: case.title().to_owned(),
+        plugin,
+        plugins,
         peaks: peaks.peaks(),
         increments: statistics.increments,
         iterations: statistics.iterations,
@@ -191,49 +189,99 @@ fn summarise(
         cutbacks: statistics.cutbacks,
         wall_time_s,
         compare: Vec::new(),
-        warnings,
+        warnings: warnings(case),
     })
 }
 
-fn title(program: &Program) -> String {
-    let stem = program.case_file.file_stem().unwrap_or_default();
+/// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.
+fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
+    let version = |law: Option<&Law>| law.map_or(String::new(), |law| law.version.clone());
+    match case {
+        Case::Path(program) => {
+            let plugin = &program.plugin;
+            let file = PluginFile::identify(plugin.library.path(), &version(plugin.law.as_ref()))?;
+            Ok((file, Vec::new()))
+        }
+        Case::Pullout(program) => {
+            let mut plugins = Vec::new();
+            for (subject, law) in program.laws() {
+                let file = PluginFile::identify(law.library.path(), &version(law.law.as_ref()))?;
+                plugins.push(PluginOf { subject, law: law.name.clone(), file });
+            }
+            let first = plugins.first().map(|plugin| plugin.file.clone()).unwrap_or_default();
+            Ok((first, plugins))
+        }
+    }
+}
+
+/// The case's warnings, and those that a run adds.
+fn warnings(case: &Case) -> Vec<String> {
+    let mut warnings = case.warnings().to_vec();
+    let libraries: Vec<(&str, &Library)> = match case {
+        Case::Path(program) => vec![(&program.plugin.name, &program.plugin.library)],
+        Case::Pullout(program) => program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect(),
+    };
+    for (name, _) in libraries.iter().filter(|(_, library)| library.changes_floating_point()) {
+        warnings.push(format!(
+            "loading '{name}' changed the floating-point modes (flush-to-zero); they were restored, and are around each call"
+        ));
+    }
+    warnings
+}
+
+fn title(case: &Case) -> String {
+    let stem = case.file().file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 
-/// Columns that a progress line tells: the first strain and stress, or slip and traction.
-fn shown(program: &Program) -> Vec<(String, usize)> {
-    let names: &[&str] = match &program.kind {
-        Kind::Point(_) => &["e11", "s11"],
-        Kind::Interface(_) => &["slip", "tau"],
+/// How far a run goes.
+fn extent(case: &Case) -> Extent {
+    match case {
+        Case::Path(program) => Extent::Increments(path::increments(program)),
+        Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
+    }
+}
+
+/// Columns that a progress line tells: the first strain and stress, slip and traction, or slip and load.
+fn shown(case: &Case) -> Vec<(String, usize)> {
+    let names: &[&str] = match case {
+        Case::Path(program) => match &program.kind {
+            Kind::Point(_) => &["e11", "s11"],
+            Kind::Interface(_) => &["slip", "tau"],
+        },
+        Case::Pullout(_) => &["slip", "load"],
     };
-    let columns = program.columns();
+    let columns = case.columns();
     // values begin behind step and increment
     let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - 2);
     names.iter().filter_map(|name| Some(((*name).to_owned(), index(name)?))).collect()
 }
 
 /// A few lines on standard output.
-fn outcome(summary: &Summary, program: &Program, folder: &Path) -> String {
+fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
     use std::fmt::Write;
     let done = if summary.status == Status::Done { "done" } else { "FAILED" };
     let mut text = format!(
         "{}: {done}, {} increments, {} plugin calls, {:.3} s -> {}\n",
-        title(program),
+        title(case),
         summary.increments,
         summary.plugin_calls,
         summary.wall_time_s,
         folder.display()
     );
-    let interesting = match &program.kind {
-        Kind::Point(_) => &["s11", "s22", "s33", "s12", "s13", "s23"][..],
-        Kind::Interface(_) => &["tau", "p"][..],
+    let (interesting, unit) = match case {
+        Case::Path(program) => match &program.kind {
+            Kind::Point(_) => (&["s11", "s22", "s33", "s12", "s13", "s23"][..], "MPa"),
+            Kind::Interface(_) => (&["tau", "p"][..], "MPa"),
+        },
+        Case::Pullout(_) => (&["load", "load_lateral"][..], "N"),
     };
     for name in interesting {
         if let Some(peak) = summary.peaks.get(*name)
             && let (Some(max), Some(min)) = (peak.max, peak.min)
             && (max.abs() > 1e-6 || min.abs() > 1e-6)
         {
-            let _ = writeln!(text, "  {name}: max {max:.6} MPa, min {min:.6} MPa");
+            let _ = writeln!(text, "  {name}: max {max:.6} {unit}, min {min:.6} {unit}");
         }
     }
     for comparison in &summary.compare {

@@ -196,7 +196,7 @@ struct Place {
 
 impl Until {
     /// Whether the bound is passed in a row whose columns are `place` (step, increment), `values`, iterations.
-    fn reached(&self, place: &[f64], values: &[f64], iterations: u32) -> bool {
+    pub(crate) fn reached(&self, place: &[f64], values: &[f64], iterations: u32) -> bool {
         let column = self.column;
         let value = if column < place.len() {
             place[column]

@@ -6,6 +6,7 @@
 
 use super::history::History;
 use super::{at, malformed};
+use crate::case::Case;
 use crate::path::program::{Compare, Control, Kind, PointDrive, PointStep, Program};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -52,6 +53,8 @@ pub enum Subject {
     },
     /// A contact point.
     Interface,
+    /// A specimen.
+    Pullout,
 }
 
 /// A measured curve in the history's units and signs.
@@ -107,21 +110,17 @@ pub fn draw_overlay(folder: &Path, runs: &[Run<'_>]) -> io::Result<Vec<Picture>>
 
 impl Spec {
     /// Of a case.
-    pub fn of(program: &Program) -> Self {
-        let columns = program.columns();
-        let law = program.plugin.law.as_ref();
-        let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());
-        let subject = match &program.kind {
-            Kind::Point(point) => Subject::Point { controlled: controlled(&point.steps) },
-            Kind::Interface(_) => Subject::Interface,
+    pub fn of(case: &Case) -> Self {
+        let columns = case.columns();
+        let curves = case.compare().iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
+        let (law, subject, units) = match case {
+            Case::Path(program) => of_point(program),
+            Case::Pullout(program) => {
+                let law = program.laws().first().map_or(String::new(), |(_, law)| law.name.clone());
+                (law, Subject::Pullout, BTreeMap::new())
+            }
         };
-        Self {
-            title: program.title.clone(),
-            law: program.plugin.name.clone(),
-            subject,
-            units: units.unwrap_or_default(),
-            curves: program.compare.iter().filter_map(|compare| Curve::of(compare, &columns)).collect(),
-        }
+        Self { title: case.title().to_owned(), law, subject, units, curves }
     }
 
     /// Reads what [`draw`] left in a folder.
@@ -146,6 +145,17 @@ impl Curve {
             points: scaled.filter(|(x, y)| x.is_finite() && y.is_finite()).collect(),
         })
     }
+}
+
+/// Law, subject and units of a material or contact point.
+fn of_point(program: &Program) -> (String, Subject, BTreeMap<String, String>) {
+    let law = program.plugin.law.as_ref();
+    let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());
+    let subject = match &program.kind {
+        Kind::Point(point) => Subject::Point { controlled: controlled(&point.steps) },
+        Kind::Interface(_) => Subject::Interface,
+    };
+    (program.plugin.name.clone(), subject, units.unwrap_or_default())
 }
 
 /// The strain components that some step prescribes (a held one is not driven).

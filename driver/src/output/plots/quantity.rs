@@ -20,6 +20,12 @@ pub enum Sort {
     Stress,
     /// `D`, `D_t`, `d`…
     Damage,
+    /// `slip_exit`, `slip_tail`.
+    Slip,
+    /// `elastic_energy`, `external_work`…
+    Energy,
+    /// `open_points`…
+    Count,
     /// Anything else: only with itself.
     Other,
 }
@@ -32,6 +38,9 @@ impl Sort {
             Some(b'e' | b'g') if component() => Self::Strain,
             Some(b's') if component() => Self::Stress,
             _ if is_damage(column) => Self::Damage,
+            _ if matches!(column, "slip_exit" | "slip_tail") => Self::Slip,
+            _ if column == "external_work" || column.ends_with("_energy") => Self::Energy,
+            _ if column.ends_with("_points") => Self::Count,
             _ => Self::Other,
         }
     }
@@ -42,6 +51,9 @@ impl Sort {
             Self::Strain => ("ε", ""),
             Self::Stress => ("σ", "MPa"),
             Self::Damage => ("damage", ""),
+            Self::Slip => ("slip", "mm"),
+            Self::Energy => ("energy", "N·mm"),
+            Self::Count => ("points", ""),
             Self::Other => return None,
         };
         Some(Quantity { name: name.into(), unit: unit.into() })
@@ -67,6 +79,12 @@ impl Quantity {
             (_, "p") => ("p".into(), "MPa"),
             (_, "time") => ("time".into(), "s"),
             (_, "load") => ("load".into(), "N"),
+            (_, "load_lateral") => ("lateral load".into(), "N"),
+            (_, "slip_exit") => ("slip at the exit".into(), "mm"),
+            (_, "slip_tail") => ("slip of the tail".into(), "mm"),
+            (_, "bearing_pressure_max") => ("greatest bearing pressure".into(), "MPa"),
+            (Sort::Energy, _) => (column.replace('_', " "), "N·mm"),
+            (Sort::Count, _) => (column.replace('_', " "), ""),
             (_, "sse" | "spd" | "scd") => (column.into(), "N·mm/mm³"),
             (_, "sed" | "sfd" | "svd") => (column.into(), "N·mm/mm²"),
             _ => (symbol(column), units.get(column).map_or("", String::as_str)),

@@ -14,6 +14,7 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
     let mut layouts = match &first.spec.subject {
         Subject::Point { controlled } => point(first, controlled),
         Subject::Interface => interface(first),
+        Subject::Pullout => pullout(first),
     };
     place_curves(&mut layouts, runs);
     layouts.iter().filter_map(|layout| layout.figure(runs)).collect()
@@ -179,6 +180,22 @@ fn interface(run: &Run<'_>) -> Vec<Layout> {
     }
     if run.history.column("kappa").is_some() {
         layouts.push(Layout::pair("kappa_slip", "slip", "kappa"));
+    }
+    layouts
+}
+
+fn pullout(run: &Run<'_>) -> Vec<Layout> {
+    let mut layouts = vec![Layout::pair("load_slip", "slip", "load")];
+    let others = ["slip_exit", "slip_tail"].into_iter().filter(|column| span(run, column) > 0.0);
+    let others: Vec<_> = others.map(|column| (column, "load".to_string())).collect();
+    if !others.is_empty() {
+        layouts.push(Layout::new("load_local_slip", others));
+    }
+    for (name, sort) in [("energies", Sort::Energy), ("points", Sort::Count)] {
+        let moving = columns(run, |column| Sort::of(column) == sort && span(run, column) > 0.0);
+        if !moving.is_empty() {
+            layouts.push(Layout::new(name, moving.into_iter().map(|column| ("slip", column))));
+        }
     }
     layouts
 }

@@ -1,6 +1,7 @@
 //! How far a run is: a bar on a terminal, now and then a line otherwise, nothing when quiet.
 
 use super::number;
+use crate::path::Row;
 use indicatif::{ProgressBar, ProgressStyle};
 use std::fmt::Write as _;
 use std::io::{IsTerminal, Write};
@@ -16,12 +17,34 @@ const LEAST_PAUSE: Duration = Duration::from_secs(2);
 /// A line is due after so long, however little was done.
 const GREATEST_PAUSE: Duration = Duration::from_secs(60);
 
+/// How far a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// At most so many increments.
+    Increments(u64),
+    /// So long, s, in increments of any size.
+    Time(f64),
+}
+
+/// A run of some duration is told in so many parts.
+const PARTS: f64 = 1000.0;
+
+impl Extent {
+    /// What is done of what: increments, or parts of the time.
+    fn share(self, done: u64, time: f64) -> (u64, u64) {
+        match self {
+            Self::Increments(total) => (done, total),
+            Self::Time(total) => ((PARTS * (time / total).clamp(0.0, 1.0)) as u64, PARTS as u64),
+        }
+    }
+}
+
 /// Reports to standard error.
 pub struct Progress {
     display: Display,
     /// Names of what is shown, and their indices among the values given to [`Self::advance`].
     shown: Vec<(String, usize)>,
-    total: u64,
+    extent: Extent,
     start: Instant,
     pace: Pace,
 }
@@ -33,14 +56,17 @@ enum Display {
 }
 
 impl Progress {
-    /// For a run of at most `total` increments. `shown`: what to tell of the present state, as (name, index among the
+    /// For a run of some extent. `shown`: what to tell of the present state, as (name, index among the
     /// values of a row), for example `("s11", 7)`.
-    pub fn new(title: &str, total: u64, shown: Vec<(String, usize)>, quiet: bool) -> Self {
+    pub fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
         let display = if quiet {
             Display::Quiet
         } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(total);
-            let template = "{prefix} [{bar:30}] {pos}/{len} {elapsed}<{eta} {msg}";
+            let bar = ProgressBar::new(extent.share(0, 0.0).1);
+            let template = match extent {
+                Extent::Increments(_) => "{prefix} [{bar:30}] {pos}/{len} {elapsed}<{eta} {msg}",
+                Extent::Time(_) => "{prefix} [{bar:30}] {percent} % {elapsed}<{eta} {msg}",
+            };
             bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar.set_prefix(title.to_owned());
             Display::Bar(bar)
@@ -48,40 +74,50 @@ impl Progress {
             let to = Box::new(std::io::stderr());
             Display::Lines { title: title.to_owned(), schedule: Schedule::default(), to }
         };
-        Self { display, shown, total, start: Instant::now(), pace: Pace::default() }
+        Self { display, shown, extent, start: Instant::now(), pace: Pace::default() }
     }
 
-    /// `done` increments are finished; `values` are those of the last row. Costs a comparison unless something is due.
+    /// `done` increments are finished; `row` is the last one. Costs a comparison unless something is due.
     #[inline]
-    pub fn advance(&mut self, done: u64, values: &[f64]) {
+    pub fn advance(&mut self, done: u64, row: &Row<'_>) {
         if done >= self.pace.next && !matches!(self.display, Display::Quiet) {
-            self.report(done, values);
+            self.report(done, row);
         }
     }
 
     #[cold]
-    fn report(&mut self, done: u64, values: &[f64]) {
+    fn report(&mut self, done: u64, row: &Row<'_>) {
         let now = self.start.elapsed();
         self.pace.adapt(done, now);
         let present = || {
-            self.shown.iter().fold(String::new(), |mut text, (name, index)| {
-                let value = values.get(*index).copied().unwrap_or(f64::NAN);
+            let mut text = self.shown.iter().fold(String::new(), |mut text, (name, index)| {
+                let value = row.values.get(*index).copied().unwrap_or(f64::NAN);
                 let _ = write!(text, " {name} = {}", number::significant(value, 4));
                 text
-            })
+            });
+            if let Extent::Time(_) = self.extent {
+                let _ = write!(text, " iterations = {}", row.iterations);
+            }
+            text
         };
+        // the first value of a row is the time
+        let (part, total) = self.extent.share(done, row.values.first().copied().unwrap_or(0.0));
         match &mut self.display {
             Display::Quiet => {}
             Display::Bar(bar) => {
-                bar.set_position(done);
+                bar.set_position(part);
                 bar.set_message(present());
             }
             Display::Lines { title, schedule, to } => {
-                if schedule.due(done, self.total, now) {
-                    let percent = 100 * done / self.total.max(1);
+                if schedule.due(part, total, now) {
+                    let percent = 100 * part / total.max(1);
+                    let count = match self.extent {
+                        Extent::Increments(total) => format!("{done}/{total}"),
+                        Extent::Time(_) => format!("increment {done}"),
+                    };
                     let seconds = now.as_secs();
                     // a closed standard error is no reason to stop a run
-                    let _ = writeln!(to, "{title}: {done}/{} ({percent} %, {seconds} s){}", self.total, present());
+                    let _ = writeln!(to, "{title}: {count} ({percent} %, {seconds} s){}", present());
                 }
             }
         }

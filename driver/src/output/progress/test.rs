@@ -47,24 +47,42 @@ fn the_clock_is_read_rarely() {
     assert!((10..100).contains(&readings.count()));
 }
 
+fn row(values: &[f64]) -> Row<'_> {
+    Row { step: 1, increment: 1, values, iterations: 4 }
+}
+
+#[test]
+fn increments_of_any_size_are_told_by_the_time() {
+    let text = Shared::default();
+    let lines = Display::Lines { title: "run".into(), schedule: Schedule::default(), to: Box::new(text.clone()) };
+    let start = Instant::now() - Duration::from_secs(3);
+    let shown = vec![("slip".to_string(), 1), ("load".to_string(), 2)];
+    let extent = Extent::Time(2.0);
+    let mut progress = Progress { display: lines, shown, extent, start, pace: Pace::default() };
+    progress.advance(7, &row(&[1.5, 0.2, 11.0]));
+    let text = String::from_utf8(text.0.lock().unwrap().clone()).unwrap();
+    assert_eq!(text, "run: increment 7 (75 %, 3 s) slip = 0.2 load = 11 iterations = 4\n");
+}
+
 #[test]
 fn a_line_tells_how_far_and_where() {
     let text = Shared::default();
     let lines = Display::Lines { title: "run".into(), schedule: Schedule::default(), to: Box::new(text.clone()) };
     let start = Instant::now() - Duration::from_secs(3);
     let shown = vec![("e11".to_string(), 1), ("s11".to_string(), 2)];
-    let mut progress = Progress { display: lines, shown, total: 200, start, pace: Pace::default() };
-    progress.advance(50, &[0.25, -1e-3, 3.25]);
-    progress.advance(51, &[0.25, -1e-3, 3.25]);
+    let extent = Extent::Increments(200);
+    let mut progress = Progress { display: lines, shown, extent, start, pace: Pace::default() };
+    progress.advance(50, &row(&[0.25, -1e-3, 3.25]));
+    progress.advance(51, &row(&[0.25, -1e-3, 3.25]));
     let text = String::from_utf8(text.0.lock().unwrap().clone()).unwrap();
     assert_eq!(text, "run: 50/200 (25 %, 3 s) e11 = −0.001 s11 = 3.25\n");
 }
 
 #[test]
 fn quiet_is_quiet_and_an_empty_run_is_no_division_by_zero() {
-    let mut progress = Progress::new("run", 0, vec![], true);
-    progress.advance(10, &[]);
+    let mut progress = Progress::new("run", Extent::Increments(0), vec![], true);
+    progress.advance(10, &row(&[]));
     assert_eq!(progress.pace.next, 1);
-    let mut progress = Progress::new("run", 0, vec![("s11".into(), 3)], false);
-    progress.advance(10, &[]);
+    let mut progress = Progress::new("run", Extent::Increments(0), vec![("s11".into(), 3)], false);
+    progress.advance(10, &row(&[]));
 }

@@ -34,6 +34,9 @@ pub struct Summary {
     pub title: String,
     /// What was driven.
     pub plugin: PluginFile,
+    /// The plugins of a specimen's parts and contact pairs; empty for a point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plugins: Vec<PluginOf>,
     /// Of each column from the fourth on, over all increments (written to the history or not).
     pub peaks: IndexMap<String, Peak>,
     /// Increments done.
@@ -76,6 +79,19 @@ pub struct PluginFile {
     pub version: String,
     /// Of the file's bytes, hexadecimal.
     pub sha256: String,
+}
+
+/// The plugin of a part or of contact pairs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PluginOf {
+    /// "part fibre", "contact left, right".
+    #[serde(rename = "of")]
+    pub subject: String,
+    /// The law's name.
+    pub law: String,
+    /// The file.
+    #[serde(flatten)]
+    pub file: PluginFile,
 }
 
 impl PluginFile {

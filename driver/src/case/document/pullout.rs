@@ -1,0 +1,259 @@
+//! Kind "pullout".
+
+use super::{Compare, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, Until, Whole};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+mod boundary;
+pub use boundary::*;
+mod contact;
+pub use contact::*;
+mod specimen;
+pub use specimen::*;
+
+/// A specimen in two dimensions: parts, contact, supports, steps (kind "pullout").
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PulloutCase {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    #[expect(dead_code, reason = "read by editors")]
+    pub schema: Option<Piece<String>>,
+    /// "pullout".
+    #[expect(dead_code, reason = "dispatched on before")]
+    pub kind: PulloutKind,
+    /// Title of plots and report; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for the report.
+    pub description: Option<Piece<String>>,
+    /// A specimen by its parameters, or a Gmsh file.
+    pub mesh: Piece<MeshSource>,
+    /// The parts by name: those of the specimen, or the physical surfaces of the file.
+    pub parts: Piece<BTreeMap<String, Piece<Part>>>,
+    /// One object for all contact pairs of the specimen, or a list of pairs.
+    pub contact: Option<Piece<Contact>>,
+    /// What is pulled; default: the specimen's.
+    pub grip: Option<Piece<Grip>>,
+    /// Name of one of the specimen's ways to be held, or supports by name; default: the specimen's.
+    pub supports: Option<Piece<Supports>>,
+    /// Loads by name; each is multiplied by its drive.
+    pub loads: Option<Piece<BTreeMap<String, Piece<Load>>>>,
+    /// Multi-point constraints and ties.
+    pub couplings: Option<Piece<Vec<Piece<Coupling>>>>,
+    /// What the history calls slip and load; default: the grip's, and the specimen's exit and tail.
+    pub measure: Option<Piece<Measure>>,
+    /// Large displacements (default false).
+    pub nlgeom: Option<Piece<bool>>,
+    /// What is done to the specimen.
+    #[schemars(length(min = 1))]
+    pub steps: Piece<Vec<Piece<PulloutStep>>>,
+    /// Ends the run early.
+    pub until: Option<Piece<Until>>,
+    /// Curves to compare with.
+    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
+    /// What is written.
+    pub output: Option<Piece<PulloutOutput>>,
+    /// Tolerances and limits.
+    pub controls: Option<Piece<PulloutControls>>,
+    /// What the solver skips where a scene does not need it (default "all"; no item changes the result).
+    pub skip: Option<Piece<Skip>>,
+}
+
+/// The word "pullout".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PulloutKind {
+    /// A specimen in two dimensions.
+    Pullout,
+}
+
+/// A body, or a piece of one.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Part {
+    /// The plugin and its parameters.
+    pub material: Piece<Material>,
+    /// What is assumed about the third direction; default: the specimen's, plane_strain for a file.
+    pub model: Option<Piece<PartModel>>,
+    /// Reference thickness, mm, or what the thickness of a round fibre keeps; default: the specimen's, 1 for a file.
+    pub thickness: Option<Piece<Thickness>>,
+    /// Integration of its elements; default: reduced for Q8, full for the others.
+    pub integration: Option<Piece<Integration>>,
+    /// Average the dilatation of its Q4 elements against locking (default true).
+    pub average_dilatation: Option<Piece<bool>>,
+}
+
+/// What is assumed about the third direction.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum PartModel {
+    /// σ33 = 0.
+    PlaneStress,
+    /// ε33 = 0.
+    PlaneStrain,
+    /// About the axis x = 0.
+    Axisymmetric,
+}
+
+/// A thickness.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Thickness {
+    /// mm.
+    Value(Positive),
+    /// That of a plate as high as the round fibre.
+    Section(Section),
+}
+
+/// What a plate as high as a round fibre has in common with it.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Section {
+    /// The area: thickness πφ/4.
+    EqualArea,
+    /// The second moment of area: thickness 3πφ/16.
+    EqualInertia,
+}
+
+/// Integration of elements.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Integration {
+    /// Exact for undistorted elements.
+    Full,
+    /// One order less: 2 × 2 for Q8.
+    Reduced,
+}
+
+/// A step: drives go to their ends, or a cycle of steps.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PulloutStep {
+    /// The same in a member named "cycles".
+    Cycles(Cycles<PulloutStep>),
+    /// Steps run several times.
+    Cycle(Cycle<PulloutStep>),
+    /// Linear ramps to end values.
+    Ramp(Box<PulloutRamp>),
+}
+
+/// A step in which drives go linearly to their end values.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PulloutRamp {
+    /// Displacement of the grip at the end of the step, mm.
+    pub slip: Option<f64>,
+    /// Values of other drives at the end of the step; what is not named stays.
+    pub drives: Option<BTreeMap<String, f64>>,
+    /// Duration, s (default 1).
+    pub time: Option<Positive>,
+    /// Sizes of automatic increments, or a number of equal ones.
+    pub increments: Option<StepIncrements>,
+    /// Ends this step early.
+    pub until: Option<Until>,
+}
+
+/// How the increments of a step are chosen.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum StepIncrements {
+    /// So many equal ones, cut back when one fails.
+    Equal(Increments),
+    /// Automatic.
+    Automatic(AutomaticIncrements),
+}
+
+/// Automatic increments, as fractions of the step.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AutomaticIncrements {
+    /// The first (default 1e-3).
+    pub initial: Option<Fraction>,
+    /// The greatest (default 0.02).
+    pub maximum: Option<Fraction>,
+    /// The least: below it the run fails (default 1e-8).
+    pub minimum: Option<Fraction>,
+}
+
+/// What is written.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PulloutOutput {
+    /// Every n-th increment, and the last of each step, goes to history.csv (default 1).
+    pub every: Option<Increments>,
+    /// Draw plots (default true).
+    pub plots: Option<bool>,
+    /// Write fields for ParaView: never, at every 10th increment (true, the default), at every n-th; and at the end of
+    /// each step.
+    pub vtu: Option<Vtu>,
+}
+
+/// When fields are written.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Vtu {
+    /// Never, or at every 10th increment.
+    Switch(bool),
+    /// At every n-th increment.
+    Every(Increments),
+}
+
+/// Tolerances and limits.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PulloutControls {
+    /// Residual force relative to the force scale (default 1e-6).
+    pub force_tolerance: Option<Fraction>,
+    /// Correction of displacements relative to the increment's (default 1e-5).
+    pub displacement_tolerance: Option<Fraction>,
+    /// Newton iterations of an attempt (default 16).
+    pub max_iterations: Option<Whole<2, 1000>>,
+    /// Attempts of one increment (default 30).
+    pub max_cutbacks: Option<Whole<0, 1000>>,
+    /// Shorten corrections that make the residual grow (default true).
+    pub line_search: Option<bool>,
+    /// Limit slips until the load has peaked, and locate the peak (default true).
+    pub locate_peak: Option<bool>,
+    /// Viscous stabilisation, N·s/mm per freedom (default 0: none).
+    #[schemars(range(min = 0.0))]
+    pub viscosity: Option<f64>,
+}
+
+/// What is skipped: everything, nothing, or everything but what is set to false.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Skip {
+    /// "all" or "none".
+    Word(SkipWord),
+    /// One by one.
+    Items(SkipItems),
+}
+
+/// Everything or nothing.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SkipWord {
+    /// Everything that can be.
+    All,
+    /// Nothing.
+    None,
+}
+
+/// What is skipped, one by one (each true by default).
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SkipItems {
+    /// Stiffnesses of elements that did not change are kept.
+    pub unchanged_elements: Option<bool>,
+    /// Elements that stay elastic are condensed.
+    pub elastic_far_field: Option<bool>,
+    /// A factor is used again while it converges fast.
+    pub factor_reuse: Option<bool>,
+    /// Tangents are asked for only when they are used.
+    pub unused_tangents: Option<bool>,
+    /// A contact point looks for its edge from the last one.
+    pub contact_search: Option<bool>,
+    /// The symmetric solver is used while nothing is unsymmetric.
+    pub symmetric_solver: Option<bool>,
+}

@@ -1,0 +1,139 @@
+//! Contact pairs.
+
+use super::super::{Material, Piece, Positive, Whole};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// One object for all pairs of the specimen, or pair by pair.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Contact {
+    /// The same for all pairs of the specimen.
+    All(Box<Pair>),
+    /// Pair by pair.
+    Pairs(Vec<Piece<Pair>>),
+}
+
+/// Two surfaces that touch.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Pair {
+    /// What messages call it; one of the specimen's pairs takes its surfaces and width from the specimen.
+    pub name: Option<String>,
+    /// Edge set that carries the contact points: the hole.
+    pub slave: Option<String>,
+    /// Edge set that they slide on: the fibre.
+    pub master: Option<String>,
+    /// The plugin of the contact law; its entry is uinter (default) or fric.
+    pub law: Piece<Material>,
+    /// The host's normal law beside a FRIC plugin.
+    pub normal: Option<Piece<Normal>>,
+    /// Where the contact points sit (default 2 Gauss points on each slave edge).
+    pub quadrature: Option<Piece<Quadrature>>,
+    /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
+    /// specimen's, else "part".
+    pub width: Option<Piece<Width>>,
+    /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100).
+    pub penalty_factor: Option<Piece<Positive>>,
+    /// How the hard normal law is enforced (default uzawa).
+    pub enforcement: Option<Piece<Enforcement>>,
+    /// Whether contact fades as a point passes either end of the master (default true).
+    pub release: Option<Piece<bool>>,
+}
+
+/// The host's normal law.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Normal {
+    /// Penalty, bilateral up to a tension.
+    Hard(Hard),
+    /// Soft exponential.
+    Soft(Soft),
+}
+
+/// Penalty, bilateral up to a tension.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hard {
+    /// Tension that opens a point for good, MPa (default 0: unilateral).
+    #[schemars(range(min = 0.0))]
+    pub p_0: Option<f64>,
+    /// Opening over which the tension falls to 0, mm (default 0: at once).
+    #[serde(rename = "delta_N")]
+    #[schemars(range(min = 0.0))]
+    pub delta_n: Option<f64>,
+}
+
+/// Soft exponential.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Soft {
+    /// Pressure at gap 0, MPa.
+    pub p_0: Positive,
+    /// Gap at which the pressure is 0, mm.
+    pub g_0: Positive,
+}
+
+/// Number of points.
+pub type Points = Whole<1, 10>;
+
+/// Where the contact points sit.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Quadrature {
+    /// The slave nodes.
+    Nodes,
+    /// So many Gauss points on each slave edge.
+    Gauss(Points),
+    /// So many Gauss points on each segment between slave nodes and projected master nodes.
+    Segments(Points),
+}
+
+/// Contact area per length of the slave edge.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Width {
+    /// mm.
+    Given(Positive),
+    /// "part".
+    Part(PartWord),
+}
+
+/// The word "part".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum PartWord {
+    /// The thickness of the slave's part; 2πr in axial symmetry.
+    Part,
+}
+
+/// How the hard normal law is enforced.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Enforcement {
+    /// By the penalty alone.
+    Penalty,
+    /// Penalty with updates of the multiplier.
+    Uzawa(Uzawa),
+    /// In one loop, the multiplier condensed locally.
+    PerturbedLagrangian(Perturbed),
+}
+
+/// Penalty with updates of the multiplier.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Uzawa {
+    /// Greatest gap or penetration of a closed point, mm (default 1e-6).
+    pub tolerance: Option<Positive>,
+    /// Most updates in an increment (default 4).
+    pub max_updates: Option<Whole<1, 100>>,
+}
+
+/// The multiplier condensed locally.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Perturbed {
+    /// Stiffness of the multiplier over the penalty (default 1e4).
+    #[schemars(range(min = 1e4))]
+    pub ratio: Option<f64>,
+}

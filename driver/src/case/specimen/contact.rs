@@ -1,0 +1,226 @@
+//! Contact pairs.
+
+use super::super::Reader;
+use super::super::document::pullout as document;
+use super::super::document::{Entry, PulloutCase};
+use super::super::plugin::{self, Length, Subject, Use};
+use super::super::problem::{Place, hint};
+use super::mesh::DefaultPair;
+use super::parts::plugin_law;
+use super::{Scene, chain};
+use fe_core::mesh::ElementEdge;
+use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+
+/// Gauss points on each slave edge.
+const POINTS: usize = 2;
+/// Factor of the penalty.
+const PENALTY_FACTOR: f64 = 100.0;
+/// Greatest gap of a closed point after updates of the multiplier, mm.
+const UZAWA_TOLERANCE: f64 = 1e-6;
+/// Updates of the multiplier in an increment.
+const UZAWA_UPDATES: usize = 4;
+/// Stiffness of a perturbed multiplier over the penalty.
+const PERTURBATION: f64 = 1e4;
+
+/// All pairs; `None` if any is unusable.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
+    let place = Place::root().key("contact");
+    let defaults = scene.ground.map_or(&[][..], |ground| &ground.defaults.pairs);
+    let Some(given) = &case.contact else {
+        if let Some(pair) = defaults.first() {
+            let message = format!("is missing: the specimen has the contact pair '{}', which needs a law", pair.name);
+            reader.problem(&place, message);
+        }
+        return Some(Vec::new());
+    };
+    match reader.piece(given, &place)? {
+        document::Contact::All(pair) => all_pairs(reader, pair, defaults, scene, &place),
+        document::Contact::Pairs(pairs) => {
+            let mut resolved: Vec<Option<ContactPair>> = Vec::new();
+            let mut names: Vec<&str> = Vec::new();
+            for (k, piece) in pairs.iter().enumerate() {
+                let place = place.index(k);
+                let pair = reader.piece(piece, &place);
+                let name = pair.and_then(|pair| pair.name.as_deref());
+                if let Some(name) = name.filter(|name| names.contains(name)) {
+                    reader.problem(&place.key("name"), format!("the pair '{name}' is given twice"));
+                }
+                names.extend(name);
+                let own = defaults.iter().find(|default| Some(default.name) == name);
+                resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
+            }
+            for missing in defaults.iter().filter(|default| !names.contains(&default.name)) {
+                reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
+            }
+            resolved.into_iter().collect()
+        }
+    }
+}
+
+/// The same for all pairs of the specimen; the law is loaded and checked once.
+fn all_pairs(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    defaults: &[DefaultPair],
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<Vec<ContactPair>> {
+    let names_surfaces = pair.slave.is_some() || pair.master.is_some();
+    let (first, others) = match defaults {
+        [first, others @ ..] if !names_surfaces => (first, others),
+        _ => return one_pair(reader, pair, None, 0, scene, place).map(|pair| vec![pair]),
+    };
+    let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
+    let mut pairs = vec![first];
+    for default in others {
+        let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
+        let width = width(reader, pair, Some(default), place);
+        pairs.push(ContactPair { name: default.name.into(), slave, master, width, ..pairs[0].clone() });
+    }
+    Some(pairs)
+}
+
+fn one_pair(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    default: Option<&DefaultPair>,
+    index: usize,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<ContactPair> {
+    let surfaces = surfaces(reader, pair, default, scene, place);
+    let law = law(reader, pair, place);
+    let width = width(reader, pair, default, place);
+    let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
+    let points = |points: document::Points| points.0 as usize;
+    let quadrature = match quadrature {
+        None => Quadrature::Gauss { points: POINTS },
+        Some(document::Quadrature::Gauss(n)) => Quadrature::Gauss { points: points(*n) },
+        Some(document::Quadrature::Segments(n)) => Quadrature::Segments { points: points(*n) },
+        Some(document::Quadrature::Nodes) => Quadrature::Nodes,
+    };
+    let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
+    let release = reader.optional(pair.release.as_ref(), &place.key("release"));
+    let enforcement = enforcement(reader, pair, place);
+    let name = pair.name.clone().or_else(|| default.map(|default| default.name.to_owned()));
+    let (slave, master) = surfaces?;
+    Some(ContactPair {
+        name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
+        slave,
+        master,
+        law: law?,
+        quadrature,
+        width,
+        penalty_factor: penalty_factor.map_or(PENALTY_FACTOR, |factor| factor.0),
+        enforcement,
+        release: release.copied().unwrap_or(true),
+    })
+}
+
+/// The slave and the master, each a chain.
+fn surfaces(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    default: Option<&DefaultPair>,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
+    let slave = surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave), scene, &place.key("slave"));
+    let master = surface(reader, pair.master.as_deref(), default.map(|pair| pair.master), scene, &place.key("master"));
+    let (slave, master) = slave.zip(master)?;
+    if let Some(edge) = slave.iter().find(|edge| master.contains(edge)) {
+        let message = format!("it has an edge of element {} that the slave has as well", edge.element + 1);
+        reader.problem(&place.key("master"), message);
+        return None;
+    }
+    Some((slave, master))
+}
+
+fn surface(
+    reader: &mut Reader<'_>,
+    given: Option<&str>,
+    default: Option<&str>,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<Vec<ElementEdge>> {
+    let Some(name) = given.or(default) else {
+        let names: Vec<&str> = scene.mesh.into_iter().flat_map(|mesh| mesh.edge_set_names()).collect();
+        reader.problem(place, format!("is missing: name an edge set{}", hint("", &names)));
+        return None;
+    };
+    let edges = scene.edge_set(reader, name, place)?;
+    match chain::in_order(scene.mesh?, edges) {
+        Ok(edges) => Some(edges),
+        Err(message) => {
+            reader.problem(place, format!("'{name}': {message}"));
+            None
+        }
+    }
+}
+
+fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<ContactLaw> {
+    let place_of_law = place.key("law");
+    let material = reader.piece(&pair.law, &place_of_law)?;
+    let entry = match material.entry {
+        None | Some(Entry::Uinter) => Entry::Uinter,
+        Some(Entry::Fric) => Entry::Fric,
+        Some(Entry::Umat) => {
+            reader.problem(&place_of_law.key("entry"), "contact calls the entry point uinter or fric");
+            Entry::Uinter
+        }
+    };
+    if material.statev0.is_some() {
+        reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
+    }
+    let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown };
+    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(plugin_law);
+    let place = place.key("normal");
+    let normal = reader.optional(pair.normal.as_ref(), &place);
+    match (entry, normal) {
+        (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal: normal_law(*normal) }),
+        (Entry::Fric, None) if pair.normal.is_none() => {
+            let message = "is missing: FRIC has no normal law; give {\"hard\": {}} (unilateral) or another";
+            reader.problem(&place, message);
+            None
+        }
+        (Entry::Fric, None) => None,
+        (_, Some(_)) => {
+            reader.problem(&place, "a UINTER plugin has the normal law: leave it out, or set law.entry to fric");
+            None
+        }
+        (_, None) => law.map(ContactLaw::Uinter),
+    }
+}
+
+fn normal_law(normal: document::Normal) -> NormalLaw {
+    match normal {
+        document::Normal::Hard(hard) => NormalLaw::Hard(HardLaw {
+            p_0: hard.p_0.unwrap_or(0.0),
+            delta_n: hard.delta_n.unwrap_or(0.0),
+        }),
+        document::Normal::Soft(soft) => NormalLaw::Soft(SoftLaw { p_0: soft.p_0.0, g_0: soft.g_0.0 }),
+    }
+}
+
+fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&DefaultPair>, place: &Place) -> Width {
+    match reader.optional(pair.width.as_ref(), &place.key("width")) {
+        Some(document::Width::Given(width)) => Width::Given(width.0),
+        Some(document::Width::Part(_)) => Width::OfPart,
+        None => default.map_or(Width::OfPart, |pair| pair.width),
+    }
+}
+
+fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Enforcement {
+    let uzawa = |given: document::Uzawa| Enforcement::Uzawa {
+        tolerance: given.tolerance.map_or(UZAWA_TOLERANCE, |tolerance| tolerance.0),
+        max_updates: given.max_updates.map_or(UZAWA_UPDATES, |n| n.0 as usize),
+    };
+    match reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")) {
+        None => uzawa(document::Uzawa::default()),
+        Some(document::Enforcement::Uzawa(given)) => uzawa(*given),
+        Some(document::Enforcement::Penalty) => Enforcement::Penalty,
+        Some(document::Enforcement::PerturbedLagrangian(given)) => {
+            Enforcement::PerturbedLagrangian { ratio: given.ratio.unwrap_or(PERTURBATION) }
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! The mesh: a specimen's or a file's, with the parts' models and thicknesses.
+
+use super::super::Reader;
+use super::super::document::PulloutCase;
+use super::super::document::pullout as document;
+use super::super::problem::{Place, hint};
+use fe_core::element::Integration;
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::gmsh::{self, PartProperties};
+use fe_core::mesh::{Mesh, MeshDefinition};
+use fe_core::model::Width;
+use std::collections::BTreeMap;
+use std::f64::consts::PI;
+
+/// A mesh as its maker gave it, and what the specimen says where the case says nothing.
+pub struct Ground {
+    pub definition: MeshDefinition,
+    /// What the mesh is, for the report.
+    pub words: String,
+    pub defaults: Defaults,
+}
+
+/// What a specimen says where the case says nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Defaults {
+    /// Contact pairs.
+    pub pairs: Vec<DefaultPair>,
+    /// Ways to be held: their names, and the node sets that they hold in both directions, or in one. The first is the
+    /// default.
+    pub supports: Vec<DefaultSupports>,
+    /// Node set that is pulled, and the pull direction.
+    pub grip: Option<(&'static str, [f64; 2])>,
+    /// Node sets of one node: where the fibre leaves the matrix, and its inner end.
+    pub exit: Option<&'static str>,
+    pub tail: Option<&'static str>,
+}
+
+/// A contact pair of a specimen.
+#[derive(Clone, Copy, Debug)]
+pub struct DefaultPair {
+    pub name: &'static str,
+    pub slave: &'static str,
+    pub master: &'static str,
+    pub width: Width,
+}
+
+/// A way in which a specimen is held.
+#[derive(Clone, Debug)]
+pub struct DefaultSupports {
+    pub name: &'static str,
+    /// Node set and directions.
+    pub supports: Vec<(&'static str, &'static [[f64; 2]])>,
+}
+
+/// Makes or reads the mesh.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
+    let place = Place::root().key("mesh");
+    match reader.piece(&case.mesh, &place)? {
+        document::MeshSource::Specimen(_) => None,
+        document::MeshSource::File(source) => {
+            let properties = file_properties(reader, case)?;
+            match gmsh::read(&reader.folder.join(&source.file), &properties) {
+                Ok(definition) => {
+                    let words = format!("file {}", source.file);
+                    Some(Ground { definition, words, defaults: Defaults::default() })
+                }
+                Err(error) => {
+                    reader.problem(&place.key("file"), error.to_string());
+                    None
+                }
+            }
+        }
+    }
+}
+
+/// Checks the mesh; its faults are told at `mesh`.
+pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
+    Mesh::new(ground.definition.clone())
+        .map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string()))
+        .ok()
+}
+
+/// What a case says of a part besides its material.
+struct Given {
+    model: Option<PlaneModel>,
+    thickness: Option<document::Thickness>,
+    integration: Option<Integration>,
+}
+
+/// What the case says of the parts, by name; `None` if it says nothing readable.
+fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, Given>> {
+    let root = Place::root().key("parts");
+    // unreadable parts are told where their laws are resolved
+    let parts = case.parts.0.as_ref().ok()?;
+    let mut given = BTreeMap::new();
+    for (name, piece) in parts {
+        let Ok(part) = &piece.0 else { continue };
+        let place = root.key(name);
+        let model = reader.optional(part.model.as_ref(), &place.key("model"));
+        let integration = reader.optional(part.integration.as_ref(), &place.key("integration"));
+        let thickness = reader.optional(part.thickness.as_ref(), &place.key("thickness")).copied();
+        let given_part = Given {
+            model: model.map(|model| match model {
+                document::PartModel::PlaneStress => PlaneModel::PlaneStress,
+                document::PartModel::PlaneStrain => PlaneModel::PlaneStrain,
+                document::PartModel::Axisymmetric => PlaneModel::Axisymmetric,
+            }),
+            thickness,
+            integration: integration.map(|integration| match integration {
+                document::Integration::Full => Integration::Full,
+                document::Integration::Reduced => Integration::Reduced,
+            }),
+        };
+        given.insert(name.clone(), given_part);
+    }
+    Some(given)
+}
+
+/// The thickness of a part, mm; `Err` if it refers to a fibre that the mesh does not have.
+fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &'static str> {
+    let section = match given {
+        document::Thickness::Value(value) => return Ok(value.0),
+        document::Thickness::Section(section) => section,
+    };
+    let diameter = diameter.ok_or("the mesh has no round fibre: give the thickness in mm")?;
+    Ok(match section {
+        document::Section::EqualArea => PI * diameter / 4.0,
+        document::Section::EqualInertia => 3.0 * PI * diameter / 16.0,
+    })
+}
+
+/// The parts of a file: plane strain of thickness 1 unless the case says otherwise.
+fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, PartProperties>> {
+    let mut properties = BTreeMap::new();
+    for (name, given) in given_parts(reader, case)? {
+        let place = Place::root().key("parts").key(&name).key("thickness");
+        let thickness = given.thickness.map_or(Ok(1.0), |given| thickness(given, None));
+        let thickness = thickness.unwrap_or_else(|message| {
+            reader.problem(&place, message);
+            1.0
+        });
+        let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
+        properties.insert(name, PartProperties { model, thickness, integration: given.integration });
+    }
+    Some(properties)
+}
+
+/// Changes a specimen's parts to what the case says of them.
+fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
+    let Some(given) = given_parts(reader, case) else { return };
+    let root = Place::root().key("parts");
+    let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
+    let listed = case.parts.0.as_ref().map(|parts| parts.keys().collect::<Vec<_>>()).unwrap_or_default();
+    for name in listed.iter().filter(|name| !names.contains(name)) {
+        reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &names)));
+    }
+    for part in &mut definition.parts {
+        if !listed.contains(&&part.name) {
+            reader.problem(&root.key(&part.name), "is missing: the specimen has this part, which needs a material");
+        }
+        let Some(given) = given.get(&part.name) else { continue };
+        part.model = given.model.unwrap_or(part.model);
+        part.integration = given.integration.or(part.integration);
+        match given.thickness.map(|given| thickness(given, diameter)) {
+            Some(Ok(value)) => part.thickness = value,
+            Some(Err(message)) => reader.problem(&root.key(&part.name).key("thickness"), message),
+            None => {}
+        }
+    }
+}

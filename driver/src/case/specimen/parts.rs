@@ -1,0 +1,75 @@
+//! The laws of the parts.
+
+use super::super::Reader;
+use super::super::document::pullout as document;
+use super::super::document::{Entry, PulloutCase};
+use super::super::plugin::{self, Length, Subject, Use};
+use super::super::problem::Place;
+use super::Scene;
+use crate::path::program::{Mode, Plugin};
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::Mesh;
+use fe_core::model::PluginLaw;
+
+/// The laws of the mesh's parts, and whether their Q4 are averaged; `None` if any is missing.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<(Vec<PluginLaw>, Vec<bool>)> {
+    let root = Place::root().key("parts");
+    let given = reader.piece(&case.parts, &root)?;
+    let mut resolved = Vec::new();
+    for (name, piece) in given {
+        let place = root.key(name);
+        let Some(part) = reader.piece(piece, &place) else { continue };
+        let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| part.name == *name));
+        let law = law(reader, part, index.zip(scene.mesh), &place);
+        let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
+        resolved.push((index, law, average.copied().unwrap_or(true)));
+    }
+    let count = scene.mesh?.parts().len();
+    let of_part = |part: usize| resolved.iter().find(|(index, ..)| *index == Some(part));
+    let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
+    let average = (0..count).map(|part| of_part(part).is_none_or(|(.., average)| *average)).collect();
+    Some((laws?, average))
+}
+
+fn law(
+    reader: &mut Reader<'_>,
+    part: &document::Part,
+    known: Option<(usize, &Mesh)>,
+    place: &Place,
+) -> Option<PluginLaw> {
+    let place_of_material = place.key("material");
+    let material = reader.piece(&part.material, &place_of_material)?;
+    if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+        reader.problem(&place_of_material.key("entry"), "a part calls the entry point umat; uinter and fric are for contact");
+    }
+    if material.statev0.is_some() {
+        reader.problem(&place_of_material.key("statev0"), "the states of parts start from 0: leave it out");
+    }
+    let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
+    let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
+    let purpose = Use { subject: Subject::Specimen, entry: Entry::Umat, mode, length };
+    plugin::resolve(reader, material, &place_of_material, purpose).map(plugin_law)
+}
+
+/// As the FE core has it.
+pub fn plugin_law(plugin: Plugin) -> PluginLaw {
+    let Plugin { library, law, name, symbol, cmname, props, nstatv } = plugin;
+    PluginLaw { library, law, name, symbol, cmname, props, nstatv }
+}
+
+fn mode(model: PlaneModel) -> Mode {
+    match model {
+        PlaneModel::PlaneStress => Mode::PlaneStress,
+        PlaneModel::PlaneStrain => Mode::PlaneStrain,
+        PlaneModel::Axisymmetric => Mode::Axisymmetric,
+    }
+}
+
+/// The elements of a part with the least and the greatest CELENT, mm.
+fn extreme_lengths(mesh: &Mesh, part: usize) -> Vec<(usize, f64)> {
+    let elements = || (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
+    let lengths = || elements().map(|element| (element, mesh.characteristic_length(element)));
+    let least = lengths().min_by(|a, b| a.1.total_cmp(&b.1));
+    let greatest = lengths().max_by(|a, b| a.1.total_cmp(&b.1));
+    least.into_iter().chain(greatest).collect()
+}

@@ -1,0 +1,114 @@
+//! Steps: where the drives go, and how.
+
+use super::super::document::pullout as document;
+use super::super::document::pullout::PulloutStep as StepDocument;
+use super::super::document::{Cycle, PulloutCase};
+use super::super::problem::{Place, hint};
+use super::super::steps::{self, Counted};
+use super::super::{Reader, history};
+use super::boundary::{Boundary, Drives, SLIP};
+use crate::path::program::Until;
+use crate::pullout::COLUMNS;
+use fe_core::model::{Step, StepControl};
+
+/// Default sizes of automatic increments, as fractions of a step.
+const INITIAL: f64 = 1e-3;
+const MAXIMUM: f64 = 0.02;
+const MINIMUM: f64 = 1e-8;
+
+/// A step of the model, and what ends it early.
+#[derive(Clone, Debug)]
+pub struct ResolvedStep {
+    pub step: Step,
+    pub until: Option<Until>,
+}
+
+impl Counted for ResolvedStep {
+    fn increments(&self) -> u64 {
+        if let StepControl::Fixed { increments } = self.step.control { increments as u64 } else { 1 }
+    }
+
+    fn rows(&self) -> u64 {
+        0
+    }
+}
+
+impl steps::StepDocument for StepDocument {
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
+        match self {
+            Self::Cycle(cycle) => Some((cycle, false)),
+            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
+            Self::Ramp(_) => None,
+        }
+    }
+}
+
+/// All steps, cycles expanded.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<ResolvedStep> {
+    let place = Place::root().key("steps");
+    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let drives = &mut boundary.drives;
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| match step {
+        StepDocument::Ramp(ramp) => Some(one_step(reader, ramp, drives, place)),
+        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
+    };
+    let steps = steps::expand(reader, documents, &place, &mut resolve);
+    for (name, place) in drives.idle() {
+        reader.warnings.push(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
+    }
+    steps
+}
+
+fn one_step(
+    reader: &mut Reader<'_>,
+    ramp: &document::PulloutRamp,
+    drives: &mut Drives,
+    place: &Place,
+) -> ResolvedStep {
+    let mut targets = vec![None; drives.len()];
+    let mut named: Vec<(&str, f64, Place)> = Vec::new();
+    named.extend(ramp.slip.map(|slip| (SLIP, slip, place.key(SLIP))));
+    let given = ramp.drives.iter().flatten();
+    named.extend(given.map(|(name, value)| (name.as_str(), *value, place.key("drives").key(name))));
+    for (name, value, place) in named {
+        match drives.moved(name) {
+            Some(index) if targets[index].is_some() => {
+                reader.problem(&place, format!("the drive '{name}' is given twice"));
+            }
+            Some(index) => targets[index] = Some(value),
+            None if name == SLIP => {
+                reader.problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
+            }
+            None => reader.problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
+        }
+    }
+    let columns = COLUMNS.map(String::from);
+    let until = ramp.until.as_ref();
+    let until = until.and_then(|until| history::until(reader, until, Some(&columns), &place.key("until")));
+    let control = control(reader, ramp.increments, &place.key("increments"));
+    ResolvedStep { step: Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control }, until }
+}
+
+fn control(
+    reader: &mut Reader<'_>,
+    increments: Option<document::StepIncrements>,
+    place: &Place,
+) -> StepControl {
+    let given = match increments {
+        Some(document::StepIncrements::Equal(n)) => {
+            return StepControl::Fixed { increments: usize::try_from(n.0).unwrap_or(usize::MAX) };
+        }
+        Some(document::StepIncrements::Automatic(sizes)) => sizes,
+        None => document::AutomaticIncrements::default(),
+    };
+    let maximum = given.maximum.map_or(MAXIMUM.max(given.initial.map_or(0.0, |f| f.0)), |f| f.0);
+    let initial = given.initial.map_or(INITIAL.min(maximum), |f| f.0);
+    let minimum = given.minimum.map_or(MINIMUM.min(initial), |f| f.0);
+    if initial > maximum {
+        reader.problem(&place.key("initial"), format!("{initial} is greater than the maximum, {maximum}"));
+    }
+    if minimum > initial {
+        reader.problem(&place.key("minimum"), format!("{minimum} is greater than the initial increment, {initial}"));
+    }
+    StepControl::Automatic { initial, maximum, minimum }
+}

@@ -1,0 +1,7 @@
+//! Specimens in two dimensions: what a case asks for, checked and resolved, and its run.
+
+mod program;
+mod recorder;
+
+pub use program::{COLUMNS, Output, Program};
+pub use recorder::run;
