@@ -81,8 +81,7 @@ pub(super) fn advance_small<const N: usize>(
     for point in shape.points() {
         let index = shape.first_point + point;
         let start = points.committed.strain[index];
-        let increment =
-            PointIncrement { strain: std::array::from_fn(|k| strains[point][k] - start[k]), motion: None };
+        let increment = PointIncrement { strain: std::array::from_fn(|k| strains[point][k] - start[k]), motion: None };
         let [x, y] = shape.positions[point];
         (points.call.coords, points.call.npt) = ([x, y, 0.0], number_of(point));
         *changed |= points.advance(index, &increment, task.request, task.choice).map_err(|trouble| (point, trouble))?;
@@ -348,9 +347,7 @@ impl<const N: usize> Average<N> {
     fn add_to(&self, stiffness: &mut [Nodal<N>]) {
         add_product(&self.force_by_dilatation, &self.dilatation, stiffness);
         let pressure: Nodal<N> = std::array::from_fn(|node| {
-            std::array::from_fn(|k| {
-                self.pressure[node][k] + self.pressure_by_dilatation * self.dilatation[node][k]
-            })
+            std::array::from_fn(|k| self.pressure[node][k] + self.pressure_by_dilatation * self.dilatation[node][k])
         });
         add_product(&self.force_by_pressure, &pressure, stiffness);
     }
