@@ -18,9 +18,8 @@ fn rigid_spin_turns_the_stress_and_does_no_work() {
 fn spin(law: &PluginLaw, variant: Variant, plane_model: PlaneModel) {
     let model = model(patch(variant, plane_model, 0.1, 0.03), law, variant.average, true);
     let mut solids = Solids::new(&model).unwrap();
-    let at = |angle: f64| {
-        moved(&model.mesh, |[x, y]| turned([1.02 * x + 0.01 * y + x * y, 0.995 * y + 0.3 * x * x], angle))
-    };
+    let at =
+        |angle: f64| moved(&model.mesh, |[x, y]| turned([1.02 * x + 0.01 * y + x * y, 0.995 * y + 0.3 * x * x], angle));
     let mut before = at(0.0);
     let mut force_before = forces(&mut solids, &before, Request::Stress);
     solids.commit(&before);
@@ -47,28 +46,38 @@ fn spin(law: &PluginLaw, variant: Variant, plane_model: PlaneModel) {
     assert!((after.plastic - energy.plastic).abs() <= 1e-8 * energy.plastic);
 }
 
-/// σ₁₂ = μ sin γ, σ₁₁ = −σ₂₂ = μ (1 − cos γ): Jaumann's rate of an elastic body in simple shear (Dienes 1979).
+/// Simple shear of an elastic body in equal increments of Δγ. Each adds μΔγ to the shear and turns what is there by φ,
+/// tan ½φ = −¼Δγ: σ₁₂ = μΔγ Σ cos 2kφ, σ₁₁ = −σ₂₂ = −μΔγ Σ sin 2kφ. With small increments that is the Jaumann rate's
+/// σ₁₂ = μ sin γ, σ₁₁ = −σ₂₂ = μ (1 − cos γ) (Dienes 1979), to first order: the midpoint strain is not turned by ½φ.
 #[test]
 fn simple_shear_converges_to_the_jaumann_rate() {
     let (amount, shear_modulus) = (2.0_f64, 1000.0 / 2.6);
     let mesh = patch(Variant::new(ElementKind::Q4), PlaneModel::PlaneStrain, 0.1, 0.0);
+    let largest_difference = |stress: &[f64; 4], normal: f64, shear: f64| {
+        let expected = [normal, -normal, 0.0, shear];
+        let differences: Vec<f64> = stress.iter().zip(expected).map(|(a, b)| a - b).collect();
+        largest(&differences) / shear_modulus
+    };
     let error = |increments: u32| {
         let mut solids = Solids::new(&model(mesh.clone(), &linear_elastic(), false, true)).unwrap();
         for increment in 1..=increments {
             let shear = amount * f64::from(increment) / f64::from(increments);
             advance(&mut solids, &moved(&mesh, |[x, y]| [x + shear * y, y]));
         }
-        let normal = shear_modulus * (1.0 - amount.cos());
-        let expected = [normal, -normal, 0.0, shear_modulus * amount.sin()];
         let stress = solids.point(2, 1).stress;
-        stress.iter().zip(expected).map(|(found, expected)| (found - expected).abs()).fold(0.0, f64::max)
+        let share = amount / f64::from(increments);
+        let angle = -2.0 * (0.25 * share).atan();
+        let sum = |wave: fn(f64) -> f64| share * (0..increments).map(|k| wave(2.0 * f64::from(k) * angle)).sum::<f64>();
+        let incremental = [-shear_modulus * sum(f64::sin), shear_modulus * sum(f64::cos)];
+        assert!(largest_difference(&stress, incremental[0], incremental[1]) < 1e-11);
+        largest_difference(&stress, shear_modulus * (1.0 - amount.cos()), shear_modulus * amount.sin())
     };
-    let errors = [10, 20, 40, 80].map(error);
+    let errors = [25, 50, 100, 200, 400].map(error);
     for pair in errors.windows(2) {
         let order = (pair[0] / pair[1]).log2();
-        assert!((order - 2.0).abs() < 0.1, "second order: {errors:?}");
+        assert!((order - 1.0).abs() < 0.05, "first order: {errors:?}");
     }
-    assert!(errors[3] < 1e-3 * shear_modulus);
+    assert!(errors[4] < 4e-3);
 }
 
 /// Stretch along one axis in many increments: the strain is the logarithm.
@@ -92,8 +101,7 @@ fn tends_to_small_strains() {
             let mesh = patch(variant, plane_model, 0.1, 0.03);
             let displacements = moved(&mesh, |[x, y]| [x + 1e-9 * (x * x + y), y + 1e-9 * (x * y - 3.0 * y)]);
             let [small, large] = [false, true].map(|nlgeom| {
-                let mut solids =
-                    Solids::new(&model(mesh.clone(), &linear_elastic(), variant.average, nlgeom)).unwrap();
+                let mut solids = Solids::new(&model(mesh.clone(), &linear_elastic(), variant.average, nlgeom)).unwrap();
                 let found = forces(&mut solids, &displacements, Request::StressAndTangent);
                 (found, solids.stiffness(2).to_vec())
             });

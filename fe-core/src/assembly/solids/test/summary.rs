@@ -27,7 +27,9 @@ fn work_is_stored_or_dissipated() {
     for (nlgeom, law) in [(false, j2_plasticity()), (true, j2_plasticity())] {
         let mesh = patch(Variant::new(ElementKind::Q8), PlaneModel::PlaneStrain, 0.1, 0.03);
         let mut solids = Solids::new(&model(mesh.clone(), &law, false, nlgeom)).unwrap();
-        let at = |share: f64| moved(&mesh, |[x, y]| [x + share * (0.04 * x + 0.1 * x * y), y + 0.05 * share * x]);
+        let at = |share: f64| {
+            moved(&mesh, |[x, y]| [x + share * (0.04 * x + 0.1 * x * y), y + share * (0.05 * x - 0.04 * y)])
+        };
         let mut before = (at(0.0), vec![0.0; 2 * mesh.nodes().len()]);
         let mut work = 0.0;
         for increment in 1..=100 {
@@ -40,8 +42,8 @@ fn work_is_stored_or_dissipated() {
             before = (now, found);
         }
         let energies = solids.energies();
-        assert!(energies.plastic > energies.stored && energies.damage == 0.0);
-        // Under large displacements SSE and SPD are per present volume, which changes by 1 %.
+        assert!(energies.plastic > 0.1 * energies.stored && energies.damage == 0.0);
+        // Cauchy stress works on the present volume, energies are counted per reference volume: it changes by 1 %.
         let tolerance = if nlgeom { 1e-2 } else { 1e-3 };
         assert_relative_eq!(energies.stored + energies.plastic, work, max_relative = tolerance);
         assert_eq!(solids.counts().plastic, solids.counts().points);
@@ -51,7 +53,8 @@ fn work_is_stored_or_dissipated() {
 #[test]
 fn what_a_damage_law_dissipates_is_damage() {
     let mesh = patch(Variant::new(ElementKind::T3), PlaneModel::PlaneStress, 0.1, 0.0);
-    let mut solids = Solids::new(&model(mesh.clone(), &PluginLaw::shipped("concrete_damage", &[]), false, false)).unwrap();
+    let mut solids =
+        Solids::new(&model(mesh.clone(), &PluginLaw::shipped("concrete_damage", &[]), false, false)).unwrap();
     advance(&mut solids, &moved(&mesh, |[x, y]| [x + 4e-4 * x, y]));
     let (energies, counts) = (solids.energies(), solids.counts());
     assert!(energies.damage > 0.0 && energies.plastic == 0.0);
