@@ -7,8 +7,8 @@ use super::pattern::check_length;
 use super::whole::{Outcome, Whole};
 use super::zone::{DenseLu, Zone};
 use super::{
-    ACCEPTED_RESIDUAL, CONDENSATION_ADVANTAGE, FactorisationReport, Method, Pattern, REFINED_RESIDUAL, SYMMETRIC_BLOCK,
-    SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
+    ACCEPTED_RESIDUAL, CONDENSATION_ADVANTAGE, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern,
+    REFINED_RESIDUAL, ROUNDING, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
 };
 use crate::assembly::Blocks;
 
@@ -114,7 +114,7 @@ impl LinearSolver {
     pub fn solve(&mut self, matrix: &SystemMatrix, right_side: &mut [f64]) -> Result<SolveReport, SolverError> {
         let method = self.factor.ok_or(SolverError::NotFactorised)?;
         check_length("right side", self.pattern.size(), right_side.len())?;
-        self.check_pattern(matrix)?;
+        self.check(matrix)?;
         if let Some(equation) = right_side.iter().position(|value| !value.is_finite()) {
             return Err(SolverError::RightSide { equation });
         }
@@ -143,17 +143,23 @@ impl LinearSolver {
         scale: f64,
     ) -> Result<SolveReport, SolverError> {
         let mut residual = std::mem::take(&mut self.work.residual);
-        let mut found = set_residual(matrix, right_side, solution, &mut residual).map(|norm| norm / scale);
-        let refined = found.as_ref().is_ok_and(|&left| left.is_nan() || left > REFINED_RESIDUAL);
-        if refined {
-            self.apply(method, &mut residual);
-            solution.iter_mut().zip(&residual).for_each(|(x, correction)| *x += correction);
-            found = set_residual(matrix, right_side, solution, &mut residual).map(|norm| norm / scale);
+        let mut left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
+        let (mut refined, mut tolerance) = (false, ACCEPTED_RESIDUAL);
+        if left.is_nan() || left > REFINED_RESIDUAL {
+            let rounding = |x: &[f64]| (ROUNDING * matrix.norm() * greatest(x) / scale).min(LARGEST_RESIDUAL);
+            refined = left.is_nan() || left > rounding(solution);
+            if refined {
+                self.apply(method, &mut residual);
+                solution.iter_mut().zip(&residual).for_each(|(x, correction)| *x += correction);
+                left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
+            }
+            tolerance = tolerance.max(rounding(solution));
         }
         self.work.residual = residual;
-        match found? {
-            residual if residual <= ACCEPTED_RESIDUAL => Ok(SolveReport { relative_residual: residual, refined }),
-            residual => Err(SolverError::Residual { residual, tolerance: ACCEPTED_RESIDUAL }),
+        if left <= tolerance {
+            Ok(SolveReport { relative_residual: left, refined })
+        } else {
+            Err(SolverError::Residual { residual: left, tolerance })
         }
     }
 

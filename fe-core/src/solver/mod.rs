@@ -27,9 +27,16 @@ pub const CONDENSATION_ADVANTAGE: f64 = 4.0;
 /// A solution that leaves more of the right side than this is refined: a well-conditioned system leaves 1e-12.
 pub const REFINED_RESIDUAL: f64 = 1e-10;
 
-/// A solution that leaves more of the right side than this is an error: two orders below the tightest tolerance on
-/// the residual force.
+/// A solution that leaves more of the right side than this is an error: two orders below the usual tolerance on the
+/// residual force.
 pub const ACCEPTED_RESIDUAL: f64 = 1e-8;
+
+/// What rounding alone leaves, relative to ‖K‖ ‖x‖: some thirty products in a row, each to 1e-16, with a margin of
+/// three. A soft mode beside a stiff contact may leave more than the tolerances this way; no solver leaves less.
+pub const ROUNDING: f64 = 1e-14;
+
+/// The most that may be left in spite of [`ROUNDING`]: one digit, or two, are no solution.
+pub const LARGEST_RESIDUAL: f64 = 1e-4;
 
 /// A pivot of this size, relative to the entry that it is left over from, is rounding: elimination loses about one
 /// unit of 1e-16 in each of the hundreds of updates of an entry.

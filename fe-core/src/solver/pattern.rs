@@ -99,6 +99,17 @@ impl Pattern {
         &self.rows[self.starts[column]..self.starts[column + 1]]
     }
 
+    /// All values are numbers.
+    pub(super) fn check_finite(&self, values: &[f64]) -> Result<(), SolverError> {
+        match values.iter().position(|value| !value.is_finite()) {
+            None => Ok(()),
+            Some(place) => {
+                let column = self.starts.partition_point(|&start| start <= place) - 1;
+                Err(SolverError::NotFinite { row: self.rows[place], column })
+            }
+        }
+    }
+
     /// Place of the entry (column, row) for each entry (row, column).
     pub(super) fn transposed_places(&self) -> Vec<usize> {
         let mut next = self.starts.clone();
@@ -181,10 +192,7 @@ impl SystemMatrix {
 
     /// All entries are numbers.
     pub(super) fn check_finite(&self) -> Result<(), SolverError> {
-        if let Some(place) = self.values.iter().position(|value| !value.is_finite()) {
-            let column = self.pattern.starts.partition_point(|&start| start <= place) - 1;
-            return Err(SolverError::NotFinite { row: self.pattern.rows[place], column });
-        }
+        self.pattern.check_finite(&self.values)?;
         self.check_finite_contact()
     }
 

@@ -191,18 +191,17 @@ fn softening_solids_fall_through_to_lu() {
 
 #[test]
 fn pivots_that_a_supernode_lacks_are_left_to_general_lu() {
-    // Zero diagonal, coupled far away: no supernode has a pivot for it.
-    let groups: Vec<[usize; 2]> = (0..20).map(|i| [i, 20 + i]).collect();
-    let pattern = Arc::new(Pattern::from_groups(40, groups.iter().map(|group| &group[..])));
+    // A cyclic shift: regular, but each diagonal block of a part of it is singular.
+    let size = 200;
+    let groups: Vec<[usize; 2]> = (0..size).map(|i| [i, (i + 1) % size]).collect();
+    let pattern = Arc::new(Pattern::from_groups(size, groups.iter().map(|group| &group[..])));
     let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
-    for (i, [first, second]) in groups.iter().enumerate() {
-        matrix.values[pattern.index(*first, *second).unwrap()] = 1.0 + i as f64;
-        matrix.values[pattern.index(*second, *first).unwrap()] = -3.0;
+    for [column, row] in &groups {
+        matrix.values[pattern.index(*row, *column).unwrap()] = 1.0 + *row as f64;
     }
-    let nodes: Vec<usize> = (0..40).collect();
+    let nodes: Vec<usize> = (0..size).collect();
     let mut solver = LinearSolver::new(&pattern, &nodes, &[], SolverOptions::default()).unwrap();
-    let report = solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap();
-    assert!(report.method >= Method::BlockLu);
+    assert_eq!(solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap().method, Method::GeneralLu);
     check_solution(&mut solver, &matrix);
 }
 
@@ -235,10 +234,7 @@ fn lu_keeps_its_analysis_while_the_blocks_fit() {
     let mut reused = Vec::new();
     for slide in [0, 0, 1, 0, 1] {
         scene.couple(3, slide);
-        reused.push(solver.factorise_contact(&scene.matrix).map_or_else(
-            |_| solver.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap().symbolic_reused,
-            |report| report.symbolic_reused,
-        ));
+        reused.push(solver.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap().symbolic_reused);
         check_solution(&mut solver, &scene.matrix);
     }
     assert_eq!(reused, [false, true, false, true, true]);
@@ -395,5 +391,105 @@ fn repeats_are_equal_bit_by_bit() {
             x
         };
         assert_eq!(solve(), solve());
+    }
+}
+
+/// A body on its own with two of its sides as border, and S and u_I by dense algebra.
+fn dense_condensation(matrix: &SystemMatrix, border: &[usize], displacements: &[f64]) -> (Mat<f64>, Mat<f64>) {
+    let full = dense(matrix);
+    let inside: Vec<usize> = (0..full.nrows()).filter(|equation| !border.contains(equation)).collect();
+    let part =
+        |rows: &[usize], columns: &[usize]| Mat::from_fn(rows.len(), columns.len(), |i, j| full[(rows[i], columns[j])]);
+    let influence = PartialPivLu::new(part(&inside, &inside).as_ref()).solve(&part(&inside, border));
+    let condensed = part(border, border) - part(border, &inside) * &influence;
+    let border_displacements = Mat::from_fn(border.len(), 1, |row, _| displacements[row]);
+    let interior = influence * border_displacements;
+    let mut expanded = Mat::zeros(full.nrows(), 1);
+    inside.iter().enumerate().for_each(|(place, &equation)| expanded[(equation, 0)] = -interior[(place, 0)]);
+    border.iter().zip(displacements).for_each(|(&equation, value)| expanded[(equation, 0)] = *value);
+    (condensed, expanded)
+}
+
+#[test]
+fn a_superelement_is_the_schur_complement_and_expands() {
+    for held in [true, false] {
+        let mut bodies = Bodies::default();
+        bodies.add(9, 4, 30e3, held);
+        let matrix = bodies.matrix();
+        let [lower, upper] = &bodies.surfaces[0];
+        let mut border = [upper.as_slice(), lower].concat();
+        border.reverse();
+        let mut superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
+        let displacements = Numbers(4).vector(border.len());
+        let (condensed, expanded) = dense_condensation(&matrix, &border, &displacements);
+        let count = border.len();
+        for (place, value) in superelement.stiffness().iter().enumerate() {
+            let (row, column) = (place / count, place % count);
+            assert!((value - condensed[(row, column)]).abs() < 1e-10 * 30e3);
+            assert_eq!(*value, superelement.stiffness()[column * count + row]);
+        }
+        let mut found = vec![0.0; bodies.nodes.len()];
+        superelement.expand(&displacements, &mut found).unwrap();
+        for (row, value) in found.iter().enumerate() {
+            assert!((value - expanded[(row, 0)]).abs() < 1e-10);
+        }
+        border.iter().zip(&displacements).for_each(|(&equation, value)| assert_eq!(found[equation], *value));
+    }
+}
+
+#[test]
+fn a_superelement_may_be_all_border_or_have_none() {
+    let mut bodies = Bodies::default();
+    bodies.add(2, 2, 30e3, true);
+    let matrix = bodies.matrix();
+    let all: Vec<usize> = (0..bodies.nodes.len()).collect();
+    let whole = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &all).unwrap();
+    let full = dense(&matrix);
+    for (place, value) in whole.stiffness().iter().enumerate() {
+        assert!((value - full[(place / all.len(), place % all.len())]).abs() < 1e-10 * 30e3);
+    }
+    let mut none = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &[]).unwrap();
+    let mut displacements = vec![1.0; all.len()];
+    none.expand(&[], &mut displacements).unwrap();
+    assert!(none.stiffness().is_empty() && displacements.iter().all(|&value| value == 0.0));
+}
+
+#[test]
+fn a_superelement_refuses_an_interior_that_is_not_stable() {
+    let mut scene = Scene::new();
+    let condense = |scene: &Scene, border: &[usize]| {
+        Superelement::new(scene.matrix.pattern(), &scene.matrix.values, &scene.bodies.nodes, border)
+            .map(|_| ())
+            .unwrap_err()
+    };
+    // The upper body has no border and no support.
+    let free = condense(&scene, &scene.bodies.surfaces[0][1]);
+    assert!(matches!(free, SolverError::NotDefinite { .. } | SolverError::Singular { .. }), "{free}");
+    let surfaces = scene.contact.clone();
+    soften(&mut scene.matrix);
+    let SolverError::NotDefinite { equation } = condense(&scene, &surfaces) else { panic!("softened") };
+    assert!(!surfaces.contains(&equation));
+    scene.matrix.values[7] = f64::NAN;
+    assert!(matches!(condense(&scene, &surfaces), SolverError::NotFinite { .. }));
+    assert_eq!(condense(&scene, &[3, 3]), SolverError::Repeated { equation: 3 });
+}
+
+#[test]
+fn a_soft_mode_beside_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
+    let mut scene = Scene::new();
+    scene.bond(1e9);
+    // All springs but one pair are weak: the upper body turns about it against almost nothing.
+    let mut kept = Blocks::default();
+    for (place, (rows, values)) in scene.matrix.contact.iter().enumerate() {
+        let factor = if place < 2 { 1.0 } else { 1e-11 };
+        kept.push(rows, &values.iter().map(|value| factor * value).collect::<Vec<_>>());
+    }
+    scene.matrix.contact = kept;
+    for method in [Method::Condensed, Method::BlockLu] {
+        let mut solver = scene.solver(Some(method));
+        solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
+        let mut x = Numbers(8).vector(scene.size());
+        let report = solver.solve(&scene.matrix, &mut x).unwrap();
+        assert!(report.relative_residual < LARGEST_RESIDUAL);
     }
 }
