@@ -17,6 +17,8 @@ use crate::solver::{Pattern, SolverError, Superelement};
 /// Condensed elements.
 pub(super) struct FarField {
     superelement: Superelement,
+    /// Freedoms of border and interior, ascending: the superelement's equations.
+    own: Vec<usize>,
     border: Vec<usize>,
     interior: Vec<usize>,
 }
@@ -50,7 +52,8 @@ impl FarField {
         let (border, interior): (Vec<usize>, Vec<usize>) = (0..own.len()).partition(|&index| kept[own[index]]);
         let superelement = Superelement::new(&pattern, &values, &nodes, &border)?;
         let to_freedoms = |indices: Vec<usize>| indices.into_iter().map(|index| own[index]).collect();
-        Ok(Some(Self { superelement, border: to_freedoms(border), interior: to_freedoms(interior) }))
+        let (border, interior) = (to_freedoms(border), to_freedoms(interior));
+        Ok(Some(Self { superelement, own, border, interior }))
     }
 
     /// Freedoms that it shares with the zone, ascending.
@@ -77,11 +80,12 @@ impl FarField {
     }
 
     /// Sets the displacements of its interior from those of its border.
-    pub(super) fn expand(&self, displacements: &mut [f64]) {
+    pub(super) fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
         let border: Vec<f64> = self.border.iter().map(|&freedom| displacements[freedom]).collect();
-        let mut interior = vec![0.0; self.interior.len()];
-        self.superelement.expand(&border, &mut interior);
-        self.interior.iter().zip(&interior).for_each(|(&freedom, value)| displacements[freedom] = *value);
+        let mut expanded = vec![0.0; self.own.len()];
+        self.superelement.expand(&border, &mut expanded)?;
+        self.own.iter().zip(&expanded).for_each(|(&freedom, value)| displacements[freedom] = *value);
+        Ok(())
     }
 }
 

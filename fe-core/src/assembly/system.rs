@@ -275,10 +275,12 @@ impl System {
     }
 
     /// Sets the displacements in the far field from those at its border.
-    pub fn expand(&self, displacements: &mut [f64]) {
-        if let Some(far) = &self.far_field {
-            far.expand(displacements);
-        }
+    ///
+    /// # Errors
+    ///
+    /// Those of a solution.
+    pub fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
+        self.far_field.as_mut().map_or(Ok(()), |far| far.expand(displacements))
     }
 }
 

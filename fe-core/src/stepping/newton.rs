@@ -170,7 +170,7 @@ impl<'m> Equilibrium<'m> {
         if !self.zone.condenses() {
             return Ok(true);
         }
-        self.system.expand(&mut trial.displacements);
+        self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
         let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
         self.solids.set_active(&far);
@@ -193,7 +193,7 @@ impl<'m> Equilibrium<'m> {
         self.system = self
             .zone
             .system(self.model, equations, self.contact.freedoms(), &self.solids)
-            .map_err(|error| self.unsolvable(&error))?;
+            .map_err(|error| unsolvable(&error))?;
         self.solids.set_active(self.zone.active());
         self.factorised = false;
         Ok(false)
@@ -423,12 +423,12 @@ impl<'m> Equilibrium<'m> {
             self.system.factorise_blocks()
         };
         self.factorised = result.is_ok();
-        result.map(|_| ()).map_err(|error| self.unsolvable(&error))
+        result.map(|_| ()).map_err(|error| unsolvable(&error))
     }
 
     fn solve(&mut self, right_side: &mut [f64], statistics: &mut Statistics) -> Result<(), Trouble> {
         statistics.solutions += 1;
-        self.system.solve(right_side).map_err(|error| self.unsolvable(&error))
+        self.system.solve(right_side).map_err(|error| unsolvable(&error))
     }
 
     /// Applies a correction and evaluates; a shorter one if the residual grows.
@@ -476,10 +476,6 @@ impl<'m> Equilibrium<'m> {
         Ok(best.1)
     }
 
-    fn unsolvable(&self, error: &SolverError) -> Trouble {
-        trouble(Place::System, error.to_string(), CUT)
-    }
-
     /// Names the node with the largest residual.
     fn not_converged(&self, residual: f64, scale: f64, iterations: usize) -> Trouble {
         let row = (0..self.residual.len()).max_by(|a, b| self.residual[*a].abs().total_cmp(&self.residual[*b].abs()));
@@ -507,6 +503,10 @@ impl Direction {
         self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
         self
     }
+}
+
+fn unsolvable(error: &SolverError) -> Trouble {
+    trouble(Place::System, error.to_string(), CUT)
 }
 
 fn trouble(place: Place, reason: String, fraction: f64) -> Trouble {
