@@ -31,6 +31,7 @@ fn read() -> (f64, f64) {
     let text = std::fs::read_to_string("/proc/self/stat").expect("Linux tells CPU times in /proc");
     // the second field, in parentheses, may hold blanks
     let after = text.rsplit_once(')').map_or("", |(_, after)| after);
-    let ticks = |field: usize| -> f64 { after.split_whitespace().nth(field - 3).and_then(|t| t.parse().ok()).unwrap_or(0.0) };
+    let ticks =
+        |field: usize| -> f64 { after.split_whitespace().nth(field - 3).and_then(|t| t.parse().ok()).unwrap_or(0.0) };
     ((ticks(14) + ticks(15)) / TICKS, (ticks(16) + ticks(17)) / TICKS)
 }

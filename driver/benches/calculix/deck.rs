@@ -158,6 +158,7 @@ pub fn strip(model: &Model) -> String {
 /// Iterations in all, from the job's `.cvg` file; 0 if it tells none.
 pub fn iterations(folder: &Path) -> u64 {
     let text = std::fs::read_to_string(folder.join("job.cvg")).unwrap_or_default();
-    let rows = text.lines().filter(|line| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok()));
+    let rows =
+        text.lines().filter(|line| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok()));
     rows.count() as u64
 }

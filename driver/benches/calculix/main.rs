@@ -77,11 +77,21 @@ fn calculix(deck: &str, reaction_component: usize) -> Option<Outcome> {
     Some(Outcome { seconds, reaction, iterations: deck::iterations(folder.path()) })
 }
 
-fn compare(name: &str, case: &str, overrides: &[String], write: impl Fn(&Model) -> String, component: usize, factor: f64) {
+fn compare(
+    name: &str,
+    case: &str,
+    overrides: &[String],
+    write: impl Fn(&Model) -> String,
+    component: usize,
+    factor: f64,
+) {
     let (ours, statistics, model) = ours(&workspace(case), overrides);
     let (elements, nodes) = (model.mesh.elements().len(), model.mesh.nodes().len());
     println!("\n{name}: {elements} elements, {nodes} nodes");
-    println!("  ours      {:8.2} s CPU  {:4} iterations  reaction {:.4} N", ours.seconds, ours.iterations, ours.reaction);
+    println!(
+        "  ours      {:8.2} s CPU  {:4} iterations  reaction {:.4} N",
+        ours.seconds, ours.iterations, ours.reaction
+    );
     println!(
         "            {} factorisations, {} of contact alone, {} solutions",
         statistics.factorisations, statistics.block_factorisations, statistics.solutions
@@ -95,7 +105,9 @@ fn compare(name: &str, case: &str, overrides: &[String], write: impl Fn(&Model) 
     let difference = (ours.reaction / reaction - 1.0).abs();
     let per_iteration = (ours.seconds / ours.iterations as f64) / (theirs.seconds / theirs.iterations.max(1) as f64);
     let share = ours.seconds / theirs.seconds;
-    println!("  share {share:.3} in all, {per_iteration:.3} per iteration (target {TARGET_SHARE}); reactions differ by {difference:.1e}");
+    println!(
+        "  share {share:.3} in all, {per_iteration:.3} per iteration (target {TARGET_SHARE}); reactions differ by {difference:.1e}"
+    );
     assert!(difference < REACTION_TOLERANCE || name.contains("strip"), "the reactions differ by {difference:.2e}");
 }
 
@@ -104,7 +116,8 @@ fn main() {
     for elements in [5000, 20_000] {
         for large in [false, true] {
             let overrides = [format!("mesh.specimen.elements={elements}"), nlgeom(large)];
-            let name = format!("plate with a hole, J2, {}", if large { "large displacements" } else { "small strains" });
+            let name =
+                format!("plate with a hole, J2, {}", if large { "large displacements" } else { "small strains" });
             compare(&name, "cases/benchmark/plate-with-hole.json", &overrides, deck::plate, 1, 1.0);
         }
     }

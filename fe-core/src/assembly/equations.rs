@@ -63,8 +63,8 @@ pub enum ConstraintError {
 #[derive(Clone, Debug)]
 pub struct Equations {
     expressions: Vec<Expression>,
-    /// Node of each equation.
-    nodes: Vec<usize>,
+    /// The freedom that each equation belongs to.
+    freedoms: Vec<usize>,
     /// Whether several freedoms follow an equation.
     shared: Vec<bool>,
     drive_count: usize,
@@ -105,11 +105,11 @@ impl Equations {
     fn resolve(dependences: &[Option<Dependence>], drive_count: usize) -> Result<Self, ConstraintError> {
         let order = dependence_order(dependences)?;
         let mut expressions = vec![Expression::default(); dependences.len()];
-        let mut nodes = Vec::new();
+        let mut freedoms = Vec::new();
         for (freedom, dependence) in dependences.iter().enumerate() {
             if dependence.is_none() {
-                expressions[freedom].equations.push((nodes.len(), 1.0));
-                nodes.push(freedom / 2);
+                expressions[freedom].equations.push((freedoms.len(), 1.0));
+                freedoms.push(freedom);
             }
         }
         for &freedom in &order {
@@ -131,18 +131,18 @@ impl Equations {
                 dependence.is_coupling.then(|| (freedom, dependence.terms.clone()))
             })
             .collect();
-        let mut shared = vec![false; nodes.len()];
+        let mut shared = vec![false; freedoms.len()];
         for (freedom, expression) in expressions.iter().enumerate() {
             for (equation, _) in &expression.equations {
                 shared[*equation] |= dependences[freedom].is_some();
             }
         }
-        Ok(Self { expressions, nodes, shared, drive_count, transfers })
+        Ok(Self { expressions, freedoms, shared, drive_count, transfers })
     }
 
     /// How many equations there are.
     pub fn count(&self) -> usize {
-        self.nodes.len()
+        self.freedoms.len()
     }
 
     /// How many drives there are.
@@ -155,9 +155,9 @@ impl Equations {
         self.expressions.len()
     }
 
-    /// The node of each equation.
-    pub fn nodes(&self) -> &[usize] {
-        &self.nodes
+    /// The freedom that each equation belongs to; the others that follow it are coupled.
+    pub fn freedoms(&self) -> &[usize] {
+        &self.freedoms
     }
 
     /// The equations of a freedom with their coefficients.

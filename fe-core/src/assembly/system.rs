@@ -124,7 +124,7 @@ impl System {
         });
         let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
         let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
-        let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.nodes()[equation]).collect();
+        let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
         let contact_rows = by_rows(contact);
         let pattern = Arc::new(pattern);
         let solver = LinearSolver::new(&pattern, &nodes, &contact_rows, options)?;
@@ -155,7 +155,7 @@ impl System {
 
     /// The node of a row.
     pub fn node_of_row(&self, row: usize) -> usize {
-        self.equations.nodes()[self.equation_of_row[row]]
+        self.equations.freedoms()[self.equation_of_row[row]] / 2
     }
 
     /// How many freedoms are condensed.

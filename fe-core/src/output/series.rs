@@ -162,7 +162,8 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
 fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
     let points = &fields.contact;
     let count = points.len() as i64;
-    let scalars = |name, value: fn(&super::ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
+    let scalars =
+        |name, value: fn(&super::ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
     Grid {
         time: fields.time,
         names: vec![("pair_names", fields.pairs.iter().map(String::as_str).collect())],
@@ -179,7 +180,11 @@ fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
             scalars("pressure", |point| point.pressure),
             scalars("slip", |point| point.slip),
             scalars("bond_traction", |point| point.shear_traction),
-            Array { name: "open".into(), components: &[""], data: Data::Byte(points.iter().map(|p| u8::from(p.open)).collect()) },
+            Array {
+                name: "open".into(),
+                components: &[""],
+                data: Data::Byte(points.iter().map(|p| u8::from(p.open)).collect()),
+            },
             scalars("weight", |point| point.weight),
         ],
         cell_data: Vec::new(),

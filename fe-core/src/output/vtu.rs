@@ -100,7 +100,8 @@ impl Grid<'_> {
         }
         let (points, cells) = (self.points.len(), self.cells.types.len());
         // writing to a String cannot fail
-        let _ = writeln!(xml, "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>");
+        let _ =
+            writeln!(xml, "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>");
         self.point_data.iter().for_each(|array| array.write(&mut xml));
         xml.push_str("</PointData>\n<CellData>\n");
         self.cell_data.iter().for_each(|array| array.write(&mut xml));

@@ -75,6 +75,7 @@ impl<'m> Analysis<'m> {
             reactions: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             mean_slip: 0.0,
+            stabilisation: 0.0,
         };
         Ok(Self {
             model,
@@ -128,7 +129,7 @@ impl<'m> Analysis<'m> {
             .attempt(&self.committed, &target, context, &mut self.statistics)
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         self.commit(converged, 0.0);
-        self.datum = self.equilibrium.energies();
+        self.datum = self.equilibrium.energies(&self.committed);
         self.energies = Energies::default();
         self.greatest_work = 0.0;
         self.statistics.increments = 0;
@@ -207,7 +208,7 @@ impl<'m> Analysis<'m> {
         self.committed = end;
         self.total_time += time;
         let external_work = self.energies.external_work + work;
-        self.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.datum) };
+        self.energies = Energies { external_work, ..self.equilibrium.energies(&self.committed).since(&self.datum) };
         self.greatest_work = self.greatest_work.max(external_work.abs());
         let load = self.measured_load(&self.snapshot())[0].abs();
         self.load.peaked |= load < self.load.greatest;

@@ -29,6 +29,8 @@ pub(super) struct Committed {
     pub(super) reactions: Vec<f64>,
     pub(super) external: Vec<f64>,
     pub(super) mean_slip: f64,
+    /// Energy spent on stabilisation so far, N mm.
+    pub(super) stabilisation: f64,
 }
 
 /// What the increment shall reach.
@@ -75,6 +77,12 @@ pub(super) struct Equilibrium<'m> {
     factorised: bool,
     /// The solids' stiffnesses in the matrix.
     assembled_version: u64,
+    /// The stabilisation in the matrix.
+    assembled_dashpot: f64,
+    /// Whether the last evaluation gave tangents.
+    has_tangents: bool,
+    /// By which the last correction multiplied the residual.
+    last_reduction: f64,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     at_committed_state: bool,
     /// The largest force scale so far.
@@ -85,8 +93,8 @@ pub(super) struct Equilibrium<'m> {
 const LEAST_RELATIVE_SCALE: f64 = 1e-4;
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
-/// A correction that makes the residual larger than this many times the last is shortened.
-const ACCEPTABLE_GROWTH: f64 = 1.0;
+/// A factor that made the residual smaller by this serves again.
+const FAST_REDUCTION: f64 = 0.05;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
@@ -121,6 +129,9 @@ impl<'m> Equilibrium<'m> {
             blocks: Blocks::default(),
             factorised: false,
             assembled_version: 0,
+            assembled_dashpot: 0.0,
+            has_tangents: false,
+            last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
         })
@@ -137,7 +148,7 @@ impl<'m> Equilibrium<'m> {
         let mut trial = start.clone();
         let mut iterations: Vec<Iteration> = Vec::new();
         if !self.at_committed_state {
-            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(start, &trial, context, Request::StressAndTangent, statistics)?;
         }
         self.at_committed_state = false;
         let mut settlements = 0;
@@ -156,8 +167,13 @@ impl<'m> Equilibrium<'m> {
                 statistics.expansions += 1;
             }
             let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
-            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(start, &trial, context, Request::StressAndTangent, statistics)?;
         }
+        let dashpot = self.dashpot(context);
+        let moved = |freedom: &usize| trial.displacements[*freedom] - start.displacements[*freedom];
+        let freedoms = self.system.equations().freedoms();
+        let stabilisation = dashpot * freedoms.iter().map(|freedom| moved(freedom).powi(2)).sum::<f64>();
+        trial.stabilisation += stabilisation;
         trial.mean_slip = self.contact.mean_slip();
         trial.external.clone_from(&self.external);
         trial.reactions = self.internal.iter().zip(&self.external).map(|(i, e)| i - e).collect();
@@ -208,13 +224,14 @@ impl<'m> Equilibrium<'m> {
 
     /// The last attempt is forgotten.
     pub(super) fn restore(&mut self) {
+        self.last_reduction = 1.0;
         self.solids.restore();
         self.contact.restore();
         self.at_committed_state = false;
     }
 
     /// Energies of the committed state but for the external work.
-    pub(super) fn energies(&self) -> Energies {
+    pub(super) fn energies(&self, committed: &Committed) -> Energies {
         let (solids, contact) = (self.solids.energies(), self.contact.energies());
         Energies {
             external_work: 0.0,
@@ -223,7 +240,7 @@ impl<'m> Equilibrium<'m> {
             damage: solids.damage,
             interface: contact.work,
             opening: contact.opening + contact.released,
-            stabilisation: 0.0,
+            stabilisation: committed.stabilisation,
         }
     }
 
@@ -264,10 +281,14 @@ impl<'m> Equilibrium<'m> {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
-            let direction = self.direction(start, trial, target, pending, statistics)?;
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
-            let step_length = self.advance(trial, &direction, context, pending, residual, statistics)?;
+            self.prepare_factor(start, trial, context, statistics)?;
+            let direction = self.direction(start, trial, target, pending, statistics)?;
+            let request = self.request_after(residual, scale);
+            let step_length =
+                self.advance(start, trial, &direction, context, (pending, residual, request), statistics)?;
             let after = largest(&self.residual);
+            self.last_reduction = if pending { 1.0 } else { after / residual };
             growing = if !pending && after > residual { growing + 1 } else { 0 };
             pending = false;
             history.push(Iteration {
@@ -309,15 +330,19 @@ impl<'m> Equilibrium<'m> {
     /// Forces, residual and, if wanted, tangents at a trial state.
     fn evaluate(
         &mut self,
+        start: &Committed,
         trial: &Committed,
         context: IncrementContext,
         request: Request,
         statistics: &mut Statistics,
     ) -> Result<(), Trouble> {
         statistics.evaluations += 1;
+        self.has_tangents = request.wants_tangent();
         self.internal.fill(0.0);
         self.solids.evaluate(&trial.displacements, &context, request, &mut self.internal)?;
-        self.blocks.clear();
+        if self.has_tangents {
+            self.blocks.clear();
+        }
         self.contact.evaluate(&trial.displacements, &context, request, &mut self.internal, &mut self.blocks)?;
         self.external.fill(0.0);
         for load in &self.model.loads {
@@ -327,6 +352,12 @@ impl<'m> Equilibrium<'m> {
             loads::external(mesh, *nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
         }
         self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
+        let dashpot = self.dashpot(context);
+        if dashpot > 0.0 {
+            for &freedom in self.system.equations().freedoms() {
+                self.internal[freedom] += dashpot * (trial.displacements[freedom] - start.displacements[freedom]);
+            }
+        }
         let unbalanced = self.unbalanced();
         self.residual = self.system.reduce(&unbalanced);
         match unbalanced.iter().position(|force| !force.is_finite()) {
@@ -337,6 +368,12 @@ impl<'m> Equilibrium<'m> {
                 Err(trouble(place, "the internal force is not a finite number".into(), CUT))
             }
         }
+    }
+
+    /// The stabilisation's force per displacement increment at every equation, N/mm.
+    fn dashpot(&self, context: IncrementContext) -> f64 {
+        let viscosity = self.model.controls.viscosity;
+        if viscosity > 0.0 && context.time_increment > 0.0 { viscosity / context.time_increment } else { 0.0 }
     }
 
     /// External less internal forces.
@@ -353,7 +390,6 @@ impl<'m> Equilibrium<'m> {
         pending: bool,
         statistics: &mut Statistics,
     ) -> Result<Direction, Trouble> {
-        self.factorise(statistics)?;
         let mut correction = self.residual.clone();
         match target {
             Target::Drives(goal) => {
@@ -404,13 +440,52 @@ impl<'m> Equilibrium<'m> {
         Direction { displacements: self.system.displacements(unknowns, &drives), drives }
     }
 
+    /// Makes sure of a factor that is good enough: the last one while it converges fast, otherwise one of the present
+    /// tangents.
+    fn prepare_factor(
+        &mut self,
+        start: &Committed,
+        trial: &Committed,
+        context: IncrementContext,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        if self.may_reuse_factor() {
+            return Ok(());
+        }
+        if !self.has_tangents {
+            self.evaluate(start, trial, context, Request::StressAndTangent, statistics)?;
+        }
+        self.factorise(context, statistics)
+    }
+
+    fn may_reuse_factor(&self) -> bool {
+        self.model.skipping.factor_reuse && self.factorised && self.last_reduction < FAST_REDUCTION
+    }
+
+    /// What to ask of the points after a correction: no tangents if the next iteration will not use them.
+    fn request_after(&self, residual: f64, scale: f64) -> Request {
+        let expected = self.last_reduction * residual;
+        let converges = expected < NEGLIGIBLE_RESIDUAL * self.model.controls.force_tolerance * scale;
+        if self.model.skipping.unused_tangents
+            && self.last_reduction < FAST_REDUCTION
+            && (converges || self.may_reuse_factor())
+        {
+            Request::Stress
+        } else {
+            Request::StressAndTangent
+        }
+    }
+
     /// Factorises what has changed since the last time.
-    fn factorise(&mut self, statistics: &mut Statistics) -> Result<(), Trouble> {
-        let keep = self.model.skipping.unchanged_elements && self.factorised;
+    fn factorise(&mut self, context: IncrementContext, statistics: &mut Statistics) -> Result<(), Trouble> {
+        let dashpot = self.dashpot(context);
+        let keep = self.model.skipping.unchanged_elements && self.factorised && self.assembled_dashpot == dashpot;
         let elements_changed = !keep || self.solids.latest_version() != self.assembled_version;
         if elements_changed {
             self.assembled_version = self.solids.latest_version();
+            self.assembled_dashpot = dashpot;
             self.system.assemble_elements(&self.solids);
+            self.system.add_to_diagonal(dashpot);
         }
         self.system.set_blocks(&self.blocks);
         let symmetric = self.model.skipping.symmetric_solver && self.solids.symmetric();
@@ -431,14 +506,15 @@ impl<'m> Equilibrium<'m> {
         self.system.solve(right_side).map_err(|error| unsolvable(&error))
     }
 
-    /// Applies a correction and evaluates; a shorter one if the residual grows.
+    /// Applies a correction and evaluates; a shorter one if the residual grows. `(predicting, before, request)`: whether
+    /// the drives move, the residual before, what to ask of the points.
     fn advance(
         &mut self,
+        start: &Committed,
         trial: &mut Committed,
         direction: &Direction,
         context: IncrementContext,
-        predicting: bool,
-        before: f64,
+        (predicting, before, request): (bool, f64, Request),
         statistics: &mut Statistics,
     ) -> Result<f64, Trouble> {
         let from = trial.displacements.clone();
@@ -451,10 +527,10 @@ impl<'m> Equilibrium<'m> {
             }
         };
         place(1.0, trial);
-        self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        self.evaluate(start, trial, context, request, statistics)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.residual);
-        if !self.model.controls.line_search || predicting || moves_drives || full <= ACCEPTABLE_GROWTH * before {
+        if !self.model.controls.line_search || predicting || moves_drives || full <= before {
             return Ok(1.0);
         }
         let mut best = (full, 1.0);
@@ -462,17 +538,17 @@ impl<'m> Equilibrium<'m> {
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
             place(length, trial);
-            self.evaluate(trial, context, Request::Stress, statistics)?;
+            self.evaluate(start, trial, context, Request::Stress, statistics)?;
             let residual = largest(&self.residual);
             if residual < best.0 {
                 best = (residual, length);
             }
-            if residual <= ACCEPTABLE_GROWTH * before {
+            if residual <= before {
                 break;
             }
         }
         place(best.1, trial);
-        self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        self.evaluate(start, trial, context, Request::StressAndTangent, statistics)?;
         Ok(best.1)
     }
 

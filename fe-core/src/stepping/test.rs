@@ -97,10 +97,10 @@ fn an_elastic_strip_needs_one_iteration_and_balances_its_energy() {
 #[test]
 fn newton_is_quadratic_in_plastic_flow_and_follows_the_hardening_line() {
     let law = PluginLaw::shipped("j2_plasticity", &[("E", 200e3), ("nu", 0.3)]).followed_by(&[400.0, 0.0, 2400.0, 1.0]);
-    let model = strip(law, PlaneModel::PlaneStress, 0.08, StepControl::Fixed { increments: 4 });
+    let mut model = strip(law, PlaneModel::PlaneStress, 0.08, StepControl::Fixed { increments: 4 });
+    model.skipping = Skipping::NONE;
     let (records, _) = run(&model);
     for record in &records[1..] {
-        eprintln!("{} {} {:?}", record.slip, record.load, record.iterations);
         let strain: f64 = record.slip / 4.0;
         let yield_strain = 400.0 / 200e3;
         let hardening = 200e3 * 2000.0 / 202e3;

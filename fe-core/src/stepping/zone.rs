@@ -25,7 +25,8 @@ impl Zone {
     pub(super) fn new(model: &Model, equations: &Equations, contact: &[usize]) -> Self {
         let mesh = &model.mesh;
         let mut zone = Self { active: vec![true; mesh.elements().len()], condenses: false };
-        if model.skipping.elastic_far_field && !model.nlgeom && !model.contacts.is_empty() {
+        let linear = !model.nlgeom && model.controls.viscosity == 0.0;
+        if model.skipping.elastic_far_field && linear && !model.contacts.is_empty() {
             let condensable = may_be_condensed(mesh, equations, &loaded_freedoms(model));
             zone.active = touching(mesh, contact);
             zone.active.iter_mut().zip(condensable).for_each(|(active, may_be)| *active |= !may_be);

@@ -43,7 +43,13 @@ pub(super) struct Canvas {
 
 impl Canvas {
     /// Draws it.
-    pub fn new(title: &str, note: &str, axes: &[Quantity; 2], view: View, side: &Side<'_>) -> Result<Self, PictureError> {
+    pub fn new(
+        title: &str,
+        note: &str,
+        axes: &[Quantity; 2],
+        view: View,
+        side: &Side<'_>,
+    ) -> Result<Self, PictureError> {
         let plot = view.size();
         let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(2) as usize);
         let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(2) as usize);
@@ -224,7 +230,10 @@ impl Levels {
         for band in 0..self.count() {
             let (start, end) = self.band(band);
             let end = if band + 1 == self.count() { 1.0 } else { share(end) };
-            root.draw(&Rectangle::new([(x, up(end)), (right, up(share(start)))], band_color(band, self.count()).filled()))?;
+            root.draw(&Rectangle::new(
+                [(x, up(end)), (right, up(share(start)))],
+                band_color(band, self.count()).filled(),
+            ))?;
         }
         root.draw(&Rectangle::new([(x, y), (right, y + height * UNIT)], INK.stroke_width(UNIT as u32)))?;
         let style = || font(TICK_SIZE).pos(Pos::new(HPos::Left, VPos::Center));

@@ -66,7 +66,16 @@ fn look() {
     picture.magnification = mesh.suggested_magnification();
     save("contour.svg", contour(&picture, &field, &stress(), None).unwrap());
     save("mesh.svg", deformed_mesh(&picture).unwrap());
-    let damage: Vec<f64> = mesh.nodes.iter().enumerate().map(|(k,[x, y])| if k < 119 {f64::NAN} else {(1.02 - 0.5 * ((x - 3.0).powi(2) + (y - 2.0).powi(2))).max(-0.03)}).collect();
+    let damage: Vec<f64> = mesh
+        .nodes
+        .iter()
+        .enumerate()
+        .map(
+            |(k, [x, y])| {
+                if k < 119 { f64::NAN } else { (1.02 - 0.5 * ((x - 3.0).powi(2) + (y - 2.0).powi(2))).max(-0.03) }
+            },
+        )
+        .collect();
     let d = Quantity { name: "damage D_{t}".into(), unit: "".into() };
     picture.title = "Damage".into();
     save("damage.svg", contour(&picture, &damage, &d, Some((0.0, 1.0))).unwrap());
@@ -84,13 +93,41 @@ fn look() {
     save("bigmesh.svg", deformed_mesh(&picture).unwrap());
     eprintln!("big mesh {:?}", start.elapsed());
     let mut seed = 1u64;
-    let noise: Vec<f64> = big.nodes.iter().map(|_| { seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407); (seed >> 40) as f64 }).collect();
+    let noise: Vec<f64> = big
+        .nodes
+        .iter()
+        .map(|_| {
+            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (seed >> 40) as f64
+        })
+        .collect();
     let start = std::time::Instant::now();
     save("noise.svg", contour(&picture, &noise, &stress(), None).unwrap());
     eprintln!("noise {:?}", start.elapsed());
     let flat = PictureMesh { nodes: mesh.nodes.iter().map(|[x, y]| [x * 4.0, y * 0.1]).collect(), ..mesh.clone() };
-    save("flat.svg", contour(&FieldPicture::new("Flat", &flat), &field.iter().map(|f| f * 1e-5).collect::<Vec<_>>(), &stress(), None).unwrap());
-    save("constant.svg", contour(&FieldPicture::new("", &mesh), &vec![3.0; mesh.nodes.len()], &stress(), None).unwrap());
+    save(
+        "flat.svg",
+        contour(
+            &FieldPicture::new("Flat", &flat),
+            &field.iter().map(|f| f * 1e-5).collect::<Vec<_>>(),
+            &stress(),
+            None,
+        )
+        .unwrap(),
+    );
+    save(
+        "constant.svg",
+        contour(&FieldPicture::new("", &mesh), &vec![3.0; mesh.nodes.len()], &stress(), None).unwrap(),
+    );
     let tall = PictureMesh { nodes: mesh.nodes.iter().map(|[x, y]| [x * 0.3, y * 4.0]).collect(), ..mesh.clone() };
-    save("tall.svg", contour(&FieldPicture::new("A tall body with a title that is longer than the picture is wide, so it wraps", &tall), &field, &stress(), None).unwrap());
+    save(
+        "tall.svg",
+        contour(
+            &FieldPicture::new("A tall body with a title that is longer than the picture is wide, so it wraps", &tall),
+            &field,
+            &stress(),
+            None,
+        )
+        .unwrap(),
+    );
 }
