@@ -266,6 +266,26 @@ fn lu_keeps_its_analysis_while_the_blocks_fit() {
 }
 
 #[test]
+fn lu_forgets_old_blocks_when_they_outweigh_the_present_ones() {
+    let pattern = Arc::new(Pattern::from_groups(40, std::iter::empty()));
+    let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
+    matrix.values.fill(50.0);
+    let nodes: Vec<usize> = (0..40).collect();
+    let options = SolverOptions { first_method: Some(Method::BlockLu) };
+    let mut solver = LinearSolver::new(&pattern, &nodes, &nodes, options).unwrap();
+    let mut factor_entries = Vec::new();
+    for start in [0, 20, 0] {
+        matrix.contact.clear();
+        matrix.contact.push(&nodes[start..start + 10], &Numbers(3).vector(100));
+        let report = solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap();
+        assert!(!report.symbolic_reused);
+        factor_entries.push(report.factor_entries.unwrap());
+        check_solution(&mut solver, &matrix);
+    }
+    assert!(factor_entries.iter().all(|&entries| entries == factor_entries[0]), "{factor_entries:?}");
+}
+
+#[test]
 fn a_body_that_nothing_holds_is_an_error_by_every_method() {
     let mut scene = Scene::new();
     for blocks in [false, true] {
@@ -515,7 +535,6 @@ fn a_soft_mode_beside_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
         solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
         let mut x = Numbers(8).vector(scene.size());
         let report = solver.solve(&scene.matrix, &mut x).unwrap();
-        println!("{method:?} {report:?}");
         assert!(report.relative_residual > REFINED_RESIDUAL, "otherwise this tests nothing");
         assert!(report.relative_residual < LARGEST_RESIDUAL);
     }
