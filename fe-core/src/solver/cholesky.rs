@@ -102,12 +102,17 @@ impl Cholesky {
     /// x ← L⁻ᵀ x, x in the order of elimination.
     pub(super) fn backward(&mut self, x: &mut [f64]) {
         let factor = SupernodalLltRef::new(&self.analysis.supernodes, &self.factor);
-        let size = x.len();
-        let x = MatMut::from_column_major_slice_mut(x, size, 1);
-        factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(&mut self.memory));
+        backward(factor, x, &mut self.memory);
     }
 
-    /// The last `count` rows and columns of L, zero above the diagonal, into `triangle`.
+    /// The same with memory of its own.
+    pub(super) fn backward_apart(&self, x: &mut [f64]) -> Result<(), SolverError> {
+        let mut memory = MemBuffer::try_new(self.analysis.supernodes.solve_in_place_scratch::<f64>(1, Par::Seq))?;
+        backward(self.view(), x, &mut memory);
+        Ok(())
+    }
+
+    /// As many of the last rows and columns of L as `triangle` has; zero above the diagonal.
     pub(super) fn copy_trailing(&self, triangle: &mut Mat<f64>) {
         let first = self.analysis.order.len() - triangle.nrows();
         triangle.fill(0.0);
@@ -130,6 +135,12 @@ impl Cholesky {
             }
         }
     }
+}
+
+fn backward(factor: SupernodalLltRef<'_, usize, f64>, x: &mut [f64], memory: &mut MemBuffer) {
+    let size = x.len();
+    let x = MatMut::from_column_major_slice_mut(x, size, 1);
+    factor.l_transpose_solve_with_conj(Conj::No, x, Par::Seq, MemStack::new(memory));
 }
 
 fn parameters() -> Spec<LltParams, f64> {

@@ -20,7 +20,7 @@ pub struct Superelement {
     /// The place in the zone of each border equation.
     places: Vec<usize>,
     stiffness: Vec<f64>,
-    ordered: Vec<f64>,
+    size: usize,
 }
 
 impl Superelement {
@@ -44,7 +44,7 @@ impl Superelement {
         let places: Vec<usize> = border.iter().map(|&equation| zone.place_of(equation)).collect();
         let rows = places.iter().flat_map(|&row| places.iter().map(move |&column| (row, column)));
         let stiffness = rows.map(|entry| zone.schur()[entry]).collect();
-        Ok(Self { zone, border: border.to_vec(), places, stiffness, ordered: vec![0.0; pattern.size()] })
+        Ok(Self { zone, border: border.to_vec(), places, stiffness, size: pattern.size() })
     }
 
     /// The equations of the border, in the order of [`Self::stiffness`].
@@ -61,15 +61,15 @@ impl Superelement {
     ///
     /// # Errors
     ///
-    /// If a vector has the wrong length.
-    pub fn expand(&mut self, border: &[f64], displacements: &mut [f64]) -> Result<(), SolverError> {
+    /// If a vector has the wrong length, or memory does not suffice.
+    pub fn expand(&self, border: &[f64], displacements: &mut [f64]) -> Result<(), SolverError> {
         check_length("border", self.border.len(), border.len())?;
-        check_length("vector of displacements", self.ordered.len(), displacements.len())?;
-        self.ordered.fill(0.0);
-        let first = self.ordered.len() - border.len();
-        self.places.iter().zip(border).for_each(|(&place, value)| self.ordered[first + place] = *value);
-        self.zone.backward(&mut self.ordered);
-        self.zone.scatter(&self.ordered, displacements);
+        check_length("vector of displacements", self.size, displacements.len())?;
+        let mut ordered = vec![0.0; self.size];
+        let first = self.size - border.len();
+        self.places.iter().zip(border).for_each(|(&place, value)| ordered[first + place] = *value);
+        self.zone.backward_apart(&mut ordered)?;
+        self.zone.scatter(&ordered, displacements);
         self.border.iter().zip(border).for_each(|(&equation, value)| displacements[equation] = *value);
         Ok(())
     }

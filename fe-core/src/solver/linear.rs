@@ -8,7 +8,8 @@ use super::whole::{Outcome, Whole};
 use super::zone::{DenseLu, Zone};
 use super::{
     ACCEPTED_RESIDUAL, CONDENSATION_ADVANTAGE, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern,
-    REFINED_RESIDUAL, ROUNDING, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
+    REFINED_RESIDUAL, ROUNDING, ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry,
+    SystemMatrix,
 };
 use crate::assembly::Blocks;
 
@@ -146,14 +147,14 @@ impl LinearSolver {
         let mut left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
         let (mut refined, mut tolerance) = (false, ACCEPTED_RESIDUAL);
         if left.is_nan() || left > REFINED_RESIDUAL {
-            let rounding = |x: &[f64]| (ROUNDING * matrix.norm() * greatest(x) / scale).min(LARGEST_RESIDUAL);
-            refined = left.is_nan() || left > rounding(solution);
+            let rounding = ROUNDING * matrix.norm() * greatest(solution) / scale;
+            refined = left.is_nan() || left > rounding;
             if refined {
                 self.apply(method, &mut residual);
                 solution.iter_mut().zip(&residual).for_each(|(x, correction)| *x += correction);
                 left = set_residual(matrix, right_side, solution, &mut residual)? / scale;
             }
-            tolerance = tolerance.max(rounding(solution));
+            tolerance = tolerance.max((ROUNDING_MARGIN * rounding).min(LARGEST_RESIDUAL));
         }
         self.work.residual = residual;
         if left <= tolerance {

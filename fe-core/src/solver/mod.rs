@@ -31,9 +31,13 @@ pub const REFINED_RESIDUAL: f64 = 1e-10;
 /// residual force.
 pub const ACCEPTED_RESIDUAL: f64 = 1e-8;
 
-/// What rounding alone leaves, relative to ‖K‖ ‖x‖: some thirty products in a row, each to 1e-16, with a margin of
-/// three. A soft mode beside a stiff contact may leave more than the tolerances this way; no solver leaves less.
-pub const ROUNDING: f64 = 1e-14;
+/// What rounding alone leaves, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. A soft mode
+/// beside a stiff contact may leave more than the tolerances this way, and no solver leaves less: such a solution is
+/// refined only above this, and accepted up to [`ROUNDING_MARGIN`] times this.
+pub const ROUNDING: f64 = 1e-15;
+
+/// How many times the rounding of a product a solution may leave: it has the rounding of its factors too.
+pub const ROUNDING_MARGIN: f64 = 10.0;
 
 /// The most that may be left in spite of [`ROUNDING`]: one digit, or two, are no solution.
 pub const LARGEST_RESIDUAL: f64 = 1e-4;

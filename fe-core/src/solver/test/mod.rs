@@ -190,6 +190,31 @@ fn softening_solids_fall_through_to_lu() {
 }
 
 #[test]
+fn a_softening_zone_is_condensed_all_the_same() {
+    let mut scene = Scene::new();
+    scene.couple(2, 0);
+    for &equation in &scene.contact[4..8] {
+        let place = scene.matrix.pattern().index(equation, equation).unwrap();
+        scene.matrix.values[place] *= -1.0;
+    }
+    let mut solver = scene.solver(Some(Method::Condensed));
+    assert_eq!(solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap().method, Method::Condensed);
+    check_solution(&mut solver, &scene.matrix);
+}
+
+#[test]
+fn numbers_that_overflow_on_the_way_are_an_error() {
+    let mut scene = Scene::new();
+    let mut numbers = Numbers(9);
+    scene.matrix.values.iter_mut().for_each(|value| *value = numbers.next() * 10f64.powf(305.0 * numbers.next()));
+    for method in [Method::Condensed, Method::Cholesky, Method::BlockLu, Method::GeneralLu] {
+        for symmetry in [Symmetry::Symmetric, Symmetry::Unsymmetric] {
+            assert!(scene.solver(Some(method)).factorise(&scene.matrix, symmetry).is_err());
+        }
+    }
+}
+
+#[test]
 fn pivots_that_a_supernode_lacks_are_left_to_general_lu() {
     // A cyclic shift: regular, but each diagonal block of a part of it is singular.
     let size = 200;
@@ -238,6 +263,26 @@ fn lu_keeps_its_analysis_while_the_blocks_fit() {
         check_solution(&mut solver, &scene.matrix);
     }
     assert_eq!(reused, [false, true, false, true, true]);
+}
+
+#[test]
+fn lu_forgets_old_blocks_when_they_outweigh_the_present_ones() {
+    let pattern = Arc::new(Pattern::from_groups(40, std::iter::empty()));
+    let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
+    matrix.values.fill(50.0);
+    let nodes: Vec<usize> = (0..40).collect();
+    let options = SolverOptions { first_method: Some(Method::BlockLu) };
+    let mut solver = LinearSolver::new(&pattern, &nodes, &nodes, options).unwrap();
+    let mut factor_entries = Vec::new();
+    for start in [0, 20, 0] {
+        matrix.contact.clear();
+        matrix.contact.push(&nodes[start..start + 10], &Numbers(3).vector(100));
+        let report = solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap();
+        assert!(!report.symbolic_reused);
+        factor_entries.push(report.factor_entries.unwrap());
+        check_solution(&mut solver, &matrix);
+    }
+    assert!(factor_entries.iter().all(|&entries| entries == factor_entries[0]), "{factor_entries:?}");
 }
 
 #[test]
@@ -419,7 +464,7 @@ fn a_superelement_is_the_schur_complement_and_expands() {
         let [lower, upper] = &bodies.surfaces[0];
         let mut border = [upper.as_slice(), lower].concat();
         border.reverse();
-        let mut superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
+        let superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
         let displacements = Numbers(4).vector(border.len());
         let (condensed, expanded) = dense_condensation(&matrix, &border, &displacements);
         let count = border.len();
@@ -448,7 +493,7 @@ fn a_superelement_may_be_all_border_or_have_none() {
     for (place, value) in whole.stiffness().iter().enumerate() {
         assert!((value - full[(place / all.len(), place % all.len())]).abs() < 1e-10 * 30e3);
     }
-    let mut none = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &[]).unwrap();
+    let none = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &[]).unwrap();
     let mut displacements = vec![1.0; all.len()];
     none.expand(&[], &mut displacements).unwrap();
     assert!(none.stiffness().is_empty() && displacements.iter().all(|&value| value == 0.0));
@@ -490,6 +535,7 @@ fn a_soft_mode_beside_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
         solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
         let mut x = Numbers(8).vector(scene.size());
         let report = solver.solve(&scene.matrix, &mut x).unwrap();
+        assert!(report.relative_residual > REFINED_RESIDUAL, "otherwise this tests nothing");
         assert!(report.relative_residual < LARGEST_RESIDUAL);
     }
 }
