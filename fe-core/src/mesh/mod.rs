@@ -30,6 +30,8 @@
 
 mod error;
 pub mod gmsh;
+pub mod preflight;
+pub mod specimen;
 pub mod structured;
 mod topology;
 mod validation;

@@ -523,3 +523,48 @@ fn damaged_files_do_no_harm() {
     }
     assert!(meshes > 100 && errors > 500, "{meshes} meshes, {errors} errors: the damage is of both sorts");
 }
+
+/// Files of Gmsh itself; `data/README.md` says of what. Gmsh places nodes to about 1e-11 of the size.
+#[test]
+fn files_of_gmsh_are_read() {
+    let files: [(&str, &[u8]); 6] = [
+        ("quadrilaterals, 2.2, text", include_bytes!("data/quadrilaterals_2.2_text.msh")),
+        ("quadrilaterals, 2.2, binary", include_bytes!("data/quadrilaterals_2.2_binary.msh")),
+        ("quadrilaterals, 4.1, text", include_bytes!("data/quadrilaterals_4.1_text.msh")),
+        ("quadrilaterals, 4.1, binary", include_bytes!("data/quadrilaterals_4.1_binary.msh")),
+        ("triangles, 2.2, binary", include_bytes!("data/triangles_2.2_binary.msh")),
+        ("triangles, 4.1, binary", include_bytes!("data/triangles_4.1_binary.msh")),
+    ];
+    for (name, bytes) in files {
+        let definition = read_bytes(Path::new(name), bytes, &properties(&["matrix", "the fibre"])).unwrap();
+        let mesh = Mesh::new(definition).unwrap();
+        let kind = if name.starts_with("quadrilaterals") { Q8 } else { T6 };
+        assert!(mesh.elements().iter().all(|element| element.kind() == kind), "{name}");
+        let mut areas = [0.0; 2];
+        for (index, element) in mesh.elements().iter().enumerate() {
+            areas[element.part()] += mesh.element_area(index);
+            let left = mesh.nodes()[element.nodes()[0]][0] + mesh.nodes()[element.nodes()[2]][0] < 2.0 + 1e-9;
+            assert_eq!(left, element.part() == 0, "{name}: parts on their sides");
+        }
+        approx::assert_abs_diff_eq!(areas[..], [1.0, 1.0][..], epsilon = 1e-9);
+        // (line, where on it, length)
+        for (set, axis, at, length) in [("bottom", 1, 0.0, 2.0), ("seam", 0, 1.0, 1.0)] {
+            let mut found = 0.0;
+            for &edge in mesh.edge_set(set).unwrap() {
+                let [start, end, middle] = [0, 1, 2].map(|i| mesh.nodes()[mesh.edge_nodes(edge).nodes()[i]]);
+                found += (end[0] - start[0]).hypot(end[1] - start[1]);
+                approx::assert_abs_diff_eq!(middle[0], 0.5 * (start[0] + end[0]), epsilon = 1e-9);
+                approx::assert_abs_diff_eq!(middle[1], 0.5 * (start[1] + end[1]), epsilon = 1e-9);
+                assert_eq!(mesh.elements()[edge.element].part(), usize::from(set == "bottom" && start[0] >= 1.0 - 1e-9));
+            }
+            approx::assert_abs_diff_eq!(found, length, epsilon = 1e-9);
+            assert!(mesh.node_set(set).unwrap().iter().all(|&node| (mesh.nodes()[node][axis] - at).abs() < 1e-9));
+        }
+        assert_eq!(mesh.node_set("grip").unwrap().iter().map(|&node| mesh.nodes()[node]).collect::<Vec<_>>(), [[2.0, 1.0]]);
+        assert_eq!(mesh.boundary_loops().len(), 1, "{name}");
+        assert_eq!(crate::mesh::preflight::findings(&mesh, &[]), []);
+    }
+    let nine = read_bytes(Path::new("nine.msh"), include_bytes!("data/nine_nodes.msh"), &properties(&["matrix", "the fibre"]));
+    let message = nine.unwrap_err().to_string();
+    assert!(message.contains("element type 10 (9-node quadrilateral)") && message.contains("second-order incomplete"), "{message}");
+}

@@ -1,0 +1,263 @@
+//! Two bodies whose contact is known.
+
+use super::requirement::Requirements;
+use super::{BodyChoice, SpecimenError};
+use crate::mesh::MeshDefinition;
+use crate::mesh::structured::{Block, Grading, Grid, Side, StructuredMesh, capped_through};
+
+/// Two rectangles upon each other.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TwoBlocks {
+    /// Width of both.
+    pub width: f64,
+    /// Heights of the lower and the upper one.
+    pub heights: [f64; 2],
+    /// Edges on the contact of the lower and the upper one.
+    pub edges: [usize; 2],
+    /// Rows of cells of the lower and the upper one.
+    pub rows: [usize; 2],
+    /// The lower and the upper one.
+    pub bodies: [BodyChoice; 2],
+}
+
+/// Two rectangles 0 ≤ x ≤ width, the lower one below y = 0, for contact patch tests.
+///
+/// Parts `lower`, `upper`; node sets `bottom`, `top`, `lower_left`, `lower_right`, `upper_left`, `upper_right`; edge
+/// sets `lower_contact`, `upper_contact`, `top`.
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenError> {
+    let TwoBlocks { width, heights, edges, rows, bodies } = *parameters;
+    let mut required = Requirements::default();
+    required.positive("width", width);
+    heights.into_iter().for_each(|height| required.positive("heights", height));
+    edges.into_iter().for_each(|count| required.count("edges", count));
+    rows.into_iter().for_each(|count| required.count("rows", count));
+    required.check()?;
+
+    let mut mesh = StructuredMesh::default();
+    let mut grids = Vec::new();
+    for (index, name) in ["lower", "upper"].into_iter().enumerate() {
+        let x = uniform(width, edges[index], "edges of a block")?;
+        let y = uniform(heights[index], rows[index], "rows of a block")?;
+        let part = mesh.add_part(bodies[index].part(name));
+        let shift = if index == 0 { -heights[0] } else { 0.0 };
+        let map = |[x, y]: [f64; 2]| [x, y + shift];
+        grids.push(mesh.block(&Block::new(part, bodies[index].kind, &x, &y).mapped(&map))?);
+    }
+    mesh.node_set("bottom", grids[0].side_nodes(Side::Bottom));
+    mesh.node_set("top", grids[1].side_nodes(Side::Top));
+    mesh.edge_set("top", grids[1].side_edges(Side::Top));
+    mesh.edge_set("lower_contact", grids[0].side_edges(Side::Top));
+    mesh.edge_set("upper_contact", grids[1].side_edges(Side::Bottom));
+    for (grid, left, right) in
+        [(&grids[0], "lower_left", "lower_right"), (&grids[1], "upper_left", "upper_right")]
+    {
+        mesh.node_set(left, grid.side_nodes(Side::Left));
+        mesh.node_set(right, grid.side_nodes(Side::Right));
+    }
+    Ok(mesh.definition())
+}
+
+/// A cylinder that is pressed onto a plane: the half right of its symmetry line, near the contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CylinderOnPlane {
+    /// Radius of the cylinder.
+    pub radius: f64,
+    /// How far both bodies reach beside the symmetry line; less than the radius.
+    pub half_width: f64,
+    /// Height of the cylinder's flat top above the contact; more than the arc rises over the half width.
+    pub height: f64,
+    /// Depth of the base.
+    pub depth: f64,
+    /// Half width of the zone of equal, small edges: more than the contact will have.
+    pub contact_zone: f64,
+    /// Edges in this zone, on both bodies.
+    pub contact_edges: usize,
+    /// Each size over the one before it, away from the contact.
+    pub growth: f64,
+    /// Cylinder and base.
+    pub bodies: [BodyChoice; 2],
+}
+
+/// A cylinder on a plane, for Hertz's solution. They touch at the origin; the base is below y = 0. Node pairs lie above
+/// each other.
+///
+/// Parts `cylinder`, `base`; node sets `symmetry` (x = 0 of both), `top`, `bottom`, `base_side`; edge sets
+/// `cylinder_contact` (the arc), `base_contact`, `top`.
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
+    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } = *parameters;
+    let mut required = Requirements::default();
+    for (name, value) in [("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)] {
+        required.positive(name, value);
+    }
+    required.positive("contact_zone", contact_zone);
+    required.that(half_width < radius, "half_width", half_width, format!("less than the radius {radius}"));
+    required.that(contact_zone < half_width, "contact_zone", contact_zone, format!("less than the half_width {half_width}"));
+    required.count("contact_edges", contact_edges);
+    required.that(growth >= 1.0 && growth.is_finite(), "growth", growth, "at least 1");
+    // R − √(R² − x²) without its cancellation.
+    let arc = |x: f64| x * x / (radius + (radius * radius - x * x).sqrt());
+    let rise = arc(half_width);
+    required.that(
+        rise.is_nan() || height > rise,
+        "height",
+        height,
+        format!("more than the arc rises over the half_width, {rise}"),
+    );
+    required.check()?;
+
+    let size = contact_zone / contact_edges as f64;
+    let mut x = uniform(contact_zone, contact_edges, "contact_edges")?;
+    x.extend(
+        &capped_through(&[contact_zone, half_width], size * growth, growth, half_width)
+            .map_err(SpecimenError::along("growth away from the contact"))?[1..],
+    );
+    let upwards = graded(height, size, growth, height, "growth upwards")?;
+    let downwards = graded(depth, size, growth, depth, "growth downwards")?;
+    let y: Vec<f64> = downwards.iter().rev().map(|y| 0.0 - y).collect();
+    let map = |[x, s]: [f64; 2]| [x, arc(x) + s / height * (height - arc(x))];
+
+    let mut mesh = StructuredMesh::default();
+    let parts = [mesh.add_part(bodies[0].part("cylinder")), mesh.add_part(bodies[1].part("base"))];
+    let cylinder = mesh.block(&Block::new(parts[0], bodies[0].kind, &x, &upwards).mapped(&map))?;
+    let base = mesh.block(&Block::new(parts[1], bodies[1].kind, &x, &y))?;
+    mesh.node_set("symmetry", cylinder.side_nodes(Side::Left));
+    mesh.node_set("symmetry", base.side_nodes(Side::Left));
+    mesh.node_set("top", cylinder.side_nodes(Side::Top));
+    mesh.node_set("bottom", base.side_nodes(Side::Bottom));
+    mesh.node_set("base_side", base.side_nodes(Side::Right));
+    mesh.edge_set("top", cylinder.side_edges(Side::Top));
+    mesh.edge_set("cylinder_contact", cylinder.side_edges(Side::Bottom));
+    mesh.edge_set("base_contact", base.side_edges(Side::Top));
+    Ok(mesh.definition())
+}
+
+/// An elastic strip that is pulled out from under a block; both are the upper half of something symmetric about y = 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DragOutStrip {
+    /// Length of the strip: 0 ≤ x ≤ 12 mm.
+    pub strip_length: f64,
+    /// Half of its thickness, 0.25 mm.
+    pub strip_height: f64,
+    /// Where the block starts on the strip, 2 mm: it ends with it.
+    pub block_start: f64,
+    /// Length of the block, 10 mm.
+    pub block_length: f64,
+    /// Height of the block, 5 mm.
+    pub block_height: f64,
+    /// Edges of the strip along its length.
+    pub strip_edges: usize,
+    /// Cells across the strip.
+    pub strip_rows: usize,
+    /// Edges of the block along the strip.
+    pub block_edges: usize,
+    /// Size of the block's cells at the strip; away from it they grow by `growth`.
+    pub block_size: f64,
+    /// Each size over the one before it, away from the strip.
+    pub growth: f64,
+    /// Strip and block.
+    pub bodies: [BodyChoice; 2],
+}
+
+impl DragOutStrip {
+    /// 12 × 0.25 and 10 × 5 mm in cells of about 0.125 mm along the strip.
+    pub fn new(bodies: [BodyChoice; 2]) -> Self {
+        Self {
+            strip_length: 12.0,
+            strip_height: 0.25,
+            block_start: 2.0,
+            block_length: 10.0,
+            block_height: 5.0,
+            strip_edges: 96,
+            strip_rows: 2,
+            block_edges: 80,
+            block_size: 0.125,
+            growth: 1.2,
+            bodies,
+        }
+    }
+}
+
+/// A strip under a block, for frictional drag-out: pulled along +x by `sliding_end`, the block keeps its whole length on
+/// it for `block_start` of sliding.
+///
+/// Parts `strip`, `block`; node sets `sliding_end`, `tail`, `symmetry` (the strip's lower side), `block_left`,
+/// `block_right`, `block_top`; edge sets `strip_contact`, `block_contact`, `pressure` (the block's top).
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn drag_out_strip(parameters: &DragOutStrip) -> Result<MeshDefinition, SpecimenError> {
+    let DragOutStrip { strip_length, strip_height, block_start, block_length, block_height, growth, .. } = *parameters;
+    let mut required = Requirements::default();
+    for (name, value) in [
+        ("strip_length", strip_length),
+        ("strip_height", strip_height),
+        ("block_length", block_length),
+        ("block_height", block_height),
+        ("block_size", parameters.block_size),
+    ] {
+        required.positive(name, value);
+    }
+    let end = block_start + block_length;
+    required.that(block_start >= 0.0 && block_start.is_finite(), "block_start", block_start, "0 or positive");
+    required.that(
+        end <= strip_length,
+        "block_start + block_length",
+        end,
+        format!("not more than the strip_length {strip_length}"),
+    );
+    for (name, count) in [
+        ("strip_edges", parameters.strip_edges),
+        ("strip_rows", parameters.strip_rows),
+        ("block_edges", parameters.block_edges),
+    ] {
+        required.count(name, count);
+    }
+    required.that(growth >= 1.0 && growth.is_finite(), "growth", growth, "at least 1");
+    required.check()?;
+
+    let mut mesh = StructuredMesh::default();
+    let [strip_body, block_body] = parameters.bodies;
+    let parts = [mesh.add_part(strip_body.part("strip")), mesh.add_part(block_body.part("block"))];
+    let x = uniform(strip_length, parameters.strip_edges, "strip_edges")?;
+    let y = uniform(strip_height, parameters.strip_rows, "strip_rows")?;
+    let strip = mesh.block(&Block::new(parts[0], strip_body.kind, &x, &y))?;
+    let x = uniform(block_length, parameters.block_edges, "block_edges")?;
+    let y = graded(block_height, parameters.block_size, growth, block_height, "block_size")?;
+    let map = |[x, y]: [f64; 2]| [block_start + x, strip_height + y];
+    let block = mesh.block(&Block::new(parts[1], block_body.kind, &x, &y).mapped(&map))?;
+    name_drag_out_sets(&mut mesh, &strip, &block);
+    Ok(mesh.definition())
+}
+
+fn name_drag_out_sets(mesh: &mut StructuredMesh, strip: &Grid, block: &Grid) {
+    for (name, grid, side) in [
+        ("sliding_end", strip, Side::Right),
+        ("tail", strip, Side::Left),
+        ("symmetry", strip, Side::Bottom),
+        ("block_left", block, Side::Left),
+        ("block_right", block, Side::Right),
+        ("block_top", block, Side::Top),
+    ] {
+        mesh.node_set(name, grid.side_nodes(side));
+    }
+    mesh.edge_set("strip_contact", strip.side_edges(Side::Top));
+    mesh.edge_set("block_contact", block.side_edges(Side::Bottom));
+    mesh.edge_set("pressure", block.side_edges(Side::Top));
+}
+
+fn uniform(length: f64, count: usize, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
+    Grading::Uniform { count }.positions(length).map_err(SpecimenError::along(line))
+}
+
+fn graded(length: f64, first: f64, growth: f64, largest: f64, line: &'static str) -> Result<Vec<f64>, SpecimenError> {
+    Grading::Capped { first, growth, largest }.positions(length).map_err(SpecimenError::along(line))
+}

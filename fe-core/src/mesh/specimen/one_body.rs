@@ -1,0 +1,248 @@
+//! Bodies whose stresses are known.
+
+use std::f64::consts::FRAC_PI_2;
+
+use super::requirement::Requirements;
+use super::{BodyChoice, SpecimenError};
+use crate::element::ElementKind;
+use crate::kinematics::PlaneModel;
+use crate::mesh::MeshDefinition;
+use crate::mesh::structured::{Block, Grading, Side, StructuredMesh};
+
+/// A quarter of a plate with a hole in its centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PlateWithHole {
+    /// Half of the plate's width.
+    pub width: f64,
+    /// Half of its height.
+    pub height: f64,
+    /// Radius of the hole.
+    pub radius: f64,
+    /// About how many cells; two equal blocks of n × n are made.
+    pub cells: usize,
+    /// Size at the outside over size at the hole.
+    pub grading: f64,
+    /// The plate.
+    pub body: BodyChoice,
+}
+
+/// The quarter 0 ≤ x ≤ width, 0 ≤ y ≤ height of a plate whose hole is about the origin.
+///
+/// Node and edge sets `symmetry_x` (x = 0), `symmetry_y` (y = 0), `right`, `top`, `hole`; part `plate`.
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, SpecimenError> {
+    let PlateWithHole { width, height, radius, cells, grading, body } = *parameters;
+    let mut required = Requirements::default();
+    for (name, value) in [("width", width), ("height", height), ("radius", radius), ("grading", grading)] {
+        required.positive(name, value);
+    }
+    required.that(
+        radius < width.min(height),
+        "radius",
+        radius,
+        format!("less than width and height, {}", width.min(height)),
+    );
+    required.that(cells >= 2, "cells", cells, "at least 2");
+    required.check()?;
+
+    let count = ((cells as f64 / 2.0).sqrt().round() as usize).max(1);
+    let outwards = Grading::Ratio { count, ratio: grading }
+        .positions(1.0)
+        .map_err(SpecimenError::along("cells from the hole outwards"))?;
+    let around =
+        Grading::Uniform { count }.positions(1.0).map_err(SpecimenError::along("cells around the hole"))?;
+    // The blocks meet on the line from the hole to the plate's corner.
+    let corner_angle = height.atan2(width);
+    let between = |s: f64, angle: f64, outer: [f64; 2]| {
+        [
+            (1.0 - s) * radius * angle.cos() + s * outer[0],
+            (1.0 - s) * radius * angle.sin() + s * outer[1],
+        ]
+    };
+    let lower = |[s, t]: [f64; 2]| between(s, t * corner_angle, [width, t * height]);
+    let upper = |[s, t]: [f64; 2]| {
+        // Both blocks compute the line they share with the same operations.
+        let angle = if t == 0.0 { corner_angle } else { corner_angle + t * (FRAC_PI_2 - corner_angle) };
+        let [x, y] = between(s, angle, [(1.0 - t) * width, height]);
+        // cos 90° is not 0.
+        [if t == 1.0 { 0.0 } else { x }, y]
+    };
+    let mut mesh = StructuredMesh::default();
+    let part = mesh.add_part(body.part("plate"));
+    let first = mesh.block(&Block::new(part, body.kind, &outwards, &around).mapped(&lower))?;
+    let second = mesh
+        .glued_block(&Block::new(part, body.kind, &outwards, &around).mapped(&upper), &first.side_nodes(Side::Top))?;
+    for (name, sides) in [
+        ("symmetry_y", vec![(&first, Side::Bottom)]),
+        ("right", vec![(&first, Side::Right)]),
+        ("top", vec![(&second, Side::Right)]),
+        ("symmetry_x", vec![(&second, Side::Top)]),
+        ("hole", vec![(&second, Side::Left), (&first, Side::Left)]),
+    ] {
+        mesh.edge_set(name, sides.iter().flat_map(|(grid, side)| grid.side_edges(*side)).collect());
+        for (grid, side) in sides {
+            mesh.node_set(name, grid.side_nodes(side));
+        }
+    }
+    Ok(mesh.definition())
+}
+
+/// How a thick cylinder becomes plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CylinderSection {
+    /// A body of revolution of this height: x is the radius, 0 ≤ y ≤ height. Sets `inner`, `outer`, `bottom`, `top`.
+    Axisymmetric {
+        /// Height.
+        height: f64,
+        /// Cells upon each other.
+        cells: usize,
+    },
+    /// A quarter of its cross-section about the origin. Sets `inner`, `outer`, `symmetry_y` (y = 0), `symmetry_x`
+    /// (x = 0).
+    Quarter {
+        /// Plane strain or plane stress.
+        model: PlaneModel,
+        /// Thickness.
+        thickness: f64,
+        /// Cells around.
+        cells: usize,
+    },
+}
+
+/// A thick cylinder.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ThickCylinder {
+    /// Inner radius.
+    pub inner_radius: f64,
+    /// Outer radius.
+    pub outer_radius: f64,
+    /// Cells from the inner to the outer radius.
+    pub radial_cells: usize,
+    /// Size at the outer radius over size at the inner one.
+    pub grading: f64,
+    /// What is meshed.
+    pub section: CylinderSection,
+    /// Its elements.
+    pub kind: ElementKind,
+}
+
+/// A thick cylinder, for Lamé's solution; node and edge sets of [`CylinderSection`], part `cylinder`.
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn thick_cylinder(parameters: &ThickCylinder) -> Result<MeshDefinition, SpecimenError> {
+    let ThickCylinder { inner_radius, outer_radius, radial_cells, grading, section, kind } = *parameters;
+    let mut required = Requirements::default();
+    required.positive("inner_radius", inner_radius);
+    required.positive("grading", grading);
+    required.that(
+        outer_radius > inner_radius && outer_radius.is_finite(),
+        "outer_radius",
+        outer_radius,
+        format!("more than the inner_radius {inner_radius}"),
+    );
+    required.count("radial_cells", radial_cells);
+    let (length, cells, body) = match section {
+        CylinderSection::Axisymmetric { height, cells } => {
+            required.positive("height", height);
+            (height, cells, BodyChoice::new(kind, PlaneModel::Axisymmetric, 1.0))
+        }
+        CylinderSection::Quarter { model, thickness, cells } => {
+            required.positive("thickness", thickness);
+            required.that(model != PlaneModel::Axisymmetric, "model", "axisymmetric", "plane in a cross-section");
+            (FRAC_PI_2, cells, BodyChoice::new(kind, model, thickness))
+        }
+    };
+    required.count("cells", cells);
+    required.check()?;
+
+    let radii = Grading::Ratio { count: radial_cells, ratio: grading }
+        .positions(outer_radius - inner_radius)
+        .map_err(SpecimenError::along("radial_cells"))?;
+    let along = Grading::Uniform { count: cells }.positions(length).map_err(SpecimenError::along("cells"))?;
+    let straight = |[s, y]: [f64; 2]| [inner_radius + s, y];
+    let round = |[s, angle]: [f64; 2]| {
+        let radius = inner_radius + s;
+        // cos 90° is not 0.
+        [if angle == FRAC_PI_2 { 0.0 } else { radius * angle.cos() }, radius * angle.sin()]
+    };
+    let (map, names): (&dyn Fn([f64; 2]) -> [f64; 2], _) = match section {
+        CylinderSection::Axisymmetric { .. } => (&straight, ["bottom", "outer", "top", "inner"]),
+        CylinderSection::Quarter { .. } => (&round, ["symmetry_y", "outer", "symmetry_x", "inner"]),
+    };
+    one_block("cylinder", body, [&radii, &along], map, names)
+}
+
+/// Cook's membrane: (0, 0), (48, 44), (48, 60), (0, 44) in `cells` × `cells` cells; node and edge sets `left` (held),
+/// `right` (loaded), `bottom`, `top`; part `membrane`.
+///
+/// # Errors
+///
+/// No cells.
+pub fn cook_membrane(cells: usize, body: BodyChoice) -> Result<MeshDefinition, SpecimenError> {
+    let mut required = Requirements::default();
+    required.count("cells", cells);
+    required.check()?;
+    let line = Grading::Uniform { count: cells }.positions(1.0).map_err(SpecimenError::along("cells"))?;
+    let map = |[s, t]: [f64; 2]| {
+        let (bottom, top) = (44.0 * s, 44.0 + 16.0 * s);
+        [48.0 * s, bottom + t * (top - bottom)]
+    };
+    one_block("membrane", body, [&line, &line], &map, ["bottom", "right", "top", "left"])
+}
+
+/// A beam: 0 ≤ x ≤ length, −height/2 ≤ y ≤ height/2.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TimoshenkoBeam {
+    /// Length.
+    pub length: f64,
+    /// Height.
+    pub height: f64,
+    /// Cells along it and across it.
+    pub cells: [usize; 2],
+    /// The beam.
+    pub body: BodyChoice,
+}
+
+/// A rectangle for Timoshenko's beam and for patch tests; node and edge sets `left`, `right`, `bottom`, `top`; part
+/// `beam`.
+///
+/// # Errors
+///
+/// Parameters that cannot be.
+pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, SpecimenError> {
+    let TimoshenkoBeam { length, height, cells, body } = *parameters;
+    let mut required = Requirements::default();
+    required.positive("length", length);
+    required.positive("height", height);
+    cells.into_iter().for_each(|count| required.count("cells", count));
+    required.check()?;
+    let along =
+        Grading::Uniform { count: cells[0] }.positions(length).map_err(SpecimenError::along("cells along the beam"))?;
+    let across =
+        Grading::Uniform { count: cells[1] }.positions(height).map_err(SpecimenError::along("cells across the beam"))?;
+    let map = |[x, y]: [f64; 2]| [x, y - 0.5 * height];
+    one_block("beam", body, [&along, &across], &map, ["bottom", "right", "top", "left"])
+}
+
+/// A single block whose sides are named, from the bottom counter-clockwise.
+fn one_block(
+    part: &str,
+    body: BodyChoice,
+    lines: [&[f64]; 2],
+    map: &dyn Fn([f64; 2]) -> [f64; 2],
+    names: [&str; 4],
+) -> Result<MeshDefinition, SpecimenError> {
+    let mut mesh = StructuredMesh::default();
+    let part = mesh.add_part(body.part(part));
+    let grid = mesh.block(&Block::new(part, body.kind, lines[0], lines[1]).mapped(map))?;
+    for (name, side) in std::iter::zip(names, [Side::Bottom, Side::Right, Side::Top, Side::Left]) {
+        mesh.node_set(name, grid.side_nodes(side));
+        mesh.edge_set(name, grid.side_edges(side));
+    }
+    Ok(mesh.definition())
+}

@@ -1,0 +1,80 @@
+//! What parameters must be.
+
+use crate::mesh::structured::{GradingError, StructuredError};
+
+/// A parameter that cannot be.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{name} is {value}, it must be {requirement}")]
+pub struct ParameterProblem {
+    /// The parameter.
+    pub name: &'static str,
+    /// What it is.
+    pub value: String,
+    /// What it must be.
+    pub requirement: String,
+}
+
+/// Why a specimen cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SpecimenError {
+    /// All parameters that cannot be.
+    #[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
+    Parameters {
+        /// Each of them.
+        problems: Vec<ParameterProblem>,
+    },
+    /// Sizes that do not divide a line.
+    #[error("{line}: {source}")]
+    Grading {
+        /// What was to be divided.
+        line: &'static str,
+        /// Why it cannot be.
+        source: GradingError,
+    },
+    /// A block that cannot be built.
+    #[error(transparent)]
+    Structured(#[from] StructuredError),
+}
+
+impl SpecimenError {
+    /// Names the line whose division failed.
+    pub(super) fn along(line: &'static str) -> impl FnOnce(GradingError) -> Self {
+        move |source| Self::Grading { line, source }
+    }
+}
+
+/// Collects problems, so that all are told at once.
+#[derive(Default)]
+pub(super) struct Requirements {
+    problems: Vec<ParameterProblem>,
+}
+
+impl Requirements {
+    /// A number that is positive and finite.
+    pub(super) fn positive(&mut self, name: &'static str, value: f64) {
+        self.that(value > 0.0 && value.is_finite(), name, value, "positive");
+    }
+
+    /// A number of at least 1.
+    pub(super) fn count(&mut self, name: &'static str, value: usize) {
+        self.that(value > 0, name, value, "at least 1");
+    }
+
+    /// Anything else.
+    pub(super) fn that(
+        &mut self,
+        holds: bool,
+        name: &'static str,
+        value: impl ToString,
+        requirement: impl Into<String>,
+    ) {
+        if !holds {
+            self.problems.push(ParameterProblem { name, value: value.to_string(), requirement: requirement.into() });
+        }
+    }
+
+    /// All problems, if there are any.
+    pub(super) fn check(self) -> Result<(), SpecimenError> {
+        if self.problems.is_empty() { Ok(()) } else { Err(SpecimenError::Parameters { problems: self.problems }) }
+    }
+}
