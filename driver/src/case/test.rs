@@ -1,7 +1,7 @@
 //! Cases as users write them: valid ones against the program that they mean, malformed ones against the words,
 //! the place and the exit code of each problem.
 
-use super::{CaseErrors, read, schema};
+use super::{Case, CaseErrors, read, schema};
 use crate::path::program::Program;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -11,6 +11,7 @@ mod malformed;
 mod parameters;
 mod random;
 mod shipped;
+mod specimen;
 mod valid;
 
 /// A folder with the files that the cases below name.
@@ -41,6 +42,7 @@ impl Bench {
         for (name, text) in files {
             std::fs::write(folder.path().join(name), text).expect("a file in the temporary folder");
         }
+        std::fs::write(folder.path().join("two.msh"), specimen::two_bodies()).expect("a mesh");
         Self(folder)
     }
 
@@ -48,14 +50,22 @@ impl Bench {
         self.0.path().join("case.json")
     }
 
-    fn read_text(&self, text: &str, overrides: &[&str]) -> Result<Program, CaseErrors> {
+    fn read_text(&self, text: &str, overrides: &[&str]) -> Result<Case, CaseErrors> {
         std::fs::write(self.path(), text).expect("the case file");
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
         read(&self.path(), &overrides, &[])
     }
 
-    fn read(&self, case: &Value, overrides: &[&str]) -> Result<Program, CaseErrors> {
+    fn read(&self, case: &Value, overrides: &[&str]) -> Result<Case, CaseErrors> {
         self.read_text(&case.to_string(), overrides)
+    }
+
+    /// Reads a case of a material or contact point.
+    fn read_point(&self, case: &Value, overrides: &[&str]) -> Result<Program, CaseErrors> {
+        match self.read(case, overrides)? {
+            Case::Path(program) => Ok(*program),
+            Case::Pullout(_) => panic!("a case of a point"),
+        }
     }
 }
 

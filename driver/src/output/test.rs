@@ -79,6 +79,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         message: None,
         title: spec.title.clone(),
         plugin: PluginFile { path: "libpure_damage.so".into(), version: "0.1.0".into(), sha256: "00".repeat(32) },
+        plugins: vec![],
         peaks: recorder.peaks(),
         increments: 300,
         iterations: 812,

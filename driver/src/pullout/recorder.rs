@@ -104,10 +104,9 @@ impl<'a> Recorder<'a> {
         let step = (self.present.step as usize).checked_sub(1).and_then(|step| self.program.model.steps.get(step));
         step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
     }
-}
 
-impl Observer for Recorder<'_> {
-    fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
+    /// Takes an increment down; says how the run goes on.
+    fn accept(&mut self, record: &Record) -> io::Result<Directive> {
         if record.step != self.present.step {
             self.step_start = self.present.time();
         }
@@ -131,6 +130,12 @@ impl Observer for Recorder<'_> {
         }
         self.observer.increment_done(self.present.row());
         Ok(directive)
+    }
+}
+
+impl Observer for Recorder<'_> {
+    fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
+        self.accept(record)
     }
 }
 

@@ -3,10 +3,10 @@ use serde_json::{Value, json};
 
 /// Overrides that spoil a case, the place and a part of the message that must follow, and whether the schema alone
 /// sees it.
-type Sample = (&'static [&'static str], &'static str, &'static str, Seen);
+pub(super) type Sample = (&'static [&'static str], &'static str, &'static str, Seen);
 
 #[derive(Clone, Copy, PartialEq)]
-enum Seen {
+pub(super) enum Seen {
     BySchema,
     ByMeaning,
 }
@@ -15,7 +15,7 @@ use Seen::{ByMeaning, BySchema};
 const POINT: &[Sample] = &[
     // structure
     (&["kind=punkt"], "$.kind", "no kind of case is called 'punkt'", BySchema),
-    (&["kind=7"], "$.kind", "expected one of point, interface, found 7", BySchema),
+    (&["kind=7"], "$.kind", "expected one of point, interface, pullout, found 7", BySchema),
     (&["tilte=x"], "$.tilte", "unknown key; nearest valid name: 'title'", BySchema),
     (&["title=5"], "$.title", "expected a text, found 5", BySchema),
     (&["mode=plane-stress"], "$.mode", "nearest valid name: 'plane_stress'", BySchema),
@@ -312,7 +312,7 @@ fn complaint(bench: &Bench, case: &Value, sample: &Sample) -> String {
     )
 }
 
-fn check(case: &Value, samples: &[Sample]) {
+pub(super) fn check(case: &Value, samples: &[Sample]) {
     let bench = Bench::new();
     let complaints: String = samples.iter().map(|sample| complaint(&bench, case, sample)).collect();
     assert!(complaints.is_empty(), "{complaints}");
@@ -449,7 +449,7 @@ fn broken_json_says_line_and_column() {
         ("{\"temperature\": 1e999}", "number out of range"),
         ("{} {}", "trailing characters"),
         ("[1]", "$: expected an object, found [1]"),
-        ("{}", "$.kind: is missing; valid names: point, interface"),
+        ("{}", "$.kind: is missing; valid names: point, interface, pullout"),
     ] {
         let errors = Bench::new().read_text(text, &[]).expect_err("malformed");
         assert!(errors.exit_code() == 2 && errors.to_string().contains(expected), "{errors}");

@@ -1,6 +1,7 @@
 //! Mutated documents: no panic, and no word of the machinery in a message.
 
 use super::super::structure;
+use super::specimen::pullout_case;
 use super::{Bench, interface_case, point_case, schema_accepts};
 use serde_json::{Value, json};
 
@@ -41,13 +42,17 @@ impl Random {
             json!({ "quantity": "s11", "less_than": 0 }),
             json!([{ "s22": 1, "s11": 0.5 }]),
             json!({ "slip": 1 }),
+            json!({ "nodes": "side", "direction": "x" }),
+            json!({ "tie": "surface", "to": "hole" }),
+            json!({ "hard": {} }),
+            json!("hole"),
             json!(18_446_744_073_709_551_615_u64),
         ];
         choices[self.below(choices.len())].clone()
     }
 
     fn key(&mut self) -> &'static str {
-        const KEYS: [&str; 24] = [
+        const KEYS: [&str; 32] = [
             "e11",
             "s22",
             "g12",
@@ -72,6 +77,14 @@ impl Random {
             "compare",
             "E",
             "x y",
+            "slip",
+            "direction",
+            "nodes",
+            "width",
+            "specimen",
+            "increments",
+            "thickness",
+            "drives",
         ];
         KEYS[self.below(KEYS.len())]
     }
@@ -113,9 +126,21 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
         { "increments": 3, "target": { "e11": 1 }, "constraints": [{ "s22": 1, "s11": -0.5, "equals": 0 }] },
         { "repeat": 2, "steps": [{ "table": "path.csv" }, { "increments": 1, "target": { "s11": "hold" } }] }
     ]);
+    let mut specimen = pullout_case();
+    specimen["loads"] = json!({ "side": { "pressure": 1 } });
+    specimen["couplings"] = json!([{ "tie": "fibre_bottom", "to": "bottom" }]);
+    specimen["controls"] = json!({ "max_iterations": 5 });
+    specimen["steps"] = json!([
+        { "slip": 0.1, "drives": { "side": 1 }, "increments": { "initial": 0.1 } },
+        { "repeat": 2, "steps": [{ "slip": 0, "increments": 3 }] }
+    ]);
     let (mut accepted, mut refused) = (0, 0);
-    for round in 0..600 {
-        let mut document = if round % 3 == 0 { interface_case() } else { full.clone() };
+    for round in 0..800 {
+        let mut document = match round % 4 {
+            0 => interface_case(),
+            1 => specimen.clone(),
+            _ => full.clone(),
+        };
         for _ in 0..=random.below(3) {
             random.mutate(&mut document);
         }

@@ -1,7 +1,7 @@
 //! The shipped laws and the shipped cases.
 
 use super::super::plugin::NORMAL_PENALTY;
-use super::super::read;
+use super::super::{Case, read};
 use super::{Bench, point_case, schema_accepts};
 use crate::path::program::{Kind, Program};
 use serde_json::{Value, json};
@@ -17,7 +17,7 @@ fn bond(props: Value) -> Value {
 }
 
 fn accepted(case: &Value) -> Program {
-    Bench::new().read(case, &[]).unwrap_or_else(|errors| panic!("{errors}"))
+    Bench::new().read_point(case, &[]).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 fn refused(case: &Value) -> (u8, String) {
@@ -109,6 +109,18 @@ fn case_files(folder: &Path) -> Vec<PathBuf> {
     files
 }
 
+/// The plugins that a case names, wherever it does.
+fn plugins(document: &Value) -> Vec<&str> {
+    match document {
+        Value::Object(members) => {
+            let own = members.get("plugin").and_then(Value::as_str);
+            own.into_iter().chain(members.values().flat_map(plugins)).collect()
+        }
+        Value::Array(elements) => elements.iter().flat_map(plugins).collect(),
+        _ => Vec::new(),
+    }
+}
+
 #[test]
 fn the_shipped_cases_are_read() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../cases");
@@ -117,18 +129,20 @@ fn the_shipped_cases_are_read() {
     for file in case_files(&folder) {
         let text = std::fs::read_to_string(&file).expect("a case file");
         let document: Value = serde_json::from_str(&text).expect("JSON");
-        let plugin = document["material"]["plugin"].as_str().unwrap_or_default();
-        if Found::by_name(plugin, &paths).is_none() {
+        if plugins(&document).iter().any(|plugin| Found::by_name(plugin, &paths).is_none()) {
             continue;
         }
         assert!(schema_accepts(&document), "{}", file.display());
         match read(&file, &[], &[]) {
-            Ok(program) => {
-                let steps = match &program.kind {
-                    Kind::Point(point) => point.steps.len(),
-                    Kind::Interface(interface) => interface.steps.len(),
+            Ok(case) => {
+                let steps = match &case {
+                    Case::Path(program) => match &program.kind {
+                        Kind::Point(point) => point.steps.len(),
+                        Kind::Interface(interface) => interface.steps.len(),
+                    },
+                    Case::Pullout(program) => program.model.steps.len(),
                 };
-                assert!(steps > 0 && !program.columns().is_empty());
+                assert!(steps > 0 && !case.columns().is_empty());
             }
             Err(errors) => complaints.push_str(&format!("{errors}\n")),
         }

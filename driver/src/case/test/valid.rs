@@ -7,7 +7,7 @@ use serde_json::json;
 
 fn program(case: &serde_json::Value, overrides: &[&str]) -> Program {
     assert!(schema_accepts(&overridden(case, overrides)), "the schema refuses {overrides:?}");
-    Bench::new().read(case, overrides).unwrap_or_else(|errors| panic!("{errors}"))
+    Bench::new().read_point(case, overrides).unwrap_or_else(|errors| panic!("{errors}"))
 }
 
 fn point(program: &Program) -> &PointProgram {

@@ -1,10 +1,14 @@
 //! What was run, in words and tables.
 
+use crate::case::Case;
 use crate::output::number::{rounded, signed};
 use crate::path::program::{
     Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Mode, NormalControl,
-    Plugin, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
+    PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
 };
+use umat_abi::host::Law;
+
+mod specimen;
 
 /// Steps that are told; of more (long cycles) only the number.
 const MOST_STEPS: usize = 40;
@@ -26,10 +30,25 @@ pub struct Account {
     pub settings: Vec<(String, String)>,
     /// PROPS.
     pub parameters: Vec<Parameter>,
+    /// The laws of a specimen's parts and contact pairs, in the order of the summary's plugins; empty for a point.
+    pub laws: Vec<LawAccount>,
     /// The first steps.
     pub steps: Vec<String>,
     /// Steps that `steps` leaves out.
     pub steps_left_out: usize,
+}
+
+/// A law of a specimen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LawAccount {
+    /// What it is of: "part fibre".
+    pub subject: String,
+    /// Its name.
+    pub law: String,
+    /// Its description.
+    pub description: String,
+    /// PROPS.
+    pub parameters: Vec<Parameter>,
 }
 
 /// A line of the table of parameters.
@@ -46,8 +65,16 @@ pub struct Parameter {
 }
 
 impl Account {
-    /// Of a program.
-    pub fn of(program: &Program) -> Self {
+    /// Of a case.
+    pub fn of(case: &Case) -> Self {
+        match case {
+            Case::Path(program) => Self::of_point(program),
+            Case::Pullout(program) => specimen::account(program),
+        }
+    }
+
+    /// Of a material or contact point.
+    pub(super) fn of_point(program: &Program) -> Self {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
         let (mode, mut steps) = match &program.kind {
@@ -64,7 +91,8 @@ impl Account {
             law_description: law.map(|law| law.description.clone()).unwrap_or_default(),
             mode,
             settings: settings(program, &columns),
-            parameters: parameters(&program.plugin),
+            parameters: parameters(program.plugin.law.as_ref(), &program.plugin.props),
+            laws: Vec::new(),
             steps: std::mem::take(&mut steps.0),
             steps_left_out,
         }
@@ -75,8 +103,8 @@ fn tell<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {
     (steps.iter().take(MOST_STEPS).map(step).collect(), steps.len().saturating_sub(MOST_STEPS))
 }
 
-fn parameters(plugin: &Plugin) -> Vec<Parameter> {
-    let law = plugin.law.as_ref();
+/// PROPS with what the metadata say of them.
+fn parameters(law: Option<&Law>, props: &[f64]) -> Vec<Parameter> {
     let described = |index: usize| {
         let parameters = &law?.parameters;
         // a repeating group stands once in the metadata, at the end
@@ -84,12 +112,12 @@ fn parameters(plugin: &Plugin) -> Vec<Parameter> {
         let fixed = parameters.len().saturating_sub(size);
         let repeat = if index < fixed || size == 0 { None } else { Some((index - fixed) / size + 1) };
         let parameter = parameters.get(if repeat.is_some() { fixed + (index - fixed) % size } else { index })?;
-        let choice = parameter.choices.iter().find(|choice| choice.value == plugin.props[index]);
+        let choice = parameter.choices.iter().find(|choice| choice.value == props[index]);
         Some(Parameter {
             name: repeat.map_or(parameter.name.clone(), |repeat| format!("{} {repeat}", parameter.name)),
             value: match choice {
-                Some(choice) => format!("{} ({})", signed(plugin.props[index].to_string()), choice.name),
-                None => exact(plugin.props[index]),
+                Some(choice) => format!("{} ({})", signed(props[index].to_string()), choice.name),
+                None => exact(props[index]),
             },
             unit: parameter.unit.clone(),
             meaning: parameter.doc.clone(),
@@ -97,10 +125,10 @@ fn parameters(plugin: &Plugin) -> Vec<Parameter> {
     };
     let plain = |index: usize| Parameter {
         name: format!("PROPS({})", index + 1),
-        value: exact(plugin.props[index]),
+        value: exact(props[index]),
         ..Parameter::default()
     };
-    (0..plugin.props.len()).map(|index| described(index).unwrap_or_else(|| plain(index))).collect()
+    (0..props.len()).map(|index| described(index).unwrap_or_else(|| plain(index))).collect()
 }
 
 /// All digits, since parameters are what a run is repeated from.

@@ -9,7 +9,7 @@ use std::io;
 use std::path::Path;
 
 mod account;
-pub use account::{Account, Parameter};
+pub use account::{Account, LawAccount, Parameter};
 
 #[cfg(test)]
 mod test;
@@ -78,32 +78,55 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
         h2 { "What was run" }
         table {
             (row("Case", html! { code { (account.case_file) } }))
+            @for plugin in &summary.plugins {
+                (row(&capital(&plugin.subject), html! { (plugin.law) " " (plugin.file.version) br;
+                    code { (plugin.file.path) } br; code { (plugin.file.sha256) } }))
+            }
+            @if summary.plugins.is_empty() {
             (row("Law", html! { (account.law) " " (summary.plugin.version)
                 @if !account.law_description.is_empty() { " – " (account.law_description) } }))
             (row("Plugin", html! { code { (summary.plugin.path) } }))
             (row("SHA-256", html! { code { (summary.plugin.sha256) } }))
+            }
             (row("Mode", html! { (account.mode) }))
             @for (key, value) in &account.settings { (row(key, html! { (value) })) }
             (row("Program", html! { "pullout " (env!("CARGO_PKG_VERSION")) }))
         }
         @if !account.parameters.is_empty() {
             h2 { "Parameters" }
-            div.scroll { table {
-                tr { th { "Name" } th.number { "Value" } th { "Unit" } th { "Meaning" } }
-                @for parameter in &account.parameters {
-                    tr {
-                        td { code { (parameter.name) } }
-                        td.number { (parameter.value) }
-                        td { (parameter.unit) }
-                        td { (parameter.meaning) }
-                    }
-                }
-            } }
+            (table_of(&account.parameters))
+        }
+        @for law in &account.laws {
+            h2 { (capital(&law.subject)) ": " (law.law) }
+            @if !law.description.is_empty() { p { (law.description) } }
+            (table_of(&law.parameters))
         }
         h2 { "Path" }
         ol { @for step in &account.steps { li { (step) } } }
         @if account.steps_left_out > 0 { p { "… and " (account.steps_left_out) " more steps." } }
     }
+}
+
+fn table_of(parameters: &[Parameter]) -> Markup {
+    html! {
+        div.scroll { table {
+            tr { th { "Name" } th.number { "Value" } th { "Unit" } th { "Meaning" } }
+            @for parameter in parameters {
+                tr {
+                    td { code { (parameter.name) } }
+                    td.number { (parameter.value) }
+                    td { (parameter.unit) }
+                    td { (parameter.meaning) }
+                }
+            }
+        } }
+    }
+}
+
+/// With a capital letter, as a row begins.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn comparison(summary: &Summary) -> Markup {

@@ -18,6 +18,7 @@ fn account() -> Account {
             unit: "MPa".into(),
             meaning: "Young's modulus".into(),
         }],
+        laws: vec![],
         steps: vec!["100 increments, time 1: e11 → −0.005".into()],
         steps_left_out: 12,
     }
@@ -146,7 +147,7 @@ fn program() -> Program {
 
 #[test]
 fn a_program_is_told_in_words() {
-    let account = Account::of(&program());
+    let account = Account::of_point(&program());
     let expected = "100 increments, time 1: e11 → −0.005, g12 held; 2 e22 + −0.52 s11 = 3; until |e11| > 0.01";
     assert_eq!(account.steps[0], expected);
     assert_eq!(account.steps[1], "table of 1 row: e11, g12");

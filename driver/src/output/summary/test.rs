@@ -15,6 +15,7 @@ pub(in crate::output) fn summary() -> Summary {
         message: None,
         title: "A <title> & more".into(),
         plugin: PluginFile { path: "plugins/libx.so".into(), version: "0.1.0".into(), sha256: "ab".repeat(32) },
+        plugins: vec![],
         peaks: recorder.peaks(),
         increments: 2,
         iterations: 4,

@@ -1,0 +1,456 @@
+//! Cases of kind "pullout" on a mesh file with two bodies.
+
+use super::malformed::Seen::{ByMeaning, BySchema};
+use super::malformed::{Sample, check};
+use super::{Bench, overridden, schema_accepts};
+use crate::case::Case;
+use crate::pullout::Program;
+use fe_core::kinematics::PlaneModel;
+use fe_core::model::{
+    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, NormalLaw, Quadrature, Skipping, SoftLaw, StepControl, Width,
+};
+use serde_json::{Value, json};
+
+/// Columns and rows of elements of a body, and its box.
+struct Body {
+    columns: usize,
+    rows: usize,
+    low: [f64; 2],
+    high: [f64; 2],
+    first_node: usize,
+}
+
+impl Body {
+    fn node(&self, column: usize, row: usize) -> usize {
+        self.first_node + row * (self.columns + 1) + column
+    }
+
+    fn nodes(&self) -> Vec<[f64; 2]> {
+        let along = |k: usize, part: usize, of: usize| {
+            self.low[k] + (self.high[k] - self.low[k]) * part as f64 / of as f64
+        };
+        (0..=self.rows)
+            .flat_map(|row| (0..=self.columns).map(move |column| (row, column)))
+            .map(|(row, column)| [along(0, column, self.columns), along(1, row, self.rows)])
+            .collect()
+    }
+
+    fn elements(&self) -> Vec<Vec<usize>> {
+        (0..self.rows)
+            .flat_map(|row| (0..self.columns).map(move |column| (row, column)))
+            .map(|(r, c)| vec![self.node(c, r), self.node(c + 1, r), self.node(c + 1, r + 1), self.node(c, r + 1)])
+            .collect()
+    }
+
+    fn column(&self, column: usize) -> Vec<Vec<usize>> {
+        (0..self.rows).map(|row| vec![self.node(column, row), self.node(column, row + 1)]).collect()
+    }
+
+    fn row(&self, row: usize) -> Vec<Vec<usize>> {
+        (0..self.columns).map(|column| vec![self.node(column, row), self.node(column + 1, row)]).collect()
+    }
+}
+
+/// A Gmsh file: a matrix left of x = 0 and a fibre right of it, each 2 mm high, that share no node.
+pub(super) fn two_bodies() -> String {
+    let matrix = Body { columns: 2, rows: 4, low: [-1.0, 0.0], high: [0.0, 2.0], first_node: 1 };
+    let fibre = Body { columns: 1, rows: 4, low: [0.0, 0.0], high: [0.4, 2.0], first_node: 16 };
+    let both = |a: Vec<Vec<usize>>, b: Vec<Vec<usize>>| a.into_iter().chain(b).collect();
+    let groups: Vec<(usize, &str, Vec<Vec<usize>>)> = vec![
+        (2, "matrix", matrix.elements()),
+        (2, "fibre", fibre.elements()),
+        (1, "hole", matrix.column(2)),
+        (1, "surface", fibre.column(0)),
+        (1, "side", matrix.column(0)),
+        (1, "bottom", matrix.row(0)),
+        (1, "grip", fibre.row(4)),
+        (1, "fibre_bottom", fibre.row(0)),
+        (1, "pieces", both(matrix.row(0), matrix.row(4))),
+        (1, "ring", both(both(fibre.column(0), fibre.column(1)), both(fibre.row(0), fibre.row(4)))),
+        (0, "exit", vec![vec![fibre.node(0, 4)]]),
+        (0, "tail", vec![vec![fibre.node(0, 0)]]),
+    ];
+    let nodes: Vec<[f64; 2]> = matrix.nodes().into_iter().chain(fibre.nodes()).collect();
+    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", groups.len());
+    for (tag, (dimension, name, _)) in groups.iter().enumerate() {
+        text.push_str(&format!("{dimension} {} \"{name}\"\n", tag + 1));
+    }
+    text.push_str(&format!("$EndPhysicalNames\n$Nodes\n{}\n", nodes.len()));
+    for (k, [x, y]) in nodes.iter().enumerate() {
+        text.push_str(&format!("{} {x} {y} 0\n", k + 1));
+    }
+    let elements: Vec<(usize, usize, &Vec<usize>)> = groups
+        .iter()
+        .enumerate()
+        .flat_map(|(tag, (dimension, _, elements))| elements.iter().map(move |nodes| (*dimension, tag + 1, nodes)))
+        .collect();
+    text.push_str(&format!("$EndNodes\n$Elements\n{}\n", elements.len()));
+    for (k, (dimension, tag, nodes)) in elements.iter().enumerate() {
+        // 15: a point, 1: a line, 3: a quadrilateral
+        let kind = [15, 1, 3][*dimension];
+        let nodes: Vec<String> = nodes.iter().map(ToString::to_string).collect();
+        text.push_str(&format!("{} {kind} 2 {tag} {tag} {}\n", k + 1, nodes.join(" ")));
+    }
+    text.push_str("$EndElements\n");
+    text
+}
+
+/// The fibre is pulled up along the matrix.
+pub(super) fn pullout_case() -> Value {
+    json!({
+        "kind": "pullout",
+        "mesh": { "file": "two.msh" },
+        "parts": {
+            "matrix": { "material": { "plugin": "linear_elastic", "props": { "E": 23700, "nu": 0.15 } } },
+            "fibre": {
+                "material": { "plugin": "linear_elastic", "props": { "E": 210e3, "nu": 0.3 } },
+                "model": "plane_stress",
+                "thickness": 0.3
+            }
+        },
+        "contact": {
+            "slave": "hole",
+            "master": "surface",
+            "law": { "plugin": "bond_slip", "props": { "normal_law": "hard" } },
+            "width": 0.6
+        },
+        "grip": { "direction": "y", "nodes": "grip" },
+        "supports": { "side": {} },
+        "measure": { "exit": "exit", "tail": [0, 0] },
+        "steps": [ { "slip": 0.1 } ]
+    })
+}
+
+fn accepted(case: &Value, overrides: &[&str]) -> Program {
+    assert!(schema_accepts(&overridden(case, overrides)), "the schema refuses {overrides:?}");
+    match Bench::new().read(case, overrides) {
+        Ok(Case::Pullout(program)) => *program,
+        Ok(Case::Path(_)) => panic!("a case of a specimen"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+fn program(overrides: &[&str]) -> Program {
+    accepted(&pullout_case(), overrides)
+}
+
+#[test]
+fn a_file_and_its_groups_become_a_model() {
+    let program = program(&[]);
+    let model = &program.model;
+    let mesh = &model.mesh;
+    assert_eq!((program.mesh.as_str(), mesh.elements().len(), mesh.nodes().len()), ("file two.msh", 12, 25));
+    let parts: Vec<_> = mesh.parts().iter().map(|p| (p.name.as_str(), p.model, p.thickness)).collect();
+    assert_eq!(parts, [("fibre", PlaneModel::PlaneStress, 0.3), ("matrix", PlaneModel::PlaneStrain, 1.0)]);
+    assert_eq!(model.laws.iter().map(|law| law.props[0]).collect::<Vec<_>>(), [210e3, 23700.0]);
+    let [pair] = &model.contacts[..] else { panic!("one pair") };
+    assert_eq!((pair.name.as_str(), pair.slave.len(), pair.master.len()), ("contact 1", 4, 4));
+    assert_eq!((pair.width, pair.quadrature), (Width::Given(0.6), Quadrature::Gauss { points: 2 }));
+    assert_eq!(pair.enforcement, Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 });
+    assert!(matches!(&pair.law, ContactLaw::Uinter(law) if law.props[3] == 0.0), "the penalty is the pair's to fill");
+    assert_eq!(model.drives, ["slip"]);
+    let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.nodes.len(), s.direction, s.drive)).collect();
+    assert_eq!(
+        supports,
+        [
+            ("grip", 2, [0.0, 1.0], Some(0)),
+            ("grip, lateral", 2, [-1.0, 0.0], None),
+            ("side", 5, [1.0, 0.0], None),
+            ("side", 5, [0.0, 1.0], None)
+        ]
+    );
+    let measured = &model.measured;
+    assert_eq!((measured.slip, measured.support, measured.direction), (Some(0), Some(0), [0.0, 1.0]));
+    assert_eq!(measured.exit_node.map(|node| mesh.nodes()[node]), Some([0.0, 2.0]));
+    assert_eq!(model.steps[0].targets, [Some(0.1)]);
+    assert_eq!(model.steps[0].control, StepControl::Automatic { initial: 1e-3, maximum: 0.02, minimum: 1e-8 });
+    assert_eq!((model.skipping, model.nlgeom), (Skipping::ALL, false));
+    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+}
+
+#[test]
+fn edges_of_a_chain_follow_each_other() {
+    let model = program(&[]).model;
+    for chain in [&model.contacts[0].slave, &model.contacts[0].master] {
+        let nodes: Vec<[usize; 2]> = chain
+            .iter()
+            .map(|&edge| model.mesh.edge_nodes(edge))
+            .map(|edge| [edge.nodes()[0], edge.nodes()[1]])
+            .collect();
+        assert!(nodes.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{nodes:?}");
+    }
+}
+
+#[test]
+fn steps_drives_and_cycles() {
+    let program = program(&[
+        "supports.base={\"nodes\": \"bottom\", \"direction\": [0, 2], \"drive\": \"lift\"}",
+        "loads={\"side\": {\"pressure\": 5}, \"own\": {\"nodes\": \"tail\", \"force\": [1, 2], \"drive\": \"lift\"}}",
+        "steps=[{\"repeat\": 2, \"steps\": [{\"slip\": 0.1, \"increments\": 7}, {\"slip\": 0, \"time\": 3}]}, \
+         {\"drives\": {\"side\": 2, \"lift\": 0.5}, \"increments\": {\"initial\": 0.1}, \
+         \"until\": {\"quantity\": \"load\", \"less_than\": -1}}]",
+        "until={\"quantity\": \"abs(slip_exit)\", \"greater_than\": 1}",
+        "grip.lateral=free",
+    ]);
+    let model = &program.model;
+    assert_eq!(model.drives, ["slip", "lift", "side"]);
+    let targets: Vec<_> = model.steps.iter().map(|step| step.targets.clone()).collect();
+    let (pulled, back) = (vec![Some(0.1), None, None], vec![Some(0.0), None, None]);
+    assert_eq!(targets, [pulled.clone(), back.clone(), pulled, back, vec![None, Some(0.5), Some(2.0)]]);
+    assert_eq!(model.steps[0].control, StepControl::Fixed { increments: 7 });
+    assert_eq!(model.steps[4].control, StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-8 });
+    assert_eq!(model.steps[1].time, 3.0);
+    let until = program.step_untils[4].as_ref().expect("until");
+    assert_eq!((program.columns()[until.column].as_str(), until.less_than), ("load", Some(-1.0)));
+    assert!(program.until.as_ref().is_some_and(|until| until.absolute && until.column == 6));
+    let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.direction, s.drive)).collect();
+    assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
+    let pressure = model.loads.iter().find(|load| load.name == "side").expect("the load");
+    assert!(matches!(&pressure.kind, LoadKind::Pressure { edges, pressure } if edges.len() == 4 && *pressure == 5.0));
+    assert!(model.loads.iter().any(|load| load.drive == 1 && matches!(load.kind, LoadKind::Force { force: [1.0, 2.0], .. })));
+}
+
+#[test]
+fn contact_in_all_its_forms() {
+    let pairs = |overrides: &[&str]| program(overrides).model.contacts;
+    let fric = pairs(&["contact.law.entry=fric", "contact.normal={\"hard\": {\"p_0\": 3, \"delta_N\": 0.1}}"]);
+    let law = NormalLaw::Hard(HardLaw { p_0: 3.0, delta_n: 0.1 });
+    assert!(matches!(&fric[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
+    let soft = pairs(&["contact.law.entry=fric", "contact.normal={\"soft\": {\"p_0\": 2, \"g_0\": 0.05}}"]);
+    let law = NormalLaw::Soft(SoftLaw { p_0: 2.0, g_0: 0.05 });
+    assert!(matches!(&soft[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
+    let other = pairs(&[
+        "contact.quadrature={\"segments\": 3}",
+        "contact.width=part",
+        "contact.penalty_factor=7",
+        "contact.enforcement={\"perturbed_lagrangian\": {\"ratio\": 2e4}}",
+        "contact.release=false",
+        "contact.name=seam",
+    ]);
+    assert_eq!((other[0].quadrature, other[0].width), (Quadrature::Segments { points: 3 }, Width::OfPart));
+    assert_eq!((other[0].penalty_factor, other[0].release, other[0].name.as_str()), (7.0, false, "seam"));
+    assert_eq!(other[0].enforcement, Enforcement::PerturbedLagrangian { ratio: 2e4 });
+    let penalty = pairs(&["contact.enforcement=penalty", "contact.quadrature=nodes"]);
+    assert_eq!((penalty[0].enforcement, penalty[0].quadrature), (Enforcement::Penalty, Quadrature::Nodes));
+    let mut case = pullout_case();
+    case["contact"] = json!([case["contact"].clone()]);
+    assert_eq!(accepted(&case, &[]).model.contacts.len(), 1);
+    case.as_object_mut().expect("an object").remove("contact");
+    assert!(accepted(&case, &[]).model.contacts.is_empty());
+}
+
+#[test]
+fn controls_skipping_and_output() {
+    let program = program(&[
+        "controls={\"force_tolerance\": 1e-8, \"max_iterations\": 9, \"line_search\": false, \"viscosity\": 2}",
+        "skip={\"elastic_far_field\": false}",
+        "output={\"every\": 5, \"vtu\": 3, \"plots\": false}",
+        "nlgeom=true",
+    ]);
+    let controls = program.model.controls;
+    assert_eq!((controls.force_tolerance, controls.max_iterations, controls.line_search), (1e-8, 9, false));
+    assert_eq!((controls.viscosity, controls.max_cutbacks), (2.0, 30));
+    assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
+    assert_eq!((program.output.every, program.output.fields_every, program.output.plots), (5, Some(3), false));
+    assert!(program.model.nlgeom);
+    let program = self::program(&["skip=none", "output.vtu=false"]);
+    assert_eq!((program.model.skipping, program.output.fields_every), (Skipping::NONE, None));
+}
+
+#[test]
+fn couplings_by_terms_and_ties() {
+    let program = program(&[
+        "couplings=[{\"dependent\": {\"node\": [0.4, 2], \"component\": \"x\"}, \
+         \"terms\": [{\"node\": \"exit\", \"component\": \"y\", \"factor\": -2}]}, \
+         {\"tie\": \"surface\", \"to\": \"hole\"}]",
+    ]);
+    let model = &program.model;
+    let exit = model.mesh.node_set("exit").expect("the set")[0];
+    assert_eq!(model.mesh.nodes()[model.couplings[0].dependent.node], [0.4, 2.0]);
+    assert_eq!(model.couplings[0].terms, [(Freedom { node: exit, component: 1 }, -2.0)]);
+    // five nodes at the places of five others, two directions
+    assert_eq!(model.couplings.len(), 1 + 10);
+    for coupling in &model.couplings[1..] {
+        let own = model.mesh.nodes()[coupling.dependent.node];
+        let place = coupling.terms.iter().fold([0.0; 2], |[x, y], (freedom, weight)| {
+            let node = model.mesh.nodes()[freedom.node];
+            [x + weight * node[0], y + weight * node[1]]
+        });
+        assert!((own[0] - place[0]).hypot(own[1] - place[1]) < 1e-12, "{own:?} {place:?}");
+    }
+}
+
+#[test]
+fn a_drive_that_nothing_moves_is_told() {
+    let program = program(&["loads={\"side\": {\"pressure\": 1}}"]);
+    assert_eq!(program.warnings, ["loads.side: no step moves the drive 'side': it stays 0"]);
+}
+
+#[test]
+fn a_crack_band_is_judged_by_the_elements_of_its_part() {
+    let mut case = pullout_case();
+    let props = json!({ "E": 23700, "nu": 0.15, "f_t": 3.0, "f_c": 34.8 });
+    case["parts"]["matrix"]["material"] = json!({ "plugin": "concrete_damage", "props": props });
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(text.is_empty() || !text.contains("characteristic_length"), "{text}");
+}
+
+const MALFORMED: &[Sample] = &[
+    // structure
+    (&["mesh=5"], "$.mesh", "expected an object, found 5", BySchema),
+    (&["mesh={}"], "$.mesh", "is missing", BySchema),
+    (&["mesh={\"file\": 3}"], "$.mesh.file", "expected a text, found 3", BySchema),
+    (&["mesh={\"fiel\": \"two.msh\"}"], "$.mesh.fiel", "nearest valid name: 'file'", BySchema),
+    (&["part=1"], "$.part", "unknown key; nearest valid name: 'parts'", BySchema),
+    (&["parts=[]"], "$.parts", "expected an object, found []", BySchema),
+    (&["parts.fibre.material=null"], "$.parts.fibre.material", "expected an object", BySchema),
+    (&["parts.fibre={}"], "$.parts.fibre.material", "is missing", BySchema),
+    (&["parts.fibre.model=3d"], "$.parts.fibre.model", "expected \"plane_stress\"", BySchema),
+    (&["parts.fibre.thickness=-1"], "$.parts.fibre.thickness", "must be > 0", BySchema),
+    (&["parts.fibre.thickness=thick"], "$.parts.fibre.thickness", "expected a number", BySchema),
+    (&["parts.fibre.integration=half"], "$.parts.fibre.integration", "\"full\"", BySchema),
+    (&["contact=7"], "$.contact", "expected an object or an array", BySchema),
+    (&["contact.lwa={}"], "$.contact.lwa", "unknown key", BySchema),
+    (&["contact={\"slave\": \"hole\", \"master\": \"surface\"}"], "$.contact.law", "is missing", BySchema),
+    (&["contact.quadrature={\"gauss\": 11}"], "$.contact.quadrature.gauss", "must be <= 10", BySchema),
+    (&["contact.width=0"], "$.contact.width", "must be > 0", BySchema),
+    (&["contact.enforcement=glue"], "$.contact.enforcement", "\"penalty\"", BySchema),
+    (&["contact.penalty_factor=0"], "$.contact.penalty_factor", "must be > 0", BySchema),
+    (&["grip.lateral=loose"], "$.grip.lateral", "expected \"fixed\" or \"free\"", BySchema),
+    (&["grip.direction=z"], "$.grip.direction", "\"x\" or \"y\"", BySchema),
+    (&["grip.direction=[1]"], "$.grip.direction", "needs at least 2 entries", BySchema),
+    (&["supports.side.direction=5"], "$.supports.side.direction", "found 5", BySchema),
+    (&["steps.0.slip=far"], "$.steps[0].slip", "expected a number, found \"far\"", BySchema),
+    (&["steps.0.slpi=1"], "$.steps[0].slpi", "unknown key; nearest valid name: 'slip'", BySchema),
+    (&["steps.0.increments=0"], "$.steps[0].increments", "must be >= 1", BySchema),
+    (&["steps.0.increments={\"initial\": 2}"], "$.steps[0].increments.initial", "must be <= 1", BySchema),
+    (&["steps.0.increments={\"intial\": 0.1}"], "$.steps[0].increments.intial", "nearest valid name: 'initial'", BySchema),
+    (&["controls={\"force_tolerance\": 0}"], "$.controls.force_tolerance", "must be > 0", BySchema),
+    (&["controls={\"viscosity\": -1}"], "$.controls.viscosity", "must be >= 0", BySchema),
+    (&["skip=some"], "$.skip", "\"all\" or \"none\"", BySchema),
+    (&["skip={\"far_field\": true}"], "$.skip.far_field", "unknown key", BySchema),
+    (&["output.vtu=often"], "$.output.vtu", "expected true or false or a whole number", BySchema),
+    (&["couplings=[{\"tei\": \"a\", \"to\": \"b\"}]"], "$.couplings[0].tei", "nearest valid name: 'tie'", BySchema),
+    // mesh and sets
+    (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot read the file", ByMeaning),
+    (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
+    (
+        &["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"],
+        "$.mesh.file",
+        "matrix",
+        ByMeaning,
+    ),
+    (&["grip.nodes=girp"], "$.grip.nodes", "no node set 'girp'; nearest valid name: 'grip'", ByMeaning),
+    (&["grip={}"], "$.grip.nodes", "is missing", ByMeaning),
+    (&["grip={}"], "$.grip.direction", "is missing", ByMeaning),
+    (&["grip.direction=[0, 0]"], "$.grip.direction", "[0, 0] has no direction", ByMeaning),
+    (&["supports=sides"], "$.supports", "the mesh has no supports of its own", ByMeaning),
+    (&["supports={\"sied\": {}}"], "$.supports.sied", "nearest valid name: 'side'", ByMeaning),
+    (&["supports.side.nodes=sied"], "$.supports.side.nodes", "nearest valid name: 'side'", ByMeaning),
+    (&["supports.side.drive=lift"], "$.supports.side.direction", "is missing: a drive moves", ByMeaning),
+    (&["supports.grip={}"], "$.supports.grip", "this name is taken", ByMeaning),
+    (&["contact.slave=hoel"], "$.contact.slave", "no edge set 'hoel'; nearest valid name: 'hole'", ByMeaning),
+    (&["contact.master=tail"], "$.contact.master", "the mesh has no edge set 'tail'", ByMeaning),
+    (&["contact.slave=pieces"], "$.contact.slave", "its edges are 2 pieces", ByMeaning),
+    (&["contact.master=ring"], "$.contact.master", "a closed ring", ByMeaning),
+    (&["contact.master=hole"], "$.contact.master", "the slave has as well", ByMeaning),
+    (&["measure.exit=side"], "$.measure.exit", "has 5 nodes; one is needed", ByMeaning),
+    (&["measure.tail=[9, 9]"], "$.measure.tail", "no node is at (9, 9)", ByMeaning),
+    (&["measure.load=bottom"], "$.measure.load", "there is no support 'bottom'", ByMeaning),
+    (&["measure.slip=lift"], "$.measure.slip", "has the drive 'lift'", ByMeaning),
+    // laws
+    (&["parts.fibre.material.props.E=0"], "$.parts.fibre.material.props.E", "must be > 0", ByMeaning),
+    (&["parts.fibre.material.entry=uinter"], "$.parts.fibre.material.entry", "a part calls the entry point umat", ByMeaning),
+    (&["parts.fibre.material.statev0=[0, 0]"], "$.parts.fibre.material.statev0", "start from 0", ByMeaning),
+    (
+        &["parts.fibre.material={\"plugin\": \"bond_slip\"}"],
+        "$.parts.fibre.material.plugin",
+        "has no UMAT: it is a law of contact",
+        ByMeaning,
+    ),
+    (
+        &["contact.law={\"plugin\": \"linear_elastic\"}"],
+        "$.contact.law.plugin",
+        "has no UINTER: it is a law of a part",
+        ByMeaning,
+    ),
+    (&["contact.law.entry=umat"], "$.contact.law.entry", "uinter or fric", ByMeaning),
+    (&["contact.law.props.mu=-1"], "$.contact.law.props.mu", "must be >= 0", ByMeaning),
+    (&["contact.law.entry=fric"], "$.contact.normal", "is missing: FRIC has no normal law", ByMeaning),
+    (&["contact.normal={\"hard\": {}}"], "$.contact.normal", "a UINTER plugin has the normal law", ByMeaning),
+    (&["parts.fibre.thickness=equal_area"], "$.parts.fibre.thickness", "the mesh has no round fibre", ByMeaning),
+    // loads, couplings, steps
+    (&["loads={\"side\": {}}"], "$.loads.side", "needs exactly one of", ByMeaning),
+    (&["loads={\"side\": {\"pressure\": 1, \"force\": [1, 0]}}"], "$.loads.side", "needs exactly one of", ByMeaning),
+    (&["loads={\"exit\": {\"pressure\": 1}}"], "$.loads.exit", "the mesh has no edge set 'exit'", ByMeaning),
+    (
+        &["loads={\"a\": {\"pressure\": 1, \"nodes\": \"side\"}}"],
+        "$.loads.a.nodes",
+        "name the set as \"edges\"",
+        ByMeaning,
+    ),
+    (&["couplings=[{\"tie\": \"side\", \"to\": \"hole\"}]"], "$.couplings[0]", "beside the edges of 'hole'", ByMeaning),
+    (
+        &["couplings=[{\"dependent\": {\"node\": \"exit\", \"component\": \"x\"}, \
+           \"terms\": [{\"node\": \"exit\", \"component\": \"x\"}]}]"],
+        "$.couplings[0].terms[0]",
+        "cannot follow itself",
+        ByMeaning,
+    ),
+    (&["steps.0.drives={\"lift\": 1}"], "$.steps[0].drives.lift", "has the drive 'lift'", ByMeaning),
+    (&["steps.0.drives={\"slip\": 1}"], "$.steps[0].drives.slip", "given twice", ByMeaning),
+    (
+        &["steps.0.increments={\"initial\": 0.1, \"maximum\": 0.01}"],
+        "$.steps[0].increments.initial",
+        "0.1 is greater than the maximum, 0.01",
+        ByMeaning,
+    ),
+    (
+        &["steps.0.increments={\"initial\": 0.001, \"minimum\": 0.01}"],
+        "$.steps[0].increments.minimum",
+        "greater than the initial increment",
+        ByMeaning,
+    ),
+    (&["steps.0.until={\"quantity\": \"laod\", \"less_than\": 1}"], "$.steps[0].until.quantity", "'load'", ByMeaning),
+    (&["until={\"quantity\": \"load\"}"], "$.until", "needs \"greater_than\" or \"less_than\"", ByMeaning),
+    (
+        &["compare=[{\"file\": \"curve.csv\", \"file_x\": \"strain\", \"file_y\": \"other\", \"x\": \"slip\", \"y\": \"P\"}]"],
+        "$.compare[0].y",
+        "the history has no column 'P'",
+        ByMeaning,
+    ),
+];
+
+#[test]
+fn malformed_pullout_cases_are_explained() {
+    check(&pullout_case(), MALFORMED);
+}
+
+#[test]
+fn without_a_grip_nothing_slips() {
+    let mut case = pullout_case();
+    case.as_object_mut().expect("an object").remove("grip");
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(text.contains("$.steps[0].slip: nothing is pulled"), "{text}");
+    case["steps"] = json!([{ "drives": { "lift": 1 } }]);
+    case["supports"]["bottom"] = json!({ "direction": "y", "drive": "lift" });
+    case["measure"] = json!({ "slip": "lift", "load": "bottom" });
+    let measured = accepted(&case, &[]).model.measured;
+    assert_eq!((measured.slip, measured.direction), (Some(0), [0.0, 1.0]));
+}
+
+#[test]
+fn all_problems_of_a_specimen_are_reported_at_once() {
+    let overrides = [
+        "grip.nodes=nowhere",
+        "contact.slave=nothing",
+        "parts.fibre.material.props.E=-1",
+        "parts.matrix.material.plugin=bond_slip",
+        "steps.0.drives={\"x\": 1}",
+        "output.every=0",
+        "colour=red",
+    ];
+    let errors = Bench::new().read(&pullout_case(), &overrides).expect_err("malformed");
+    assert_eq!(errors.problems.len(), 9, "{errors}");
+    assert_eq!(errors.exit_code(), 2);
+}
