@@ -188,7 +188,10 @@ impl<'m> Analysis<'m> {
     fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
         let trial = Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.total_time);
-        Findings { load: self.measured_load(&trial)[0].abs(), slip_growth: contact.largest_slip_growth() }
+        Findings {
+            load: self.measured_load(&trial)[0].abs(),
+            slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
+        }
     }
 
     /// The load and the lateral load, N.
@@ -235,7 +238,7 @@ impl<'m> Analysis<'m> {
             energies: self.energies,
             energy_error: if reference > 0.0 { self.energies.imbalance() / reference } else { 0.0 },
             counts: self.equilibrium.counts(),
-            greatest_pressure: self.equilibrium.contact.greatest_pressure(),
+            greatest_pressure: snapshot.greatest_pressure(),
             cutbacks,
             iterations,
         }

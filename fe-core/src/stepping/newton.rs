@@ -70,6 +70,7 @@ pub(super) struct Equilibrium<'m> {
     pub(super) system: System,
     zone: Zone,
     internal: Vec<f64>,
+    contact_forces: Vec<f64>,
     external: Vec<f64>,
     residual: Vec<f64>,
     blocks: Blocks,
@@ -124,6 +125,7 @@ impl<'m> Equilibrium<'m> {
             system,
             zone,
             internal: vec![0.0; freedoms],
+            contact_forces: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             residual: Vec::new(),
             blocks: Blocks::default(),
@@ -218,7 +220,7 @@ impl<'m> Equilibrium<'m> {
     /// The last attempt becomes the committed state.
     pub(super) fn commit(&mut self, end: &Committed) {
         self.solids.commit(&end.displacements);
-        self.contact.commit(&end.displacements);
+        self.contact.commit();
         self.at_committed_state = true;
     }
 
@@ -322,7 +324,7 @@ impl<'m> Equilibrium<'m> {
         let held = |freedom: usize| equations.equations_of(freedom).is_empty();
         let reactions = self.internal.iter().zip(&self.external).enumerate();
         let reaction = reactions.filter(|(f, _)| held(*f)).map(|(_, (i, e))| (i - e).abs()).fold(0.0, f64::max);
-        let scale = reaction.max(largest(&self.external)).max(self.contact.largest_force());
+        let scale = reaction.max(largest(&self.external)).max(largest(&self.contact_forces));
         self.greatest_scale = self.greatest_scale.max(scale);
         scale.max(LEAST_RELATIVE_SCALE * self.greatest_scale)
     }
@@ -343,7 +345,10 @@ impl<'m> Equilibrium<'m> {
         if self.has_tangents {
             self.blocks.clear();
         }
-        self.contact.evaluate(&trial.displacements, &context, request, &mut self.internal, &mut self.blocks)?;
+        self.contact_forces.fill(0.0);
+        let Self { contact, contact_forces, blocks, .. } = self;
+        contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)?;
+        self.internal.iter_mut().zip(&self.contact_forces).for_each(|(sum, force)| *sum += force);
         self.external.fill(0.0);
         for load in &self.model.loads {
             let factor = trial.drives[load.drive];

@@ -28,7 +28,7 @@ pub struct Record {
     pub energy_error: f64,
     /// Counts of material points and contact points.
     pub counts: Counts,
-    /// Greatest pressure on the master's projected width, MPa: the traction over the bearing area.
+    /// The greatest pressure of a contact point, MPa.
     pub greatest_pressure: f64,
     /// Attempts given up before it.
     pub cutbacks: u32,

@@ -72,6 +72,11 @@ impl<'a> Snapshot<'a> {
         self.contact
     }
 
+    /// The greatest pressure of a contact point, MPa; 0 without contact.
+    pub fn greatest_pressure(&self) -> f64 {
+        self.contact.points().map(|point| point.pressure).fold(0.0, f64::max)
+    }
+
     /// Displacement of a node along a direction, mm.
     pub fn displacement_of(&self, node: usize, direction: [f64; 2]) -> f64 {
         let u = &self.committed.displacements;

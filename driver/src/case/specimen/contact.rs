@@ -105,6 +105,7 @@ fn one_pair(
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.to_owned()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
+        critical_slip: 0.0,
         name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
         slave,
         master,

@@ -147,7 +147,8 @@ fn axial_symmetry_and_all_quadratures() {
             let scene = Scene::rows(kind, parabola, model);
             for quadrature in [Gauss { points: 3 }, Nodes, Segments { points: 2 }] {
                 for width in [Width::OfPart, Width::Given(3.0)] {
-                    let pair = ContactPair { quadrature, width, penalty_factor: 3.0, ..of(&scene, uinter(&[("mu", 0.2)])) };
+                    let pair =
+                        ContactPair { quadrature, width, penalty_factor: 3.0, ..of(&scene, uinter(&[("mu", 0.2)])) };
                     check(&scene, pair.clone(), &[[0.3, -0.03]]);
                 }
             }
