@@ -2,9 +2,12 @@
 //! that is found once.
 
 mod block;
+pub mod loads;
+pub mod solids;
 mod trouble;
 
 pub use block::Blocks;
+pub use solids::Solids;
 pub use trouble::{Place, Trouble};
 
 /// The increment over which points are asked to advance.
