@@ -1,4 +1,4 @@
-#![doc = include_str!("perpendicular_fibre.md")]
+//! A fibre perpendicular to the face that it is pulled out of.
 
 use std::f64::consts::PI;
 
@@ -15,7 +15,8 @@ pub const NEAR_CLEARANCE: f64 = 2.0;
 /// Support (c) holds so much of the exit face, mm, from each side.
 pub const AWAY_LENGTH: f64 = 3.0;
 
-/// A fibre perpendicular to its exit face: a round one in a block; the default is the specimen of chapters 6 and 7.
+/// A round fibre in a block, perpendicular to its exit face, for [`perpendicular_fibre`]. The default is the specimen of
+/// chapters 6 and 7.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PerpendicularFibre {
     /// Plane or axisymmetric.
@@ -158,7 +159,7 @@ impl Default for PerpendicularFibre {
     }
 }
 
-/// Makes the specimen; see this module's page for its shape, its sets and its axes.
+#[doc = include_str!("perpendicular_fibre.md")]
 ///
 /// # Errors
 ///
@@ -371,14 +372,7 @@ struct Lines {
 impl Lines {
     fn new(parameters: &PerpendicularFibre) -> Result<Self, SpecimenError> {
         let (matrix_x, middle_columns) = matrix_x(parameters)?;
-        let radius = 0.5 * parameters.fibre_diameter;
-        let across = Grading::Uniform { count: parameters.mesh.elements_across };
-        let fibre_x = if parameters.is_axisymmetric() {
-            across.positions(radius)
-        } else {
-            across.positions(2.0 * radius).map(|x| x.into_iter().map(|x| x - radius).collect())
-        }
-        .map_err(SpecimenError::along("elements across the fibre"))?;
+        let fibre_x = fibre_x(parameters)?;
         let masters = embedded_depths(parameters)?;
         let slaves = subdivided(&masters, parameters.mesh.slave_edges_per_master);
         let (gap, ligament) = depths_below(parameters, &slaves)?;
@@ -396,27 +390,44 @@ impl Lines {
     }
 }
 
+/// Across the fibre; the mirror image of itself to the bit where it has a node on the axis.
+fn fibre_x(parameters: &PerpendicularFibre) -> Result<Vec<f64>, SpecimenError> {
+    let (radius, count) = (0.5 * parameters.fibre_diameter, parameters.mesh.elements_across);
+    let uniform = |count, length| {
+        Grading::Uniform { count }.positions(length).map_err(SpecimenError::along("mesh.elements_across"))
+    };
+    Ok(if parameters.is_axisymmetric() {
+        uniform(count, radius)?
+    } else if count.is_multiple_of(2) {
+        with_mirror_image(&uniform(count / 2, radius)?)
+    } else {
+        uniform(count, 2.0 * radius)?.into_iter().map(|x| x - radius).collect()
+    })
+}
+
+/// Positions from 0 on, and the same to the left of 0.
+fn with_mirror_image(positions: &[f64]) -> Vec<f64> {
+    positions[1..].iter().rev().map(|x| -x).chain(positions.iter().copied()).collect()
+}
+
 /// Across the matrix, and the columns that lie below the fibre.
 fn matrix_x(parameters: &PerpendicularFibre) -> Result<(Vec<f64>, std::ops::Range<usize>), SpecimenError> {
     let radius = 0.5 * parameters.fibre_diameter;
     let mesh = &parameters.mesh;
     let right = capped_through(&parameters.stops(), mesh.interface_size, mesh.growth, mesh.largest_size)
         .map_err(SpecimenError::along("mesh sizes across the matrix"))?;
-    let middle_width = if parameters.is_axisymmetric() { radius } else { 2.0 * radius };
-    // Not coarser than beside the hole, nor than the fibre.
-    let count = ((middle_width / mesh.interface_size).ceil() as usize).max(mesh.elements_across);
-    let middle = Grading::Uniform { count }
-        .positions(middle_width)
+    // Below the fibre not coarser than beside the hole, nor than the fibre.
+    let across = if parameters.is_axisymmetric() { mesh.elements_across } else { mesh.elements_across.div_ceil(2) };
+    let count = ((radius / mesh.interface_size).ceil() as usize).max(across);
+    let mut half = Grading::Uniform { count }
+        .positions(radius)
         .map_err(SpecimenError::along("mesh.interface_size below the fibre"))?;
-    let inner = &middle[1..count];
+    half.extend(&right[1..]);
     if parameters.is_axisymmetric() {
-        let x = [&[0.0], inner, &right].concat();
-        return Ok((x, 0..count));
+        return Ok((half, 0..count));
     }
-    let left: Vec<f64> = right.iter().rev().map(|x| -x).collect();
-    let inner: Vec<f64> = inner.iter().map(|x| x - radius).collect();
-    let start = left.len() - 1;
-    Ok(([left, inner, right].concat(), start..start + count))
+    let start = right.len() - 1;
+    Ok((with_mirror_image(&half), start..start + 2 * count))
 }
 
 /// Depths of the fibre's nodes below the exit face, from 0 to the embedded length.
@@ -449,12 +460,11 @@ fn depths_below(parameters: &PerpendicularFibre, slaves: &[f64]) -> Result<(Vec<
         let length = end - start;
         let first = size.min(length / least);
         let sizes = Grading::Capped { first, growth: mesh.growth, largest: mesh.largest_size.min(length / least) };
-        let mut depths: Vec<f64> = sizes
-            .positions(length)
-            .map_err(SpecimenError::along("mesh sizes below the fibre"))?[1..]
-            .iter()
-            .map(|depth| start + depth)
-            .collect();
+        let mut depths: Vec<f64> =
+            sizes.positions(length).map_err(SpecimenError::along("mesh sizes below the fibre"))?[1..]
+                .iter()
+                .map(|depth| start + depth)
+                .collect();
         // Exactly, whatever start + length rounds to.
         depths.pop();
         depths.push(end);
@@ -536,8 +546,7 @@ fn name_supports_of_face(mesh: &mut StructuredMesh, parameters: &PerpendicularFi
                 let stops = parameters.stops().into_iter();
                 let reach = stops.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(limit);
                 let face = matrix.side_nodes(Side::Top);
-                let nodes: Vec<usize> =
-                    face.into_iter().filter(|&node| mesh.nodes()[node][0].abs() >= reach).collect();
+                let nodes: Vec<usize> = face.into_iter().filter(|&node| mesh.nodes()[node][0].abs() >= reach).collect();
                 mesh.node_set(name, nodes);
             }
             None => missing.push(format!("the block is too narrow for the support '{name}'")),
