@@ -136,17 +136,13 @@ impl Kinematics {
             point.slip_gradient[freedom] = by_coordinate * point.second.coordinate[freedom];
         }
         let along = dot(tangent, bend);
-        point.second.slip = [by_coordinate / denominator, by_coordinate_twice - 3.0 * along * by_coordinate / denominator];
+        point.second.slip =
+            [by_coordinate / denominator, by_coordinate_twice - 3.0 * along * by_coordinate / denominator];
         Ok(point)
     }
 
     /// Nodes, positions and A; the rest is 0.
-    fn over(
-        slave: &SlavePoint,
-        master: &[usize],
-        values: &[f64; 3],
-        position: &impl Fn(usize) -> [f64; 2],
-    ) -> Self {
+    fn over(slave: &SlavePoint, master: &[usize], values: &[f64; 3], position: &impl Fn(usize) -> [f64; 2]) -> Self {
         let zero = [0.0; MAX_FREEDOMS];
         let mut nodes = [0; MAX_NODES];
         let mut arm = [0.0; MAX_NODES];
@@ -159,8 +155,16 @@ impl Kinematics {
             let x = position(node);
             foot = [foot[0] + values[k] * x[0], foot[1] + values[k] * x[1]];
         }
-        let second =
-            Second { arm, turn: [0.0; MAX_NODES], a: zero, b: zero, c: zero, coordinate: zero, gap: [0.0; 3], slip: [0.0; 2] };
+        let second = Second {
+            arm,
+            turn: [0.0; MAX_NODES],
+            a: zero,
+            b: zero,
+            c: zero,
+            coordinate: zero,
+            gap: [0.0; 3],
+            slip: [0.0; 2],
+        };
         Self {
             count: slave.count + master.len(),
             nodes,

@@ -118,12 +118,7 @@ impl Contact {
     ///
     /// # Panics
     /// If `moduli` does not hold one for each part.
-    pub fn new(
-        mesh: &Mesh,
-        pairs: &[ContactPair],
-        moduli: &[f64],
-        contact_search: bool,
-    ) -> Result<Self, ContactError> {
+    pub fn new(mesh: &Mesh, pairs: &[ContactPair], moduli: &[f64], contact_search: bool) -> Result<Self, ContactError> {
         assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
         let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
         let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
@@ -173,7 +168,7 @@ impl Contact {
         Ok(all)
     }
 
-    /// Whether all blocks of the last evaluation are symmetric to the last bit.
+    /// Whether all blocks of the last evaluation with tangents are symmetric to the last bit.
     pub fn symmetric(&self) -> bool {
         self.pairs.iter().all(|pair| pair.symmetric)
     }

@@ -54,7 +54,7 @@ pub(super) struct Pair {
     pub trial: History,
     /// Of the last evaluation; `None`: never evaluated, or released.
     pub kinematics: Vec<Option<Kinematics>>,
-    /// Whether all blocks of the last evaluation were symmetric.
+    /// Whether all blocks of the last evaluation that made any were symmetric.
     pub symmetric: bool,
     release: bool,
     search: bool,
@@ -117,7 +117,8 @@ impl Pair {
             Width::OfPart => point.edge_length,
         };
         let (gap, allowed) = (kinematics.gap, INITIAL_GAP * width);
-        let too_large = || ContactError::InitialGap { pair: pair.name.clone(), point: index, position: at, gap, allowed };
+        let too_large =
+            || ContactError::InitialGap { pair: pair.name.clone(), point: index, position: at, gap, allowed };
         let is_fault = gap.abs() <= allowed;
         if !is_fault && gap < 0.0 {
             return Err(too_large());
@@ -141,10 +142,12 @@ impl Pair {
     /// Whether the law would carry tension or shear at a small gap and slip.
     fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ContactError> {
         let start = PointState::new(self.committed.points[index].foot, 1.0);
-        let context = IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
+        let context =
+            IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
         let virgin = vec![0.0; self.state_count];
         let situation = situation(&self.points[index], kinematics, index, [length, length], &start, &virgin, &context);
-        let refused = |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
+        let refused =
+            |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
         self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
     }
 
@@ -174,7 +177,7 @@ impl Pair {
         blocks: &mut Blocks,
     ) -> Result<Evaluation, Trouble> {
         let mut evaluation = Evaluation::default();
-        self.symmetric = true;
+        self.symmetric |= request.wants_tangent();
         for index in 0..self.points.len() {
             if self.committed.points[index].status == PointStatus::Released {
                 self.kinematics[index] = None;
@@ -253,8 +256,7 @@ impl Pair {
             statev.copy_from_slice(start_statev);
             return Ok(([[0.0; 2]; 2], 0.0));
         }
-        let situation =
-            situation(&points[index], kinematics, index, [end.gap, end.slip], start, start_statev, context);
+        let situation = situation(&points[index], kinematics, index, [end.gap, end.slip], start, start_statev, context);
         Ok((law.advance(&situation, end, statev)?, weight_slope))
     }
 
@@ -354,7 +356,9 @@ fn check_numbers(pair: &ContactPair) -> Result<(), ContactError> {
     match pair.enforcement {
         Enforcement::Penalty => {}
         Enforcement::Uzawa { tolerance, .. } => check("the gap tolerance", tolerance, positive(tolerance), "positive")?,
-        Enforcement::PerturbedLagrangian { ratio } => check("ε'/ε_N", ratio, ratio >= 1e4 && ratio.is_finite(), "at least 1e4")?,
+        Enforcement::PerturbedLagrangian { ratio } => {
+            check("ε'/ε_N", ratio, ratio >= 1e4 && ratio.is_finite(), "at least 1e4")?
+        }
     }
     match &pair.law {
         ContactLaw::Fric { normal: NormalLaw::Hard(law), .. } => {

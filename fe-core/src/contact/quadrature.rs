@@ -115,7 +115,11 @@ impl SlaveEdge {
 ///
 /// # Errors
 /// No slave edges, or a number of points that is not possible.
-pub(super) fn contact_points(mesh: &Mesh, pair: &ContactPair, master: &Chain) -> Result<Vec<ContactPoint>, ContactError> {
+pub(super) fn contact_points(
+    mesh: &Mesh,
+    pair: &ContactPair,
+    master: &Chain,
+) -> Result<Vec<ContactPoint>, ContactError> {
     if pair.slave.is_empty() {
         return Err(ContactError::NoSlave { pair: pair.name.clone() });
     }

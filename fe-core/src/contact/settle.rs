@@ -73,7 +73,10 @@ fn open_worst(pairs: &mut [Pair]) -> usize {
 /// The largest |g_N| of held points, and its point.
 fn worst_gap(pair: &Pair) -> (f64, usize) {
     let held = pair.trial.points.iter().enumerate().filter(|(_, state)| state.held);
-    held.fold((0.0, 0), |worst, (point, state)| if state.gap.abs() > worst.0 { (state.gap.abs(), point) } else { worst })
+    held.fold(
+        (0.0, 0),
+        |worst, (point, state)| if state.gap.abs() > worst.0 { (state.gap.abs(), point) } else { worst },
+    )
 }
 
 /// λ ← p of held points, and of those that were held and are capped or open now.

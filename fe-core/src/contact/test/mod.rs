@@ -11,9 +11,7 @@ use crate::assembly::{Blocks, IncrementContext};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
-use crate::model::{
-    ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width,
-};
+use crate::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use std::collections::HashMap;
 use umat_abi::law::Request;
 
