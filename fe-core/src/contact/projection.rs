@@ -33,7 +33,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     /// The foot near another one: a walk along the chain, edge by edge. `None` if it is not found near there.
     pub fn near(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
         let (mut edge, mut from, mut came) = (last.edge, last.coordinate.clamp(-1.0, 1.0), 0);
-        for _ in 0..LONGEST_WALK.max(2) {
+        for _ in 0..LONGEST_WALK {
             let side = match self.on_edge(point, edge, from) {
                 OnEdge::Inside(coordinate) => return Some(Foot { edge, coordinate, corner: false }),
                 OnEdge::Before => -1,

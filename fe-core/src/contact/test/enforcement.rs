@@ -82,7 +82,7 @@ fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
     let displacements = scene.moved(1, |[x, _]| [0.0, 0.01 * x]);
     forces(&mut contact, &displacements);
     let over = contact.points().filter(|point| point.pressure < -4.0).count();
-    assert!(over >= 20 && over < 30, "{over}");
+    assert!((20..30).contains(&over), "{over}");
     let settlement = contact.settle();
     assert_eq!((settlement.opened, settlement.again), (2, true));
     forces(&mut contact, &displacements);

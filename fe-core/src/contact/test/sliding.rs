@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::assembly::Place;
+use crate::contact::law::PointLaw;
 use crate::element::ElementKind::{Q4, Q8};
 
 #[test]
@@ -10,7 +11,7 @@ fn a_walk_finds_what_a_full_search_finds() {
         let scene = Scene::rows(kind, parabola, PlaneModel::PlaneStrain);
         let pair = scene.pair(uinter(&[("mu", 0.2)]));
         let mut contacts =
-            [true, false].map(|walk| Contact::new(&scene.mesh, &[pair.clone()], &[86.0; 2], walk).unwrap());
+            [true, false].map(|walk| Contact::new(&scene.mesh, std::slice::from_ref(&pair), &[86.0; 2], walk).unwrap());
         for step in 0..60 {
             let displacements = scene.shaken([0.05 * f64::from(step) - 0.5, -0.02], 0.01);
             let [walked, searched] = contacts.each_mut().map(|contact| {
@@ -168,4 +169,138 @@ fn displacements_that_are_none_are_trouble_with_a_place() {
         contact.evaluate(&displacements, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap_err();
     assert!(matches!(&trouble.place, Place::Contact { pair, point: 0, .. } if pair == "fibre"), "{trouble}");
     assert_eq!(trouble.fraction, Some(0.5));
+}
+
+#[test]
+fn slip_towards_the_masters_start_counts_as_well() {
+    let scene = Scene::straight(Q4);
+    for direction in [1.0, -1.0] {
+        let mut contact = scene.contact(scene.pair(uinter(&[])));
+        for slide in [0.1, 0.2] {
+            forces(&mut contact, &scene.moved(1, |_| [direction * slide, 0.0]));
+            assert!((contact.mean_slip() - slide).abs() < 1e-13);
+            contact.commit();
+        }
+    }
+}
+
+/// A block that goes round a disc twice: the arc length goes on growing, the gap comes back.
+#[test]
+fn a_closed_master_is_gone_round_and_round() {
+    let half = 0.5_f64.sqrt();
+    let mesh = Mesh::new(MeshDefinition {
+        nodes: vec![
+            [-half, -half],
+            [half, -half],
+            [half, half],
+            [-half, half],
+            [0.0, -1.0],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [-1.0, 0.0],
+            [-0.1, 1.05],
+            [0.1, 1.05],
+            [0.1, 1.2],
+            [-0.1, 1.2],
+        ],
+        parts: vec![Part::new("disc", PlaneModel::PlaneStrain, 1.0), Part::new("block", PlaneModel::PlaneStrain, 1.0)],
+        elements: vec![
+            ElementDefinition { kind: Q8, part: 0, nodes: (0..8).collect() },
+            ElementDefinition { kind: Q4, part: 1, nodes: (8..12).collect() },
+        ],
+        ..MeshDefinition::default()
+    })
+    .unwrap();
+    let master: Vec<_> = (0..4).map(|edge| ElementEdge { element: 0, edge }).collect();
+    let slave = vec![ElementEdge { element: 1, edge: 0 }];
+    let scene = Scene { mesh, master, slave };
+    let law = uinter(&[("law", 2.0), ("mu", 0.3)]);
+    for walk in [true, false] {
+        let mut contact = Contact::new(&scene.mesh, &[scene.pair(law.clone())], &[86.0; 2], walk).unwrap();
+        let mut turned = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            let turn = |[x, y]: [f64; 2]| [cosine * x - sine * y - x, sine * x + cosine * y - y];
+            forces(&mut contact, &scene.moved(1, turn));
+            contact.commit();
+            contact.points().map(|point| (point.gap, point.slip)).collect::<Vec<_>>()
+        };
+        let start = turned(0.0);
+        let mut last = start.clone();
+        // The edges run counter-clockwise; their length is that of four parabolas on the circle.
+        let mut length = None;
+        for step in 1..=80 {
+            last = turned(std::f64::consts::TAU * f64::from(step) / 40.0);
+            length = if step == 40 { Some(last[0].1 - start[0].1) } else { length };
+        }
+        let length = length.unwrap();
+        assert!((length / std::f64::consts::TAU - 1.0).abs() < 0.01, "{length}");
+        for (now, before) in last.iter().zip(&start) {
+            assert!((now.0 - before.0).abs() < 1e-12 && (now.1 - before.1 - 2.0 * length).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_plugin_that_asks_for_less_is_trouble_with_its_fraction() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(scene.pair(uinter(&[])));
+    // The pressure overflows, the plugin refuses.
+    let displacements = scene.moved(1, |_| [0.0, -1e307]);
+    let mut forces = vec![0.0; displacements.len()];
+    let trouble =
+        contact.evaluate(&displacements, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap_err();
+    assert!(trouble.reason.contains("PNEWDT"), "{trouble}");
+    assert_eq!(trouble.fraction, Some(0.5));
+    contact.restore();
+    let back = vec![0.0; displacements.len()];
+    contact.evaluate(&back, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap();
+}
+
+/// What the plugin of the last point was told.
+#[test]
+fn uinter_and_fric_get_their_arguments() {
+    let scene = Scene::straight(Q4);
+    let context =
+        IncrementContext { step: 2, increment: 3, iteration: 4, step_time: 0.5, total_time: 1.5, time_increment: 0.25 };
+    for law in [uinter(&[]), hard(1000.0, 0.1, &[])] {
+        let mut contact = scene.contact(scene.pair(law));
+        let go = |contact: &mut Contact, movement: [f64; 2]| {
+            let displacements = scene.moved(1, |_| movement);
+            let (mut forces, mut blocks) = (vec![0.0; displacements.len()], Blocks::default());
+            contact.evaluate(&displacements, &context, Request::Stress, &mut forces, &mut blocks).unwrap();
+        };
+        go(&mut contact, [0.3, -0.01]);
+        contact.commit();
+        go(&mut contact, [0.4, -0.03]);
+        let close = |found: &[f64], wanted: &[f64]| {
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} for {wanted:?}");
+        };
+        // The last of six points: the second Gauss point of the third of three edges on 1.5 … 4.1.
+        let edge = 2.6 / 3.0;
+        let x = 4.1 - 0.5 * edge * (1.0 - 1.0 / 3.0_f64.sqrt()) + 0.4;
+        let penalty = contact.pairs[0].penalty;
+        match &contact.pairs[0].law {
+            PointLaw::Uinter { call, .. } => {
+                // The master runs towards −x.
+                close(&call.rdisp, &[0.03, -0.4, 0.0]);
+                close(&call.drdisp, &[0.02, -0.1, 0.0]);
+                close(&call.time, &[0.75, 1.75]);
+                close(&call.coords, &[x, -0.03, 0.0]);
+                close(&call.local_directions, &[0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+                close(&[call.dtime, call.area, call.chrlngth], &[0.25, 0.5 * edge * 30.0, edge]);
+                assert_eq!((call.counters, call.node), ([2, 3, 4], 6));
+            }
+            PointLaw::Fric { call, .. } => {
+                close(&call.dgam, &[-0.1, 0.0]);
+                close(&call.pressure, &[0.03 * penalty, 0.02 * penalty]);
+                close(&call.time, &[0.75, 1.75]);
+                close(&call.coords, &[x, -0.03, 0.0]);
+                close(&call.rcoord, &[x, 0.0, 0.0]);
+                close(&[call.dtime, call.chrlngth], &[0.25, edge]);
+                close(&call.slip[..1], &[contact.pairs[0].committed.points[5].inelastic_slip]);
+                assert!(call.slip[0] < -0.1, "softening: most of the slip of 0.3 was inelastic");
+                assert_eq!((call.counters, call.node), ([2, 3], 6));
+            }
+        }
+    }
 }
