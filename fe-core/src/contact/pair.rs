@@ -190,10 +190,11 @@ impl Pair {
         }
         let (count, freedoms) = (kinematics.freedom_count(), kinematics.freedoms());
         let area = self.points[index].area;
-        // −∂g/∂x and ∂s/∂x: penetration and slip by positions
+        // What p pushes; penetration and slip by positions.
+        let pushed = kinematics.pull.map(|entry| -entry);
         let pressing = kinematics.gap_gradient.map(|entry| -entry);
         let sliding = &kinematics.slip_gradient;
-        let force: [f64; MAX_FREEDOMS] = std::array::from_fn(|i| area * (pressure * pressing[i] + shear * sliding[i]));
+        let force: [f64; MAX_FREEDOMS] = std::array::from_fn(|i| area * (pressure * pushed[i] + shear * sliding[i]));
         for i in 0..count {
             output.forces[freedoms[i]] += weight * force[i];
         }
@@ -204,8 +205,8 @@ impl Pair {
         let mut block = [0.0; MAX_FREEDOMS * MAX_FREEDOMS];
         for i in 0..count {
             for j in 0..count {
-                let even = c_pp * (pressing[i] * pressing[j]) + c_ss * (sliding[i] * sliding[j]);
-                let coupled = c_ps * pressing[i] * sliding[j] + c_sp * sliding[i] * pressing[j];
+                let even = c_pp * (pushed[i] * pressing[j]) + c_ss * (sliding[i] * sliding[j]);
+                let coupled = c_ps * pushed[i] * sliding[j] + c_sp * sliding[i] * pressing[j];
                 let geometric = kinematics.second_derivative(-pressure, shear, i, j);
                 block[i * count + j] =
                     area * weight * (even + coupled + geometric) + weight_slope * force[i] * sliding[j];
