@@ -9,6 +9,11 @@ const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;
 
+/// Newton without a bracket.
+const FEW_ITERATIONS: usize = 5;
+/// Of ξ: its square is rounding.
+const SMALL_STEP: f64 = 1e-9;
+
 /// What the nearest place of an edge is.
 enum OnEdge {
     Inside(f64),
@@ -101,6 +106,9 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
 
     /// The foot on one edge, near ξ = `from` if there are several.
     fn on_edge(&self, point: [f64; 2], edge: i64, from: f64) -> OnEdge {
+        if let Some(coordinate) = self.close_by(point, edge, from) {
+            return OnEdge::Inside(coordinate);
+        }
         let sign = |coordinate: f64| {
             let Slope { value, stretch_squared, .. } = self.slope(point, edge, coordinate);
             if value.abs() <= ROUNDING * stretch_squared { 0.0 } else { value }
@@ -120,6 +128,24 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
             (false, false) if middle > 0.0 || (middle == 0.0 && from > 0.0) => OnEdge::After,
             (false, false) => OnEdge::Before,
         }
+    }
+
+    /// The foot on one edge by a few steps of Newton alone, which do where the last foot was near.
+    fn close_by(&self, point: [f64; 2], edge: i64, from: f64) -> Option<f64> {
+        let mut at = from;
+        for _ in 0..FEW_ITERATIONS {
+            let Slope { value, derivative, .. } = self.slope(point, edge, at);
+            let step = -value / derivative;
+            at += step;
+            if derivative >= 0.0 || step.abs() > 1.0 || at.abs() >= 1.0 {
+                return None;
+            }
+            // The next step would be of the order of this one's square.
+            if step.abs() <= SMALL_STEP {
+                return Some(at);
+            }
+        }
+        None
     }
 
     /// Newton between a place where d·m > 0 and one where it is < 0; half an edge at most in one iteration, and
