@@ -150,9 +150,8 @@ impl PictureMesh {
     pub fn suggested_magnification(&self) -> f64 {
         let lengths = self.displacements.iter().map(|u| u[0].hypot(u[1])).filter(|length| length.is_finite());
         let largest = lengths.fold(0.0, f64::max);
-        let side = Window::around(&self.nodes).map_or(0.0, |window| {
-            (window.x.end - window.x.start).max(window.y.end - window.y.start)
-        });
+        let side = Window::around(&self.nodes)
+            .map_or(0.0, |window| (window.x.end - window.x.start).max(window.y.end - window.y.start));
         let wanted = side / (20.0 * largest);
         if !(wanted > 1.0 && wanted < 1e12) {
             return 1.0;
@@ -229,8 +228,13 @@ pub fn deformed_mesh(picture: &FieldPicture<'_>) -> Result<String, PictureError>
     let view = picture.view(&positions)?;
     let mut seen = vec![false; mesh.parts.len()];
     Surface::new(mesh, positions.clone(), &view).elements().for_each(|element| seen[element.part] = true);
-    let names: Vec<(usize, &str)> =
-        mesh.parts.iter().enumerate().filter(|(part, _)| seen[*part]).map(|(part, name)| (part, name.as_str())).collect();
+    let names: Vec<(usize, &str)> = mesh
+        .parts
+        .iter()
+        .enumerate()
+        .filter(|(part, _)| seen[*part])
+        .map(|(part, name)| (part, name.as_str()))
+        .collect();
     if names.is_empty() {
         return Err(PictureError::Nothing);
     }

@@ -11,7 +11,8 @@ pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
     type Value = fn(&ContactPoint) -> f64;
     let shear: Value = |point| point.shear_traction;
     let pressure: Value = |point| point.pressure;
-    let quantities = [("interface_shear", "bond traction", shear), ("interface_pressure", "contact pressure", pressure)];
+    let quantities =
+        [("interface_shear", "bond traction", shear), ("interface_pressure", "contact pressure", pressure)];
     let figure = |(name, label, value): (&str, &str, Value)| Figure {
         name: name.into(),
         title: title.into(),

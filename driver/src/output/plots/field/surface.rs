@@ -60,8 +60,7 @@ impl<'a> Surface<'a> {
     /// The union of some elements.
     pub fn area(&self, wanted: impl Fn(&PictureElement) -> bool) -> String {
         let mut region = Region::default();
-        for (element, places, lattice) in self.subdivided().filter(|(element, ..)| wanted(element)) {
-            let _ = element;
+        for (_, places, lattice) in self.subdivided().filter(|(element, ..)| wanted(element)) {
             region.add(&lattice.outline.iter().map(|&index| places[index]).collect::<Vec<_>>());
         }
         region.path()
@@ -146,7 +145,8 @@ fn corners<'p>(element: &'p PictureElement, positions: &'p [[f64; 2]]) -> impl I
 /// The larger side of an element's bounding box, mm.
 fn extent(element: &PictureElement, positions: &[[f64; 2]]) -> f64 {
     let side = |k: usize| {
-        let range = corners(element, positions).fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
+        let range = corners(element, positions)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), p| (a.min(p[k]), b.max(p[k])));
         range.1 - range.0
     };
     side(0).max(side(1))
@@ -198,8 +198,11 @@ impl Lattice {
             let between = move |a: usize, b: usize, k: usize| (a * (count - k) + b * k) / count;
             (0..count).map(move |k| (between(from.0, to.0, k), between(from.1, to.1, k)))
         };
-        let corners: &[(usize, usize)] =
-            if triangular { &[(0, 0), (count, 0), (0, count)] } else { &[(0, 0), (count, 0), (count, count), (0, count)] };
+        let corners: &[(usize, usize)] = if triangular {
+            &[(0, 0), (count, 0), (0, count)]
+        } else {
+            &[(0, 0), (count, 0), (count, count), (0, count)]
+        };
         let next = corners.iter().cycle().skip(1);
         let outline = corners.iter().zip(next).flat_map(|(&from, &to)| along(from, to));
         let outline = outline.map(|place| index_of[&place]).collect();
