@@ -23,7 +23,13 @@ impl Principal {
         let in_plane = [mean + radius, mean - radius];
         let mut ordered = [in_plane[0], in_plane[1], s33];
         if ordered.iter().any(|value| value.is_nan()) {
-            return Self { maximum: f64::NAN, middle: f64::NAN, minimum: f64::NAN, in_plane: [f64::NAN; 2], angle: f64::NAN };
+            return Self {
+                maximum: f64::NAN,
+                middle: f64::NAN,
+                minimum: f64::NAN,
+                in_plane: [f64::NAN; 2],
+                angle: f64::NAN,
+            };
         }
         ordered.sort_unstable_by(f64::total_cmp);
         let [minimum, middle, maximum] = ordered;
