@@ -77,7 +77,7 @@ fn contours_have_a_colour_for_each_band_and_a_bar_from_least_to_greatest() {
     let levels = levels.between.iter().filter(inside).map(|level| format!("{level}").replace('-', "−"));
     for expected in levels
         .chain(ends)
-        .chain(["Ring & <more>", "deformed, to scale", "x[mm]", "y[mm]", "σmax[MPa]"].map(String::from))
+        .chain(["Ring & <more>", "deformed, to scale", "x [mm]", "y [mm]", "σmax[MPa]"].map(String::from))
     {
         assert!(texts.contains(&expected), "{expected} in {texts:?}");
     }
