@@ -15,8 +15,10 @@ mod boundary;
 mod chain;
 mod contact;
 mod couplings;
+mod generated;
 mod mesh;
 mod parts;
+mod preflight;
 mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
@@ -62,6 +64,9 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         controls,
         skipping,
     };
+    if reader.problems.is_empty() {
+        preflight::check(reader, &model);
+    }
     Some(Program {
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
