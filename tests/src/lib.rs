@@ -1,6 +1,7 @@
 //! What the end-to-end tests share: where the plugins are, sample laws, one material point's memory as a
 //! host would own it, random strain paths, and the compilers of other languages.
 
+pub mod analytical;
 mod memory;
 mod path;
 mod sample;

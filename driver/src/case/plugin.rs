@@ -155,7 +155,8 @@ pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
 /// Whether the law has the entry point and the mode.
 fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use) -> bool {
     let of_specimen = purpose.subject == Subject::Specimen;
-    let solid = if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
+    let solid =
+        if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
     let contact =
         if of_specimen { "it is a law of contact" } else { "it is a law of a contact point; use kind \"interface\"" };
     let (bit, what, advice) = match purpose.entry {

@@ -219,7 +219,9 @@ fn warnings(case: &Case) -> Vec<String> {
     let mut warnings = case.warnings().to_vec();
     let libraries: Vec<(&str, &Library)> = match case {
         Case::Path(program) => vec![(&program.plugin.name, &program.plugin.library)],
-        Case::Pullout(program) => program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect(),
+        Case::Pullout(program) => {
+            program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect()
+        }
     };
     for (name, _) in libraries.iter().filter(|(_, library)| library.changes_floating_point()) {
         warnings.push(format!(

@@ -2,9 +2,19 @@
 //! that is found once.
 
 mod block;
+mod equations;
+mod far_field;
+pub mod loads;
+pub mod solids;
+mod system;
 mod trouble;
 
 pub use block::Blocks;
+pub use equations::{ConstraintError, Equations};
+pub use far_field::{may_be_condensed, touching};
+pub use loads::loaded_freedoms;
+pub use solids::{Solids, SolidsError};
+pub use system::{Condensation, ElementStiffness, System};
 pub use trouble::{Place, Trouble};
 
 /// The increment over which points are asked to advance.

@@ -1,1 +1,310 @@
-//! Contact between two chains of edges: kinematics, laws, enforcement.
+#![doc = include_str!("doc.md")]
+
+mod chain;
+mod error;
+mod history;
+mod kinematics;
+mod law;
+mod normal;
+mod pair;
+mod projection;
+mod quadrature;
+mod settle;
+
+pub use error::ContactError;
+pub use history::PointStatus;
+pub use pair::Evaluation;
+pub use settle::Settlement;
+
+use crate::assembly::{Blocks, IncrementContext, Trouble};
+use crate::mesh::Mesh;
+use crate::model::{ContactPair, Freedom};
+use pair::Pair;
+use umat_abi::law::Request;
+
+#[cfg(test)]
+mod test;
+
+/// The contact pairs of a model with the history of their points.
+#[derive(Debug)]
+pub struct Contact {
+    reference: Vec<[f64; 2]>,
+    pairs: Vec<Pair>,
+    freedoms: Vec<usize>,
+    /// Multiplier updates of the increment so far.
+    updates: usize,
+}
+
+/// How many points do what.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Holding without dissipation.
+    pub sticking: usize,
+    /// Sliding, or with a bond that is being spent.
+    pub slipping: usize,
+    /// Without traction.
+    pub open: usize,
+    /// Past an end of the master, for good.
+    pub released: usize,
+}
+
+/// Energies since the start, N·mm: work = stored + dissipated + opening + released but for the trapezoids' error.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Work of the tractions on gap and slip, by trapezoids.
+    pub work: f64,
+    /// What the plugins say is stored (SED) in what is left of the areas.
+    pub plugin_stored: f64,
+    /// What the plugins say is dissipated (SFD, SPD, SVD, SCD).
+    pub plugin_dissipated: f64,
+    /// Stored in the host's normal law.
+    pub normal_stored: f64,
+    /// Lost by opening under the host's normal law.
+    pub opening: f64,
+    /// Stored energy lost at the ends of masters.
+    pub released: f64,
+}
+
+/// A contact point for output, as of the last evaluation.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointRecord<'a> {
+    /// Name of the pair.
+    pub pair: &'a str,
+    /// Index of the point in the pair.
+    pub point: usize,
+    /// Present position, mm; `None`: not evaluated, or released.
+    pub position: Option<[f64; 2]>,
+    /// Reference arc length along the slave edges in their order, mm.
+    pub coordinate: f64,
+    /// g_N, mm, > 0 open; what a faceted mesh had at the start is subtracted.
+    pub gap: f64,
+    /// p, MPa, > 0 compression.
+    pub pressure: f64,
+    /// g, mm, along the master.
+    pub slip: f64,
+    /// τ, MPa: resists the slip.
+    pub shear: f64,
+    /// A_con, mm², of the reference configuration.
+    pub area: f64,
+    /// w: the part of the area that is still over the master.
+    pub weight: f64,
+    /// What it does.
+    pub status: PointStatus,
+    /// Whether the host's tension cap was passed.
+    pub latched: bool,
+    /// STATEV.
+    pub statev: &'a [f64],
+}
+
+/// The point whose slip grows most for its history.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlipGrowth {
+    /// Index of its pair.
+    pub pair: usize,
+    /// Index in the pair.
+    pub point: usize,
+    /// |Δg| of the increment, mm.
+    pub growth: f64,
+    /// |Δg| / max(g_crit, κ/2), κ the largest |g| at the start; 0 where both are 0.
+    pub ratio: f64,
+}
+
+impl Contact {
+    /// The pairs of a mesh without displacements. `moduli`: an elastic modulus of each part, MPa, for the penalty.
+    /// `contact_search`: whether feet are looked for from the last ones.
+    ///
+    /// # Errors
+    /// What [`ContactError`] lists, of the first pair that has a fault.
+    ///
+    /// # Panics
+    /// If `moduli` does not hold one for each part.
+    pub fn new(mesh: &Mesh, pairs: &[ContactPair], moduli: &[f64], contact_search: bool) -> Result<Self, ContactError> {
+        assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
+        let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
+        let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
+        let mut freedoms: Vec<usize> =
+            nodes.flat_map(|node| [0, 1].map(|component| Freedom { node, component }.index())).collect();
+        freedoms.sort_unstable();
+        freedoms.dedup();
+        let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search));
+        Ok(Self { reference: mesh.nodes().to_vec(), pairs: pairs.collect::<Result<_, _>>()?, freedoms, updates: 0 })
+    }
+
+    /// Indices of all degrees of freedom that contact can touch, ascending.
+    pub fn freedoms(&self) -> &[usize] {
+        &self.freedoms
+    }
+
+    /// ε_N of each pair, MPa/mm.
+    pub fn penalties(&self) -> impl Iterator<Item = f64> {
+        self.pairs.iter().map(|pair| pair.penalty)
+    }
+
+    /// From the committed state to the end displacements (two per node). Adds the internal contact forces to `forces`
+    /// and, if a tangent is wanted, one block for each point that transmits anything to `blocks`.
+    ///
+    /// # Errors
+    /// A plugin wants a smaller increment or failed, or a point lost its master. Forces and blocks are then incomplete.
+    pub fn evaluate(
+        &mut self,
+        displacements: &[f64],
+        context: &IncrementContext,
+        request: Request,
+        forces: &mut [f64],
+        blocks: &mut Blocks,
+    ) -> Result<Evaluation, Trouble> {
+        let Self { reference, pairs, .. } = self;
+        let position = |node: usize| {
+            let [x, y] = reference[node];
+            [x + displacements[2 * node], y + displacements[2 * node + 1]]
+        };
+        let mut all = Evaluation::default();
+        for pair in pairs {
+            let evaluation = pair.evaluate(&position, context, request, forces, blocks)?;
+            all.points += evaluation.points;
+            all.searches += evaluation.searches;
+            all.changes += evaluation.changes;
+        }
+        Ok(all)
+    }
+
+    /// Whether all blocks of the last evaluation are symmetric to the last bit.
+    pub fn symmetric(&self) -> bool {
+        self.pairs.iter().all(|pair| pair.symmetric)
+    }
+
+    /// The increment that was evaluated last is accepted.
+    pub fn commit(&mut self) {
+        for pair in &mut self.pairs {
+            for (index, end) in pair.trial.points.iter_mut().enumerate() {
+                let start = &pair.committed.points[index];
+                if start.status != PointStatus::Released {
+                    end.book(start, pair.points[index].area);
+                }
+            }
+            pair.committed.copy_from(&pair.trial);
+        }
+        self.updates = 0;
+    }
+
+    /// The attempt is given up: back to the committed state.
+    pub fn restore(&mut self) {
+        for pair in &mut self.pairs {
+            pair.trial.copy_from(&pair.committed);
+        }
+        self.updates = 0;
+    }
+
+    /// How many points do what after the last evaluation.
+    pub fn counts(&self) -> Counts {
+        let mut counts = Counts::default();
+        for state in self.pairs.iter().flat_map(|pair| &pair.trial.points) {
+            match state.status {
+                PointStatus::Sticking => counts.sticking += 1,
+                PointStatus::Slipping => counts.slipping += 1,
+                PointStatus::Open => counts.open += 1,
+                PointStatus::Released => counts.released += 1,
+            }
+        }
+        counts
+    }
+
+    /// Energies at the last commit.
+    pub fn energies(&self) -> Energies {
+        let mut sum = Energies::default();
+        for pair in &self.pairs {
+            for (point, state) in pair.points.iter().zip(&pair.committed.points) {
+                sum.work += state.work;
+                sum.plugin_stored += point.area * state.weight * state.plugin_energies[0];
+                sum.plugin_dissipated += state.dissipated;
+                sum.normal_stored += point.area * state.weight * state.normal_energy;
+                sum.opening += state.opening;
+                sum.released += state.released;
+            }
+        }
+        sum
+    }
+
+    /// All points, pair by pair, as of the last evaluation.
+    pub fn points(&self) -> impl Iterator<Item = PointRecord<'_>> {
+        self.pairs.iter().flat_map(|pair| {
+            let count = pair.trial.statev.len() / pair.points.len().max(1);
+            pair.points.iter().zip(&pair.trial.points).enumerate().map(move |(index, (point, state))| PointRecord {
+                pair: &pair.name,
+                point: index,
+                position: pair.kinematics[index].map(|kinematics| kinematics.position),
+                coordinate: point.coordinate,
+                gap: state.gap,
+                pressure: state.pressure,
+                slip: state.slip,
+                shear: state.shear,
+                area: point.area,
+                weight: state.weight,
+                status: state.status,
+                latched: state.normal.latched,
+                statev: &pair.trial.statev[index * count..(index + 1) * count],
+            })
+        })
+    }
+
+    /// The area-weighted mean of the slips, mm, each pair's taken in the direction in which it slid so far: the two
+    /// sides of a fibre run in opposite directions. Released points keep their last slip.
+    pub fn mean_slip(&self) -> f64 {
+        let slips = self.pairs.iter().map(|pair| {
+            let terms = pair.points.iter().zip(&pair.trial.points);
+            sliding_direction(pair) * terms.map(|(point, state)| point.area * state.slip).sum::<f64>()
+        });
+        slips.sum::<f64>() / self.area()
+    }
+
+    /// Adds the derivatives of [`Self::mean_slip`] by all displacements.
+    pub fn add_mean_slip_gradient(&self, row: &mut [f64]) {
+        let total = self.area();
+        for pair in &self.pairs {
+            let direction = sliding_direction(pair);
+            for (point, kinematics) in pair.points.iter().zip(&pair.kinematics) {
+                let Some(kinematics) = kinematics else { continue };
+                let freedoms = kinematics.freedoms();
+                for i in 0..kinematics.freedom_count() {
+                    row[freedoms[i]] += direction * point.area / total * kinematics.slip_gradient[i];
+                }
+            }
+        }
+    }
+
+    /// Contact area of all pairs.
+    fn area(&self) -> f64 {
+        self.pairs.iter().flat_map(|pair| &pair.points).map(|point| point.area).sum()
+    }
+
+    /// The closed point whose slip grows most in the increment that was evaluated last; `None` without such a point.
+    pub fn largest_slip_growth(&self) -> Option<SlipGrowth> {
+        let mut largest: Option<SlipGrowth> = None;
+        for (pair, of_pair) in self.pairs.iter().enumerate() {
+            for (point, (start, end)) in of_pair.committed.points.iter().zip(&of_pair.trial.points).enumerate() {
+                if matches!(end.status, PointStatus::Open | PointStatus::Released) {
+                    continue;
+                }
+                let growth = (end.slip - start.slip).abs();
+                let measure = of_pair.critical_slip.max(0.5 * start.largest_slip);
+                let ratio = if measure > 0.0 { growth / measure } else { 0.0 };
+                if largest.is_none_or(|largest| (ratio, growth) > (largest.ratio, largest.growth)) {
+                    largest = Some(SlipGrowth { pair, point, growth, ratio });
+                }
+            }
+        }
+        largest
+    }
+}
+
+/// ±1: where the points of a pair slid on average, up to the start of the increment if they did.
+fn sliding_direction(pair: &Pair) -> f64 {
+    let slip = |states: &[history::PointState]| -> f64 {
+        pair.points.iter().zip(states).map(|(point, state)| point.area * state.slip).sum()
+    };
+    match slip(&pair.committed.points) {
+        0.0 if slip(&pair.trial.points) < 0.0 => -1.0,
+        committed if committed < 0.0 => -1.0,
+        _ => 1.0,
+    }
+}

@@ -1,5 +1,7 @@
 #![doc = include_str!("doc.md")]
 
+pub mod finite;
+
 use crate::element::{MAX_NODES, MappedPoint};
 
 #[cfg(test)]

@@ -25,6 +25,8 @@ pub struct ContactPair {
     pub enforcement: Enforcement,
     /// Whether a point's contact fades as it passes either end of the master.
     pub release: bool,
+    /// Slip up to which the bond is elastic, mm, which limits increments; 0: unknown.
+    pub critical_slip: f64,
 }
 
 /// Whose law a contact pair follows.
@@ -106,7 +108,7 @@ pub enum Enforcement {
         /// Most updates in an increment.
         max_updates: usize,
     },
-    /// One loop with the multiplier condensed locally: stiffness ε_N ε'/(ε_N + ε') beside a multiplier block −1/ε'.
+    /// One loop with the multiplier of the block −1/ε' condensed locally: stiffness ε_N + ε' ([`crate::contact`]).
     PerturbedLagrangian {
         /// ε'/ε_N, at least 1e4.
         ratio: f64,

@@ -93,6 +93,12 @@ impl PluginLaw {
         let (nstatv, cmname) = (law.states.len(), name.to_uppercase());
         Self { library, law: Some(law), name: name.into(), symbol: None, cmname, props, nstatv }
     }
+
+    /// With these values at the end of PROPS: a repeating group.
+    pub(crate) fn followed_by(mut self, values: &[f64]) -> Self {
+        self.props.extend_from_slice(values);
+        self
+    }
 }
 
 #[cfg(test)]

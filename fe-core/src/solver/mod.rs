@@ -1,1 +1,111 @@
-//! Sparse direct solution with reused symbolic factorisations and checked residuals.
+#![doc = include_str!("doc.md")]
+
+mod analysis;
+mod block_lu;
+mod cholesky;
+mod condensation;
+mod error;
+mod general_lu;
+mod linear;
+mod pattern;
+mod whole;
+mod zone;
+
+pub use condensation::Superelement;
+pub use error::SolverError;
+pub use linear::LinearSolver;
+pub use pattern::{Pattern, SystemMatrix};
+
+#[cfg(test)]
+mod test;
+
+/// Condensation is chosen if it needs fewer operations than this many factorisations LLᵀ of the solids. LU of the
+/// whole takes two of them, and another analysis whenever contact couples new pairs; condensation takes none of that,
+/// and as long as the solids stay as they are only its dense part.
+pub const CONDENSATION_ADVANTAGE: f64 = 4.0;
+
+/// A solution that leaves more of the right side than this is refined: a well-conditioned system leaves 1e-12.
+pub const REFINED_RESIDUAL: f64 = 1e-10;
+
+/// A solution that leaves more of the right side than this is an error: two orders below the usual tolerance on the
+/// residual force.
+pub const ACCEPTED_RESIDUAL: f64 = 1e-8;
+
+/// What rounding alone leaves, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. A soft mode
+/// beside a stiff contact may leave more than the tolerances this way, and no solver leaves less: such a solution is
+/// refined only above this, and accepted up to [`ROUNDING_MARGIN`] times this.
+pub const ROUNDING: f64 = 1e-15;
+
+/// How many times the rounding of a product a solution may leave: it has the rounding of its factors too.
+pub const ROUNDING_MARGIN: f64 = 10.0;
+
+/// The most that may be left in spite of [`ROUNDING`]: one digit, or two, are no solution.
+pub const LARGEST_RESIDUAL: f64 = 1e-4;
+
+/// A pivot of this size, relative to the entry that it is left over from, is rounding: elimination loses about one
+/// unit of 1e-16 in each of the hundreds of updates of an entry.
+const SINGULAR_PIVOT: f64 = 1e-13;
+
+/// A matrix whose norm times that of its inverse is greater than this is singular.
+const LARGEST_GROWTH: f64 = 1.0 / SINGULAR_PIVOT;
+
+/// Entries of a contact block that differ from their mirror images by less than this, relative to its greatest, are
+/// symmetric: a block is a sum of a few products.
+const SYMMETRIC_BLOCK: f64 = 1e-13;
+
+/// Whether the values of the solids are symmetric. Told by whoever computed them, for each factorisation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Symmetry {
+    /// They are, but for rounding: one triangle is read.
+    Symmetric,
+    /// They may not be.
+    Unsymmetric,
+}
+
+/// How a system is factorised; in the order in which they are tried.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Method {
+    /// LLᵀ of the solids with the contact equations last, dense LU of what is condensed onto these.
+    Condensed,
+    /// LLᵀ of the whole.
+    Cholesky,
+    /// LU of the whole, pivoting inside supernodes.
+    BlockLu,
+    /// LU of the whole, full partial pivoting.
+    GeneralLu,
+}
+
+/// What may be chosen about a solver.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct SolverOptions {
+    /// The first method to try wherever it applies; `None`: chosen by the number of operations.
+    pub first_method: Option<Method>,
+}
+
+/// What a factorisation did.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FactorisationReport {
+    /// The method that succeeded.
+    pub method: Method,
+    /// Whether an earlier analysis of the pattern served again.
+    pub symbolic_reused: bool,
+    /// Whether the factor of the solids served again.
+    pub solids_reused: bool,
+    /// How many equations the dense part has.
+    pub dense_equations: usize,
+    /// Multiplications and additions, if the method knows.
+    pub flops: Option<f64>,
+    /// Numbers in the factors, if the method knows.
+    pub factor_entries: Option<usize>,
+    /// Whether the determinant of K is positive, if the method knows: it changes sign in a limit point.
+    pub determinant_positive: Option<bool>,
+}
+
+/// How accurate a solution is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SolveReport {
+    /// What it leaves of the right side: greatest entry against greatest entry.
+    pub relative_residual: f64,
+    /// Whether it was refined.
+    pub refined: bool,
+}

@@ -1,1 +1,249 @@
-//! Increments: Newton, line search, cut-back, indirect control, energies.
+#![doc = include_str!("doc.md")]
+
+mod control;
+mod energy;
+mod error;
+mod newton;
+mod record;
+mod size;
+mod snapshot;
+#[cfg(test)]
+mod test;
+mod zone;
+
+pub use energy::Energies;
+pub use error::{ModelError, RunError};
+pub use newton::Iteration;
+pub use record::{Counts, Directive, Observer, Record};
+pub use snapshot::Snapshot;
+
+use crate::assembly::{Equations, IncrementContext};
+use crate::model::{Model, Step};
+use control::{Advance, Findings, LoadHistory, StepRun};
+use newton::{Committed, Converged, Equilibrium, Target};
+
+/// What a run cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Statistics {
+    /// Increments accepted.
+    pub increments: u64,
+    /// Newton iterations of all attempts.
+    pub iterations: u64,
+    /// Attempts given up.
+    pub cutbacks: u64,
+    /// Rounds of multiplier updates and openings.
+    pub settlements: u64,
+    /// Times that elements left the condensed far field.
+    pub expansions: u64,
+    /// Evaluations of all forces.
+    pub evaluations: u64,
+    /// Factorisations of the whole matrix.
+    pub factorisations: u64,
+    /// Factorisations of the contact part alone.
+    pub block_factorisations: u64,
+    /// Solutions with a factor.
+    pub solutions: u64,
+}
+
+/// A model that is being computed.
+pub struct Analysis<'m> {
+    model: &'m Model,
+    equilibrium: Equilibrium<'m>,
+    committed: Committed,
+    energies: Energies,
+    /// Energies stored by equilibrium at zero drives, which do not count.
+    datum: Energies,
+    statistics: Statistics,
+    total_time: f64,
+    load: LoadHistory,
+    greatest_work: f64,
+}
+
+impl<'m> Analysis<'m> {
+    /// Checks a model and prepares its computation.
+    ///
+    /// # Errors
+    ///
+    /// Everything that would keep it from being computed: laws, constraints, contact.
+    pub fn new(model: &'m Model) -> Result<Self, ModelError> {
+        error::check(model)?;
+        let equations = Equations::new(model)?;
+        let freedoms = equations.freedom_count();
+        let committed = Committed {
+            displacements: vec![0.0; freedoms],
+            drives: vec![0.0; model.drives.len()],
+            reactions: vec![0.0; freedoms],
+            external: vec![0.0; freedoms],
+            mean_slip: 0.0,
+            stabilisation: 0.0,
+        };
+        Ok(Self {
+            model,
+            equilibrium: Equilibrium::new(model, equations)?,
+            committed,
+            energies: Energies::default(),
+            datum: Energies::default(),
+            statistics: Statistics::default(),
+            total_time: 0.0,
+            load: LoadHistory::default(),
+            greatest_work: 0.0,
+        })
+    }
+
+    /// Runs all steps; the observer sees the initial state and every accepted increment.
+    ///
+    /// # Errors
+    ///
+    /// An increment could not be completed, or the observer could not write. What was observed stays valid.
+    pub fn run(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
+        self.find_datum()?;
+        let initial = self.record(0, 0, 0, Vec::new());
+        if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
+            return Ok(());
+        }
+        for (step, number) in self.model.steps.iter().zip(1..) {
+            if self.step(step, number, observer)? == Directive::EndRun {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// What it has cost so far.
+    pub fn statistics(&self) -> Statistics {
+        self.statistics
+    }
+
+    /// The present state.
+    pub fn snapshot(&self) -> Snapshot<'_> {
+        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
+        Snapshot::new(self.model, solids, contact, system.equations(), &self.committed, self.total_time)
+    }
+
+    /// Equilibrium at zero drives: contact that repels at gap 0 finds its place.
+    fn find_datum(&mut self) -> Result<(), RunError> {
+        let target = Target::Drives(self.committed.drives.clone());
+        let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+        let converged = self
+            .equilibrium
+            .attempt(&self.committed, &target, context, &mut self.statistics)
+            .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
+        self.commit(converged, 0.0);
+        self.datum = self.equilibrium.energies(&self.committed);
+        self.energies = Energies::default();
+        self.greatest_work = 0.0;
+        self.statistics.increments = 0;
+        Ok(())
+    }
+
+    /// One step to its end.
+    fn step(&mut self, step: &Step, number: u32, observer: &mut dyn Observer) -> Result<Directive, RunError> {
+        let mut run = StepRun::new(step, &self.committed.drives, self.model);
+        let (mut increment, mut cutbacks, mut step_time) = (0, 0, 0.0);
+        while !run.is_done() {
+            let target = run.target(&self.committed);
+            let context = IncrementContext {
+                step: number,
+                increment: increment + 1,
+                iteration: 1,
+                step_time,
+                total_time: self.total_time,
+                time_increment: run.time_increment(),
+            };
+            let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
+            let has_converged = attempt.is_ok();
+            let judged = attempt.and_then(|converged| {
+                let findings = self.findings(&converged);
+                run.judge(&converged, self.load, findings).map(|()| (converged, findings))
+            });
+            match judged {
+                Ok((converged, findings)) => {
+                    increment += 1;
+                    let iterations = converged.iterations.clone();
+                    let passed = run.accept(&self.committed, &converged, findings, self.load.peaked);
+                    step_time += passed;
+                    self.commit(converged, passed);
+                    let record = self.record(number, increment, cutbacks, iterations);
+                    cutbacks = 0;
+                    match observer.increment(&record, &self.snapshot())? {
+                        Directive::GoOn => {}
+                        end => return Ok(end),
+                    }
+                }
+                Err(trouble) => {
+                    self.equilibrium.restore();
+                    self.statistics.cutbacks += 1;
+                    cutbacks += 1;
+                    if run.reject(&trouble, has_converged) == Advance::Failed {
+                        let progress = run.progress();
+                        return Err(RunError::Failed { step: number, increment: increment + 1, progress, trouble });
+                    }
+                }
+            }
+        }
+        Ok(Directive::GoOn)
+    }
+
+    /// What a converged increment is judged by.
+    fn findings(&self, converged: &Converged) -> Findings {
+        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
+        let trial = Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.total_time);
+        Findings {
+            load: self.measured_load(&trial)[0].abs(),
+            slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
+        }
+    }
+
+    /// The load and the lateral load, N.
+    fn measured_load(&self, snapshot: &Snapshot<'_>) -> [f64; 2] {
+        let [x, y] = self.model.measured.direction;
+        self.model
+            .measured
+            .support
+            .map_or([0.0; 2], |support| [snapshot.reaction_of(support, [x, y]), snapshot.reaction_of(support, [-y, x])])
+    }
+
+    /// Makes a converged increment the present state.
+    fn commit(&mut self, converged: Converged, time: f64) {
+        let end = converged.end;
+        let work = Energies::work_between(self.equilibrium.system.equations(), &self.committed, &end);
+        self.equilibrium.commit(&end);
+        self.committed = end;
+        self.total_time += time;
+        let external_work = self.energies.external_work + work;
+        self.energies = Energies { external_work, ..self.equilibrium.energies(&self.committed).since(&self.datum) };
+        self.greatest_work = self.greatest_work.max(external_work.abs());
+        let load = self.measured_load(&self.snapshot())[0].abs();
+        self.load.peaked |= load < self.load.greatest;
+        self.load.greatest = self.load.greatest.max(load);
+        self.statistics.increments += 1;
+    }
+
+    fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
+        let snapshot = self.snapshot();
+        let measured = &self.model.measured;
+        let [load, load_lateral] = self.measured_load(&snapshot);
+        let along =
+            |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction));
+        let reference = self.energies.external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work);
+        Record {
+            step,
+            increment,
+            time: self.total_time,
+            slip: measured.slip.map_or(0.0, |drive| self.committed.drives[drive]),
+            load,
+            load_lateral,
+            slip_exit: along(measured.exit_node),
+            slip_tail: along(measured.tail_node),
+            energies: self.energies,
+            energy_error: if reference > 0.0 { self.energies.imbalance() / reference } else { 0.0 },
+            counts: self.equilibrium.counts(),
+            greatest_pressure: snapshot.greatest_pressure(),
+            cutbacks,
+            iterations,
+        }
+    }
+}
+
+/// The energy error is relative to at least this part of the greatest work so far.
+const LEAST_RELATIVE_WORK: f64 = 1e-3;

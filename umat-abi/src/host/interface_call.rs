@@ -18,7 +18,7 @@ static ONE: i32 = 1;
 static ZERO: i32 = 0;
 static COORDINATES: i32 = MCRD;
 static IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
-static IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
 /// What both calls share and give access to: the arrays that the plugin writes, and the properties.
 #[derive(Debug)]
@@ -131,6 +131,10 @@ pub struct UinterCall {
     pub area: f64,
     /// Characteristic length of the contact surface, mm.
     pub chrlngth: f64,
+    /// COORDS, mm.
+    pub coords: [f64; 3],
+    /// ALOCALDIR, column by column: the normal, then the tangents.
+    pub local_directions: [f64; 9],
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
     /// LOPENCLOSE and LSTATE, kept per point; −1 at the start.
@@ -164,6 +168,8 @@ impl UinterCall {
             dtime: 1.0,
             area: 1.0,
             chrlngth: 1.0,
+            coords: [0.0; 3],
+            local_directions: IDENTITY_3,
             energies: [0.0; 5],
             flags: [-1; 2],
             counters: [1; 3],
@@ -243,8 +249,8 @@ impl UinterCall {
             slname: common.surfaces[0].as_ptr().cast(),
             msname: common.surfaces[1].as_ptr().cast(),
             props: common.props.as_mut_ptr(),
-            coords: ZEROS.as_ptr(),
-            alocaldir: IDENTITY_3.as_ptr(),
+            coords: self.coords.as_ptr(),
+            alocaldir: self.local_directions.as_ptr(),
             drot: IDENTITY_2.as_ptr(),
             area: &raw const self.area,
             chrlngth: &raw const self.chrlngth,
@@ -290,6 +296,12 @@ pub struct FricCall {
     pub time: [f64; 2],
     /// Time increment.
     pub dtime: f64,
+    /// COORDS, mm.
+    pub coords: [f64; 3],
+    /// RCOORD: the foot of the point on the master, mm.
+    pub rcoord: [f64; 3],
+    /// Characteristic length of the contact surface, mm.
+    pub chrlngth: f64,
     /// SED, SFD.
     pub energies: [f64; 2],
     /// Step and increment, from 1.
@@ -322,6 +334,9 @@ impl FricCall {
             pressure: [0.0; 2],
             time: [0.0; 2],
             dtime: 1.0,
+            coords: [0.0; 3],
+            rcoord: [0.0; 3],
+            chrlngth: 1.0,
             energies: [0.0; 2],
             counters: [1; 2],
             node: 1,
@@ -391,8 +406,8 @@ impl FricCall {
             npt: &raw const ONE,
             node: &raw const self.node,
             npatch: &raw const ONE,
-            coords: ZEROS.as_ptr(),
-            rcoord: ZEROS.as_ptr(),
+            coords: self.coords.as_ptr(),
+            rcoord: self.rcoord.as_ptr(),
             drot: IDENTITY_2.as_ptr(),
             temp: ZEROS.as_ptr(),
             predef: ZEROS.as_ptr(),
@@ -400,7 +415,7 @@ impl FricCall {
             mcrd: &raw const COORDINATES,
             npred: &raw const ONE,
             nstatv: common.statev.count(),
-            chrlngth: IDENTITY_2.as_ptr(),
+            chrlngth: &raw const self.chrlngth,
             props: common.props.as_mut_ptr(),
             nprops: common.props.count(),
             ciname_length: 80,

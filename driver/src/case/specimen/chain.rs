@@ -32,7 +32,11 @@ pub fn in_order(mesh: &Mesh, edges: &[ElementEdge]) -> Result<Vec<ElementEdge>, 
                 .map(|&edge| mesh.nodes()[ends(edge).0])
                 .map(|[x, y]| format!("({x:.6}, {y:.6})"))
                 .collect();
-            return Err(format!("its edges are {} pieces, starting at {}: they must be one chain", firsts.len(), starts.join(", ")));
+            return Err(format!(
+                "its edges are {} pieces, starting at {}: they must be one chain",
+                firsts.len(),
+                starts.join(", ")
+            ));
         }
     };
     let mut chain = Vec::with_capacity(edges.len());

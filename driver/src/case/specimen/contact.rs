@@ -105,6 +105,7 @@ fn one_pair(
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
+        critical_slip: 0.0,
         name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
         slave,
         master,
@@ -194,10 +195,9 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
 
 fn normal_law(normal: document::Normal) -> NormalLaw {
     match normal {
-        document::Normal::Hard(hard) => NormalLaw::Hard(HardLaw {
-            p_0: hard.p_0.unwrap_or(0.0),
-            delta_n: hard.delta_n.unwrap_or(0.0),
-        }),
+        document::Normal::Hard(hard) => {
+            NormalLaw::Hard(HardLaw { p_0: hard.p_0.unwrap_or(0.0), delta_n: hard.delta_n.unwrap_or(0.0) })
+        }
         document::Normal::Soft(soft) => NormalLaw::Soft(SoftLaw { p_0: soft.p_0.0, g_0: soft.g_0.0 }),
     }
 }

@@ -26,12 +26,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     couplings
 }
 
-fn from_terms(
-    reader: &mut Reader<'_>,
-    given: &document::Terms,
-    scene: Scene<'_>,
-    place: &Place,
-) -> Option<Coupling> {
+fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>, place: &Place) -> Option<Coupling> {
     let place_of_dependent = place.key("dependent");
     let dependent = node(reader, &given.dependent.node, scene, &place_of_dependent.key("node"));
     let dependent = dependent.map(|node| Freedom { node, component: component(given.dependent.component) });
@@ -58,12 +53,7 @@ fn component(axis: document::Axis) -> usize {
 }
 
 /// Both displacements of each node follow the edge that it lies on.
-fn from_tie(
-    reader: &mut Reader<'_>,
-    tie: &document::Tie,
-    scene: Scene<'_>,
-    place: &Place,
-) -> Vec<Coupling> {
+fn from_tie(reader: &mut Reader<'_>, tie: &document::Tie, scene: Scene<'_>, place: &Place) -> Vec<Coupling> {
     let nodes = scene.node_set(reader, &tie.tie, &place.key("tie"));
     let edges = scene.edge_set(reader, &tie.to, &place.key("to"));
     let (Some(nodes), Some(edges), Some(mesh)) = (nodes, edges, scene.mesh) else { return Vec::new() };

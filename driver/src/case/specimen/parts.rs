@@ -40,7 +40,10 @@ fn law(
     let place_of_material = place.key("material");
     let material = reader.piece(&part.material, &place_of_material)?;
     if let Some(Entry::Uinter | Entry::Fric) = material.entry {
-        reader.problem(&place_of_material.key("entry"), "a part calls the entry point umat; uinter and fric are for contact");
+        reader.problem(
+            &place_of_material.key("entry"),
+            "a part calls the entry point umat; uinter and fric are for contact",
+        );
     }
     if material.statev0.is_some() {
         reader.problem(&place_of_material.key("statev0"), "the states of parts start from 0: leave it out");

@@ -59,12 +59,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
     steps
 }
 
-fn one_step(
-    reader: &mut Reader<'_>,
-    ramp: &document::PulloutRamp,
-    drives: &mut Drives,
-    place: &Place,
-) -> ResolvedStep {
+fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut Drives, place: &Place) -> ResolvedStep {
     let mut targets = vec![None; drives.len()];
     let mut named: Vec<(&str, f64, Place)> = Vec::new();
     named.extend(ramp.slip.map(|slip| (SLIP, slip, place.key(SLIP))));
@@ -77,9 +72,11 @@ fn one_step(
             }
             Some(index) => targets[index] = Some(value),
             None if name == SLIP => {
-                reader.problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
+                reader
+                    .problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
             }
-            None => reader.problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
+            None => reader
+                .problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
         }
     }
     let columns = COLUMNS.map(String::from);
@@ -89,11 +86,7 @@ fn one_step(
     ResolvedStep { step: Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control }, until }
 }
 
-fn control(
-    reader: &mut Reader<'_>,
-    increments: Option<document::StepIncrements>,
-    place: &Place,
-) -> StepControl {
+fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {
     let given = match increments {
         Some(document::StepIncrements::Equal(n)) => {
             return StepControl::Fixed { increments: usize::try_from(n.0).unwrap_or(usize::MAX) };

@@ -26,9 +26,8 @@ impl Body {
     }
 
     fn nodes(&self) -> Vec<[f64; 2]> {
-        let along = |k: usize, part: usize, of: usize| {
-            self.low[k] + (self.high[k] - self.low[k]) * part as f64 / of as f64
-        };
+        let along =
+            |k: usize, part: usize, of: usize| self.low[k] + (self.high[k] - self.low[k]) * part as f64 / of as f64;
         (0..=self.rows)
             .flat_map(|row| (0..=self.columns).map(move |column| (row, column)))
             .map(|(row, column)| [along(0, column, self.columns), along(1, row, self.rows)])
@@ -149,7 +148,8 @@ fn a_file_and_its_groups_become_a_model() {
     assert_eq!(pair.enforcement, Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 });
     assert!(matches!(&pair.law, ContactLaw::Uinter(law) if law.props[3] == 0.0), "the penalty is the pair's to fill");
     assert_eq!(model.drives, ["slip"]);
-    let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.nodes.len(), s.direction, s.drive)).collect();
+    let supports: Vec<_> =
+        model.supports.iter().map(|s| (s.name.as_str(), s.nodes.len(), s.direction, s.drive)).collect();
     assert_eq!(
         supports,
         [
@@ -207,7 +207,12 @@ fn steps_drives_and_cycles() {
     assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
     let pressure = model.loads.iter().find(|load| load.name == "side").expect("the load");
     assert!(matches!(&pressure.kind, LoadKind::Pressure { edges, pressure } if edges.len() == 4 && *pressure == 5.0));
-    assert!(model.loads.iter().any(|load| load.drive == 1 && matches!(load.kind, LoadKind::Force { force: [1.0, 2.0], .. })));
+    assert!(
+        model
+            .loads
+            .iter()
+            .any(|load| load.drive == 1 && matches!(load.kind, LoadKind::Force { force: [1.0, 2.0], .. }))
+    );
 }
 
 #[test]
@@ -326,11 +331,9 @@ fn controls_skipping_and_output() {
 
 #[test]
 fn couplings_by_terms_and_ties() {
-    let program = program(&[
-        "couplings=[{\"dependent\": {\"node\": [0.4, 2], \"component\": \"x\"}, \
+    let program = program(&["couplings=[{\"dependent\": {\"node\": [0.4, 2], \"component\": \"x\"}, \
          \"terms\": [{\"node\": \"exit\", \"component\": \"y\", \"factor\": -2}]}, \
-         {\"tie\": \"surface\", \"to\": \"hole\"}]",
-    ]);
+         {\"tie\": \"surface\", \"to\": \"hole\"}]"]);
     let model = &program.model;
     let exit = model.mesh.node_set("exit").expect("the set")[0];
     assert_eq!(model.mesh.nodes()[model.couplings[0].dependent.node], [0.4, 2.0]);
@@ -391,7 +394,12 @@ const MALFORMED: &[Sample] = &[
     (&["steps.0.slpi=1"], "$.steps[0].slpi", "unknown key; nearest valid name: 'slip'", BySchema),
     (&["steps.0.increments=0"], "$.steps[0].increments", "must be >= 1", BySchema),
     (&["steps.0.increments={\"initial\": 2}"], "$.steps[0].increments.initial", "must be <= 1", BySchema),
-    (&["steps.0.increments={\"intial\": 0.1}"], "$.steps[0].increments.intial", "nearest valid name: 'initial'", BySchema),
+    (
+        &["steps.0.increments={\"intial\": 0.1}"],
+        "$.steps[0].increments.intial",
+        "nearest valid name: 'initial'",
+        BySchema,
+    ),
     (&["controls={\"force_tolerance\": 0}"], "$.controls.force_tolerance", "must be > 0", BySchema),
     (&["controls={\"viscosity\": -1}"], "$.controls.viscosity", "must be >= 0", BySchema),
     (&["skip=some"], "$.skip", "expected \"all\", \"none\" or an object", BySchema),
@@ -429,12 +437,7 @@ const MALFORMED: &[Sample] = &[
     (&["supports={\"bottom\": {\"direction\": \"x\"}}", "contact.release=false"], "$.supports", "can move along y", ByMeaning),
     (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot read the file", ByMeaning),
     (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
-    (
-        &["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"],
-        "$.mesh.file",
-        "matrix",
-        ByMeaning,
-    ),
+    (&["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"], "$.mesh.file", "matrix", ByMeaning),
     (&["grip.nodes=girp"], "$.grip.nodes", "no node set 'girp'; nearest valid name: 'grip'", ByMeaning),
     (&["grip={}"], "$.grip.nodes", "is missing", ByMeaning),
     (&["grip={}"], "$.grip.direction", "is missing", ByMeaning),
@@ -455,7 +458,12 @@ const MALFORMED: &[Sample] = &[
     (&["measure.slip=lift"], "$.measure.slip", "has the drive 'lift'", ByMeaning),
     // laws
     (&["parts.fibre.material.props.E=0"], "$.parts.fibre.material.props.E", "must be > 0", ByMeaning),
-    (&["parts.fibre.material.entry=uinter"], "$.parts.fibre.material.entry", "a part calls the entry point umat", ByMeaning),
+    (
+        &["parts.fibre.material.entry=uinter"],
+        "$.parts.fibre.material.entry",
+        "a part calls the entry point umat",
+        ByMeaning,
+    ),
     (&["parts.fibre.material.statev0=[0, 0]"], "$.parts.fibre.material.statev0", "start from 0", ByMeaning),
     (
         &["parts.fibre.material={\"plugin\": \"bond_slip\"}"],
@@ -509,7 +517,9 @@ const MALFORMED: &[Sample] = &[
     (&["steps.0.until={\"quantity\": \"laod\", \"less_than\": 1}"], "$.steps[0].until.quantity", "'load'", ByMeaning),
     (&["until={\"quantity\": \"load\"}"], "$.until", "needs \"greater_than\" or \"less_than\"", ByMeaning),
     (
-        &["compare=[{\"file\": \"curve.csv\", \"file_x\": \"strain\", \"file_y\": \"other\", \"x\": \"slip\", \"y\": \"P\"}]"],
+        &[
+            "compare=[{\"file\": \"curve.csv\", \"file_x\": \"strain\", \"file_y\": \"other\", \"x\": \"slip\", \"y\": \"P\"}]",
+        ],
         "$.compare[0].y",
         "the history has no column 'P'",
         ByMeaning,

@@ -29,6 +29,15 @@ impl Axis {
         Self { label: quantity.label(exponent), range, scale, decimals, ticks }
     }
 
+    /// For just this range, in the quantity's unit.
+    pub fn exact(quantity: &Quantity, range: Range<f64>, ticks: usize) -> Self {
+        let exponent = exponent(range.start.abs().max(range.end.abs()));
+        let scale = 10f64.powi(exponent);
+        let range = range.start / scale..range.end / scale;
+        let decimals = decimals(&range, ticks);
+        Self { label: quantity.label(exponent), range, scale, decimals, ticks }
+    }
+
     /// Where ticks are.
     pub fn ticks(&self) -> Vec<f64> {
         RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.ticks))
@@ -77,7 +86,7 @@ fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
 }
 
 /// The power of a thousand to divide by: 0 as long as numbers are handy; small ones become 0.1 … 100.
-fn exponent(largest: f64) -> i32 {
+pub(super) fn exponent(largest: f64) -> i32 {
     match largest.log10() {
         _ if (0.011..1e5).contains(&largest) => 0,
         power if power < 0.0 => 3 * ((power + 1.0) / 3.0).floor() as i32,

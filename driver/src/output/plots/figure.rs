@@ -14,21 +14,21 @@ pub(super) const UNIT: i32 = 20;
 pub(super) const WIDTH: i32 = 640;
 /// Height without title and a legend below, px.
 const HEIGHT: i32 = 430;
-const TITLE_SIZE: i32 = 15;
-const LABEL_SIZE: i32 = 15;
-const TICK_SIZE: i32 = 13;
+pub(super) const TITLE_SIZE: i32 = 15;
+pub(super) const LABEL_SIZE: i32 = 15;
+pub(super) const TICK_SIZE: i32 = 13;
 /// Mean width of a character of a sans-serif font, em.
 pub(super) const CHARACTER: f64 = 0.56;
 
 /// Dashes after the full line, px. The backend draws none: [`Style::pen`] marks them by the width for [`dash`].
 const DASHES: [&[i32]; 4] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[12, 4]];
 
-const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 
 /// Okabe & Ito's colours that the colour-blind tell apart, yellow left out (too light for a line).
-const PALETTE: [RGBColor; 7] = [
+pub(super) const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
     RGBColor(0x00, 0x9e, 0x73),
@@ -95,7 +95,7 @@ impl Figure {
     pub fn svg(&self) -> io::Result<String> {
         let (x, y) = self.axes();
         let legend = Legend::place(self.legend_entries(), &self.occupied(&x, &y), &x, &y);
-        let title = self.wrapped_title();
+        let title = wrapped(&self.title, WIDTH);
         let title_height = if title.is_empty() { 8 } else { 14 + 20 * title.len() as i32 };
         let size = (WIDTH, HEIGHT + title_height + legend.height_below());
         let mut svg = String::new();
@@ -150,21 +150,6 @@ impl Figure {
     fn mark_color(&self, marks: &Marks) -> RGBColor {
         let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
         owner.map_or(INK, |line| line.style.color())
-    }
-
-    fn wrapped_title(&self) -> Vec<String> {
-        let most = (f64::from(WIDTH - 20) / (CHARACTER * f64::from(TITLE_SIZE))) as usize;
-        let mut lines: Vec<String> = Vec::new();
-        for word in self.title.split_whitespace() {
-            match lines.last_mut() {
-                Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
-                    line.push(' ');
-                    line.push_str(word);
-                }
-                _ => lines.push(word.to_owned()),
-            }
-        }
-        lines
     }
 
     fn draw<'a>(
@@ -230,6 +215,22 @@ impl Figure {
         legend.draw(root, (corner((0, 0)), corner((1, 1))))?;
         Ok(())
     }
+}
+
+/// A title as lines that fit a picture of this width in px.
+pub(super) fn wrapped(title: &str, width: i32) -> Vec<String> {
+    let most = (f64::from(width - 20) / (CHARACTER * f64::from(TITLE_SIZE))) as usize;
+    let mut lines: Vec<String> = Vec::new();
+    for word in title.split_whitespace() {
+        match lines.last_mut() {
+            Some(line) if line.chars().count() + 1 + word.chars().count() <= most => {
+                line.push(' ');
+                line.push_str(word);
+            }
+            _ => lines.push(word.to_owned()),
+        }
+    }
+    lines
 }
 
 /// Where x or y is zero inside the frame.
@@ -302,12 +303,12 @@ pub(super) fn font(size: i32) -> TextStyle<'static> {
     ("sans-serif", f64::from(size * UNIT) * 1.24).into_text_style(&(1, 1)).color(&INK)
 }
 
-fn centered(size: i32) -> TextStyle<'static> {
+pub(super) fn centered(size: i32) -> TextStyle<'static> {
     use plotters::style::text_anchor::{HPos, Pos, VPos};
     font(size).pos(Pos::new(HPos::Center, VPos::Center))
 }
 
-fn pixels((width, height): (i32, i32)) -> (u32, u32) {
+pub(super) fn pixels((width, height): (i32, i32)) -> (u32, u32) {
     ((width * UNIT) as u32, (height * UNIT) as u32)
 }
 
@@ -319,7 +320,7 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
 }
 
 /// Shown at its size in px, with round joins and a name for readers that cannot see it.
-fn finish(svg: &str, size: (i32, i32), description: &str) -> String {
+pub(super) fn finish(svg: &str, size: (i32, i32), description: &str) -> String {
     let drawn = pixels(size);
     let escaped = maud::html! { title { (description.trim()) } }.into_string();
     let svg = svg.replacen(

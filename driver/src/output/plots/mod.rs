@@ -2,7 +2,7 @@
 //!
 //! [`Spec`] says what a history's columns mean and which measured curves belong to it; it is kept beside the pictures
 //! so that `pullout plot` can redraw them without the case. [`selection`] decides which pictures there are,
-//! [`figure`] draws one.
+//! [`figure`] draws one; [`field`] draws what a mesh carries.
 
 use super::history::History;
 use super::{at, malformed};
@@ -15,6 +15,7 @@ use std::path::{Path, PathBuf};
 
 mod axis;
 mod decimation;
+pub mod field;
 pub mod figure;
 mod legend;
 mod markup;

@@ -555,16 +555,26 @@ fn files_of_gmsh_are_read() {
                 found += (end[0] - start[0]).hypot(end[1] - start[1]);
                 approx::assert_abs_diff_eq!(middle[0], 0.5 * (start[0] + end[0]), epsilon = 1e-9);
                 approx::assert_abs_diff_eq!(middle[1], 0.5 * (start[1] + end[1]), epsilon = 1e-9);
-                assert_eq!(mesh.elements()[edge.element].part(), usize::from(set == "bottom" && start[0] >= 1.0 - 1e-9));
+                assert_eq!(
+                    mesh.elements()[edge.element].part(),
+                    usize::from(set == "bottom" && start[0] >= 1.0 - 1e-9)
+                );
             }
             approx::assert_abs_diff_eq!(found, length, epsilon = 1e-9);
             assert!(mesh.node_set(set).unwrap().iter().all(|&node| (mesh.nodes()[node][axis] - at).abs() < 1e-9));
         }
-        assert_eq!(mesh.node_set("grip").unwrap().iter().map(|&node| mesh.nodes()[node]).collect::<Vec<_>>(), [[2.0, 1.0]]);
+        assert_eq!(
+            mesh.node_set("grip").unwrap().iter().map(|&node| mesh.nodes()[node]).collect::<Vec<_>>(),
+            [[2.0, 1.0]]
+        );
         assert_eq!(mesh.boundary_loops().len(), 1, "{name}");
         assert_eq!(crate::mesh::preflight::findings(&mesh, &[]), []);
     }
-    let nine = read_bytes(Path::new("nine.msh"), include_bytes!("data/nine_nodes.msh"), &properties(&["matrix", "the fibre"]));
+    let nine =
+        read_bytes(Path::new("nine.msh"), include_bytes!("data/nine_nodes.msh"), &properties(&["matrix", "the fibre"]));
     let message = nine.unwrap_err().to_string();
-    assert!(message.contains("element type 10 (9-node quadrilateral)") && message.contains("second-order incomplete"), "{message}");
+    assert!(
+        message.contains("element type 10 (9-node quadrilateral)") && message.contains("second-order incomplete"),
+        "{message}"
+    );
 }

@@ -58,8 +58,17 @@ fn nodes_on_curved_edges_are_found() {
     let on_edge = [1.0 + 0.2 * (1.0 - 0.36), 0.8];
     let mut definition = MeshDefinition {
         nodes: vec![
-            [0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.5, 0.0], [1.2, 0.5], [0.5, 1.0], [0.0, 0.5],
-            on_edge, [2.0, 0.5], [2.0, 1.0],
+            [0.0, 0.0],
+            [1.0, 0.0],
+            [1.0, 1.0],
+            [0.0, 1.0],
+            [0.5, 0.0],
+            [1.2, 0.5],
+            [0.5, 1.0],
+            [0.0, 0.5],
+            on_edge,
+            [2.0, 0.5],
+            [2.0, 1.0],
         ],
         parts: vec![part("body")],
         elements: vec![
@@ -83,7 +92,9 @@ fn quadratic_edges_must_meet_edges() {
             findings(&mesh, &[]).into_iter().filter(|f| matches!(f, Finding::TJunction { .. })).collect();
         assert!(junctions.len() >= 2, "{kind}: two cells meet in the middle");
         assert!(junctions.iter().all(|f| matches!(f, Finding::TJunction { position: [1.0, 0.5], element: 0, .. })));
-        assert!(junctions[0].to_string().contains("at (1, 0.5) is the middle of edge 2 of element 1 and a node of element"));
+        assert!(
+            junctions[0].to_string().contains("at (1, 0.5) is the middle of edge 2 of element 1 and a node of element")
+        );
     }
 }
 
@@ -104,7 +115,10 @@ fn bodies_are_elements_that_share_nodes() {
     let mesh = columns(Q4, [2, 3], 2, false);
     let found = bodies(&mesh);
     assert_eq!(found.iter().map(|body| &*body.elements).collect::<Vec<_>>(), [&[0, 1][..], &[2, 3, 4]]);
-    assert_eq!(found.iter().map(|body| body.nodes.clone()).collect::<Vec<_>>(), [(0..6).collect::<Vec<_>>(), (6..14).collect()]);
+    assert_eq!(
+        found.iter().map(|body| body.nodes.clone()).collect::<Vec<_>>(),
+        [(0..6).collect::<Vec<_>>(), (6..14).collect()]
+    );
     let joined = bodies(&columns(Q4, [2, 2], 2, true));
     assert_eq!(joined.len(), 1);
     assert_eq!(joined[0].nodes, (0..9).collect::<Vec<_>>());
@@ -172,9 +186,7 @@ fn free_motions_obey_the_constraints() {
                 let x = mesh.nodes()[node];
                 let (velocity, scale) = match mode {
                     RigidMode::Translation { direction } => (direction, 1.0),
-                    RigidMode::Rotation { centre: c } => {
-                        ([c[1] - x[1], x[0] - c[0]], 1.0 + c[0].hypot(c[1]))
-                    }
+                    RigidMode::Rotation { centre: c } => ([c[1] - x[1], x[0] - c[0]], 1.0 + c[0].hypot(c[1])),
                 };
                 assert!((velocity[0] * d[0] + velocity[1] * d[1]).abs() < 1e-8 * scale);
             }

@@ -52,9 +52,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
     mesh.edge_set("top", grids[1].side_edges(Side::Top));
     mesh.edge_set("lower_contact", grids[0].side_edges(Side::Top));
     mesh.edge_set("upper_contact", grids[1].side_edges(Side::Bottom));
-    for (grid, left, right) in
-        [(&grids[0], "lower_left", "lower_right"), (&grids[1], "upper_left", "upper_right")]
-    {
+    for (grid, left, right) in [(&grids[0], "lower_left", "lower_right"), (&grids[1], "upper_left", "upper_right")] {
         mesh.node_set(left, grid.side_nodes(Side::Left));
         mesh.node_set(right, grid.side_nodes(Side::Right));
     }
@@ -92,14 +90,20 @@ pub struct CylinderOnPlane {
 ///
 /// Parameters that cannot be.
 pub fn cylinder_on_plane(parameters: &CylinderOnPlane) -> Result<MeshDefinition, SpecimenError> {
-    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } = *parameters;
+    let CylinderOnPlane { radius, half_width, height, depth, contact_zone, contact_edges, growth, bodies } =
+        *parameters;
     let mut required = Requirements::default();
     for (name, value) in [("radius", radius), ("half_width", half_width), ("height", height), ("depth", depth)] {
         required.positive(name, value);
     }
     required.positive("contact_zone", contact_zone);
     required.that(half_width < radius, "half_width", half_width, format!("less than the radius {radius}"));
-    required.that(contact_zone < half_width, "contact_zone", contact_zone, format!("less than the half_width {half_width}"));
+    required.that(
+        contact_zone < half_width,
+        "contact_zone",
+        contact_zone,
+        format!("less than the half_width {half_width}"),
+    );
     required.count("contact_edges", contact_edges);
     required.that(growth >= 1.0 && growth.is_finite(), "growth", growth, "at least 1");
     // R − √(R² − x²) without its cancellation.

@@ -12,9 +12,7 @@ mod requirement;
 #[cfg(test)]
 mod test;
 
-pub use bodies_in_contact::{
-    CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks,
-};
+pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
 pub use one_body::{
     CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
     timoshenko_beam,

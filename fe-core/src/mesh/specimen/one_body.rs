@@ -52,15 +52,11 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
     let outwards = Grading::Ratio { count, ratio: grading }
         .positions(1.0)
         .map_err(SpecimenError::along("cells from the hole outwards"))?;
-    let around =
-        Grading::Uniform { count }.positions(1.0).map_err(SpecimenError::along("cells around the hole"))?;
+    let around = Grading::Uniform { count }.positions(1.0).map_err(SpecimenError::along("cells around the hole"))?;
     // The blocks meet on the line from the hole to the plate's corner.
     let corner_angle = height.atan2(width);
     let between = |s: f64, angle: f64, outer: [f64; 2]| {
-        [
-            (1.0 - s) * radius * angle.cos() + s * outer[0],
-            (1.0 - s) * radius * angle.sin() + s * outer[1],
-        ]
+        [(1.0 - s) * radius * angle.cos() + s * outer[0], (1.0 - s) * radius * angle.sin() + s * outer[1]]
     };
     let lower = |[s, t]: [f64; 2]| between(s, t * corner_angle, [width, t * height]);
     let upper = |[s, t]: [f64; 2]| {
@@ -223,8 +219,9 @@ pub fn timoshenko_beam(parameters: &TimoshenkoBeam) -> Result<MeshDefinition, Sp
     required.check()?;
     let along =
         Grading::Uniform { count: cells[0] }.positions(length).map_err(SpecimenError::along("cells along the beam"))?;
-    let across =
-        Grading::Uniform { count: cells[1] }.positions(height).map_err(SpecimenError::along("cells across the beam"))?;
+    let across = Grading::Uniform { count: cells[1] }
+        .positions(height)
+        .map_err(SpecimenError::along("cells across the beam"))?;
     let map = |[x, y]: [f64; 2]| [x, y - 0.5 * height];
     one_block("beam", body, [&along, &across], &map, ["bottom", "right", "top", "left"])
 }

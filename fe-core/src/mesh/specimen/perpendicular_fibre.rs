@@ -449,12 +449,11 @@ fn depths_below(parameters: &PerpendicularFibre, slaves: &[f64]) -> Result<(Vec<
         let length = end - start;
         let first = size.min(length / least);
         let sizes = Grading::Capped { first, growth: mesh.growth, largest: mesh.largest_size.min(length / least) };
-        let mut depths: Vec<f64> = sizes
-            .positions(length)
-            .map_err(SpecimenError::along("mesh sizes below the fibre"))?[1..]
-            .iter()
-            .map(|depth| start + depth)
-            .collect();
+        let mut depths: Vec<f64> =
+            sizes.positions(length).map_err(SpecimenError::along("mesh sizes below the fibre"))?[1..]
+                .iter()
+                .map(|depth| start + depth)
+                .collect();
         // Exactly, whatever start + length rounds to.
         depths.pop();
         depths.push(end);
@@ -536,8 +535,7 @@ fn name_supports_of_face(mesh: &mut StructuredMesh, parameters: &PerpendicularFi
                 let stops = parameters.stops().into_iter();
                 let reach = stops.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(limit);
                 let face = matrix.side_nodes(Side::Top);
-                let nodes: Vec<usize> =
-                    face.into_iter().filter(|&node| mesh.nodes()[node][0].abs() >= reach).collect();
+                let nodes: Vec<usize> = face.into_iter().filter(|&node| mesh.nodes()[node][0].abs() >= reach).collect();
                 mesh.node_set(name, nodes);
             }
             None => missing.push(format!("the block is too narrow for the support '{name}'")),

@@ -1,0 +1,164 @@
+//! CalculiX decks of models: what the two cases need and no more.
+
+use fe_core::element::ElementKind;
+use fe_core::kinematics::PlaneModel;
+use fe_core::model::{LoadKind, Model, PluginLaw, StepControl};
+use std::fmt::Write as _;
+use std::path::Path;
+
+/// The element type: that of a part's model, reduced as ours.
+fn element_type(kind: ElementKind, model: PlaneModel) -> String {
+    let family = match model {
+        PlaneModel::PlaneStress => "CPS",
+        PlaneModel::PlaneStrain => "CPE",
+        PlaneModel::Axisymmetric => "CAX",
+    };
+    let shape = match kind {
+        ElementKind::T3 => "3",
+        ElementKind::T6 => "6",
+        ElementKind::Q4 => "4",
+        ElementKind::Q8 => "8R",
+    };
+    format!("{family}{shape}")
+}
+
+fn material(law: &PluginLaw, name: &str) -> String {
+    let [modulus, poisson, hardening @ ..] = &law.props[..] else { panic!("a law with E and nu") };
+    let mut text = format!("*MATERIAL, NAME={name}\n*ELASTIC\n{modulus}, {poisson}\n");
+    if !hardening.is_empty() {
+        text.push_str("*PLASTIC\n");
+        for pair in hardening.chunks_exact(2) {
+            let _ = writeln!(text, "{}, {}", pair[0], pair[1]);
+        }
+    }
+    text
+}
+
+/// Nodes, elements by part, materials, sections.
+fn bodies(model: &Model) -> String {
+    let mesh = &model.mesh;
+    let mut text = String::from("*NODE, NSET=NALL\n");
+    for (node, [x, y]) in mesh.nodes().iter().enumerate() {
+        let _ = writeln!(text, "{}, {x:.15e}, {y:.15e}, 0.", node + 1);
+    }
+    for (index, (part, law)) in mesh.parts().iter().zip(&model.laws).enumerate() {
+        let elements = mesh.elements().iter().enumerate().filter(|(_, element)| element.part() == index);
+        for (count, (number, element)) in elements.enumerate() {
+            if count == 0 {
+                let kind = element_type(element.kind(), part.model);
+                let _ = writeln!(text, "*ELEMENT, TYPE={kind}, ELSET=PART{index}");
+            }
+            let nodes: Vec<String> = element.nodes().iter().map(|node| (node + 1).to_string()).collect();
+            let _ = writeln!(text, "{}, {}", number + 1, nodes.join(", "));
+        }
+        text.push_str(&material(law, &format!("LAW{index}")));
+        let _ = writeln!(text, "*SOLID SECTION, ELSET=PART{index}, MATERIAL=LAW{index}\n{}", part.thickness);
+    }
+    text
+}
+
+fn set(text: &mut String, name: &str, nodes: &[usize]) {
+    let _ = writeln!(text, "*NSET, NSET={name}");
+    for node in nodes {
+        let _ = writeln!(text, "{}", node + 1);
+    }
+}
+
+/// Node sets and fixed boundaries of all supports that no drive moves.
+fn supports(model: &Model) -> String {
+    let mut text = String::new();
+    for (index, support) in model.supports.iter().enumerate() {
+        set(&mut text, &format!("S{index}"), &support.nodes);
+    }
+    text.push_str("*BOUNDARY\n");
+    for (index, support) in model.supports.iter().enumerate().filter(|(_, support)| support.drive.is_none()) {
+        let component = 1 + usize::from(support.direction[1] != 0.0);
+        let _ = writeln!(text, "S{index}, {component}, {component}");
+    }
+    text
+}
+
+fn step(model: &Model, index: usize, body: &str) -> String {
+    let step = &model.steps[index];
+    let nlgeom = if model.nlgeom { ", NLGEOM" } else { "" };
+    let sizes = match step.control {
+        StepControl::Fixed { increments } => {
+            format!("*STATIC, DIRECT\n{}, {}\n", step.time / increments as f64, step.time)
+        }
+        StepControl::Automatic { initial, maximum, minimum } => format!(
+            "*STATIC\n{}, {}, {}, {}\n",
+            initial * step.time,
+            step.time,
+            minimum * step.time,
+            maximum * step.time
+        ),
+    };
+    let measured = model.measured.support.expect("the cases measure a load");
+    format!(
+        "*STEP, INC=100000{nlgeom}\n{sizes}{body}*NODE PRINT, NSET=S{measured}, TOTALS=ONLY, FREQUENCY=100000\nRF\n*END STEP\n"
+    )
+}
+
+/// Values of supports that drives move, at the end of a step.
+fn driven(model: &Model, step: usize) -> String {
+    let mut text = String::from("*BOUNDARY\n");
+    for (index, support) in model.supports.iter().enumerate() {
+        let Some(drive) = support.drive else { continue };
+        let component = 1 + usize::from(support.direction[1] != 0.0);
+        let value = model.steps[..=step].iter().filter_map(|step| step.targets[drive]).next_back().unwrap_or(0.0);
+        let sign = support.direction[component - 1].signum();
+        let _ = writeln!(text, "S{index}, {component}, {component}, {}", sign * value);
+    }
+    text
+}
+
+/// The plate with a hole.
+pub fn plate(model: &Model) -> String {
+    let steps: String = (0..model.steps.len()).map(|index| step(model, index, &driven(model, index))).collect();
+    bodies(model) + &supports(model) + &steps
+}
+
+/// Face number of an edge in CalculiX: those of plane elements count from 1 as ours do from 0.
+fn faces(text: &mut String, name: &str, edges: &[fe_core::mesh::ElementEdge]) {
+    let _ = writeln!(text, "*SURFACE, NAME={name}, TYPE=ELEMENT");
+    for edge in edges {
+        let _ = writeln!(text, "{}, S{}", edge.element + 1, edge.edge + 1);
+    }
+}
+
+/// The drag-out strip: node-to-surface penalty contact with friction.
+pub fn strip(model: &Model) -> String {
+    let pair = &model.contacts[0];
+    let mut text = bodies(model) + &supports(model);
+    let mut slave: Vec<usize> =
+        pair.slave.iter().flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect();
+    slave.sort_unstable();
+    slave.dedup();
+    set(&mut text, "SLAVENODES", &slave);
+    let _ = writeln!(text, "*SURFACE, NAME=SLAVE, TYPE=NODE\nSLAVENODES");
+    faces(&mut text, "MASTER", &pair.master);
+    text.push_str("*SURFACE INTERACTION, NAME=RUB\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e7, 0.0, 0.001\n");
+    text.push_str("*FRICTION\n0.3, 1.e5\n*CONTACT PAIR, INTERACTION=RUB, TYPE=NODE TO SURFACE\nSLAVE, MASTER\n");
+    for index in 0..model.steps.len() {
+        let mut body = driven(model, index);
+        for load in &model.loads {
+            let value =
+                model.steps[..=index].iter().filter_map(|step| step.targets[load.drive]).next_back().unwrap_or(0.0);
+            let LoadKind::Pressure { edges, pressure } = &load.kind else { panic!("the strip is pressed") };
+            body.push_str("*DLOAD\n");
+            for edge in edges {
+                let _ = writeln!(body, "{}, P{}, {}", edge.element + 1, edge.edge + 1, pressure * value);
+            }
+        }
+        text.push_str(&step(model, index, &body));
+    }
+    text
+}
+
+/// Iterations in all, from the job's `.cvg` file; 0 if it tells none.
+pub fn iterations(folder: &Path) -> u64 {
+    let text = std::fs::read_to_string(folder.join("job.cvg")).unwrap_or_default();
+    let rows =
+        text.lines().filter(|line| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok()));
+    rows.count() as u64
+}

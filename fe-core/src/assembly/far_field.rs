@@ -1,0 +1,141 @@
+//! The elastic far field, condensed onto the zone that is not elastic.
+//!
+//! ```text
+//! K_II u_I + K_IB u_B = 0        f_B = (K_BB − K_BI K_II⁻¹ K_IB) u_B
+//! ```
+//!
+//! Far elements are computed with the tangent of their virgin state and no law is called for them while an increment
+//! iterates. Before it is accepted their displacements are expanded, their laws called, and the equilibrium of every
+//! equation checked with what the laws say: an element that is no longer elastic is noticed exactly, leaves the far field,
+//! and the increment goes on.
+
+use super::Equations;
+use super::system::{ElementStiffness, freedoms};
+use crate::mesh::Mesh;
+use crate::solver::{Pattern, SolverError, Superelement};
+
+/// Condensed elements.
+pub(super) struct FarField {
+    superelement: Superelement,
+    /// Freedoms of border and interior, ascending: the superelement's equations.
+    own: Vec<usize>,
+    border: Vec<usize>,
+    interior: Vec<usize>,
+}
+
+impl FarField {
+    /// Condenses the elements that are not `active`; freedoms that the others share stay. `None` if there are none.
+    pub(super) fn new(
+        mesh: &Mesh,
+        equations: &Equations,
+        elements: &impl ElementStiffness,
+        active: &[bool],
+        retained: &[usize],
+    ) -> Result<Option<Self>, SolverError> {
+        let mut kept = vec![false; equations.freedom_count()];
+        retained.iter().for_each(|&freedom| kept[freedom] = true);
+        let mut far = vec![false; equations.freedom_count()];
+        for (element, &is_active) in mesh.elements().iter().zip(active) {
+            let mask = if is_active { &mut kept } else { &mut far };
+            freedoms(element.nodes()).into_iter().for_each(|freedom| mask[freedom] = true);
+        }
+        // Held freedoms have no equation; the others are their own (`may_be_condensed`).
+        let own: Vec<usize> =
+            (0..far.len()).filter(|&freedom| far[freedom] && !equations.equations_of(freedom).is_empty()).collect();
+        if own.is_empty() {
+            return Ok(None);
+        }
+        let mut local = vec![usize::MAX; far.len()];
+        own.iter().enumerate().for_each(|(index, &freedom)| local[freedom] = index);
+        let (pattern, values) = assemble(mesh, elements, active, &local, own.len());
+        let nodes: Vec<usize> = own.iter().map(|freedom| freedom / 2).collect();
+        let (border, interior): (Vec<usize>, Vec<usize>) = (0..own.len()).partition(|&index| kept[own[index]]);
+        let superelement = Superelement::new(&pattern, &values, &nodes, &border)?;
+        let to_freedoms = |indices: Vec<usize>| indices.into_iter().map(|index| own[index]).collect();
+        let (border, interior) = (to_freedoms(border), to_freedoms(interior));
+        Ok(Some(Self { superelement, own, border, interior }))
+    }
+
+    /// Freedoms that it shares with the zone, ascending.
+    pub(super) fn border(&self) -> &[usize] {
+        &self.border
+    }
+
+    /// Freedoms that it has for itself, ascending.
+    pub(super) fn interior(&self) -> &[usize] {
+        &self.interior
+    }
+
+    /// The condensed stiffness, row by row over the border.
+    pub(super) fn stiffness(&self) -> &[f64] {
+        self.superelement.stiffness()
+    }
+
+    /// Adds the forces on its border, or takes them away (`sign` −1).
+    pub(super) fn add_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
+        for (row, &freedom) in self.stiffness().chunks_exact(self.border.len()).zip(&self.border) {
+            let force: f64 = row.iter().zip(&self.border).map(|(k, &other)| k * displacements[other]).sum();
+            forces[freedom] += sign * force;
+        }
+    }
+
+    /// Sets the displacements of its interior from those of its border.
+    pub(super) fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
+        let border: Vec<f64> = self.border.iter().map(|&freedom| displacements[freedom]).collect();
+        let mut expanded = vec![0.0; self.own.len()];
+        self.superelement.expand(&border, &mut expanded)?;
+        self.own.iter().zip(&expanded).for_each(|(&freedom, value)| displacements[freedom] = *value);
+        Ok(())
+    }
+}
+
+/// The stiffness of the far elements over their own numbering.
+fn assemble(
+    mesh: &Mesh,
+    elements: &impl ElementStiffness,
+    active: &[bool],
+    local: &[usize],
+    size: usize,
+) -> (Pattern, Vec<f64>) {
+    let far: Vec<(usize, Vec<usize>)> = (0..active.len())
+        .filter(|&element| !active[element])
+        .map(|element| (element, freedoms(mesh.elements()[element].nodes())))
+        .collect();
+    let groups: Vec<Vec<usize>> = far
+        .iter()
+        .map(|(_, freedoms)| freedoms.iter().map(|&f| local[f]).filter(|&index| index != usize::MAX).collect())
+        .collect();
+    let pattern = Pattern::from_groups(size, groups.iter().map(Vec::as_slice));
+    let mut values = vec![0.0; pattern.entries()];
+    for (element, freedoms) in &far {
+        let rows = elements.stiffness(*element).chunks_exact(freedoms.len());
+        for (row, &row_freedom) in rows.zip(freedoms) {
+            for (value, &column_freedom) in row.iter().zip(freedoms) {
+                let (row, column) = (local[row_freedom], local[column_freedom]);
+                if row != usize::MAX && column != usize::MAX {
+                    let place = pattern.index(row, column).expect("the pattern was made from these elements");
+                    values[place] += value;
+                }
+            }
+        }
+    }
+    (pattern, values)
+}
+
+/// Which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
+pub fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
+    let mut has_load = vec![false; equations.freedom_count()];
+    loaded.iter().for_each(|&freedom| has_load[freedom] = true);
+    let plain = |freedom: usize| {
+        let held = equations.equations_of(freedom).is_empty() && equations.drives_of(freedom).is_empty();
+        !has_load[freedom] && (held || equations.is_independent(freedom)) && !equations.is_shared(freedom)
+    };
+    mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().all(plain)).collect()
+}
+
+/// Which elements have one of these freedoms.
+pub fn touching(mesh: &Mesh, of: &[usize]) -> Vec<bool> {
+    let mut marked = vec![false; 2 * mesh.nodes().len()];
+    of.iter().for_each(|&freedom| marked[freedom] = true);
+    mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().any(|f| marked[f])).collect()
+}

@@ -1,0 +1,157 @@
+//! Consistent nodal forces of loads, and the stiffness of pressures that follow their edges.
+//!
+//! ```text
+//! traction    f_i = ∫ N_i t dA                        dA = |∂X/∂s| ds · depth, reference
+//! pressure    f_i = −p ∫ N_i n dA                     n dA = (∂y/∂s, −∂x/∂s) ds · depth, outward
+//! depth       the part's thickness, or 2πr
+//! ```
+//!
+//! Under large displacements a pressure acts on the present edge, with the present radius; the thickness of a plane part
+//! stays the reference one. Tractions and forces keep direction and area.
+
+use super::Blocks;
+use crate::element::EdgePoint;
+use crate::kinematics::PlaneModel;
+use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
+use crate::model::{Freedom, LoadKind, Model};
+
+#[cfg(test)]
+mod test;
+
+/// Gauss–Legendre points and weights: exact to degree 5, which N (2) · ∂x/∂s (1) · r (2) of a quadratic edge has.
+const RULE: [(f64, f64); 3] =
+    [(-0.774_596_669_241_483_4, 5.0 / 9.0), (0.0, 8.0 / 9.0), (0.774_596_669_241_483_4, 5.0 / 9.0)];
+
+/// Adds the nodal forces (N) of `factor` times a load to `forces`.
+///
+/// `displacements` (two per node, mm) matter to pressures with `nlgeom`. Then, if `blocks` are given, each loaded edge
+/// adds one: −∂force/∂displacement, what the load adds to the system's stiffness. It is not symmetric.
+///
+/// # Panics
+///
+/// If the load names nodes or edges that the mesh does not have, or the vectors do not hold two per node.
+pub fn external(
+    mesh: &Mesh,
+    nlgeom: bool,
+    load: &LoadKind,
+    factor: f64,
+    displacements: &[f64],
+    forces: &mut [f64],
+    mut blocks: Option<&mut Blocks>,
+) {
+    match load {
+        LoadKind::Force { nodes, force } => {
+            for &node in nodes {
+                for component in 0..2 {
+                    forces[Freedom { node, component }.index()] += factor * force[component];
+                }
+            }
+        }
+        LoadKind::Traction { edges, traction } => {
+            for &edge in edges {
+                let loaded = LoadedEdge::new(mesh, edge, None);
+                loaded.add(forces, |point| traction.map(|component| factor * component * point.stretch()));
+            }
+        }
+        LoadKind::Pressure { edges, pressure } => {
+            let pressure = factor * pressure;
+            for &edge in edges {
+                let loaded = LoadedEdge::new(mesh, edge, nlgeom.then_some(displacements));
+                loaded.add(forces, |point| [-pressure * point.tangent[1], pressure * point.tangent[0]]);
+                if let Some(blocks) = blocks.as_deref_mut()
+                    && nlgeom
+                {
+                    loaded.add_pressure_stiffness(pressure, blocks);
+                }
+            }
+        }
+    }
+}
+
+/// An edge where it bears its load.
+struct LoadedEdge {
+    edge: EdgeNodes,
+    positions: [[f64; 2]; 3],
+    model: PlaneModel,
+    thickness: f64,
+}
+
+impl LoadedEdge {
+    /// At its reference position, or displaced.
+    fn new(mesh: &Mesh, edge: ElementEdge, displacements: Option<&[f64]>) -> Self {
+        let part = &mesh.parts()[mesh.elements()[edge.element].part()];
+        let edge = mesh.edge_nodes(edge);
+        let mut positions = [[0.0; 2]; 3];
+        for (position, &node) in positions.iter_mut().zip(edge.nodes()) {
+            *position = mesh.nodes()[node];
+            if let Some(displacements) = displacements {
+                for component in 0..2 {
+                    position[component] += displacements[Freedom { node, component }.index()];
+                }
+            }
+        }
+        Self { edge, positions, model: part.model, thickness: part.thickness }
+    }
+
+    fn depth(&self, point: &EdgePoint) -> f64 {
+        self.model.depth(point.position[0], self.thickness)
+    }
+
+    /// Adds ∫ N_i q ds of `load` = q per depth.
+    fn add(&self, forces: &mut [f64], load: impl Fn(&EdgePoint) -> [f64; 2]) {
+        for (s, weight) in RULE {
+            let point = self.edge.kind().point(&self.positions, s);
+            let (values, depth) = (self.edge.kind().shape_functions(s), self.depth(&point));
+            let load = load(&point);
+            for (&node, value) in self.edge.nodes().iter().zip(values) {
+                for component in 0..2 {
+                    forces[Freedom { node, component }.index()] += weight * depth * value * load[component];
+                }
+            }
+        }
+    }
+
+    /// Adds the block p ∂(∫ N_i n dA)/∂u_j.
+    fn add_pressure_stiffness(&self, pressure: f64, blocks: &mut Blocks) {
+        const FREEDOMS: usize = 6;
+        let nodes = self.edge.nodes();
+        let size = 2 * nodes.len();
+        let (mut rows, mut values) = ([0; FREEDOMS], [0.0; FREEDOMS * FREEDOMS]);
+        for (local, &node) in nodes.iter().enumerate() {
+            rows[2 * local] = Freedom { node, component: 0 }.index();
+            rows[2 * local + 1] = Freedom { node, component: 1 }.index();
+        }
+        for (s, weight) in RULE {
+            let point = self.edge.kind().point(&self.positions, s);
+            let (shape, slopes) = (self.edge.kind().shape_functions(s), self.edge.kind().shape_derivatives(s));
+            let depth = self.depth(&point);
+            // ∂depth/∂x: 2π about an axis.
+            let widening = match self.model {
+                PlaneModel::Axisymmetric => std::f64::consts::TAU,
+                PlaneModel::PlaneStress | PlaneModel::PlaneStrain => 0.0,
+            };
+            for i in 0..nodes.len() {
+                let factor = weight * pressure * shape[i];
+                for j in 0..nodes.len() {
+                    let [x_row, y_row] = [2 * i * size, (2 * i + 1) * size];
+                    values[x_row + 2 * j] += factor * point.tangent[1] * widening * shape[j];
+                    values[y_row + 2 * j] -= factor * point.tangent[0] * widening * shape[j];
+                    values[x_row + 2 * j + 1] += factor * depth * slopes[j];
+                    values[y_row + 2 * j] -= factor * depth * slopes[j];
+                }
+            }
+        }
+        blocks.push(&rows[..size], &values[..size * size]);
+    }
+}
+
+/// The freedoms at which a model's loads act.
+pub fn loaded_freedoms(model: &Model) -> Vec<usize> {
+    let nodes = model.loads.iter().flat_map(|load| match &load.kind {
+        LoadKind::Force { nodes, .. } => nodes.clone(),
+        LoadKind::Traction { edges, .. } | LoadKind::Pressure { edges, .. } => {
+            edges.iter().flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect()
+        }
+    });
+    nodes.flat_map(|node| [2 * node, 2 * node + 1]).collect()
+}

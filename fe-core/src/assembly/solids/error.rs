@@ -1,0 +1,75 @@
+//! What can be wrong with the solids of a model.
+
+use crate::kinematics::PlaneModel;
+use crate::model::LawError;
+
+/// The first fault of a model's solids. Indices count from 0, in messages from 1.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SolidsError {
+    /// Not one law for each part.
+    #[error("the mesh has {parts} parts, but {laws} laws were given")]
+    LawCount {
+        /// Parts of the mesh.
+        parts: usize,
+        /// Laws given.
+        laws: usize,
+    },
+    /// Not one choice of averaging for each part.
+    #[error("the mesh has {parts} parts, but {choices} choices of average dilatation were given")]
+    AverageDilatationCount {
+        /// Parts of the mesh.
+        parts: usize,
+        /// Choices given.
+        choices: usize,
+    },
+    /// Its UMAT cannot be called.
+    #[error("part '{part}': {source}")]
+    Umat {
+        /// Name of the part.
+        part: String,
+        /// Why.
+        source: LawError,
+    },
+    /// The law does not offer the part's plane model.
+    #[error("part '{part}': {law} has no {} form", model_name(*model))]
+    PlaneModel {
+        /// Name of the part.
+        part: String,
+        /// Name of the law.
+        law: String,
+        /// What the part assumes.
+        model: PlaneModel,
+    },
+    /// The law refuses its parameters, or those with an element's size.
+    #[error("part '{part}', element {} (characteristic length {length} mm): {law}: {message}", element + 1)]
+    Parameters {
+        /// Name of the part.
+        part: String,
+        /// Name of the law.
+        law: String,
+        /// The element with the part's greatest characteristic length.
+        element: usize,
+        /// That length, mm.
+        length: f64,
+        /// What the law says.
+        message: String,
+    },
+    /// The tangent of the virgin state is no usable stiffness.
+    #[error("part '{part}': {law} gives no usable stiffness at zero strain: {reason}")]
+    VirginTangent {
+        /// Name of the part.
+        part: String,
+        /// Name of the law.
+        law: String,
+        /// What came back.
+        reason: String,
+    },
+}
+
+fn model_name(model: PlaneModel) -> &'static str {
+    match model {
+        PlaneModel::PlaneStress => "plane-stress",
+        PlaneModel::PlaneStrain => "plane-strain",
+        PlaneModel::Axisymmetric => "axisymmetric",
+    }
+}

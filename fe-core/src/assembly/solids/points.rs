@@ -1,0 +1,255 @@
+//! The material points of one part: their states, and calls of their UMAT.
+
+use super::TangentChoice;
+use super::error::SolidsError;
+use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
+use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
+use crate::model::PluginLaw;
+use umat_abi::host::{CallOutcome, UmatCall};
+use umat_abi::law::{Request, StressState};
+
+/// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
+#[derive(Clone, Debug)]
+pub(super) struct PointTrouble {
+    pub(super) reason: String,
+    pub(super) fraction: Option<f64>,
+}
+
+/// The fraction to repeat with where nobody knows a better one.
+pub(super) const USUAL_FRACTION: f64 = 0.5;
+
+/// DDSDDE that differs from its transpose by less than this share of its greatest entry is symmetric: a symmetric tangent
+/// computed in another order differs by some 1e-16 of it (measured: 1.2e-16).
+const SYMMETRY_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// States of all points, one array each.
+#[derive(Clone, Debug, Default)]
+pub(super) struct States {
+    pub(super) stress: Vec<Components>,
+    pub(super) strain: Vec<Components>,
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: Vec<[f64; 3]>,
+}
+
+impl States {
+    fn virgin(points: usize, nstatv: usize) -> Self {
+        Self {
+            stress: vec![[0.0; MAX_COMPONENTS]; points],
+            strain: vec![[0.0; MAX_COMPONENTS]; points],
+            statev: vec![0.0; points * nstatv],
+            energies: vec![[0.0; 3]; points],
+        }
+    }
+}
+
+/// What a point starts its increment from, and how far it goes.
+pub(super) struct PointIncrement<'a> {
+    pub(super) strain: Components,
+    /// Under large displacements: the motion, F at the start and at the end.
+    pub(super) motion: Option<(&'a FiniteIncrement, &'a Gradient, &'a Gradient)>,
+}
+
+/// The material points of one part.
+#[derive(Debug)]
+pub(super) struct Points {
+    pub(super) call: UmatCall,
+    /// Which of the four components the UMAT has.
+    components: &'static [usize],
+    nstatv: usize,
+    pub(super) committed: States,
+    pub(super) trial: States,
+    /// DDSDDE of the last evaluation that asked for it.
+    pub(super) moduli: Vec<Moduli>,
+    /// DDSDDE of the virgin state.
+    pub(super) elastic: Moduli,
+    /// Calls of the UMAT.
+    pub(super) calls: u64,
+}
+
+impl Points {
+    /// `count` virgin points.
+    pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, SolidsError> {
+        let call = law.umat(model).map_err(|source| SolidsError::Umat { part: part.to_owned(), source })?;
+        let components = match call.stress_state() {
+            StressState::PlaneStress => &[0, 1, 3][..],
+            _ => &[0, 1, 2, 3][..],
+        };
+        let states = States::virgin(count, law.nstatv);
+        let zero = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
+        Ok(Self {
+            call,
+            components,
+            nstatv: law.nstatv,
+            committed: states.clone(),
+            trial: states,
+            moduli: vec![zero; count],
+            elastic: zero,
+            calls: 0,
+        })
+    }
+
+    /// Finds DDSDDE of the virgin state.
+    pub(super) fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
+        let error =
+            |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
+        let zero = [0.0; MAX_COMPONENTS];
+        self.rest();
+        self.set_state(&zero, &zero, &zero);
+        self.call.statev_mut().fill(0.0);
+        self.call.energies = [0.0; 3];
+        self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;
+        self.elastic = self.returned_moduli();
+        match self.uniaxial_modulus() {
+            modulus if modulus > 0.0 && modulus.is_finite() => Ok(()),
+            modulus => Err(error(format!("the modulus along 1 is {modulus} MPa"))),
+        }
+    }
+
+    /// E: the modulus along 1 of the virgin state with the other direct stresses 0.
+    pub(super) fn uniaxial_modulus(&self) -> f64 {
+        let c = &self.elastic;
+        if self.components.len() < MAX_COMPONENTS {
+            return c[0][0] - c[0][1] * c[1][0] / c[1][1];
+        }
+        let minor = |a: usize, b: usize| c[1][a] * c[2][b] - c[1][b] * c[2][a];
+        (c[0][0] * minor(1, 2) - c[0][1] * minor(0, 2) + c[0][2] * minor(0, 1)) / minor(1, 2)
+    }
+
+    /// STATEV of a point.
+    pub(super) fn statev(&self, point: usize) -> std::ops::Range<usize> {
+        point * self.nstatv..(point + 1) * self.nstatv
+    }
+
+    /// Advances a point from its committed state; says whether its tangent is another one, to the last bit.
+    pub(super) fn advance(
+        &mut self,
+        point: usize,
+        increment: &PointIncrement<'_>,
+        request: Request,
+        choice: TangentChoice,
+    ) -> Result<bool, PointTrouble> {
+        let (mut stress, mut strain) = (self.committed.stress[point], self.committed.strain[point]);
+        if let Some((motion, start, end)) = increment.motion {
+            let rotation = motion.rotation();
+            (stress, strain) = (rotated(&stress, rotation, 1.0), rotated(&strain, rotation, 2.0));
+            let (cosine, sine) = rotation;
+            self.call.drot = columns([cosine, -sine, sine, cosine, 1.0]);
+            (self.call.dfgrd0, self.call.dfgrd1) = (columns(*start), columns(*end));
+        }
+        self.set_state(&stress, &strain, &increment.strain);
+        let statev = self.statev(point);
+        self.call.statev_mut().copy_from_slice(&self.committed.statev[statev.clone()]);
+        self.call.energies = self.committed.energies[point];
+        let own = if choice == TangentChoice::Consistent { request } else { Request::Stress };
+        self.run(own)?;
+        self.trial.strain[point] = std::array::from_fn(|k| strain[k] + increment.strain[k]);
+        for (source, &target) in self.call.stress().iter().zip(self.components) {
+            self.trial.stress[point][target] = *source;
+        }
+        self.trial.statev[statev].copy_from_slice(self.call.statev());
+        self.trial.energies[point] = self.call.energies;
+        if request == Request::Stress {
+            return Ok(false);
+        }
+        let moduli = match choice {
+            TangentChoice::Consistent => self.returned_moduli(),
+            TangentChoice::Frozen => self.frozen(point)?,
+            TangentChoice::Elastic => self.elastic,
+        };
+        let changed = !same_bits(self.moduli[point].as_flattened(), moduli.as_flattened());
+        self.moduli[point] = moduli;
+        Ok(changed)
+    }
+
+    /// The tangent of the trial state where nothing grows: of an increment of zero from it.
+    fn frozen(&mut self, point: usize) -> Result<Moduli, PointTrouble> {
+        self.call.drot = columns(IDENTITY);
+        self.call.dfgrd0 = self.call.dfgrd1;
+        let (stress, strain) = (self.trial.stress[point], self.trial.strain[point]);
+        self.set_state(&stress, &strain, &[0.0; MAX_COMPONENTS]);
+        // STATEV and the energies are still those of the end.
+        self.run(Request::StressAndTangent)?;
+        Ok(self.returned_moduli())
+    }
+
+    /// The kinematics of what has not moved.
+    fn rest(&mut self) {
+        self.call.drot = columns(IDENTITY);
+        self.call.dfgrd0 = columns(IDENTITY);
+        self.call.dfgrd1 = columns(IDENTITY);
+    }
+
+    fn set_state(&mut self, stress: &Components, strain: &Components, increment: &Components) {
+        for (k, &component) in self.components.iter().enumerate() {
+            self.call.stress_mut()[k] = stress[component];
+            self.call.stran[k] = strain[component];
+            self.call.dstran[k] = increment[component];
+        }
+    }
+
+    /// Calls the UMAT and judges what came back.
+    fn run(&mut self, request: Request) -> Result<(), PointTrouble> {
+        self.calls += 1;
+        match self.call.call(request) {
+            Err(overrun) => return Err(PointTrouble { reason: overrun.to_string(), fraction: None }),
+            Ok(CallOutcome::CutBack(fraction)) => {
+                let reason = format!("the law asks for {fraction} of the increment");
+                return Err(PointTrouble { reason, fraction: Some(fraction) });
+            }
+            Ok(CallOutcome::Done) => {}
+        }
+        let fault = |what: &str| PointTrouble {
+            reason: format!("the law returned {what} that are not finite"),
+            fraction: Some(USUAL_FRACTION),
+        };
+        if !self.call.stress().iter().all(|value| value.is_finite()) {
+            return Err(fault("stresses"));
+        }
+        if request == Request::StressAndTangent && !self.call.ddsdde().iter().all(|value| value.is_finite()) {
+            return Err(fault("moduli"));
+        }
+        Ok(())
+    }
+
+    /// DDSDDE over all four components.
+    fn returned_moduli(&self) -> Moduli {
+        let mut moduli = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
+        for (i, &row) in self.components.iter().enumerate() {
+            for (j, &column) in self.components.iter().enumerate() {
+                moduli[row][column] = self.call.tangent(i, j);
+            }
+        }
+        remove_rounding(&mut moduli);
+        moduli
+    }
+
+    /// Takes over the trial states of these points.
+    pub(super) fn commit(&mut self, points: std::ops::Range<usize>) {
+        let (committed, trial) = (&mut self.committed, &self.trial);
+        committed.stress[points.clone()].copy_from_slice(&trial.stress[points.clone()]);
+        committed.strain[points.clone()].copy_from_slice(&trial.strain[points.clone()]);
+        committed.energies[points.clone()].copy_from_slice(&trial.energies[points.clone()]);
+        let statev = points.start * self.nstatv..points.end * self.nstatv;
+        committed.statev[statev.clone()].copy_from_slice(&trial.statev[statev]);
+    }
+}
+
+/// Makes a matrix that is symmetric but for rounding exactly so.
+fn remove_rounding(moduli: &mut Moduli) {
+    let greatest = moduli.as_flattened().iter().fold(0.0_f64, |greatest, entry| greatest.max(entry.abs()));
+    let below_diagonal = || (1..MAX_COMPONENTS).flat_map(|row| (0..row).map(move |column| (row, column)));
+    let asymmetry = |(row, column): (usize, usize)| (moduli[row][column] - moduli[column][row]).abs();
+    if below_diagonal().all(|place| asymmetry(place) <= SYMMETRY_ROUNDING * greatest) {
+        below_diagonal().for_each(|(row, column)| moduli[row][column] = moduli[column][row]);
+    }
+}
+
+/// Whether numbers are the same to the last bit.
+pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
+}
+
+/// Whether DDSDDE is symmetric to the last bit.
+pub(super) fn is_symmetric(moduli: &Moduli) -> bool {
+    (1..MAX_COMPONENTS).all(|row| (0..row).all(|column| moduli[row][column] == moduli[column][row]))
+}

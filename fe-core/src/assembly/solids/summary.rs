@@ -1,0 +1,138 @@
+//! What the solids tell: energies, counts, single points.
+
+use super::{Solids, record::Body};
+use crate::kinematics::finite::Components;
+
+/// Energies of the committed state, N·mm (of a plane part over its thickness).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SolidEnergies {
+    /// Stored: SSE.
+    pub stored: f64,
+    /// Dissipated by laws without a damage: SPD + SCD.
+    pub plastic: f64,
+    /// Dissipated by laws with a damage: SPD + SCD.
+    pub damage: f64,
+}
+
+impl std::ops::AddAssign for SolidEnergies {
+    fn add_assign(&mut self, other: Self) {
+        self.stored += other.stored;
+        self.plastic += other.plastic;
+        self.damage += other.damage;
+    }
+}
+
+/// How many points have dissipated anything.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct PointCounts {
+    /// All points.
+    pub points: usize,
+    /// Those of laws without a damage.
+    pub plastic: usize,
+    /// Those of laws with one.
+    pub damaged: usize,
+}
+
+/// What was done since the start.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counters {
+    /// Calls of UMATs.
+    pub umat_calls: u64,
+    /// Elements evaluated.
+    pub evaluations: u64,
+    /// Elements that gave their last forces again.
+    pub skipped_evaluations: u64,
+    /// Stiffnesses built.
+    pub stiffness_builds: u64,
+}
+
+/// The committed state of a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointView<'a> {
+    /// Present position, mm; that of the reference under small strains.
+    pub position: [f64; 2],
+    /// σ 11, 22, 33, 12, MPa.
+    pub stress: Components,
+    /// ε 11, 22, 33, γ12; 33 is 0 in plane stress, where only the law knows it.
+    pub strain: Components,
+    /// STATEV.
+    pub statev: &'a [f64],
+    /// SSE, SPD, SCD, N·mm/mm³.
+    pub energies: [f64; 3],
+    /// Reference volume, mm³.
+    pub volume: f64,
+}
+
+impl Solids {
+    /// Energies of each part.
+    pub fn part_energies(&self) -> Vec<SolidEnergies> {
+        let of_body = |body: &Body| {
+            let mut sum = SolidEnergies::default();
+            for ([stored, plastic, creep], volume) in body.points.committed.energies.iter().zip(&body.volumes) {
+                sum.stored += stored * volume;
+                let dissipated = if body.damages { &mut sum.damage } else { &mut sum.plastic };
+                *dissipated += (plastic + creep) * volume;
+            }
+            sum
+        };
+        self.bodies.iter().map(of_body).collect()
+    }
+
+    /// Energies of all parts.
+    pub fn energies(&self) -> SolidEnergies {
+        let mut sum = SolidEnergies::default();
+        self.part_energies().into_iter().for_each(|part| sum += part);
+        sum
+    }
+
+    /// How many points have dissipated anything.
+    pub fn counts(&self) -> PointCounts {
+        let mut counts = PointCounts::default();
+        for body in &self.bodies {
+            let energies = &body.points.committed.energies;
+            let dissipating = energies.iter().filter(|[_, plastic, creep]| plastic + creep > 0.0).count();
+            counts.points += energies.len();
+            *if body.damages { &mut counts.damaged } else { &mut counts.plastic } += dissipating;
+        }
+        counts
+    }
+
+    /// How many integration points an element has.
+    pub fn point_count(&self, element: usize) -> usize {
+        self.records[element].points.len()
+    }
+
+    /// The committed state of a point of an element.
+    pub fn point(&self, element: usize, point: usize) -> PointView<'_> {
+        let record = &self.records[element];
+        let body = &self.bodies[record.part];
+        let index = record.points.start + point;
+        let mut position = body.positions[index];
+        if self.nlgeom {
+            let values = body.values(record.kind, point);
+            for ([u, v], value) in self.committed[record.nodal.clone()].iter().zip(values) {
+                position[0] += value * u;
+                position[1] += value * v;
+            }
+        }
+        let states = &body.points.committed;
+        PointView {
+            position,
+            stress: states.stress[index],
+            strain: states.strain[index],
+            statev: &states.statev[body.points.statev(index)],
+            energies: states.energies[index],
+            volume: body.volumes[index],
+        }
+    }
+
+    /// E of each part, MPa: the modulus along x of the virgin state with the other direct stresses 0.
+    pub fn elastic_moduli(&self) -> Vec<f64> {
+        self.bodies.iter().map(|body| body.points.uniaxial_modulus()).collect()
+    }
+
+    /// What was done since the start.
+    pub fn counters(&self) -> Counters {
+        Counters { umat_calls: self.bodies.iter().map(|body| body.points.calls).sum(), ..self.counters }
+    }
+}

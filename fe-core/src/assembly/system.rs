@@ -1,0 +1,364 @@
+//! The system of equations: element and contact stiffness between the rows that the solver sees.
+//!
+//! Rows are the equations but for those in the interior of the condensed far field. Forces and displacements stay with
+//! the freedoms; only corrections and residuals are by rows.
+
+use super::far_field::FarField;
+use super::{Blocks, Equations, Solids};
+use crate::mesh::Mesh;
+use crate::model::Freedom;
+use crate::solver::{FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
+use std::sync::Arc;
+
+/// The stiffness of elements: row-major over their freedoms.
+pub trait ElementStiffness {
+    /// ∂force/∂displacement of an element.
+    fn stiffness(&self, element: usize) -> &[f64];
+}
+
+impl ElementStiffness for Solids {
+    fn stiffness(&self, element: usize) -> &[f64] {
+        Solids::stiffness(self, element)
+    }
+}
+
+/// Where the entries of an element's stiffness go.
+#[derive(Clone, Debug)]
+enum Scatter {
+    /// Nowhere: the element is condensed.
+    Condensed,
+    /// Freedoms are equations or held: the place of each entry of the element, or [`NOWHERE`].
+    Direct(Vec<u32>),
+    /// Couplings: (entry of the element, place, coefficient).
+    Coupled(Vec<(u32, u32, f64)>),
+}
+
+/// The place of an entry whose row or column is held; the row of an equation that is condensed.
+const NOWHERE: u32 = u32::MAX;
+
+/// A model's equations, their matrix and its solver.
+pub struct System {
+    equations: Equations,
+    /// Row of each equation, or [`NOWHERE`].
+    row_of_equation: Vec<u32>,
+    /// Equation of each row.
+    equation_of_row: Vec<usize>,
+    matrix: SystemMatrix,
+    solver: LinearSolver,
+    scatter: Vec<Scatter>,
+    element_freedoms: Vec<Vec<usize>>,
+    /// Elements with a freedom that a drive moves.
+    driven_elements: Vec<usize>,
+    /// Blocks of contact and loads, by freedoms.
+    blocks: Blocks,
+    far_field: Option<FarField>,
+    /// Values of the far field in the matrix: places of its stiffness.
+    far_places: Vec<u32>,
+}
+
+/// Which elements a system condenses.
+#[derive(Clone, Copy, Debug)]
+pub struct Condensation<'a> {
+    /// The solids, with the stiffness of the virgin state in elements to condense.
+    pub elements: &'a Solids,
+    /// False for elements to condense.
+    pub active: &'a [bool],
+    /// Freedoms that stay although only condensed elements have them.
+    pub retained: &'a [usize],
+}
+
+impl System {
+    /// Finds the pattern and condenses the far field. `contact`: the freedoms that contact may couple.
+    ///
+    /// # Errors
+    ///
+    /// Those of the symbolic analysis and of the condensation.
+    pub fn new(
+        mesh: &Mesh,
+        equations: Equations,
+        contact: &[usize],
+        condensation: Option<Condensation<'_>>,
+        options: SolverOptions,
+    ) -> Result<Self, SolverError> {
+        let far_field = match &condensation {
+            Some(Condensation { elements, active, retained }) => {
+                FarField::new(mesh, &equations, *elements, active, retained)?
+            }
+            None => None,
+        };
+        let is_active = |element: usize| condensation.as_ref().is_none_or(|c| c.active[element]);
+        let (row_of_equation, equation_of_row) = rows(&equations, far_field.as_ref());
+        let element_freedoms: Vec<Vec<usize>> =
+            mesh.elements().iter().map(|element| freedoms(element.nodes())).collect();
+        let by_rows = |freedoms: &[usize]| -> Vec<usize> {
+            equations_of_all(&equations, freedoms)
+                .into_iter()
+                .map(|equation| row_of_equation[equation] as usize)
+                .collect()
+        };
+        let mut groups: Vec<Vec<usize>> = element_freedoms
+            .iter()
+            .enumerate()
+            .filter(|(element, _)| is_active(*element))
+            .map(|(_, freedoms)| by_rows(freedoms))
+            .collect();
+        groups.extend(far_field.iter().map(|far| by_rows(far.border())));
+        let pattern = Pattern::from_groups(equation_of_row.len(), groups.iter().map(Vec::as_slice));
+        let scatter = element_freedoms
+            .iter()
+            .enumerate()
+            .map(|(element, freedoms)| match is_active(element) {
+                true => Scatter::new(&equations, &row_of_equation, &pattern, freedoms),
+                false => Scatter::Condensed,
+            })
+            .collect();
+        let far_places = far_field.as_ref().map_or_else(Vec::new, |far| {
+            let rows: Vec<usize> = far
+                .border()
+                .iter()
+                .map(|&freedom| row_of_equation[equations.equations_of(freedom)[0].0] as usize)
+                .collect();
+            let place =
+                |(&row, &column)| pattern.index(row, column).expect("the border is a group of the pattern") as u32;
+            rows.iter().flat_map(|row| rows.iter().map(move |column| (row, column))).map(place).collect()
+        });
+        let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
+        let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
+        let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
+        let contact_rows = by_rows(contact);
+        let pattern = Arc::new(pattern);
+        let solver = LinearSolver::new(&pattern, &nodes, &contact_rows, options)?;
+        Ok(Self {
+            matrix: SystemMatrix::new(pattern),
+            equations,
+            row_of_equation,
+            equation_of_row,
+            solver,
+            scatter,
+            element_freedoms,
+            driven_elements,
+            blocks: Blocks::default(),
+            far_field,
+            far_places,
+        })
+    }
+
+    /// The equations.
+    pub fn equations(&self) -> &Equations {
+        &self.equations
+    }
+
+    /// How many rows the solver sees.
+    pub fn row_count(&self) -> usize {
+        self.equation_of_row.len()
+    }
+
+    /// The node of a row.
+    pub fn node_of_row(&self, row: usize) -> usize {
+        self.equations.freedoms()[self.equation_of_row[row]] / 2
+    }
+
+    /// How many freedoms are condensed.
+    pub fn condensed_count(&self) -> usize {
+        self.far_field.as_ref().map_or(0, |far| far.interior().len())
+    }
+
+    /// Adds all elements into the matrix.
+    pub fn assemble_elements(&mut self, elements: &impl ElementStiffness) {
+        let values = &mut self.matrix.values;
+        values.fill(0.0);
+        for (element, scatter) in self.scatter.iter().enumerate() {
+            match scatter {
+                Scatter::Condensed => {}
+                Scatter::Direct(entries) => {
+                    for (&place, entry) in entries.iter().zip(elements.stiffness(element)) {
+                        if place != NOWHERE {
+                            values[place as usize] += entry;
+                        }
+                    }
+                }
+                Scatter::Coupled(entries) => {
+                    let stiffness = elements.stiffness(element);
+                    for &(entry, place, coefficient) in entries {
+                        values[place as usize] += coefficient * stiffness[entry as usize];
+                    }
+                }
+            }
+        }
+        if let Some(far) = &self.far_field {
+            for (&place, entry) in self.far_places.iter().zip(far.stiffness()) {
+                values[place as usize] += entry;
+            }
+        }
+    }
+
+    /// Adds a number to the diagonal: a dashpot or spring at every row.
+    pub fn add_to_diagonal(&mut self, value: f64) {
+        for row in 0..self.row_count() {
+            let place = self.matrix.pattern().index(row, row).expect("the diagonal is always there");
+            self.matrix.values[place] += value;
+        }
+    }
+
+    /// Takes over the blocks of contact and of loads that follow the body, by freedoms.
+    pub fn set_blocks(&mut self, blocks: &Blocks) {
+        self.blocks.clone_from(blocks);
+        self.matrix.contact.clear();
+        for (freedoms, values) in blocks.iter() {
+            let (equations, values) = reduced_block(&self.equations, freedoms, values);
+            let rows: Vec<usize> = equations.into_iter().map(|e| self.row_of_equation[e] as usize).collect();
+            self.matrix.contact.push(&rows, &values);
+        }
+    }
+
+    /// Factorises the matrix.
+    ///
+    /// # Errors
+    ///
+    /// It is singular or not finite.
+    pub fn factorise(&mut self, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
+        self.solver.factorise(&self.matrix, symmetry)
+    }
+
+    /// Factorises again after the blocks alone have changed.
+    ///
+    /// # Errors
+    ///
+    /// It is singular or not finite.
+    pub fn factorise_blocks(&mut self) -> Result<FactorisationReport, SolverError> {
+        self.solver.factorise_contact(&self.matrix)
+    }
+
+    /// Solves in place with the last factor.
+    ///
+    /// # Errors
+    ///
+    /// The residual stays too large.
+    pub fn solve(&mut self, right_side: &mut [f64]) -> Result<(), SolverError> {
+        self.solver.solve(&self.matrix, right_side).map(|_| ())
+    }
+
+    /// Tᵀ f by rows.
+    pub fn reduce(&self, forces: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.equations.count()];
+        self.equations.reduce(forces, &mut all);
+        self.equation_of_row.iter().map(|&equation| all[equation]).collect()
+    }
+
+    /// T q + S a from unknowns by rows; the interior of the far field stays 0.
+    pub fn displacements(&self, unknowns: &[f64], drives: &[f64]) -> Vec<f64> {
+        let mut all = vec![0.0; self.equations.count()];
+        self.equation_of_row.iter().zip(unknowns).for_each(|(&equation, value)| all[equation] = *value);
+        let mut displacements = vec![0.0; self.equations.freedom_count()];
+        self.equations.add_displacements(&all, drives, &mut displacements);
+        displacements
+    }
+
+    /// Tᵀ K S a by rows: the forces when the drives move by `drives` and the unknowns stay.
+    pub fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+        let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
+        let mut forces = vec![0.0; displacements.len()];
+        for &element in &self.driven_elements {
+            add_product(&self.element_freedoms[element], elements.stiffness(element), &displacements, &mut forces);
+        }
+        for (freedoms, values) in self.blocks.iter() {
+            add_product(freedoms, values, &displacements, &mut forces);
+        }
+        self.reduce(&forces)
+    }
+
+    /// Adds the forces of the far field on its border (`sign` 1), or takes them away (−1).
+    pub fn add_far_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
+        if let Some(far) = &self.far_field {
+            far.add_forces(displacements, sign, forces);
+        }
+    }
+
+    /// Sets the displacements in the far field from those at its border.
+    ///
+    /// # Errors
+    ///
+    /// Those of a solution.
+    pub fn expand(&mut self, displacements: &mut [f64]) -> Result<(), SolverError> {
+        self.far_field.as_mut().map_or(Ok(()), |far| far.expand(displacements))
+    }
+}
+
+/// Row of each equation and equation of each row.
+fn rows(equations: &Equations, far_field: Option<&FarField>) -> (Vec<u32>, Vec<usize>) {
+    let mut row_of_equation = vec![0; equations.count()];
+    for &freedom in far_field.map_or(&[][..], FarField::interior) {
+        for &(equation, _) in equations.equations_of(freedom) {
+            row_of_equation[equation] = NOWHERE;
+        }
+    }
+    let kept: Vec<usize> = (0..equations.count()).filter(|&equation| row_of_equation[equation] != NOWHERE).collect();
+    for (row, &equation) in kept.iter().enumerate() {
+        row_of_equation[equation] = row as u32;
+    }
+    (row_of_equation, kept)
+}
+
+/// The freedoms of some nodes, two each.
+pub(super) fn freedoms(nodes: &[usize]) -> Vec<usize> {
+    nodes.iter().flat_map(|&node| [0, 1].map(|component| Freedom { node, component }.index())).collect()
+}
+
+/// f += k u over some freedoms.
+fn add_product(freedoms: &[usize], stiffness: &[f64], displacements: &[f64], forces: &mut [f64]) {
+    for (row, &freedom) in stiffness.chunks_exact(freedoms.len()).zip(freedoms) {
+        forces[freedom] += row.iter().zip(freedoms).map(|(k, &other)| k * displacements[other]).sum::<f64>();
+    }
+}
+
+/// The equations that some freedoms are made of, ascending, each once.
+fn equations_of_all(equations: &Equations, freedoms: &[usize]) -> Vec<usize> {
+    let of_one = |&freedom: &usize| equations.equations_of(freedom).iter().map(|(equation, _)| *equation);
+    let mut all: Vec<usize> = freedoms.iter().flat_map(of_one).collect();
+    all.sort_unstable();
+    all.dedup();
+    all
+}
+
+/// Tᵀ k T of a block: its equations and values.
+fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (Vec<usize>, Vec<f64>) {
+    let rows = equations_of_all(equations, freedoms);
+    let place = |equation: usize| rows.binary_search(&equation).expect("rows are the equations of these freedoms");
+    let mut reduced = vec![0.0; rows.len() * rows.len()];
+    for (line, &row_freedom) in values.chunks_exact(freedoms.len()).zip(freedoms) {
+        for &(row, row_coefficient) in equations.equations_of(row_freedom) {
+            for (value, &column_freedom) in line.iter().zip(freedoms) {
+                for &(column, column_coefficient) in equations.equations_of(column_freedom) {
+                    reduced[place(row) * rows.len() + place(column)] += row_coefficient * value * column_coefficient;
+                }
+            }
+        }
+    }
+    (rows, reduced)
+}
+
+impl Scatter {
+    fn new(equations: &Equations, row_of_equation: &[u32], pattern: &Pattern, freedoms: &[usize]) -> Self {
+        let mut entries = Vec::with_capacity(freedoms.len() * freedoms.len());
+        for (i, &row_freedom) in freedoms.iter().enumerate() {
+            for (j, &column_freedom) in freedoms.iter().enumerate() {
+                for &(row, a) in equations.equations_of(row_freedom) {
+                    for &(column, b) in equations.equations_of(column_freedom) {
+                        let (row, column) = (row_of_equation[row] as usize, row_of_equation[column] as usize);
+                        let place = pattern.index(row, column).expect("the pattern was made from these freedoms");
+                        entries.push(((i * freedoms.len() + j) as u32, place as u32, a * b));
+                    }
+                }
+            }
+        }
+        if entries.iter().all(|(_, _, coefficient)| *coefficient == 1.0) {
+            let mut places = vec![NOWHERE; freedoms.len() * freedoms.len()];
+            for (entry, place, _) in entries {
+                places[entry as usize] = place;
+            }
+            Self::Direct(places)
+        } else {
+            Self::Coupled(entries)
+        }
+    }
+}

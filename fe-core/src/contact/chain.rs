@@ -1,0 +1,206 @@
+//! The master surface: edges in a row, with one coordinate along all of them.
+
+use super::ContactError;
+use crate::element::{EdgeKind, LinePoint, gauss_legendre};
+use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
+
+/// Points of the rule for arc lengths. |X'| of a quadratic edge is the root of a parabola, smooth while the middle node
+/// lies well between its ends: ten points leave no error above rounding.
+const ARC_LENGTH_POINTS: usize = 10;
+
+/// Edges of which each starts where the one before ends. The body lies on the left. Counted without end in both
+/// directions if closed: edge −1 is the last one, and the arc length goes on growing from round to round.
+#[derive(Clone, Debug)]
+pub(super) struct Chain {
+    kinds: Vec<EdgeKind>,
+    nodes: Vec<[usize; 3]>,
+    reference: Vec<[[f64; 2]; 3]>,
+    /// Arc length at the start of each edge.
+    starts: Vec<f64>,
+    length: f64,
+    closed: bool,
+    rule: Vec<LinePoint>,
+}
+
+/// A place on a chain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Foot {
+    /// The edge, counted without end on closed chains.
+    pub edge: i64,
+    /// ξ; beyond ±1 only past the ends of an open chain.
+    pub coordinate: f64,
+    /// Whether it is held by a convex corner at ξ = ±1, in whose wedge of normals the point lies.
+    pub corner: bool,
+}
+
+/// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shape {
+    pub values: [f64; 3],
+    pub first: [f64; 3],
+    pub second: [f64; 3],
+}
+
+impl Chain {
+    /// Orders the edges of a master surface.
+    ///
+    /// # Errors
+    /// They are no single row, open or closed.
+    pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<Self, ContactError> {
+        let (order, closed) = order(mesh, edges, pair)?;
+        let mut chain = Self::empty(closed);
+        for edge in order {
+            let edge = mesh.edge_nodes(edge);
+            let mut reference = [[0.0; 2]; 3];
+            for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
+                *position = mesh.nodes()[node];
+            }
+            chain.add(&edge, reference);
+        }
+        Ok(chain)
+    }
+
+    /// A chain of one edge.
+    pub fn of_edge(edge: &EdgeNodes, reference: &[[f64; 2]; 3]) -> Self {
+        let mut chain = Self::empty(false);
+        chain.add(edge, *reference);
+        chain
+    }
+
+    fn empty(closed: bool) -> Self {
+        Self {
+            kinds: Vec::new(),
+            nodes: Vec::new(),
+            reference: Vec::new(),
+            starts: Vec::new(),
+            length: 0.0,
+            closed,
+            rule: gauss_legendre(ARC_LENGTH_POINTS),
+        }
+    }
+
+    /// Adds an edge at the end.
+    fn add(&mut self, edge: &EdgeNodes, reference: [[f64; 2]; 3]) {
+        let mut nodes = [edge.nodes()[0]; 3];
+        nodes[..edge.nodes().len()].copy_from_slice(edge.nodes());
+        self.kinds.push(edge.kind());
+        self.nodes.push(nodes);
+        self.reference.push(reference);
+        self.starts.push(self.length);
+        self.length += self.length_within(self.kinds.len() - 1, 1.0);
+    }
+
+    /// How many edges there are.
+    pub fn len(&self) -> usize {
+        self.kinds.len()
+    }
+
+    /// Reference arc length of all edges, mm.
+    pub fn length(&self) -> f64 {
+        self.length
+    }
+
+    /// Whether the last edge ends where the first one starts.
+    pub fn is_closed(&self) -> bool {
+        self.closed
+    }
+
+    /// The edge at a place, from 0.
+    fn index(&self, edge: i64) -> usize {
+        edge.rem_euclid(self.kinds.len() as i64) as usize
+    }
+
+    /// Nodes of an edge: start, end and, on quadratic ones, the middle.
+    pub fn nodes(&self, edge: i64) -> &[usize] {
+        let index = self.index(edge);
+        &self.nodes[index][..self.kinds[index].node_count()]
+    }
+
+    /// Whether another edge comes before (−1) or after (1) this one.
+    pub fn goes_on(&self, edge: i64, side: i64) -> bool {
+        self.closed || (0..self.kinds.len() as i64).contains(&(edge + side))
+    }
+
+    /// Where past an end of an open chain ξ lies: how far the straight extension has gone.
+    fn excess(&self, edge: i64, coordinate: f64) -> f64 {
+        let side = if coordinate < 0.0 { -1 } else { 1 };
+        if coordinate.abs() > 1.0 && !self.goes_on(edge, side) { coordinate - side as f64 } else { 0.0 }
+    }
+
+    /// Shape functions at a place.
+    pub fn shape(&self, edge: i64, coordinate: f64) -> Shape {
+        let kind = self.kinds[self.index(edge)];
+        let excess = self.excess(edge, coordinate);
+        let at = coordinate - excess;
+        let (mut values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
+        if excess == 0.0 {
+            return Shape { values, first, second: kind.shape_second_derivatives() };
+        }
+        for node in 0..3 {
+            values[node] += first[node] * excess;
+        }
+        Shape { values, first, second: [0.0; 3] }
+    }
+
+    /// Reference arc length s₀ at a place, mm, with its two derivatives by ξ.
+    pub fn arc_length(&self, edge: i64, coordinate: f64) -> [f64; 3] {
+        let index = self.index(edge);
+        let rounds = edge.div_euclid(self.kinds.len() as i64) as f64;
+        let excess = self.excess(edge, coordinate);
+        let at = coordinate - excess;
+        let (kind, nodes) = (self.kinds[index], &self.reference[index]);
+        let tangent = kind.point(nodes, at).tangent;
+        let stretch = tangent[0].hypot(tangent[1]);
+        let inside = self.starts[index] + rounds * self.length + self.length_within(index, at);
+        if excess != 0.0 {
+            return [inside + excess * stretch, stretch, 0.0];
+        }
+        let mut bend = 0.0;
+        for (second, node) in kind.shape_second_derivatives().iter().zip(nodes).take(kind.node_count()) {
+            bend += second * (tangent[0] * node[0] + tangent[1] * node[1]);
+        }
+        [inside, stretch, bend / stretch]
+    }
+
+    /// Reference length of an edge from its start to ξ.
+    fn length_within(&self, index: usize, coordinate: f64) -> f64 {
+        let half = 0.5 * (coordinate + 1.0);
+        let part = |point: &LinePoint| {
+            let at = half * (point.coordinate + 1.0) - 1.0;
+            point.weight * self.kinds[index].point(&self.reference[index], at).stretch()
+        };
+        half * self.rule.iter().map(part).sum::<f64>()
+    }
+}
+
+/// The edges in a row, and whether it closes.
+fn order(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<(Vec<ElementEdge>, bool), ContactError> {
+    let broken = |reason: String| ContactError::Chain { pair: pair.to_owned(), reason };
+    let ends = |edge: &ElementEdge| {
+        let nodes = mesh.edge_nodes(*edge);
+        (nodes.nodes()[0], nodes.nodes()[1])
+    };
+    let mut following = std::collections::HashMap::with_capacity(edges.len());
+    let mut ended = std::collections::HashSet::with_capacity(edges.len());
+    for edge in edges {
+        let (start, end) = ends(edge);
+        if following.insert(start, *edge).is_some() {
+            return Err(broken(format!("two edges start at node {}", start + 1)));
+        }
+        if !ended.insert(end) {
+            return Err(broken(format!("two edges end at node {}", end + 1)));
+        }
+    }
+    let first = edges.iter().find(|edge| !ended.contains(&ends(edge).0)).or(edges.first());
+    let Some(&first) = first else { return Err(broken("it has no edges".to_owned())) };
+    let mut row = vec![first];
+    let mut at = ends(&first).1;
+    while let Some(&next) = following.get(&at).filter(|next| **next != first) {
+        row.push(next);
+        at = ends(&next).1;
+    }
+    if row.len() < edges.len() {
+        return Err(broken(format!("it is in pieces: {} of {} edges hang together", row.len(), edges.len())));
+    }
+    Ok((row, at == ends(&first).0))
+}

@@ -1,0 +1,119 @@
+//! What contact points remember: plain numbers in flat arrays, one set committed, one on trial.
+
+use super::chain::Foot;
+use super::normal::NormalState;
+
+/// What a point does. UINTER tells no host its status: there, slipping means that the plugin's dissipation grew in the
+/// increment, open that the traction is 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+pub enum PointStatus {
+    /// Holds without dissipation.
+    #[default]
+    Sticking,
+    /// Slides, or its bond is being spent.
+    Slipping,
+    /// Transmits nothing.
+    Open,
+    /// Past an end of the master: out for good.
+    Released,
+}
+
+/// The numbers of one point. All energies are accumulated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct PointState {
+    pub foot: Foot,
+    /// g_N and g, mm.
+    pub gap: f64,
+    pub slip: f64,
+    /// Largest |g| so far, mm.
+    pub largest_slip: f64,
+    /// w.
+    pub weight: f64,
+    /// p and τ, MPa.
+    pub pressure: f64,
+    pub shear: f64,
+    pub normal: NormalState,
+    pub status: PointStatus,
+    /// Whether the penalty of a hard law holds it: what Uzawa updates.
+    pub held: bool,
+    /// Accumulated DSLIP of FRIC, mm, and its LM of the next call.
+    pub inelastic_slip: f64,
+    pub stick: i32,
+    /// LOPENCLOSE and LSTATE of UINTER.
+    pub flags: [i32; 2],
+    /// SED, SFD, SPD, SVD, SCD as the plugin left them, N/mm.
+    pub plugin_energies: [f64; 5],
+    /// Stored by the host's normal law, N/mm.
+    pub normal_energy: f64,
+    /// In N·mm: work on the point, dissipated in the plugin, opening of the host's law, lost by release.
+    pub work: f64,
+    pub dissipated: f64,
+    pub opening: f64,
+    pub released: f64,
+}
+
+impl PointState {
+    /// A virgin point over its foot.
+    pub fn new(foot: Foot, weight: f64) -> Self {
+        Self {
+            foot,
+            gap: 0.0,
+            slip: 0.0,
+            largest_slip: 0.0,
+            weight,
+            pressure: 0.0,
+            shear: 0.0,
+            normal: NormalState::default(),
+            status: PointStatus::Sticking,
+            held: false,
+            inelastic_slip: 0.0,
+            stick: 1,
+            flags: [-1; 2],
+            plugin_energies: [0.0; 5],
+            normal_energy: 0.0,
+            work: 0.0,
+            dissipated: 0.0,
+            opening: 0.0,
+            released: 0.0,
+        }
+    }
+
+    /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
+    pub fn book(&mut self, start: &Self, area: f64) {
+        let penetration = start.gap - self.gap;
+        let mean = |a: f64, b: f64| 0.5 * (a + b);
+        let weight = mean(start.weight, self.weight);
+        let pressing = mean(start.weight * start.pressure, self.weight * self.pressure) * penetration;
+        let sliding = mean(start.weight * start.shear, self.weight * self.shear) * (self.slip - start.slip);
+        self.work += area * (pressing + sliding);
+        let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
+        self.dissipated += area * weight * (spent(self) - spent(start));
+        let stored = mean(start.stored(), self.stored());
+        self.released += area * stored * (start.weight - self.weight);
+        if self.normal.opening > start.normal.opening || self.normal.latched != start.normal.latched {
+            let work = mean(start.pressure, self.pressure) * penetration;
+            self.opening += area * weight * (work + start.normal_energy - self.normal_energy);
+        }
+    }
+
+    /// Stored energy per area, plugin and normal law, N/mm.
+    pub fn stored(&self) -> f64 {
+        self.plugin_energies[0] + self.normal_energy
+    }
+}
+
+/// All points of a pair.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct History {
+    pub points: Vec<PointState>,
+    /// STATEV, point by point.
+    pub statev: Vec<f64>,
+}
+
+impl History {
+    /// Takes another one's numbers without allocating.
+    pub fn copy_from(&mut self, other: &Self) {
+        self.points.copy_from_slice(&other.points);
+        self.statev.copy_from_slice(&other.statev);
+    }
+}

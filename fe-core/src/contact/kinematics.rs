@@ -1,0 +1,268 @@
+//! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
+
+use super::chain::{Chain, Foot};
+
+/// Nodes of a contact point: at most three of a slave edge and three of a master edge.
+pub(super) const MAX_NODES: usize = 6;
+/// Their freedoms.
+pub(super) const MAX_FREEDOMS: usize = 2 * MAX_NODES;
+/// d shorter than this × |x'| has no direction to be trusted: the edge's normal is the corner's.
+const NO_LENGTH: f64 = 1e-12;
+
+/// A slave point: nodes of its edge and their shape functions there.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SlavePoint {
+    pub nodes: [usize; 3],
+    pub values: [f64; 3],
+    pub count: usize,
+}
+
+impl SlavePoint {
+    /// Where it is.
+    pub fn position(&self, position: &impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+        let mut sum = [0.0; 2];
+        for k in 0..self.count {
+            let node = position(self.nodes[k]);
+            sum = [sum[0] + self.values[k] * node[0], sum[1] + self.values[k] * node[1]];
+        }
+        sum
+    }
+}
+
+/// Why a foot gives no gap.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NoGap {
+    /// The master edge has no length there.
+    Collapsed,
+    /// The point lies at the master's centre of curvature or beyond it.
+    BeyondCentre,
+}
+
+/// Gap g and arc length s of one point, their gradients, and what their second derivatives are made of; the module's
+/// page has the equations. Freedoms are ordered node by node, slave nodes first.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Kinematics {
+    count: usize,
+    nodes: [usize; MAX_NODES],
+    /// x_s, mm.
+    pub position: [f64; 2],
+    /// x(ξ), mm.
+    pub foot: [f64; 2],
+    /// T.
+    pub tangent: [f64; 2],
+    /// n.
+    pub normal: [f64; 2],
+    /// g, mm.
+    pub gap: f64,
+    /// s = s₀(ξ), mm.
+    pub arc_length: f64,
+    /// ∂g/∂x.
+    pub gap_gradient: [f64; MAX_FREEDOMS],
+    /// ∂s/∂x.
+    pub slip_gradient: [f64; MAX_FREEDOMS],
+    second: Second,
+}
+
+/// Ingredients of the second derivatives.
+#[derive(Clone, Copy, Debug)]
+struct Second {
+    /// A and B: ∂d/∂x and ∂x'/∂x at fixed ξ, per node.
+    arm: [f64; MAX_NODES],
+    turn: [f64; MAX_NODES],
+    /// a = A T, b = B n, c = A x'' − 2 B x' + B' d.
+    a: [f64; MAX_FREEDOMS],
+    b: [f64; MAX_FREEDOMS],
+    c: [f64; MAX_FREEDOMS],
+    /// ∂ξ/∂x.
+    coordinate: [f64; MAX_FREEDOMS],
+    /// Of ∂²g: coefficients of (a bᵀ + b aᵀ), a aᵀ and b bᵀ.
+    gap: [f64; 3],
+    /// Of ∂²s: coefficients of (A B 1 + c ∂ξᵀ + symmetric) and of ∂ξ ∂ξᵀ.
+    slip: [f64; 2],
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+/// The normal to the right of a tangent: out of the body that lies on its left.
+fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
+    [y, -x]
+}
+
+impl Kinematics {
+    /// Of a slave point over its foot.
+    ///
+    /// # Errors
+    /// The foot gives no gap.
+    pub fn new(
+        chain: &Chain,
+        slave: &SlavePoint,
+        foot: Foot,
+        position: &impl Fn(usize) -> [f64; 2],
+    ) -> Result<Self, NoGap> {
+        let shape = chain.shape(foot.edge, foot.coordinate);
+        let mut point = Self::over(slave, chain.nodes(foot.edge), &shape.values, position);
+        let (mut tangent, mut bend, mut turned) = ([0.0; 2], [0.0; 2], [0.0; MAX_NODES]);
+        for (k, &node) in chain.nodes(foot.edge).iter().enumerate() {
+            let x = position(node);
+            point.second.turn[slave.count + k] = shape.first[k];
+            turned[slave.count + k] = shape.second[k];
+            for i in 0..2 {
+                tangent[i] += shape.first[k] * x[i];
+                bend[i] += shape.second[k] * x[i];
+            }
+        }
+        let stretch = tangent[0].hypot(tangent[1]);
+        if stretch.is_nan() || stretch <= 0.0 {
+            return Err(NoGap::Collapsed);
+        }
+        point.tangent = tangent.map(|t| t / stretch);
+        point.normal = right_of(point.tangent);
+        let arm = [0, 1].map(|i| point.position[i] - point.foot[i]);
+        let [arc_length, by_coordinate, by_coordinate_twice] = chain.arc_length(foot.edge, foot.coordinate);
+        point.arc_length = arc_length;
+        if foot.corner && arm[0].hypot(arm[1]) > NO_LENGTH * stretch {
+            point.at_corner(arm, neighbour_normal(chain, foot, position));
+            return Ok(point);
+        }
+        point.gap = dot(arm, point.normal);
+        let denominator = stretch * stretch - dot(arm, bend);
+        if denominator <= 0.0 {
+            return Err(NoGap::BeyondCentre);
+        }
+        point.fill(tangent, stretch, bend, arm, denominator, &turned);
+        for freedom in 0..2 * point.count {
+            point.slip_gradient[freedom] = by_coordinate * point.second.coordinate[freedom];
+        }
+        let along = dot(tangent, bend);
+        point.second.slip =
+            [by_coordinate / denominator, by_coordinate_twice - 3.0 * along * by_coordinate / denominator];
+        Ok(point)
+    }
+
+    /// Nodes, positions and A; the rest is 0.
+    fn over(slave: &SlavePoint, master: &[usize], values: &[f64; 3], position: &impl Fn(usize) -> [f64; 2]) -> Self {
+        let zero = [0.0; MAX_FREEDOMS];
+        let mut nodes = [0; MAX_NODES];
+        let mut arm = [0.0; MAX_NODES];
+        let mut foot = [0.0; 2];
+        nodes[..slave.count].copy_from_slice(&slave.nodes[..slave.count]);
+        arm[..slave.count].copy_from_slice(&slave.values[..slave.count]);
+        for (k, &node) in master.iter().enumerate() {
+            nodes[slave.count + k] = node;
+            arm[slave.count + k] = -values[k];
+            let x = position(node);
+            foot = [foot[0] + values[k] * x[0], foot[1] + values[k] * x[1]];
+        }
+        let second = Second {
+            arm,
+            turn: [0.0; MAX_NODES],
+            a: zero,
+            b: zero,
+            c: zero,
+            coordinate: zero,
+            gap: [0.0; 3],
+            slip: [0.0; 2],
+        };
+        Self {
+            count: slave.count + master.len(),
+            nodes,
+            position: slave.position(position),
+            foot,
+            tangent: [0.0; 2],
+            normal: [0.0; 2],
+            gap: 0.0,
+            arc_length: 0.0,
+            gap_gradient: zero,
+            slip_gradient: zero,
+            second,
+        }
+    }
+
+    /// Distance from a corner: its side is that of the mean of the two edges' normals; no slip.
+    fn at_corner(&mut self, arm: [f64; 2], other: [f64; 2]) {
+        let mean = [self.normal[0] + other[0], self.normal[1] + other[1]];
+        let length = arm[0].hypot(arm[1]);
+        self.gap = if dot(arm, mean) < 0.0 { -length } else { length };
+        self.normal = arm.map(|d| d / self.gap);
+        // T to the left of n, so that n is again to the right of T.
+        self.tangent = [-self.normal[1], self.normal[0]];
+        for node in 0..self.count {
+            for i in 0..2 {
+                self.gap_gradient[2 * node + i] = self.second.arm[node] * self.normal[i];
+                self.second.a[2 * node + i] = self.second.arm[node] * self.tangent[i];
+            }
+        }
+        self.second.turn = [0.0; MAX_NODES];
+        self.second.gap = [0.0, 1.0 / self.gap, 0.0];
+    }
+
+    /// Gradients of g and ξ and the ingredients of their second derivatives.
+    fn fill(
+        &mut self,
+        tangent: [f64; 2],
+        stretch: f64,
+        bend: [f64; 2],
+        arm: [f64; 2],
+        denominator: f64,
+        turned: &[f64; MAX_NODES],
+    ) {
+        let (gap, normal, second) = (self.gap, self.normal, &mut self.second);
+        for node in 0..self.count {
+            let (arm_of, turn) = (second.arm[node], second.turn[node]);
+            for i in 0..2 {
+                let freedom = 2 * node + i;
+                self.gap_gradient[freedom] = arm_of * normal[i];
+                second.a[freedom] = arm_of * self.tangent[i];
+                second.b[freedom] = turn * normal[i];
+                second.c[freedom] = arm_of * bend[i] - 2.0 * turn * tangent[i] + turned[node] * arm[i];
+                second.coordinate[freedom] = (arm_of * tangent[i] + turn * gap * normal[i]) / denominator;
+            }
+        }
+        let curvature = dot(normal, bend);
+        second.gap = [-stretch / denominator, -curvature / denominator, -gap / denominator];
+    }
+
+    /// The nodes: slave, then master.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes[..self.count]
+    }
+
+    /// Two for each node.
+    pub fn freedom_count(&self) -> usize {
+        2 * self.count
+    }
+
+    /// Indices of the freedoms, into an array of which [`Self::freedom_count`] are used.
+    pub fn freedoms(&self) -> [usize; MAX_FREEDOMS] {
+        let mut freedoms = [0; MAX_FREEDOMS];
+        for (k, node) in self.nodes().iter().enumerate() {
+            (freedoms[2 * k], freedoms[2 * k + 1]) = (2 * node, 2 * node + 1);
+        }
+        freedoms
+    }
+
+    /// `by_gap` ∂²g/∂x_i∂x_j + `by_slip` ∂²s/∂x_i∂x_j, the same to the last bit when i and j change places.
+    pub fn second_derivative(&self, by_gap: f64, by_slip: f64, i: usize, j: usize) -> f64 {
+        let Second { arm, turn, a, b, c, coordinate, gap, slip } = &self.second;
+        let of_gap = gap[0] * (a[i] * b[j] + b[i] * a[j]) + gap[1] * (a[i] * a[j]) + gap[2] * (b[i] * b[j]);
+        let same_direction = if (i ^ j) & 1 == 0 { arm[i / 2] * turn[j / 2] + turn[i / 2] * arm[j / 2] } else { 0.0 };
+        let of_slip = slip[0] * (same_direction + (c[i] * coordinate[j] + coordinate[i] * c[j]))
+            + slip[1] * (coordinate[i] * coordinate[j]);
+        by_gap * of_gap + by_slip * of_slip
+    }
+}
+
+/// The normal of the edge on the other side of the corner where a foot is.
+fn neighbour_normal(chain: &Chain, foot: Foot, position: &impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
+    let side = if foot.coordinate < 0.0 { -1 } else { 1 };
+    let shape = chain.shape(foot.edge + side, -foot.coordinate);
+    let mut tangent = [0.0; 2];
+    for (first, &node) in shape.first.iter().zip(chain.nodes(foot.edge + side)) {
+        let x = position(node);
+        tangent = [tangent[0] + first * x[0], tangent[1] + first * x[1]];
+    }
+    let stretch = tangent[0].hypot(tangent[1]);
+    right_of(tangent.map(|t| t / stretch))
+}

@@ -1,0 +1,311 @@
+//! From gap and slip to tractions: the calls of UINTER and FRIC.
+
+use super::ContactError;
+use super::history::{PointState, PointStatus};
+use super::normal::{HostNormal, NormalState};
+use crate::assembly::IncrementContext;
+use crate::model::{ContactLaw, ContactPair, Enforcement, PluginLaw};
+use umat_abi::host::{CallOutcome, FricCall, Law, Overrun, UinterCall, Validation};
+
+/// A plugin that gave a number that is none may do better with a smaller increment.
+const FRACTION_AFTER_NAN: f64 = 0.25;
+/// STRESS(1) is on the line ε_N · RDISP(1) within this relative error.
+const ON_THE_LINE: f64 = 1e-9;
+
+/// Why a law gave no traction.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LawFailure {
+    pub reason: String,
+    pub fraction: Option<f64>,
+}
+
+/// A point as a law sees it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Situation<'a> {
+    pub gap: f64,
+    pub slip: f64,
+    /// x_s and x(ξ), mm; n and T, out of the master and along it.
+    pub position: [f64; 2],
+    pub foot: [f64; 2],
+    pub normal: [f64; 2],
+    pub tangent: [f64; 2],
+    pub area: f64,
+    pub length: f64,
+    /// From 1.
+    pub number: i32,
+    pub start: &'a PointState,
+    pub start_statev: &'a [f64],
+    pub context: &'a IncrementContext,
+}
+
+/// ∂(p, τ)/∂(penetration, slip), MPa/mm.
+pub(super) type Tangent = [[f64; 2]; 2];
+
+/// Who gives the traction of a pair's points.
+#[derive(Debug)]
+pub(super) enum PointLaw {
+    Uinter {
+        call: Box<UinterCall>,
+        /// ε_N of an augmented normal direction.
+        augmented: Option<f64>,
+    },
+    Fric {
+        call: Box<FricCall>,
+        normal: HostNormal,
+        /// ε_T where the plugin asks the host to stick, MPa/mm.
+        sticking: f64,
+    },
+}
+
+impl PointLaw {
+    /// A pair's law with its penalties filled.
+    ///
+    /// # Errors
+    /// It refuses its parameters, cannot be called, or not be enforced as wanted.
+    pub fn new(pair: &ContactPair, penalty: f64) -> Result<Self, ContactError> {
+        let ratio = match pair.enforcement {
+            Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
+            Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
+        };
+        let source = |source| ContactError::Law { pair: pair.name.clone(), source };
+        match &pair.law {
+            ContactLaw::Uinter(law) => {
+                let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
+                let augmented = match (pair.enforcement, normal) {
+                    (Enforcement::Penalty, _) => None,
+                    (Enforcement::Uzawa { .. }, Some((value, _))) if value > 0.0 => Some(value),
+                    (Enforcement::PerturbedLagrangian { .. }, Some((_, true))) => None,
+                    (Enforcement::Uzawa { .. }, _) => {
+                        let reason = "Uzawa updates of a UINTER need a parameter whose role is normal_penalty";
+                        return Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
+                    }
+                    (Enforcement::PerturbedLagrangian { .. }, _) => {
+                        let reason = "a perturbed Lagrangian of a UINTER needs a parameter whose role is \
+                                      normal_penalty, left at 0 for the host to fill";
+                        return Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
+                    }
+                };
+                Ok(Self::Uinter { call: Box::new(filled.uinter().map_err(source)?), augmented })
+            }
+            ContactLaw::Fric { law, normal } => {
+                let (filled, _) = filled(pair, law, None, penalty)?;
+                let normal = HostNormal { law: *normal, stiffness: ratio * penalty };
+                Ok(Self::Fric { call: Box::new(filled.fric().map_err(source)?), normal, sticking: penalty })
+            }
+        }
+    }
+
+    /// The traction at the end of an increment, with the point's law state: `end` and `statev` hold it afterwards.
+    ///
+    /// # Errors
+    /// The plugin wants a smaller increment, wrote where it must not, or gave no numbers.
+    pub fn advance(
+        &mut self,
+        situation: &Situation<'_>,
+        end: &mut PointState,
+        statev: &mut [f64],
+    ) -> Result<Tangent, LawFailure> {
+        let tangent = match self {
+            Self::Uinter { call, augmented } => uinter(call, *augmented, situation, end, statev)?,
+            Self::Fric { call, normal, sticking } => fric(call, normal, *sticking, situation, end, statev)?,
+        };
+        let numbers = [end.pressure, end.shear].into_iter().chain(tangent.into_iter().flatten());
+        if !numbers.chain(end.plugin_energies).chain(statev.iter().copied()).all(f64::is_finite) {
+            let reason = "the contact law gave a number that is not finite".to_owned();
+            return Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) });
+        }
+        Ok(tangent)
+    }
+
+    /// Whether a point carries tension or shear while it is open by a little.
+    ///
+    /// # Errors
+    /// As [`Self::advance`].
+    pub fn is_bonded(&mut self, situation: &Situation<'_>, statev: &mut [f64]) -> Result<bool, LawFailure> {
+        if let Self::Fric { normal, .. } = self
+            && normal.carries_tension()
+        {
+            return Ok(true);
+        }
+        let mut end = *situation.start;
+        self.advance(situation, &mut end, statev)?;
+        Ok(match self {
+            Self::Uinter { .. } => end.pressure < 0.0 || end.shear != 0.0,
+            // The soft law presses there; what matters is whether a bond would be lost.
+            Self::Fric { .. } => false,
+        })
+    }
+}
+
+/// The law with penalties by role in place of zeros; with it the value of its normal penalty, and whether the host
+/// filled it. A tangential one only where the law refuses its 0: others derive it from their own stiffness.
+fn filled(
+    pair: &ContactPair,
+    law: &PluginLaw,
+    normal_penalty: Option<f64>,
+    tangential_penalty: f64,
+) -> Result<(PluginLaw, Option<(f64, bool)>), ContactError> {
+    let mut filled = law.clone();
+    let Some(description) = &law.law else { return Ok((filled, None)) };
+    let place = |role: &str| {
+        let mut roles = description.parameters.iter().zip(&law.props).map(|(parameter, _)| parameter.role == role);
+        roles.position(|found| found)
+    };
+    let mut normal = None;
+    if let (Some(k), Some(penalty)) = (place("normal_penalty"), normal_penalty) {
+        let empty = filled.props[k] == 0.0;
+        if empty {
+            filled.props[k] = penalty;
+        }
+        normal = Some((filled.props[k], empty));
+    }
+    if let Some(k) = place("tangential_penalty")
+        && filled.props[k] == 0.0
+        && refusal(description, &filled.props).is_some()
+    {
+        filled.props[k] = tangential_penalty;
+    }
+    match refusal(description, &filled.props) {
+        Some(message) => Err(ContactError::Parameters { pair: pair.name.clone(), message }),
+        None => Ok((filled, normal)),
+    }
+}
+
+/// The law's objection to parameters. A characteristic length it gets at each call.
+fn refusal(law: &Law, props: &[f64]) -> Option<String> {
+    match law.validate(props, None) {
+        Validation::Valid | Validation::NeedsCharacteristicLength(_) => None,
+        Validation::Invalid(message) => Some(format!("{}: {message}", law.name)),
+    }
+}
+
+/// The call's end: what a host does with it.
+fn judged(outcome: Result<CallOutcome, Overrun>) -> Result<(), LawFailure> {
+    match outcome {
+        Ok(CallOutcome::Done) => Ok(()),
+        Ok(CallOutcome::CutBack(fraction)) => {
+            let reason = format!("the contact law asks for {fraction} of the increment (PNEWDT)");
+            Err(LawFailure { reason, fraction: Some(fraction) })
+        }
+        Err(overrun) => Err(LawFailure { reason: overrun.to_string(), fraction: None }),
+    }
+}
+
+/// Step and total time at the end of the increment.
+fn end_times(context: &IncrementContext) -> [f64; 2] {
+    [context.step_time, context.total_time].map(|time| time + context.time_increment)
+}
+
+fn counter(number: u32) -> i32 {
+    i32::try_from(number).unwrap_or(i32::MAX)
+}
+
+fn uinter(
+    call: &mut UinterCall,
+    augmented: Option<f64>,
+    situation: &Situation<'_>,
+    end: &mut PointState,
+    statev: &mut [f64],
+) -> Result<Tangent, LawFailure> {
+    let Situation { start, context, .. } = *situation;
+    let shift = |state: &NormalState| augmented.map_or(0.0, |penalty| state.multiplier / penalty);
+    let penetration = shift(&end.normal) - situation.gap;
+    call.rdisp = [penetration, situation.slip, 0.0];
+    call.drdisp = [penetration - (shift(&start.normal) - start.gap), situation.slip - start.slip, 0.0];
+    call.traction_mut().copy_from_slice(&[start.pressure, start.shear]);
+    call.statev_mut().copy_from_slice(situation.start_statev);
+    call.energies = start.plugin_energies;
+    call.flags = start.flags;
+    call.time = end_times(context);
+    call.dtime = context.time_increment;
+    call.area = situation.area;
+    call.chrlngth = situation.length;
+    call.coords = [situation.position[0], situation.position[1], 0.0];
+    let ([n_1, n_2], [t_1, t_2]) = (situation.normal, situation.tangent);
+    call.local_directions = [n_1, n_2, 0.0, t_1, t_2, 0.0, 0.0, 0.0, 1.0];
+    call.counters = [context.step, context.increment, context.iteration].map(counter);
+    call.node = situation.number;
+    let outcome = call.call();
+    judged(outcome)?;
+    [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
+    statev.copy_from_slice(call.statev());
+    (end.plugin_energies, end.flags) = (call.energies, call.flags);
+    let tangent = [0, 1].map(|row| [0, 1].map(|column| call.tangent(row, column)));
+    let dissipated = |energies: &[f64; 5]| energies[1..].iter().sum::<f64>();
+    end.status = if end.pressure == 0.0 && end.shear == 0.0 && penetration < 0.0 {
+        PointStatus::Open
+    } else if dissipated(&end.plugin_energies) > dissipated(&start.plugin_energies) {
+        PointStatus::Slipping
+    } else {
+        PointStatus::Sticking
+    };
+    end.held = augmented.is_some_and(|penalty| is_held(penalty, situation.gap, end));
+    Ok(tangent)
+}
+
+/// Whether a UINTER's answer is that of a hard, bonded, closed point: p = ε_N · RDISP(1).
+fn is_held(penalty: f64, gap: f64, end: &PointState) -> bool {
+    let elastic = end.normal.multiplier - penalty * gap;
+    let scale = end.normal.multiplier.abs().max((penalty * gap).abs()).max(end.pressure.abs());
+    end.status != PointStatus::Open && (end.pressure - elastic).abs() <= ON_THE_LINE * scale
+}
+
+fn fric(
+    call: &mut FricCall,
+    law: &HostNormal,
+    sticking: f64,
+    situation: &Situation<'_>,
+    end: &mut PointState,
+    statev: &mut [f64],
+) -> Result<Tangent, LawFailure> {
+    let Situation { start, context, .. } = *situation;
+    let normal = law.advance(-situation.gap, &NormalState { opening: start.normal.opening, ..end.normal });
+    end.pressure = normal.pressure;
+    end.normal.opening = normal.opening;
+    end.normal_energy = normal.stored_energy;
+    end.held = normal.held;
+    end.plugin_energies = start.plugin_energies;
+    if !normal.closed {
+        statev.copy_from_slice(situation.start_statev);
+        (end.shear, end.status) = (0.0, PointStatus::Open);
+        return Ok([[normal.stiffness, 0.0], [0.0, 0.0]]);
+    }
+    let slip_increment = situation.slip - start.slip;
+    call.lm = start.stick;
+    call.dgam = [slip_increment, 0.0];
+    call.slip = [start.inelastic_slip, 0.0];
+    call.pressure = [normal.pressure, normal.pressure - start.pressure];
+    call.traction_mut()[0] = start.shear;
+    call.statev_mut().copy_from_slice(situation.start_statev);
+    call.energies = [start.plugin_energies[0], start.plugin_energies[1]];
+    call.time = end_times(context);
+    call.dtime = context.time_increment;
+    call.coords = [situation.position[0], situation.position[1], 0.0];
+    call.rcoord = [situation.foot[0], situation.foot[1], 0.0];
+    call.chrlngth = situation.length;
+    call.counters = [context.step, context.increment].map(counter);
+    call.node = situation.number;
+    let outcome = call.call();
+    judged(outcome)?;
+    statev.copy_from_slice(call.statev());
+    end.plugin_energies[..2].copy_from_slice(&call.energies);
+    (end.stick, end.inelastic_slip) = (1, start.inelastic_slip);
+    let (by_slip, by_pressure) = match call.lm {
+        0 => {
+            end.shear = call.traction()[0];
+            end.inelastic_slip = start.inelastic_slip + call.dslip[0];
+            end.stick = i32::from(call.dslip[0] == 0.0);
+            (call.tangent(0, 0), call.pressure_tangent[0])
+        }
+        1 => {
+            end.shear = start.shear + sticking * slip_increment;
+            (sticking, 0.0)
+        }
+        _ => {
+            end.shear = 0.0;
+            (0.0, 0.0)
+        }
+    };
+    end.status = if end.stick == 1 { PointStatus::Sticking } else { PointStatus::Slipping };
+    Ok([[normal.stiffness, 0.0], [by_pressure * normal.stiffness, by_slip]])
+}

@@ -1,0 +1,149 @@
+//! The foot of a point on a chain: where d(ξ) = x_s − x(ξ) is normal to x'(ξ) and nearest (6.14–6.18).
+
+use super::chain::{Chain, Foot};
+
+/// Edges that a walk passes before the neighbourhood counts as lost.
+const LONGEST_WALK: usize = 16;
+/// d·x' below this × |x'|² is none: rounding of ξ, of order 1.
+const ROUNDING: f64 = 1e-13;
+/// Newton and bisections on one edge: bisection alone would end within as many.
+const MOST_ITERATIONS: usize = 60;
+
+/// What the nearest place of an edge is.
+enum OnEdge {
+    Inside(f64),
+    Before,
+    After,
+}
+
+/// d·x' and its derivative by ξ, and |x'|², at a place in the present configuration.
+struct Slope {
+    value: f64,
+    derivative: f64,
+    stretch_squared: f64,
+}
+
+/// Searches on a chain whose nodes are at `position`.
+pub(super) struct Projection<'a, P: Fn(usize) -> [f64; 2]> {
+    pub chain: &'a Chain,
+    pub position: P,
+}
+
+impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
+    /// The foot near another one: a walk along the chain, edge by edge. `None` if it is not found near there.
+    pub fn near(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
+        let (mut edge, mut from, mut came) = (last.edge, last.coordinate.clamp(-1.0, 1.0), 0);
+        for _ in 0..LONGEST_WALK.max(2) {
+            let side = match self.on_edge(point, edge, from) {
+                OnEdge::Inside(coordinate) => return Some(Foot { edge, coordinate, corner: false }),
+                OnEdge::Before => -1,
+                OnEdge::After => 1,
+            };
+            let end = side as f64;
+            if !self.chain.goes_on(edge, side) {
+                let Slope { value, stretch_squared, .. } = self.slope(point, edge, end);
+                return Some(Foot { edge, coordinate: end + value / stretch_squared, corner: false });
+            }
+            if came == -side {
+                return Some(Foot { edge, coordinate: end, corner: true });
+            }
+            (edge, from, came) = (edge + side, -end, side);
+        }
+        None
+    }
+
+    /// The foot on the whole chain.
+    pub fn anywhere(&self, point: [f64; 2]) -> Option<Foot> {
+        let mut nearest = (f64::INFINITY, Foot { edge: 0, coordinate: 0.0, corner: false });
+        for edge in 0..self.chain.len() as i64 {
+            for start in [-1.0, 0.0, 1.0] {
+                let coordinate = match self.on_edge(point, edge, start) {
+                    OnEdge::Inside(coordinate) => coordinate,
+                    OnEdge::Before => -1.0,
+                    OnEdge::After => 1.0,
+                };
+                let distance = self.distance(point, edge, coordinate);
+                if distance < nearest.0 {
+                    nearest = (distance, Foot { edge, coordinate, corner: false });
+                }
+            }
+        }
+        self.near(point, nearest.1)
+    }
+
+    /// |d| at a place.
+    fn distance(&self, point: [f64; 2], edge: i64, coordinate: f64) -> f64 {
+        let shape = self.chain.shape(edge, coordinate);
+        let mut arm = point;
+        for (value, &node) in shape.values.iter().zip(self.chain.nodes(edge)) {
+            let position = (self.position)(node);
+            arm = [arm[0] - value * position[0], arm[1] - value * position[1]];
+        }
+        arm[0].hypot(arm[1])
+    }
+
+    fn slope(&self, point: [f64; 2], edge: i64, coordinate: f64) -> Slope {
+        let shape = self.chain.shape(edge, coordinate);
+        let (mut arm, mut tangent, mut bend) = (point, [0.0; 2], [0.0; 2]);
+        for (k, &node) in self.chain.nodes(edge).iter().enumerate() {
+            let position = (self.position)(node);
+            for i in 0..2 {
+                arm[i] -= shape.values[k] * position[i];
+                tangent[i] += shape.first[k] * position[i];
+                bend[i] += shape.second[k] * position[i];
+            }
+        }
+        let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+        let stretch_squared = dot(tangent, tangent);
+        Slope { value: dot(arm, tangent), derivative: dot(arm, bend) - stretch_squared, stretch_squared }
+    }
+
+    /// The foot on one edge, near ξ = `from` if there are several.
+    fn on_edge(&self, point: [f64; 2], edge: i64, from: f64) -> OnEdge {
+        let sign = |coordinate: f64| {
+            let Slope { value, stretch_squared, .. } = self.slope(point, edge, coordinate);
+            if value.abs() <= ROUNDING * stretch_squared { 0.0 } else { value }
+        };
+        // d·x' falls through 0 at a nearest place: the bracket is (positive, negative).
+        let (start, end) = (sign(-1.0), sign(1.0));
+        let middle = if from.abs() < 1.0 { sign(from) } else { 0.0 };
+        match (start > 0.0, end < 0.0) {
+            (true, true) => self.within(point, edge, (-1.0, from, 1.0)),
+            _ if start == 0.0 && middle <= 0.0 => OnEdge::Inside(-1.0),
+            _ if end == 0.0 && middle >= 0.0 => OnEdge::Inside(1.0),
+            (true, false) if middle < 0.0 => self.within(point, edge, (-1.0, from, from)),
+            (false, true) if middle > 0.0 => self.within(point, edge, (from, from, 1.0)),
+            (true, false) => OnEdge::After,
+            (false, true) => OnEdge::Before,
+            // Both ends are nearer than what lies between: the one that is nearer from here.
+            (false, false) if middle > 0.0 || (middle == 0.0 && from > 0.0) => OnEdge::After,
+            (false, false) => OnEdge::Before,
+        }
+    }
+
+    /// Newton between a place where d·x' > 0 and one where it is < 0; half an edge at most in one iteration, and
+    /// bisection where Newton leaves the bracket.
+    fn within(&self, point: [f64; 2], edge: i64, (mut low, from, mut high): (f64, f64, f64)) -> OnEdge {
+        let mut at = from.clamp(low, high);
+        for _ in 0..MOST_ITERATIONS {
+            let Slope { value, derivative, stretch_squared } = self.slope(point, edge, at);
+            if value.abs() <= f64::EPSILON * stretch_squared {
+                break;
+            }
+            if value > 0.0 {
+                low = low.max(at);
+            } else {
+                high = high.min(at);
+            }
+            let step = (-value / derivative).clamp(-1.0, 1.0);
+            let newton = at + step;
+            let next = if derivative < 0.0 && low < newton && newton < high { newton } else { 0.5 * (low + high) };
+            if (next - at).abs() <= f64::EPSILON {
+                at = next;
+                break;
+            }
+            at = next;
+        }
+        OnEdge::Inside(at)
+    }
+}

@@ -1,0 +1,217 @@
+//! Where the contact points of a slave surface sit, and how much of it each has.
+
+use super::ContactError;
+use super::chain::Chain;
+use super::kinematics::SlavePoint;
+use super::projection::Projection;
+use crate::element::{EdgeKind, LinePoint, gauss_legendre};
+use crate::kinematics::PlaneModel;
+use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
+use crate::model::{ContactPair, Quadrature, Width};
+use std::collections::HashMap;
+
+/// The most Gauss points of an edge or a segment.
+const MOST_POINTS: usize = 10;
+/// Points of the rule for a node's share ∫N dA: exact for a quadratic edge with its middle in the middle under a radius.
+const NODE_SHARE_POINTS: usize = 6;
+/// Projected master nodes nearer than this to an end of a slave edge, or to each other, do not split it (ξ, edge: 2).
+const SHORTEST_SEGMENT: f64 = 1e-9;
+/// A master node splits a slave edge if it lies within this × the edge's length of it.
+const SPLIT_DISTANCE: f64 = 0.5;
+
+/// A contact point in the reference configuration.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct ContactPoint {
+    pub slave: SlavePoint,
+    /// Tributary area, mm².
+    pub area: f64,
+    /// Tributary length ℓ along the slave surface, mm.
+    pub length: f64,
+    /// How much of ℓ lies behind the point, in the direction of its edge, mm.
+    pub behind: f64,
+    /// Reference arc length along the slave edges in the order given, mm.
+    pub coordinate: f64,
+    /// Length of its slave edge, mm.
+    pub edge_length: f64,
+    /// Direction of its slave edge there, unit length.
+    pub direction: [f64; 2],
+}
+
+/// A slave edge with what its points need.
+struct SlaveEdge {
+    edge: EdgeNodes,
+    reference: [[f64; 2]; 3],
+    model: PlaneModel,
+    width: Width,
+    thickness: f64,
+    start: f64,
+}
+
+impl SlaveEdge {
+    fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64) -> Self {
+        let part = &mesh.parts()[mesh.elements()[edge.element].part()];
+        let edge = mesh.edge_nodes(edge);
+        let mut reference = [[0.0; 2]; 3];
+        for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
+            *position = mesh.nodes()[node];
+        }
+        Self { edge, reference, model: part.model, width, thickness: part.thickness, start }
+    }
+
+    fn kind(&self) -> EdgeKind {
+        self.edge.kind()
+    }
+
+    /// Length and area per unit of ξ.
+    fn measure(&self, coordinate: f64) -> [f64; 2] {
+        let point = self.kind().point(&self.reference, coordinate);
+        let length = point.stretch();
+        let width = match self.width {
+            Width::Given(width) => width,
+            Width::OfPart => self.model.depth(point.position[0], self.thickness),
+        };
+        [length, length * width]
+    }
+
+    /// Length from one ξ to another.
+    fn length(&self, from: f64, to: f64) -> f64 {
+        let half = 0.5 * (to - from);
+        let rule = gauss_legendre(MOST_POINTS);
+        rule.iter().map(|p| half * p.weight * self.measure(from + half * (p.coordinate + 1.0))[0]).sum()
+    }
+
+    fn direction(&self, coordinate: f64) -> [f64; 2] {
+        let point = self.kind().point(&self.reference, coordinate);
+        point.tangent.map(|t| t / point.stretch())
+    }
+
+    /// Gauss points between two ξ. Their shares of the length lie side by side in the order of the points.
+    fn add_gauss(&self, rule: &[LinePoint], from: f64, to: f64, points: &mut Vec<ContactPoint>) {
+        let half = 0.5 * (to - from);
+        let edge_length = self.length(-1.0, 1.0);
+        let mut share_start = self.length(-1.0, from);
+        for LinePoint { coordinate, weight } in rule {
+            let at = from + half * (coordinate + 1.0);
+            let [length, area] = self.measure(at).map(|measure| measure * half * weight);
+            let along = self.length(-1.0, at);
+            let count = self.kind().node_count();
+            let mut nodes = [0; 3];
+            nodes[..count].copy_from_slice(self.edge.nodes());
+            points.push(ContactPoint {
+                slave: SlavePoint { nodes, values: self.kind().shape_functions(at), count },
+                area,
+                length,
+                behind: (along - share_start).clamp(0.0, length),
+                coordinate: self.start + along,
+                edge_length,
+                direction: self.direction(at),
+            });
+            share_start += length;
+        }
+    }
+}
+
+/// The contact points of a pair.
+///
+/// # Errors
+/// No slave edges, or a number of points that is not possible.
+pub(super) fn contact_points(
+    mesh: &Mesh,
+    pair: &ContactPair,
+    master: &Chain,
+) -> Result<Vec<ContactPoint>, ContactError> {
+    if pair.slave.is_empty() {
+        return Err(ContactError::NoSlave { pair: pair.name.clone() });
+    }
+    if let Quadrature::Gauss { points } | Quadrature::Segments { points } = pair.quadrature
+        && !(1..=MOST_POINTS).contains(&points)
+    {
+        return Err(ContactError::Points { pair: pair.name.clone(), points });
+    }
+    let mut edges = Vec::with_capacity(pair.slave.len());
+    let mut start = 0.0;
+    for &edge in &pair.slave {
+        let edge = SlaveEdge::new(mesh, edge, pair.width, start);
+        start += edge.length(-1.0, 1.0);
+        edges.push(edge);
+    }
+    let mut points = Vec::new();
+    match pair.quadrature {
+        Quadrature::Gauss { points: count } => {
+            let rule = gauss_legendre(count);
+            edges.iter().for_each(|edge| edge.add_gauss(&rule, -1.0, 1.0, &mut points));
+        }
+        Quadrature::Segments { points: count } => {
+            let rule = gauss_legendre(count);
+            for edge in &edges {
+                let bounds = segment_bounds(mesh, edge, master);
+                bounds.windows(2).for_each(|ends| edge.add_gauss(&rule, ends[0], ends[1], &mut points));
+            }
+        }
+        Quadrature::Nodes => points = node_points(&edges),
+    }
+    // A corner of a quadratic edge on the axis has none.
+    points.retain(|point| point.area > 0.0);
+    Ok(points)
+}
+
+/// −1, the feet of the master's corner nodes on a slave edge, 1: between them everything is smooth.
+fn segment_bounds(mesh: &Mesh, edge: &SlaveEdge, master: &Chain) -> Vec<f64> {
+    let mut bounds = vec![-1.0, 1.0];
+    let reach = SPLIT_DISTANCE * edge.length(-1.0, 1.0);
+    let slave = Chain::of_edge(&edge.edge, &edge.reference);
+    let projection = Projection { chain: &slave, position: |node: usize| mesh.nodes()[node] };
+    for index in 0..master.len() as i64 {
+        for &node in &master.nodes(index)[..2] {
+            let point = mesh.nodes()[node];
+            let Some(foot) = projection.anywhere(point) else { continue };
+            let on = edge.kind().point(&edge.reference, foot.coordinate).position;
+            if (point[0] - on[0]).hypot(point[1] - on[1]) <= reach {
+                bounds.push(foot.coordinate);
+            }
+        }
+    }
+    bounds.retain(|bound| (-1.0..=1.0).contains(bound));
+    bounds.sort_by(f64::total_cmp);
+    bounds.dedup_by(|next, kept| *next - *kept < SHORTEST_SEGMENT);
+    // The last bound is the edge's end, even where a foot just before it was kept instead.
+    *bounds.last_mut().expect("−1 at least") = 1.0;
+    bounds
+}
+
+/// The slave nodes with ∫N dA.
+fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
+    let rule = gauss_legendre(NODE_SHARE_POINTS);
+    let mut points: Vec<ContactPoint> = Vec::new();
+    let mut place = HashMap::new();
+    for edge in edges {
+        let edge_length = edge.length(-1.0, 1.0);
+        for (local, &node) in edge.edge.nodes().iter().enumerate() {
+            let at = [-1.0, 1.0, 0.0][local];
+            let index = *place.entry(node).or_insert_with(|| {
+                points.push(ContactPoint {
+                    slave: SlavePoint { nodes: [node; 3], values: [1.0, 0.0, 0.0], count: 1 },
+                    area: 0.0,
+                    length: 0.0,
+                    behind: 0.0,
+                    coordinate: edge.start + edge.length(-1.0, at),
+                    edge_length,
+                    direction: edge.direction(at),
+                });
+                points.len() - 1
+            });
+            let (mut length, mut area) = (0.0, 0.0);
+            for point in &rule {
+                let value = edge.kind().shape_functions(point.coordinate)[local] * point.weight;
+                let measure = edge.measure(point.coordinate);
+                length += value * measure[0];
+                area += value * measure[1];
+            }
+            points[index].length += length;
+            points[index].area += area;
+            // All of it lies before an end, half of it before a middle.
+            points[index].behind += [0.0, length, 0.5 * length][local];
+        }
+    }
+    points
+}

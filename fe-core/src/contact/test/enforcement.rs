@@ -1,0 +1,141 @@
+//! Initial gaps, penalties by role, openings one by one, multipliers.
+
+use super::*;
+use crate::contact::ContactError;
+use crate::element::ElementKind::{Q4, Q8};
+
+/// A slave that starts `gap` above the master.
+fn above(gap: f64) -> Scene {
+    let mut scene = Scene::straight(Q8);
+    let mut definition = MeshDefinition {
+        nodes: scene.mesh.nodes().to_vec(),
+        parts: scene.mesh.parts().to_vec(),
+        ..MeshDefinition::default()
+    };
+    let mut lifted = vec![false; definition.nodes.len()];
+    for element in scene.mesh.elements() {
+        let nodes = element.nodes().to_vec();
+        if element.part() == 1 {
+            nodes.iter().for_each(|&node| lifted[node] = true);
+        }
+        definition.elements.push(ElementDefinition { kind: element.kind(), part: element.part(), nodes });
+    }
+    for (node, lifted) in definition.nodes.iter_mut().zip(lifted) {
+        node[1] += if lifted { gap } else { 0.0 };
+    }
+    scene.mesh = Mesh::new(definition).unwrap();
+    scene
+}
+
+#[test]
+fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothing() {
+    let unbonded = [("law", 2.0), ("mu", 0.3)];
+    // The width is 30 mm: up to 0.03 mm is a fault of the mesh.
+    for gap in [0.02, -0.02] {
+        let scene = above(gap);
+        let mut contact = scene.contact(scene.pair(uinter(&[])));
+        let none = vec![0.0; scene.freedom_count()];
+        assert!(largest(&forces(&mut contact, &none)) < 1e-10);
+    }
+    for law in [uinter(&[]), hard(5.0, 0.0, &unbonded), uinter(&[("normal_law", 1.0), ("p_0", 2.0), ("g_0", 0.05)])] {
+        let scene = above(0.1);
+        let error = Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true).unwrap_err();
+        assert!(matches!(error, ContactError::InitialGap { point: 0, .. }), "{error}");
+    }
+    for law in [uinter(&unbonded), hard(0.0, 0.0, &unbonded)] {
+        let scene = above(0.1);
+        let mut contact = scene.contact(scene.pair(law.clone()));
+        assert_eq!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -0.09]))), 0.0);
+        assert_eq!(contact.counts().open, 6);
+        assert!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -0.11]))) > 0.0, "the whole gap closes");
+        let scene = above(-0.1);
+        assert!(Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true).is_err());
+    }
+}
+
+#[test]
+fn penalties_are_filled_by_role_and_left_alone_otherwise() {
+    let scene = Scene::straight(Q4);
+    let pressure = |law: ContactLaw| {
+        let mut contact = scene.contact(scene.pair(law));
+        forces(&mut contact, &scene.moved(1, |_| [0.0, -0.01]));
+        contact.points().next().unwrap().pressure
+    };
+    // f min(E t/h)/width: the fibre of 0.7 mm decides.
+    let penalty = 100.0 * 86.0 * 0.7 / 30.0;
+    assert!((scene.contact(scene.pair(uinter(&[]))).penalties().next().unwrap() / penalty - 1.0).abs() < 1e-12);
+    assert!((pressure(uinter(&[])) / (0.01 * penalty) - 1.0).abs() < 1e-10);
+    assert!((pressure(uinter(&[("normal_stiffness", 7.0)])) / 0.07 - 1.0).abs() < 1e-10);
+    assert!((pressure(hard(0.0, 0.0, &[])) / (0.01 * penalty) - 1.0).abs() < 1e-10);
+    // Law none refuses k_f = 0 = k_e: the host fills it.
+    let friction = uinter(&[("law", 2.0), ("k_e", 0.0), ("mu", 10.0)]);
+    let mut contact = scene.contact(scene.pair(friction));
+    forces(&mut contact, &scene.moved(1, |_| [1e-4, -0.01]));
+    assert!((contact.points().next().unwrap().shear.abs() / (1e-4 * penalty) - 1.0).abs() < 1e-9);
+}
+
+#[test]
+fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
+    let scene = Scene::straight(Q8);
+    let pair = ContactPair { quadrature: Quadrature::Gauss { points: 10 }, ..scene.pair(hard(4.0, 0.0, &[])) };
+    let mut contact = scene.contact(pair);
+    let displacements = scene.moved(1, |[x, _]| [0.0, 0.01 * x]);
+    forces(&mut contact, &displacements);
+    let over = contact.points().filter(|point| point.pressure < -4.0).count();
+    assert!(over >= 20 && over < 30, "{over}");
+    let settlement = contact.settle();
+    assert_eq!((settlement.opened, settlement.again), (2, true));
+    forces(&mut contact, &displacements);
+    let worst: Vec<_> = contact.points().filter(|point| point.latched).map(|point| point.point).collect();
+    assert_eq!(worst, [28, 29], "the largest tension goes first");
+    assert!(contact.points().filter(|point| point.latched).all(|point| point.pressure == 0.0 && point.shear == 0.0));
+    let mut rounds = 1;
+    while contact.settle().again {
+        forces(&mut contact, &displacements);
+        rounds += 1;
+    }
+    assert_eq!(contact.points().filter(|point| point.latched).count(), over);
+    assert!(rounds > 10);
+    contact.restore();
+    assert!(contact.points().all(|point| !point.latched), "latches belong to the attempt");
+}
+
+/// Under a given force Uzawa's updates bring the gap below the tolerance: one point, in one dimension.
+#[test]
+fn updates_close_the_gap() {
+    for law in [uinter(&[]), hard(1000.0, 0.0, &[])] {
+        let scene = Scene::straight(Q4);
+        let enforcement = Enforcement::Uzawa { tolerance: 1e-8, max_updates: 10 };
+        let mut contact = scene.contact(ContactPair { enforcement, ..scene.pair(law) });
+        let penalty = contact.penalties().next().unwrap();
+        let (wanted, mut depth, mut rounds) = (3.0, 0.0, 0);
+        loop {
+            // Newton on p(depth) = wanted is exact: p is linear.
+            for _ in 0..2 {
+                forces(&mut contact, &scene.moved(1, |_| [0.0, -depth]));
+                depth += (wanted - contact.points().next().unwrap().pressure) / penalty;
+            }
+            forces(&mut contact, &scene.moved(1, |_| [0.0, -depth]));
+            let settlement = contact.settle();
+            rounds += 1;
+            if !settlement.again {
+                assert!(settlement.worst_gap <= 1e-8);
+                break;
+            }
+        }
+        assert_eq!(rounds, 2, "a spring below λ is held by one update");
+        assert!((contact.points().next().unwrap().pressure - wanted).abs() < 1e-9);
+        contact.commit();
+        forces(&mut contact, &scene.moved(1, |_| [0.0, -depth]));
+        assert!((contact.points().next().unwrap().pressure - wanted).abs() < 1e-9, "the next increment starts warm");
+    }
+}
+
+#[test]
+fn an_enforcement_without_a_penalty_is_refused() {
+    let scene = Scene::straight(Q4);
+    let condensed = Enforcement::PerturbedLagrangian { ratio: 1e4 };
+    let pair = ContactPair { enforcement: condensed, ..scene.pair(uinter(&[("normal_stiffness", 7.0)])) };
+    let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err();
+    assert!(matches!(error, ContactError::Enforcement { .. }), "{error}");
+}

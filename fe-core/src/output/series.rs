@@ -1,0 +1,197 @@
+//! A run as a series of VTK files.
+
+use super::fields::{Fields, FieldsError};
+use super::principal::{Principal, von_mises};
+use super::recovery::Recovery;
+use super::vtu::{Array, Cells, Data, Grid, VERTEX, cell_type};
+use crate::mesh::Mesh;
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+const VECTOR: [&str; 3] = ["x", "y", "z"];
+/// The order of VTK's symmetric tensors.
+const STRESS: [&str; 6] = ["s11", "s22", "s33", "s12", "s23", "s13"];
+const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
+
+/// Writes increments to `fields/000000.vtu`, … and lists them in `fields.pvd`.
+///
+/// The first file of an increment holds the solids on their reference positions. Where parts share a node the file has
+/// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
+/// `_min`, `principal_direction`, `von_mises`, `strain`, and each state variable by its name (NaN in parts without
+/// it). Cell data: `part` and `element`. Numbers count from 1. The second file, `contact_000000.vtu`, part 1 of the
+/// series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
+/// `open`, `weight`. A model without contact pairs has none.
+///
+/// A file appears under its name only when it is complete, and in the list only after that: a killed run leaves a
+/// series that can be opened.
+#[derive(Debug)]
+pub struct Series {
+    directory: PathBuf,
+    recovery: Recovery,
+    /// Of each data set: time, part of the series, file.
+    entries: Vec<(f64, usize, String)>,
+    written: usize,
+}
+
+/// An increment that could not be written.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// Fields that do not belong to the mesh.
+    #[error(transparent)]
+    Fields(#[from] FieldsError),
+    /// A file or folder that could not be written.
+    #[error("{}: {source}", path.display())]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// Why.
+        source: io::Error,
+    },
+}
+
+impl Series {
+    /// A series of this mesh in a folder that is made if missing. Files of an earlier series are replaced one by one.
+    ///
+    /// # Errors
+    ///
+    /// The folder cannot be made.
+    pub fn create(directory: &Path, mesh: &Mesh) -> Result<Self, WriteError> {
+        let folder = directory.join("fields");
+        std::fs::create_dir_all(&folder).map_err(|source| WriteError::File { path: folder, source })?;
+        let (directory, recovery) = (directory.to_owned(), Recovery::new(mesh));
+        Ok(Self { directory, recovery, entries: Vec::new(), written: 0 })
+    }
+
+    /// How fields come to nodes.
+    pub fn recovery(&self) -> &Recovery {
+        &self.recovery
+    }
+
+    /// Adds an increment.
+    ///
+    /// # Errors
+    ///
+    /// The fields do not fit the mesh that the series was made for, or a file cannot be written.
+    pub fn write(&mut self, fields: &Fields<'_>) -> Result<(), WriteError> {
+        fields.check()?;
+        let file = format!("fields/{:06}.vtu", self.written);
+        self.replace(&file, &solids(fields, &self.recovery)?.xml())?;
+        self.entries.push((fields.time, 0, file));
+        if !fields.pairs.is_empty() {
+            let file = format!("fields/contact_{:06}.vtu", self.written);
+            self.replace(&file, &contact(fields).xml())?;
+            self.entries.push((fields.time, 1, file));
+        }
+        self.written += 1;
+        self.replace("fields.pvd", &self.list())
+    }
+
+    /// Writes a file beside its place and moves it there.
+    fn replace(&self, file: &str, content: &str) -> Result<(), WriteError> {
+        let path = self.directory.join(file);
+        let partial = path.with_extension("partial");
+        std::fs::write(&partial, content)
+            .and_then(|()| std::fs::rename(&partial, &path))
+            .map_err(|source| WriteError::File { path, source })
+    }
+
+    fn list(&self) -> String {
+        let mut xml = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
+        );
+        for (time, part, file) in &self.entries {
+            // writing to a String cannot fail
+            let _ = writeln!(xml, "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>");
+        }
+        xml.push_str("</Collection>\n</VTKFile>\n");
+        xml
+    }
+}
+
+/// The bodies.
+fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, FieldsError> {
+    let mesh = fields.mesh;
+    let places = recovery.nodes();
+    let vectors = |values: &[f64]| -> Vec<[f64; 3]> {
+        places.nodes().iter().map(|&node| [values[2 * node], values[2 * node + 1], 0.0]).collect()
+    };
+    let stresses = recovery.recover(&fields.stresses)?;
+    let principal: Vec<Principal> = stresses.iter().map(|&stress| Principal::new(stress)).collect();
+    let tensors: Vec<[f64; 6]> = stresses.iter().map(|&[a, b, c, d]| [a, b, c, d, 0.0, 0.0]).collect();
+    let directions: Vec<[f64; 3]> = principal.iter().map(Principal::direction).collect();
+    let mut point_data = vec![
+        Array::integers("node", counted(places.nodes().iter().copied())),
+        Array::tuples("displacement", &VECTOR, &vectors(fields.displacements)),
+        Array::tuples("reaction", &VECTOR, &vectors(fields.reactions)),
+        Array::tuples("stress", &STRESS, &tensors),
+        Array::scalars("principal_stress_max", principal.iter().map(|p| p.maximum).collect()),
+        Array::scalars("principal_stress_mid", principal.iter().map(|p| p.middle).collect()),
+        Array::scalars("principal_stress_min", principal.iter().map(|p| p.minimum).collect()),
+        Array::tuples("principal_direction", &VECTOR, &directions),
+        Array::scalars("von_mises", stresses.iter().map(|&stress| von_mises(stress)).collect()),
+        Array::tuples("strain", &STRAIN, &recovery.recover(&fields.strains)?),
+    ];
+    for name in fields.distinct_state_names() {
+        // a law's own "stress" must not replace the stress
+        let taken = point_data.iter().any(|array| array.name == name);
+        let shown = if taken { format!("state_{name}") } else { name.to_owned() };
+        point_data.push(Array::scalars(shown, recovery.recover_limited(mesh, &fields.state(name))?));
+    }
+    let elements = mesh.elements();
+    let mut cells = Cells { connectivity: Vec::new(), offsets: Vec::new(), types: Vec::new() };
+    for (index, element) in elements.iter().enumerate() {
+        cells.connectivity.extend(places.of_element(index).iter().map(|&place| place as i64));
+        cells.offsets.push(cells.connectivity.len() as i64);
+        cells.types.push(cell_type(element.kind()));
+    }
+    Ok(Grid {
+        time: fields.time,
+        names: vec![("part_names", mesh.parts().iter().map(|part| part.name.as_str()).collect())],
+        points: places.nodes().iter().map(|&node| mesh.nodes()[node]).collect(),
+        cells,
+        point_data,
+        cell_data: vec![
+            Array::integers("part", counted(elements.iter().map(|element| element.part()))),
+            Array::integers("element", counted(0..elements.len())),
+        ],
+    })
+}
+
+/// The contact points, as vertices.
+fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
+    let points = &fields.contact;
+    let count = points.len() as i64;
+    let scalars =
+        |name, value: fn(&super::ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
+    Grid {
+        time: fields.time,
+        names: vec![("pair_names", fields.pairs.iter().map(String::as_str).collect())],
+        points: points.iter().map(|point| point.position).collect(),
+        cells: Cells {
+            connectivity: (0..count).collect(),
+            offsets: (1..=count).collect(),
+            types: vec![VERTEX; points.len()],
+        },
+        point_data: vec![
+            Array::integers("pair", counted(points.iter().map(|point| point.pair))),
+            scalars("arc", |point| point.arc),
+            scalars("gap", |point| point.gap),
+            scalars("pressure", |point| point.pressure),
+            scalars("slip", |point| point.slip),
+            scalars("bond_traction", |point| point.shear_traction),
+            Array {
+                name: "open".into(),
+                components: &[""],
+                data: Data::Byte(points.iter().map(|p| u8::from(p.open)).collect()),
+            },
+            scalars("weight", |point| point.weight),
+        ],
+        cell_data: Vec::new(),
+    }
+}
+
+/// Indices as people count.
+fn counted(indices: impl Iterator<Item = usize>) -> Vec<i32> {
+    indices.map(|index| index as i32 + 1).collect()
+}

@@ -1,0 +1,145 @@
+//! Unstructured grids as VTK XML files: inline base64, Float64, little endian.
+//!
+//! The crates that write this format name no components and leave out the counts of an empty piece, without which no
+//! reader takes the file; what is needed of it is these few lines.
+
+use crate::element::ElementKind;
+use base64::Engine as _;
+use base64::engine::general_purpose::STANDARD;
+use std::fmt::Write as _;
+
+/// A named array of tuples.
+pub(super) struct Array<'a> {
+    pub name: String,
+    /// A name for each component; one empty name for a scalar.
+    pub components: &'a [&'a str],
+    pub data: Data,
+}
+
+/// What an array holds, tuple by tuple.
+pub(super) enum Data {
+    Real(Vec<f64>),
+    Integer(Vec<i32>),
+    Byte(Vec<u8>),
+}
+
+/// Cells of a grid.
+pub(super) struct Cells {
+    pub connectivity: Vec<i64>,
+    /// Where each cell ends in `connectivity`.
+    pub offsets: Vec<i64>,
+    pub types: Vec<u8>,
+}
+
+/// A grid with data.
+pub(super) struct Grid<'a> {
+    pub time: f64,
+    /// Lists of names that cells or points refer to by number.
+    pub names: Vec<(&'a str, Vec<&'a str>)>,
+    /// (x, y, 0) point by point.
+    pub points: Vec<[f64; 2]>,
+    pub cells: Cells,
+    pub point_data: Vec<Array<'a>>,
+    pub cell_data: Vec<Array<'a>>,
+}
+
+/// VTK's number of a vertex.
+pub(super) const VERTEX: u8 = 1;
+
+/// VTK's number of a kind of element; the numbering of nodes is the same.
+pub(super) const fn cell_type(kind: ElementKind) -> u8 {
+    match kind {
+        ElementKind::T3 => 5,
+        ElementKind::Q4 => 9,
+        ElementKind::T6 => 22,
+        ElementKind::Q8 => 23,
+    }
+}
+
+impl<'a> Array<'a> {
+    /// One real number per tuple.
+    pub(super) fn scalars(name: impl Into<String>, data: Vec<f64>) -> Self {
+        Self { name: name.into(), components: &[""], data: Data::Real(data) }
+    }
+
+    /// One integer per tuple.
+    pub(super) fn integers(name: &str, data: Vec<i32>) -> Self {
+        Self { name: name.into(), components: &[""], data: Data::Integer(data) }
+    }
+
+    /// Tuples of real numbers.
+    pub(super) fn tuples<const N: usize>(name: &str, components: &'a [&'a str; N], data: &[[f64; N]]) -> Self {
+        Self { name: name.into(), components, data: Data::Real(data.as_flattened().to_vec()) }
+    }
+
+    fn write(&self, xml: &mut String) {
+        let (kind, bytes): (_, Vec<u8>) = match &self.data {
+            Data::Real(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            Data::Integer(values) => ("Int32", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
+            Data::Byte(values) => ("UInt8", values.clone()),
+        };
+        let named: String = match self.components {
+            [_] => String::new(),
+            several => several.iter().enumerate().map(|(k, name)| format!(" ComponentName{k}=\"{name}\"")).collect(),
+        };
+        let attributes = format!("NumberOfComponents=\"{}\"{named}", self.components.len());
+        data_array(xml, kind, &escaped(&self.name), &attributes, &bytes);
+    }
+}
+
+impl Grid<'_> {
+    /// The file.
+    pub(super) fn xml(&self) -> String {
+        let mut xml = String::from(
+            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+             header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n",
+        );
+        data_array(&mut xml, "Float64", "TimeValue", "NumberOfTuples=\"1\"", &self.time.to_le_bytes());
+        for (name, list) in &self.names {
+            string_array(&mut xml, name, list);
+        }
+        let (points, cells) = (self.points.len(), self.cells.types.len());
+        // writing to a String cannot fail
+        let _ =
+            writeln!(xml, "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>");
+        self.point_data.iter().for_each(|array| array.write(&mut xml));
+        xml.push_str("</PointData>\n<CellData>\n");
+        self.cell_data.iter().for_each(|array| array.write(&mut xml));
+        xml.push_str("</CellData>\n<Points>\n");
+        let positions: Vec<u8> =
+            self.points.iter().flat_map(|&[x, y]| [x, y, 0.0]).flat_map(f64::to_le_bytes).collect();
+        data_array(&mut xml, "Float64", "Points", "NumberOfComponents=\"3\"", &positions);
+        xml.push_str("</Points>\n<Cells>\n");
+        for (name, numbers) in [("connectivity", &self.cells.connectivity), ("offsets", &self.cells.offsets)] {
+            let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
+            data_array(&mut xml, "Int64", name, "", &bytes);
+        }
+        data_array(&mut xml, "UInt8", "types", "", &self.cells.types);
+        xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
+        xml
+    }
+}
+
+/// The number of bytes, then the bytes, as one piece of base64.
+fn data_array(xml: &mut String, kind: &str, name: &str, attributes: &str, bytes: &[u8]) {
+    let mut content = Vec::with_capacity(8 + bytes.len());
+    content.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
+    content.extend_from_slice(bytes);
+    let _ = write!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\" {attributes} format=\"binary\">");
+    STANDARD.encode_string(&content, xml);
+    xml.push_str("</DataArray>\n");
+}
+
+/// Strings are written as the numbers of their bytes, each ending with 0.
+fn string_array(xml: &mut String, name: &str, list: &[&str]) {
+    let _ = write!(xml, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">", list.len());
+    for byte in list.iter().flat_map(|text| text.bytes().chain([0])) {
+        let _ = write!(xml, "{byte} ");
+    }
+    xml.push_str("</Array>\n");
+}
+
+/// Text inside an attribute.
+fn escaped(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+}

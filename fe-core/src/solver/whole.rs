@@ -1,0 +1,176 @@
+//! The whole system, solids and contact, in one sparse matrix, and its factorisations.
+
+use std::sync::Arc;
+
+use super::analysis::{Analysis, elimination_order};
+use super::block_lu::BlockLu;
+use super::cholesky::Cholesky;
+use super::general_lu::GeneralLu;
+use super::{LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
+use crate::assembly::Blocks;
+
+/// How many times the entries of the present matrix a pattern may have, before it is made anew.
+const LARGEST_SUPERSET: f64 = 1.25;
+
+/// One pattern that solids and contact fit, and what has been analysed for it.
+pub(super) struct Whole {
+    pattern: Pattern,
+    /// Place of each value of the solids.
+    solids: Vec<usize>,
+    values: Vec<f64>,
+    analysis: Option<Arc<Analysis>>,
+    cholesky: Option<Cholesky>,
+    block_lu: Option<BlockLu>,
+    general_lu: Option<GeneralLu>,
+    /// A vector in the order of elimination.
+    ordered: Vec<f64>,
+}
+
+/// What came of a factorisation.
+pub(super) enum Outcome {
+    /// A factor, and whether the determinant is positive, if known.
+    Done(Option<bool>),
+    /// The method does not apply to these values.
+    Refused,
+}
+
+impl Whole {
+    /// A pattern for this matrix.
+    pub(super) fn new(matrix: &SystemMatrix) -> Self {
+        Self::over(matrix.pattern().with_blocks(&matrix.contact), matrix.pattern())
+    }
+
+    fn over(pattern: Pattern, solids: &Pattern) -> Self {
+        let mut places = Vec::with_capacity(solids.entries());
+        for column in 0..solids.size() {
+            places.extend(solids.column(column).iter().filter_map(|&row| pattern.index(row, column)));
+        }
+        Self {
+            solids: places,
+            values: vec![0.0; pattern.entries()],
+            analysis: None,
+            cholesky: None,
+            block_lu: None,
+            general_lu: None,
+            ordered: vec![0.0; pattern.size()],
+            pattern,
+        }
+    }
+
+    /// Takes the values of a matrix; returns whether the pattern, and all that was analysed for it, could stay.
+    pub(super) fn fill(&mut self, matrix: &SystemMatrix) -> bool {
+        let reused = self.fits(&matrix.contact);
+        if !reused {
+            // Old entries are kept as long as they are few: points slide to and fro.
+            let own = matrix.pattern().with_blocks(&matrix.contact);
+            let superset = self.pattern.with_blocks(&matrix.contact);
+            let accepted = superset.entries() as f64 <= LARGEST_SUPERSET * own.entries() as f64;
+            *self = Self::over(if accepted { superset } else { own }, matrix.pattern());
+        }
+        self.values.fill(0.0);
+        self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
+        for (rows, values) in matrix.contact.iter() {
+            for (&row, line) in rows.iter().zip(values.chunks_exact(rows.len().max(1))) {
+                for (&column, value) in rows.iter().zip(line) {
+                    if let Some(place) = self.pattern.index(row, column) {
+                        self.values[place] += value;
+                    }
+                }
+            }
+        }
+        reused
+    }
+
+    fn fits(&self, contact: &Blocks) -> bool {
+        contact.iter().all(|(rows, _)| {
+            rows.iter().all(|&column| rows.iter().all(|&row| self.pattern.index(row, column).is_some()))
+        })
+    }
+
+    fn analysis(&mut self, nodes: &[usize]) -> Result<Arc<Analysis>, SolverError> {
+        let analysis = match self.analysis.take() {
+            Some(analysis) => analysis,
+            None => Arc::new(Analysis::new(&self.pattern, elimination_order(&self.pattern, nodes, &[])?)?),
+        };
+        self.analysis = Some(Arc::clone(&analysis));
+        Ok(analysis)
+    }
+
+    /// Whether nothing about this method's pattern needs to be found out again.
+    pub(super) fn is_analysed(&self, method: Method) -> bool {
+        match method {
+            Method::GeneralLu => self.general_lu.is_some(),
+            _ => self.analysis.is_some(),
+        }
+    }
+
+    /// LLᵀ; refused if the values are not definite.
+    pub(super) fn factorise_cholesky(&mut self, nodes: &[usize]) -> Result<Outcome, SolverError> {
+        let analysis = self.analysis(nodes)?;
+        let cholesky = get_or_try_insert(&mut self.cholesky, || Cholesky::new(analysis))?;
+        Ok(cholesky.factorise(&self.values, &[]).map_or(Outcome::Refused, |()| Outcome::Done(Some(true))))
+    }
+
+    /// LU with pivoting inside supernodes; refused if that is not enough.
+    pub(super) fn factorise_block_lu(&mut self, nodes: &[usize]) -> Result<Outcome, SolverError> {
+        let analysis = self.analysis(nodes)?;
+        let block_lu = get_or_try_insert(&mut self.block_lu, || BlockLu::new(analysis))?;
+        Ok(block_lu.factorise(&self.values).map_or(Outcome::Refused, |positive| Outcome::Done(Some(positive))))
+    }
+
+    /// LU with full partial pivoting. Singular if a right side of ones with changing signs is answered by a vector
+    /// that is greater than a regular matrix of this size could make it.
+    pub(super) fn factorise_general_lu(&mut self, norm: f64) -> Result<Outcome, SolverError> {
+        let general_lu = get_or_try_insert(&mut self.general_lu, || GeneralLu::new(&self.pattern))?;
+        general_lu.factorise(&self.values)?;
+        // The signs follow the bits of the golden ratio's multiples: no smooth mode is orthogonal to them.
+        let signs = (1..=self.ordered.len() as u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63) as f64);
+        self.ordered.iter_mut().zip(signs).for_each(|(entry, sign)| *entry = 1.0 - 2.0 * sign);
+        general_lu.solve(&mut self.ordered);
+        let greatest = self.ordered.iter().map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() });
+        if greatest.fold(0.0, f64::max) * norm > LARGEST_GROWTH {
+            return Err(SolverError::Singular { equation: None });
+        }
+        Ok(Outcome::Done(None))
+    }
+
+    /// Solves in place with the last factor of this method.
+    pub(super) fn solve(&mut self, method: Method, x: &mut [f64]) {
+        if method == Method::GeneralLu {
+            return self.general_lu.iter_mut().for_each(|factor| factor.solve(x));
+        }
+        let Some(analysis) = &self.analysis else { return };
+        self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
+        match (method, &mut self.cholesky, &mut self.block_lu) {
+            (Method::Cholesky, Some(factor), _) => {
+                factor.forward(&mut self.ordered);
+                factor.backward(&mut self.ordered);
+            }
+            (_, _, Some(factor)) => factor.solve(&mut self.ordered),
+            _ => {}
+        }
+        self.ordered.iter().zip(&analysis.order).for_each(|(from, &equation)| x[equation] = *from);
+    }
+
+    /// Flops of the last factorisation by this method, as far as known before, and the numbers in its factor.
+    pub(super) fn size_of(&self, method: Method) -> (Option<f64>, Option<usize>) {
+        let flops = self.analysis.as_ref().map(|analysis| analysis.flops);
+        match method {
+            Method::Cholesky => (flops, self.cholesky.as_ref().map(Cholesky::entries)),
+            Method::BlockLu => (flops.map(|flops| 2.0 * flops), self.block_lu.as_ref().map(BlockLu::entries)),
+            Method::Condensed | Method::GeneralLu => (None, None),
+        }
+    }
+}
+
+/// What is in the slot, or what `make` makes for it.
+fn get_or_try_insert<T>(
+    slot: &mut Option<T>,
+    make: impl FnOnce() -> Result<T, SolverError>,
+) -> Result<&mut T, SolverError> {
+    let value = match slot.take() {
+        Some(value) => value,
+        None => make()?,
+    };
+    Ok(slot.insert(value))
+}

@@ -1,0 +1,62 @@
+//! The energy balance of a run.
+//!
+//! ```text
+//! external work = elastic + plastic + damage + interface + opening + stabilisation
+//! ```
+//!
+//! External work is a trapezoidal sum over increments of reactions times the drives and loads times displacements;
+//! the solids' parts are what the laws report, the interface's a trapezoidal sum of tractions times relative
+//! displacements. The two sides are computed apart from each other: their difference is the error of both.
+
+use super::newton::{Committed, dot};
+use crate::assembly::Equations;
+
+/// Energies since the start of the run, N mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Energies {
+    /// Work of supports that move and of loads.
+    pub external_work: f64,
+    /// Stored in the solids.
+    pub elastic: f64,
+    /// Dissipated by laws without damage.
+    pub plastic: f64,
+    /// Dissipated by laws with damage.
+    pub damage: f64,
+    /// Work of the interfaces: stored and dissipated.
+    pub interface: f64,
+    /// Spent on opening bonded interfaces and lost where contact fades at an end.
+    pub opening: f64,
+    /// Spent on viscous stabilisation.
+    pub stabilisation: f64,
+}
+
+impl Energies {
+    /// External work less all that it went into.
+    pub fn imbalance(&self) -> f64 {
+        self.external_work
+            - (self.elastic + self.plastic + self.damage + self.interface + self.opening + self.stabilisation)
+    }
+
+    /// What was added since a datum.
+    pub(super) fn since(&self, datum: &Self) -> Self {
+        Self {
+            external_work: self.external_work - datum.external_work,
+            elastic: self.elastic - datum.elastic,
+            plastic: self.plastic - datum.plastic,
+            damage: self.damage - datum.damage,
+            interface: self.interface - datum.interface,
+            opening: self.opening - datum.opening,
+            stabilisation: self.stabilisation - datum.stabilisation,
+        }
+    }
+
+    /// The work of supports and loads between two states.
+    pub(super) fn work_between(equations: &Equations, start: &Committed, end: &Committed) -> f64 {
+        let mean = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| 0.5 * (a + b)).collect() };
+        let change = |a: &[f64], b: &[f64]| -> Vec<f64> { a.iter().zip(b).map(|(a, b)| b - a).collect() };
+        let reactions = equations.drive_forces(&mean(&start.reactions, &end.reactions));
+        let by_supports = dot(&reactions, &change(&start.drives, &end.drives));
+        let loads = mean(&start.external, &end.external);
+        by_supports + dot(&loads, &change(&start.displacements, &end.displacements))
+    }
+}

@@ -1,0 +1,73 @@
+//! Models that cannot be computed, and runs that end early.
+
+use crate::assembly::{ConstraintError, SolidsError, Trouble};
+use crate::contact::ContactError;
+use crate::model::Model;
+use crate::solver::SolverError;
+
+/// A model that cannot be computed.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// Supports and couplings.
+    #[error(transparent)]
+    Constraint(#[from] ConstraintError),
+    /// Laws and elements.
+    #[error(transparent)]
+    Solids(#[from] SolidsError),
+    /// Contact pairs.
+    #[error(transparent)]
+    Contact(#[from] ContactError),
+    /// The pattern of the equations.
+    #[error(transparent)]
+    Solver(#[from] SolverError),
+    /// A law that fails in the virgin state.
+    #[error("before the first increment: {0}")]
+    Virgin(#[from] Trouble),
+    /// Tables of the model that do not fit together.
+    #[error("{0}")]
+    Inconsistent(String),
+}
+
+/// A run that ended early.
+#[derive(Debug, thiserror::Error)]
+pub enum RunError {
+    /// An increment could not be completed however small.
+    #[error("step {step}, increment {increment} ({:.4} % of the step done): {trouble}", 100.0 * progress)]
+    Failed {
+        /// Step, from 1.
+        step: u32,
+        /// Increment, from 1; 0: equilibrium before the first step.
+        increment: u32,
+        /// What part of the step was done.
+        progress: f64,
+        /// Where and why.
+        trouble: Trouble,
+    },
+    /// The observer could not write.
+    #[error(transparent)]
+    Write(#[from] std::io::Error),
+}
+
+/// Whether the tables of a model have the lengths that they should.
+pub(super) fn check(model: &Model) -> Result<(), ModelError> {
+    let wrong = |message: String| Err(ModelError::Inconsistent(message));
+    let drives = model.drives.len();
+    if let Some(load) = model.loads.iter().find(|load| load.drive >= drives) {
+        return wrong(format!("load '{}' follows a drive that does not exist", load.name));
+    }
+    for (index, step) in model.steps.iter().enumerate() {
+        if step.targets.len() != drives {
+            return wrong(format!("step {} has {} targets for {drives} drives", index + 1, step.targets.len()));
+        }
+        if !(step.time > 0.0 && step.time.is_finite()) {
+            return wrong(format!("step {} must take a time > 0, found {}", index + 1, step.time));
+        }
+    }
+    if model.measured.slip.is_some_and(|drive| drive >= drives) {
+        return wrong("the measured slip is a drive that does not exist".into());
+    }
+    if model.measured.support.is_some_and(|support| support >= model.supports.len()) {
+        return wrong("the measured load is of a support that does not exist".into());
+    }
+    Ok(())
+}

@@ -1,0 +1,75 @@
+//! What is told of each increment.
+
+use super::{Energies, Iteration, Snapshot};
+use std::io;
+
+/// One accepted increment, or the initial state (step 0, increment 0).
+#[derive(Clone, Debug, PartialEq)]
+pub struct Record {
+    /// Step, from 1; 0 for the initial state.
+    pub step: u32,
+    /// Increment within the step, from 1; 0 for the initial state.
+    pub increment: u32,
+    /// Total time at its end, s.
+    pub time: f64,
+    /// Value of the measured drive, mm.
+    pub slip: f64,
+    /// Reaction in the pull direction, N.
+    pub load: f64,
+    /// Reaction along the left normal of the pull direction, N.
+    pub load_lateral: f64,
+    /// Displacement of the exit node in the pull direction, mm; NaN without one.
+    pub slip_exit: f64,
+    /// Displacement of the tail node in the pull direction, mm; NaN without one.
+    pub slip_tail: f64,
+    /// Energies, N mm.
+    pub energies: Energies,
+    /// Imbalance of the energies relative to max(work so far, 1e-3 × the greatest work).
+    pub energy_error: f64,
+    /// Counts of material points and contact points.
+    pub counts: Counts,
+    /// The greatest pressure of a contact point, MPa.
+    pub greatest_pressure: f64,
+    /// Attempts given up before it.
+    pub cutbacks: u32,
+    /// Its Newton iterations.
+    pub iterations: Vec<Iteration>,
+}
+
+/// Points by what they do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Material points of laws with damage that have dissipated.
+    pub damaged: usize,
+    /// Material points of laws without damage that have dissipated.
+    pub yielding: usize,
+    /// Contact points that carry shear without having slid.
+    pub sticking: usize,
+    /// Contact points that have slid.
+    pub slipping: usize,
+    /// Contact points that are open.
+    pub open: usize,
+    /// Contact points that have left the master.
+    pub released: usize,
+}
+
+/// How a run goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Directive {
+    /// Next increment.
+    GoOn,
+    /// Next step.
+    EndStep,
+    /// No more.
+    EndRun,
+}
+
+/// Who wants to know.
+pub trait Observer {
+    /// The initial state, then each accepted increment; the snapshot gives fields on demand.
+    ///
+    /// # Errors
+    ///
+    /// Whatever kept it from being written; the run stops.
+    fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive>;
+}

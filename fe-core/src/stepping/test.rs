@@ -1,0 +1,110 @@
+//! Whole runs against closed forms: what the parts of an increment give together.
+
+use super::*;
+use crate::element::ElementKind;
+use crate::kinematics::PlaneModel;
+use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
+use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support};
+use std::io;
+
+/// Keeps what it is told.
+#[derive(Default)]
+struct Keeper(Vec<Record>);
+
+impl Observer for Keeper {
+    fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
+        self.0.push(record.clone());
+        Ok(Directive::GoOn)
+    }
+}
+
+/// A strip 4 × 1 of eight Q8, held at x = 0 along x and at its corner along y, pulled along x at the other end.
+fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> Model {
+    let (columns, rows) = (4, 2);
+    let mut nodes = Vec::new();
+    let mut number = std::collections::BTreeMap::new();
+    for j in 0..=2 * rows {
+        for i in 0..=2 * columns {
+            if i % 2 == 0 || j % 2 == 0 {
+                number.insert((i, j), nodes.len());
+                nodes.push([0.5 * i as f64, 0.25 * j as f64]);
+            }
+        }
+    }
+    let mut elements = Vec::new();
+    for j in 0..rows {
+        for i in 0..columns {
+            let at = |a: usize, b: usize| number[&(2 * i + a, 2 * j + b)];
+            let nodes = vec![at(0, 0), at(2, 0), at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1)];
+            elements.push(ElementDefinition { kind: ElementKind::Q8, part: 0, nodes });
+        }
+    }
+    let on = |x: f64| -> Vec<usize> { (0..nodes.len()).filter(|&n| nodes[n][0] == x).collect() };
+    let (left, right) = (on(0.0), on(4.0));
+    let mesh = Mesh::new(MeshDefinition {
+        nodes: nodes.clone(),
+        parts: vec![Part::new("strip", model, 0.5)],
+        elements,
+        ..MeshDefinition::default()
+    })
+    .unwrap();
+    let support = |name: &str, nodes, direction, drive| Support { name: name.into(), nodes, direction, drive };
+    Model {
+        mesh,
+        laws: vec![law],
+        average_dilatation: vec![false],
+        contacts: Vec::new(),
+        drives: vec!["pull".into()],
+        supports: vec![
+            support("root", left, [1.0, 0.0], None),
+            support("corner", vec![0], [0.0, 1.0], None),
+            support("grip", right, [1.0, 0.0], Some(0)),
+        ],
+        couplings: Vec::new(),
+        loads: Vec::new(),
+        nlgeom: false,
+        measured: Measured { slip: Some(0), support: Some(2), direction: [1.0, 0.0], exit_node: None, tail_node: None },
+        steps: vec![Step { time: 1.0, targets: vec![Some(end)], control }],
+        controls: Controls::default(),
+        skipping: Skipping::ALL,
+    }
+}
+
+fn run(model: &Model) -> (Vec<Record>, Statistics) {
+    let mut keeper = Keeper::default();
+    let mut analysis = Analysis::new(model).unwrap();
+    analysis.run(&mut keeper).unwrap();
+    (keeper.0, analysis.statistics())
+}
+
+#[test]
+fn an_elastic_strip_needs_one_iteration_and_balances_its_energy() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let model = strip(law, PlaneModel::PlaneStress, 0.04, StepControl::Fixed { increments: 4 });
+    let (records, statistics) = run(&model);
+    assert_eq!(records.len(), 5);
+    assert_eq!(statistics.factorisations, 1, "nothing changes, so one factor serves all increments");
+    for record in &records[1..] {
+        assert_eq!(record.iterations.len(), 1);
+        // σ = E ε over 1 × 0.5
+        let load = 1000.0 * record.slip / 4.0 * 0.5;
+        approx::assert_relative_eq!(record.load, load, max_relative = 1e-12);
+        approx::assert_relative_eq!(record.energies.elastic, 0.5 * load * record.slip, max_relative = 1e-12);
+        assert!(record.energy_error.abs() < 1e-12);
+    }
+}
+
+#[test]
+fn newton_is_quadratic_in_plastic_flow_and_follows_the_hardening_line() {
+    let law = PluginLaw::shipped("j2_plasticity", &[("E", 200e3), ("nu", 0.3)]).followed_by(&[400.0, 0.0, 2400.0, 1.0]);
+    let mut model = strip(law, PlaneModel::PlaneStress, 0.08, StepControl::Fixed { increments: 4 });
+    model.skipping = Skipping::NONE;
+    let (records, _) = run(&model);
+    for record in &records[1..] {
+        let strain: f64 = record.slip / 4.0;
+        let yield_strain = 400.0 / 200e3;
+        let hardening = 200e3 * 2000.0 / 202e3;
+        let stress = if strain < yield_strain { 200e3 * strain } else { 400.0 + hardening * (strain - yield_strain) };
+        approx::assert_relative_eq!(record.load, 0.5 * stress, max_relative = 1e-9);
+    }
+}

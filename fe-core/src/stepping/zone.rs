@@ -1,0 +1,90 @@
+//! Which elements iterate, and which are condensed until their laws say that they are no longer elastic.
+
+use crate::assembly::{Condensation, Equations, Solids, System, loaded_freedoms, may_be_condensed, touching};
+use crate::mesh::Mesh;
+use crate::model::Model;
+use crate::solver::{SolverError, SolverOptions};
+
+/// Rings of elements around those that must iterate, so that a zone that grows does not grow at every increment.
+const MARGIN: usize = 1;
+/// Rings added around elements that stopped being elastic.
+const GROWTH: usize = 3;
+/// A far field of fewer elements than this part of all is not worth a condensation.
+const LEAST_FAR_FIELD: f64 = 0.3;
+
+/// The elements that iterate.
+#[derive(Clone, Debug)]
+pub(super) struct Zone {
+    active: Vec<bool>,
+    condenses: bool,
+}
+
+impl Zone {
+    /// The elements at contact surfaces, at loads, couplings and moving supports, and a margin; all, if condensing is off
+    /// or does not pay. Large displacements make no element linear, and without contact nothing says where the zone is.
+    pub(super) fn new(model: &Model, equations: &Equations, contact: &[usize]) -> Self {
+        let mesh = &model.mesh;
+        let mut zone = Self { active: vec![true; mesh.elements().len()], condenses: false };
+        let linear = !model.nlgeom && model.controls.viscosity == 0.0;
+        if model.skipping.elastic_far_field && linear && !model.contacts.is_empty() {
+            let condensable = may_be_condensed(mesh, equations, &loaded_freedoms(model));
+            zone.active = touching(mesh, contact);
+            zone.active.iter_mut().zip(condensable).for_each(|(active, may_be)| *active |= !may_be);
+            zone.grow(mesh, MARGIN);
+            zone.condenses = zone.pays();
+        }
+        zone
+    }
+
+    /// Whether some elements are condensed.
+    pub(super) fn condenses(&self) -> bool {
+        self.condenses
+    }
+
+    /// Which elements iterate.
+    pub(super) fn active(&self) -> &[bool] {
+        &self.active
+    }
+
+    fn pays(&mut self) -> bool {
+        let far = self.active.iter().filter(|active| !**active).count();
+        let pays = far as f64 >= LEAST_FAR_FIELD * self.active.len() as f64;
+        if !pays {
+            self.active.fill(true);
+        }
+        pays
+    }
+
+    fn grow(&mut self, mesh: &Mesh, rings: usize) {
+        for _ in 0..rings {
+            let mut nodes = vec![false; mesh.nodes().len()];
+            for (element, _) in mesh.elements().iter().zip(&self.active).filter(|(_, active)| **active) {
+                element.nodes().iter().for_each(|&node| nodes[node] = true);
+            }
+            for (element, active) in mesh.elements().iter().zip(&mut self.active) {
+                *active |= element.nodes().iter().any(|&node| nodes[node]);
+            }
+        }
+    }
+
+    /// Takes in the elements at some freedoms, and a few rings around them.
+    pub(super) fn take_in(&mut self, mesh: &Mesh, freedoms: &[usize]) {
+        let mut added = Self { active: touching(mesh, freedoms), condenses: false };
+        added.grow(mesh, GROWTH);
+        self.active.iter_mut().zip(added.active).for_each(|(active, added)| *active |= added);
+        self.condenses = self.pays();
+    }
+
+    /// The system of this partition; the solids' stiffnesses are those of the virgin state, or were.
+    pub(super) fn system(
+        &self,
+        model: &Model,
+        equations: Equations,
+        contact: &[usize],
+        solids: &Solids,
+    ) -> Result<System, SolverError> {
+        let condensation =
+            self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: contact });
+        System::new(&model.mesh, equations, contact, condensation, SolverOptions::default())
+    }
+}
