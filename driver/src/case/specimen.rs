@@ -8,6 +8,7 @@ use crate::pullout::{COLUMNS, Output, Program};
 use boundary::Boundary;
 use fe_core::mesh::Mesh;
 use fe_core::model::{Controls, Model, Skipping};
+use fe_core::stepping::Analysis;
 use mesh::Ground;
 use std::path::Path;
 
@@ -66,6 +67,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     };
     if reader.problems.is_empty() {
         preflight::check(reader, &model);
+    }
+    if reader.problems.is_empty()
+        && let Err(error) = Analysis::new(&model)
+    {
+        reader.problem(&root, error.to_string());
     }
     Some(Program {
         case_file: path.into(),

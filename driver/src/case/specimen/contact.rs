@@ -126,8 +126,10 @@ fn surfaces(
     scene: Scene<'_>,
     place: &Place,
 ) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
-    let slave = surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave.as_str()), scene, &place.key("slave"));
-    let master = surface(reader, pair.master.as_deref(), default.map(|pair| pair.master.as_str()), scene, &place.key("master"));
+    let slave =
+        surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave.as_str()), scene, &place.key("slave"));
+    let master =
+        surface(reader, pair.master.as_deref(), default.map(|pair| pair.master.as_str()), scene, &place.key("master"));
     let (slave, master) = slave.zip(master)?;
     if let Some(edge) = slave.iter().find(|edge| master.contains(edge)) {
         let message = format!("it has an edge of element {} that the slave has as well", edge.element + 1);

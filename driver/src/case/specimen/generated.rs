@@ -148,7 +148,8 @@ fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, Specimen
 }
 
 fn two_blocks(given: &document::TwoBlocks) -> Result<Generated, SpecimenError> {
-    let numbers = |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
+    let numbers =
+        |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
     let definition = specimen::two_blocks(&TwoBlocks {
         width: length(given.width, 1.0),
         heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),

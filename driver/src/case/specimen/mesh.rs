@@ -68,7 +68,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 }
                 Err(SpecimenError::Parameters { problems }) => {
                     for problem in problems {
-                        reader.problem(&place.key(problem.name), format!("is {}, it must be {}", problem.value, problem.requirement));
+                        reader.problem(
+                            &place.key(problem.name),
+                            format!("is {}, it must be {}", problem.value, problem.requirement),
+                        );
                     }
                     None
                 }

@@ -18,11 +18,8 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.warnings.push(format!("mesh: {finding}"));
         }
     }
-    let held: Vec<(usize, [f64; 2])> = model
-        .supports
-        .iter()
-        .flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction)))
-        .collect();
+    let held: Vec<(usize, [f64; 2])> =
+        model.supports.iter().flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect();
     for group in groups(&model.mesh, &joints) {
         let free = preflight::rigid_body_freedom(&model.mesh, &group, &held);
         if !free.is_empty() {
@@ -53,9 +50,8 @@ fn joints(model: &Model) -> Vec<Vec<usize>> {
 fn groups(mesh: &Mesh, joints: &[Vec<usize>]) -> Vec<Body> {
     let mut groups = preflight::bodies(mesh);
     for joint in joints {
-        let (touched, others): (Vec<Body>, Vec<Body>) = groups
-            .into_iter()
-            .partition(|body| joint.iter().any(|node| body.nodes.binary_search(node).is_ok()));
+        let (touched, others): (Vec<Body>, Vec<Body>) =
+            groups.into_iter().partition(|body| joint.iter().any(|node| body.nodes.binary_search(node).is_ok()));
         groups = others;
         let nodes: BTreeSet<usize> = touched.iter().flat_map(|body| body.nodes.iter().copied()).collect();
         let elements: BTreeSet<usize> = touched.iter().flat_map(|body| body.elements.iter().copied()).collect();

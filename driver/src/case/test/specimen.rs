@@ -250,7 +250,10 @@ fn a_body_that_nothing_holds_is_named() {
     case["supports"] = json!({});
     case["contact"] = json!([]);
     let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
-    assert!(text.contains("$.supports: the body with element 1 (part 'matrix') can move along x and can move along y"), "{text}");
+    assert!(
+        text.contains("$.supports: the body with element 1 (part 'matrix') can move along x and can move along y"),
+        "{text}"
+    );
 }
 
 /// A minimal case on a specimen.
@@ -263,7 +266,8 @@ fn specimen_case(specimen: Value, parts: &[&str]) -> Value {
 
 #[test]
 fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
-    let mut case = specimen_case(json!({ "type": "perpendicular_fibre", "embedded_elements": 10 }), &["fibre", "matrix"]);
+    let mut case =
+        specimen_case(json!({ "type": "perpendicular_fibre", "embedded_elements": 10 }), &["fibre", "matrix"]);
     case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
     case["steps"] = json!([{ "slip": 12.2 }]);
     let model = accepted(&case, &[]).model;
@@ -434,7 +438,12 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&["mesh={\"specimen\": {\"type\": \"beam\"}}"], "$.parts.fibre", "the specimen has no part 'fibre'", ByMeaning),
-    (&["supports={\"bottom\": {\"direction\": \"x\"}}", "contact.release=false"], "$.supports", "can move along y", ByMeaning),
+    (
+        &["supports={\"bottom\": {\"direction\": \"x\"}}", "contact.release=false"],
+        "$.supports",
+        "can move along y",
+        ByMeaning,
+    ),
     (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot read the file", ByMeaning),
     (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
     (&["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"], "$.mesh.file", "matrix", ByMeaning),
