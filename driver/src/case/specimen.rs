@@ -8,6 +8,7 @@ use crate::pullout::{COLUMNS, Output, Program};
 use boundary::Boundary;
 use fe_core::mesh::Mesh;
 use fe_core::model::{Controls, Model, Skipping};
+use fe_core::stepping::Analysis;
 use mesh::Ground;
 use std::path::Path;
 
@@ -15,8 +16,10 @@ mod boundary;
 mod chain;
 mod contact;
 mod couplings;
+mod generated;
 mod mesh;
 mod parts;
+mod preflight;
 mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
@@ -62,6 +65,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         controls,
         skipping,
     };
+    if reader.problems.is_empty() {
+        preflight::check(reader, &model);
+    }
+    if reader.problems.is_empty()
+        && let Err(error) = Analysis::new(&model)
+    {
+        reader.problem(&root, error.to_string());
+    }
     Some(Program {
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),

@@ -148,8 +148,21 @@ impl Findings<'_> {
     /// unknown keys. If none fits in type, what each expects.
     fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
         let here = error.instance_path();
+        if let Some(tag) = wrong_tag(context, here) {
+            let place = place_of(tag.place);
+            let words: Vec<&str> = tag.words.iter().filter_map(|word| word.as_str()).collect();
+            let message = match tag.found.as_str() {
+                Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
+                None => format!("expected one of {}, found {}", words.join(", "), shown(tag.found)),
+            };
+            self.problems.push(Problem::new(place, message));
+            return;
+        }
         // Of equally good branches: the first, or the last (the most general) if all lack a key.
-        let best = context.iter().enumerate().min_by_key(|(k, branch)| {
+        let chosen = |branch: &[ValidationError<'_>]| !branch.iter().any(|error| is_tag(error, here));
+        let any_chosen = context.iter().any(|branch| chosen(branch));
+        let candidates = context.iter().enumerate().filter(|(_, branch)| !any_chosen || chosen(branch));
+        let best = candidates.min_by_key(|(k, branch)| {
             let misfit = branch_misfit(branch, here);
             (misfit, if misfit < MISFIT_OF_MISSING_KEY { *k } else { context.len() - k })
         });
@@ -189,6 +202,38 @@ impl Findings<'_> {
         }
         schema["properties"].as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default()
     }
+}
+
+/// A word in a member that no branch has.
+struct WrongTag<'e> {
+    place: &'e Location,
+    found: &'e Value,
+    words: Vec<&'e Value>,
+}
+
+/// Whether an error says that a member's word belongs to another branch.
+fn is_tag(error: &ValidationError<'_>, here: &Location) -> bool {
+    matches!(error.kind(), Kind::Constant { expected_value } if expected_value.is_string())
+        && error.instance_path() != here
+}
+
+/// If every branch expects another word in the same member.
+fn wrong_tag<'e>(context: &'e [Vec<ValidationError<'static>>], here: &Location) -> Option<WrongTag<'e>> {
+    let constant = |branch: &'e Vec<ValidationError<'static>>| {
+        branch.iter().find_map(|error| match error.kind() {
+            Kind::Constant { expected_value } if is_tag(error, here) => Some((error, expected_value)),
+            _ => None,
+        })
+    };
+    let (first, _) = constant(context.first()?)?;
+    let words: Option<Vec<&Value>> = context
+        .iter()
+        .map(|branch| {
+            constant(branch).filter(|(error, _)| error.instance_path() == first.instance_path()).map(|(_, word)| word)
+        })
+        .collect();
+    let words = words.filter(|words| words.len() > 1 && words.windows(2).all(|pair| pair[0] != pair[1]))?;
+    Some(WrongTag { place: first.instance_path(), found: first.instance(), words })
 }
 
 /// A type, constant or list of words that does not fit at all.

@@ -88,9 +88,15 @@ impl Boundary {
         if case.grip.is_none() && default.is_none() {
             return;
         }
-        let given = reader.optional(case.grip.as_ref(), &place).cloned().unwrap_or_default();
-        // known even where the mesh is not: steps may name it
+        // known even where the rest is not: steps may name it
         let drive = self.drives.followed(SLIP, &place);
+        let given = match &case.grip {
+            None => document::Grip::default(),
+            Some(piece) => match reader.piece(piece, &place) {
+                Some(grip) => grip.clone(),
+                None => return,
+            },
+        };
         let name = given.nodes.as_deref().or(default.map(|(nodes, _)| nodes));
         let direction = given.direction.and_then(|given| unit(reader, given, &place.key("direction")));
         let direction = direction.or(default.filter(|_| given.direction.is_none()).map(|(_, direction)| direction));

@@ -46,10 +46,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
                     reader.problem(&place.key("name"), format!("the pair '{name}' is given twice"));
                 }
                 names.extend(name);
-                let own = defaults.iter().find(|default| Some(default.name) == name);
+                let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
                 resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
             }
-            for missing in defaults.iter().filter(|default| !names.contains(&default.name)) {
+            for missing in defaults.iter().filter(|default| !names.contains(&default.name.as_str())) {
                 reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
             }
             resolved.into_iter().collect()
@@ -75,7 +75,7 @@ fn all_pairs(
     for default in others {
         let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
         let width = width(reader, pair, Some(default), place);
-        pairs.push(ContactPair { name: default.name.into(), slave, master, width, ..pairs[0].clone() });
+        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, ..pairs[0].clone() });
     }
     Some(pairs)
 }
@@ -102,7 +102,7 @@ fn one_pair(
     let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
     let release = reader.optional(pair.release.as_ref(), &place.key("release"));
     let enforcement = enforcement(reader, pair, place);
-    let name = pair.name.clone().or_else(|| default.map(|default| default.name.to_owned()));
+    let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
         critical_slip: 0.0,
@@ -126,8 +126,10 @@ fn surfaces(
     scene: Scene<'_>,
     place: &Place,
 ) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
-    let slave = surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave), scene, &place.key("slave"));
-    let master = surface(reader, pair.master.as_deref(), default.map(|pair| pair.master), scene, &place.key("master"));
+    let slave =
+        surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave.as_str()), scene, &place.key("slave"));
+    let master =
+        surface(reader, pair.master.as_deref(), default.map(|pair| pair.master.as_str()), scene, &place.key("master"));
     let (slave, master) = slave.zip(master)?;
     if let Some(edge) = slave.iter().find(|edge| master.contains(edge)) {
         let message = format!("it has an edge of element {} that the slave has as well", edge.element + 1);

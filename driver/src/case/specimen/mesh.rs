@@ -4,9 +4,11 @@ use super::super::Reader;
 use super::super::document::PulloutCase;
 use super::super::document::pullout as document;
 use super::super::problem::{Place, hint};
+use super::generated::{Generated, generate};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
+use fe_core::mesh::specimen::SpecimenError;
 use fe_core::mesh::{Mesh, MeshDefinition};
 use fe_core::model::Width;
 use std::collections::BTreeMap;
@@ -36,11 +38,11 @@ pub struct Defaults {
 }
 
 /// A contact pair of a specimen.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct DefaultPair {
-    pub name: &'static str,
-    pub slave: &'static str,
-    pub master: &'static str,
+    pub name: String,
+    pub slave: String,
+    pub master: String,
     pub width: Width,
 }
 
@@ -56,7 +58,29 @@ pub struct DefaultSupports {
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
     let place = Place::root().key("mesh");
     match reader.piece(&case.mesh, &place)? {
-        document::MeshSource::Specimen(_) => None,
+        document::MeshSource::Specimen(source) => {
+            let place = place.key("specimen");
+            match generate(reader.piece(&source.specimen, &place)?) {
+                Ok(Generated { name, mut definition, defaults, diameter, notes }) => {
+                    adapt_parts(reader, case, &mut definition, diameter);
+                    reader.warnings.extend(notes);
+                    Some(Ground { definition, words: format!("specimen {name}"), defaults })
+                }
+                Err(SpecimenError::Parameters { problems }) => {
+                    for problem in problems {
+                        reader.problem(
+                            &place.key(problem.name),
+                            format!("is {}, it must be {}", problem.value, problem.requirement),
+                        );
+                    }
+                    None
+                }
+                Err(error) => {
+                    reader.problem(&place, error.to_string());
+                    None
+                }
+            }
+        }
         document::MeshSource::File(source) => {
             let properties = file_properties(reader, case)?;
             match gmsh::read(&reader.folder.join(&source.file), &properties) {

@@ -245,6 +245,77 @@ fn contact_in_all_its_forms() {
 }
 
 #[test]
+fn a_body_that_nothing_holds_is_named() {
+    let mut case = pullout_case();
+    case["supports"] = json!({});
+    case["contact"] = json!([]);
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(
+        text.contains("$.supports: the body with element 1 (part 'matrix') can move along x and can move along y"),
+        "{text}"
+    );
+}
+
+/// A minimal case on a specimen.
+fn specimen_case(specimen: Value, parts: &[&str]) -> Value {
+    let material = json!({ "material": { "plugin": "linear_elastic", "props": { "E": 2e5, "nu": 0.2 } } });
+    let parts: serde_json::Map<String, Value> =
+        parts.iter().map(|name| ((*name).to_owned(), material.clone())).collect();
+    json!({ "kind": "pullout", "mesh": { "specimen": specimen }, "parts": parts, "steps": [{}] })
+}
+
+#[test]
+fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
+    let mut case =
+        specimen_case(json!({ "type": "perpendicular_fibre", "embedded_elements": 10 }), &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+    case["steps"] = json!([{ "slip": 12.2 }]);
+    let model = accepted(&case, &[]).model;
+    assert_eq!(model.contacts.len(), 2);
+    let quarter_circumference = std::f64::consts::PI * 0.406 / 2.0;
+    assert!(model.contacts.iter().all(|pair| pair.width == Width::Given(quarter_circumference)));
+    assert!(model.contacts[0].name != model.contacts[1].name);
+    assert_eq!(model.measured.direction, [0.0, 1.0]);
+    let position = |node: Option<usize>| node.map(|node| model.mesh.nodes()[node]);
+    assert_eq!(position(model.measured.exit_node), Some([0.0, 0.0]));
+    assert_eq!(position(model.measured.tail_node).map(|[_, y]| y), Some(-12.2));
+    let fibre = model.mesh.parts().iter().find(|part| part.name == "fibre").expect("the part");
+    assert_eq!((fibre.model, fibre.thickness), (PlaneModel::PlaneStress, std::f64::consts::PI / 4.0 * 0.406));
+    for way in ["sides", "face_near", "face_away", "bottom"] {
+        let model = accepted(&case, &[&format!("supports={way}")]).model;
+        let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
+        assert_eq!(supports, ["grip", "grip, lateral", way, way]);
+    }
+    let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]).model;
+    let fibre = inertia.mesh.parts().iter().find(|part| part.name == "fibre").expect("the part");
+    assert!((fibre.thickness - 3.0 * std::f64::consts::PI * 0.406 / 16.0).abs() < 1e-15);
+    let round = accepted(&case, &["mesh.specimen.axisymmetric=true"]).model;
+    assert_eq!((round.contacts.len(), round.contacts[0].width), (1, Width::OfPart));
+    assert!(round.mesh.parts().iter().all(|part| part.model == PlaneModel::Axisymmetric));
+}
+
+#[test]
+fn every_specimen_has_a_smallest_case() {
+    for (name, parts) in [
+        ("plate_with_hole", &["plate"][..]),
+        ("thick_cylinder", &["cylinder"]),
+        ("cook_membrane", &["membrane"]),
+        ("beam", &["beam"]),
+        ("two_blocks", &["lower", "upper"]),
+        ("hertz", &["cylinder", "base"]),
+        ("drag_out_strip", &["strip", "block"]),
+    ] {
+        let mut case = specimen_case(json!({ "type": name }), parts);
+        if parts.len() > 1 {
+            case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+        }
+        let model = accepted(&case, &[]).model;
+        assert_eq!(model.laws.len(), parts.len(), "{name}");
+        assert!(!model.supports.is_empty() && model.contacts.len() == parts.len() - 1, "{name}");
+    }
+}
+
+#[test]
 fn controls_skipping_and_output() {
     let program = program(&[
         "controls={\"force_tolerance\": 1e-8, \"max_iterations\": 9, \"line_search\": false, \"viscosity\": 2}",
@@ -301,7 +372,7 @@ fn a_crack_band_is_judged_by_the_elements_of_its_part() {
 const MALFORMED: &[Sample] = &[
     // structure
     (&["mesh=5"], "$.mesh", "expected an object, found 5", BySchema),
-    (&["mesh={}"], "$.mesh", "is missing", BySchema),
+    (&["mesh={}"], "$.mesh.file", "is missing", BySchema),
     (&["mesh={\"file\": 3}"], "$.mesh.file", "expected a text, found 3", BySchema),
     (&["mesh={\"fiel\": \"two.msh\"}"], "$.mesh.fiel", "nearest valid name: 'file'", BySchema),
     (&["part=1"], "$.part", "unknown key; nearest valid name: 'parts'", BySchema),
@@ -320,7 +391,7 @@ const MALFORMED: &[Sample] = &[
     (&["contact.enforcement=glue"], "$.contact.enforcement", "\"penalty\"", BySchema),
     (&["contact.penalty_factor=0"], "$.contact.penalty_factor", "must be > 0", BySchema),
     (&["grip.lateral=loose"], "$.grip.lateral", "expected \"fixed\" or \"free\"", BySchema),
-    (&["grip.direction=z"], "$.grip.direction", "\"x\" or \"y\"", BySchema),
+    (&["grip.direction=z"], "$.grip.direction", "expected \"x\", \"y\" or an array", BySchema),
     (&["grip.direction=[1]"], "$.grip.direction", "needs at least 2 entries", BySchema),
     (&["supports.side.direction=5"], "$.supports.side.direction", "found 5", BySchema),
     (&["steps.0.slip=far"], "$.steps[0].slip", "expected a number, found \"far\"", BySchema),
@@ -335,11 +406,44 @@ const MALFORMED: &[Sample] = &[
     ),
     (&["controls={\"force_tolerance\": 0}"], "$.controls.force_tolerance", "must be > 0", BySchema),
     (&["controls={\"viscosity\": -1}"], "$.controls.viscosity", "must be >= 0", BySchema),
-    (&["skip=some"], "$.skip", "\"all\" or \"none\"", BySchema),
+    (&["skip=some"], "$.skip", "expected \"all\", \"none\" or an object", BySchema),
     (&["skip={\"far_field\": true}"], "$.skip.far_field", "unknown key", BySchema),
     (&["output.vtu=often"], "$.output.vtu", "expected true or false or a whole number", BySchema),
     (&["couplings=[{\"tei\": \"a\", \"to\": \"b\"}]"], "$.couplings[0].tei", "nearest valid name: 'tie'", BySchema),
+    (&["mesh={\"specimen\": {}}"], "$.mesh.specimen.type", "is missing", BySchema),
+    (&["mesh={\"specimen\": {\"type\": \"beem\"}}"], "$.mesh.specimen.type", "nearest valid name: 'beam'", BySchema),
+    (
+        &["mesh={\"specimen\": {\"type\": \"beam\", \"lenght\": 3}}"],
+        "$.mesh.specimen.lenght",
+        "unknown key; nearest valid name: 'length'",
+        BySchema,
+    ),
+    (
+        &["mesh={\"specimen\": {\"type\": \"perpendicular_fibre\", \"width\": 0}}"],
+        "$.mesh.specimen.width",
+        "must be > 0",
+        BySchema,
+    ),
     // mesh and sets
+    (
+        &["mesh={\"specimen\": {\"type\": \"perpendicular_fibre\", \"embedded_length\": 20}}"],
+        "$.mesh.specimen.embedded_length",
+        "is 20, it must be",
+        ByMeaning,
+    ),
+    (
+        &["mesh={\"specimen\": {\"type\": \"cook_membrane\"}}"],
+        "$.parts.membrane",
+        "is missing: the specimen has this part",
+        ByMeaning,
+    ),
+    (&["mesh={\"specimen\": {\"type\": \"beam\"}}"], "$.parts.fibre", "the specimen has no part 'fibre'", ByMeaning),
+    (
+        &["supports={\"bottom\": {\"direction\": \"x\"}}", "contact.release=false"],
+        "$.supports",
+        "can move along y",
+        ByMeaning,
+    ),
     (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot read the file", ByMeaning),
     (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
     (&["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"], "$.mesh.file", "matrix", ByMeaning),

@@ -1,0 +1,244 @@
+//! Specimens by their parameters, and what each says where the case says nothing.
+
+use super::super::document::Positive;
+use super::super::document::pullout::{self as document, ElementName, Elements};
+use super::boundary::BOTH;
+use super::mesh::{DefaultPair, DefaultSupports, Defaults};
+use fe_core::element::ElementKind;
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::MeshDefinition;
+use fe_core::mesh::specimen::{
+    self, BodyChoice, Configuration, CylinderOnPlane, CylinderSection, DragOutStrip, FibreMesh, PartMesh,
+    PerpendicularFibre, PlateWithHole, SpecimenError, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+};
+use fe_core::model::Width;
+
+const X: &[[f64; 2]] = &[[1.0, 0.0]];
+const Y: &[[f64; 2]] = &[[0.0, 1.0]];
+
+/// A mesh, and what the specimen says of it.
+pub struct Generated {
+    pub name: &'static str,
+    pub definition: MeshDefinition,
+    pub defaults: Defaults,
+    /// Diameter of the round fibre, mm.
+    pub diameter: Option<f64>,
+    /// What the user should know of the model.
+    pub notes: Vec<String>,
+}
+
+/// Makes the mesh of a specimen.
+///
+/// # Errors
+/// Parameters that cannot be.
+pub fn generate(given: &document::Specimen) -> Result<Generated, SpecimenError> {
+    match given {
+        document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given),
+        document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
+            width: length(given.width, 10.0),
+            height: length(given.height, 10.0),
+            radius: length(given.radius, 1.0),
+            cells: number(given.cells, 200),
+            grading: length(given.grading, 10.0),
+            body: body(given.element, ElementName::Q8),
+        })
+        .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
+        document::Specimen::ThickCylinder(given) => thick_cylinder(given),
+        document::Specimen::CookMembrane(given) => {
+            specimen::cook_membrane(number(given.cells, 8), body(given.element, ElementName::Q8))
+                .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
+        }
+        document::Specimen::Beam(given) => {
+            let cells = given.cells.map_or([20, 2], |cells| cells.map(|n| n.0 as usize));
+            let (length, height) = (length(given.length, 10.0), length(given.height, 1.0));
+            let body = body(given.element, ElementName::Q8);
+            specimen::timoshenko_beam(&TimoshenkoBeam { length, height, cells, body })
+                .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
+        }
+        document::Specimen::TwoBlocks(given) => two_blocks(given),
+        document::Specimen::Hertz(given) => hertz(given),
+        document::Specimen::DragOutStrip(given) => drag_out_strip(given),
+    }
+}
+
+fn perpendicular_fibre(given: &document::PerpendicularFibre) -> Result<Generated, SpecimenError> {
+    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let default = PerpendicularFibre::default();
+    let sizes = FibreMesh::default();
+    let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
+    let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
+    let parameters = PerpendicularFibre {
+        configuration: if axisymmetric {
+            Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
+        } else {
+            Configuration::PLANE
+        },
+        width: length(given.width, default.width),
+        depth: length(given.depth, default.depth),
+        matrix_thickness: length(given.matrix_thickness, default.matrix_thickness),
+        fibre_diameter: length(given.fibre_diameter, default.fibre_diameter),
+        embedded_length: length(given.embedded_length, default.embedded_length),
+        free_length: length(given.free_length, default.free_length),
+        tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+        fibre: part(given.fibre_element),
+        matrix: part(given.matrix_element),
+        mesh: FibreMesh {
+            embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
+            exit_size: given.exit_size.map(|size| size.0).or(exit_size),
+            elements_across: number(given.elements_across, sizes.elements_across),
+            slave_edges_per_master: number(given.slave_edges_per_master, sizes.slave_edges_per_master),
+            interface_size: length(given.interface_size, sizes.interface_size),
+            growth: length(given.growth, sizes.growth),
+            largest_size: length(given.largest_size, sizes.largest_size),
+        },
+    };
+    let made = specimen::perpendicular_fibre(&parameters)?;
+    let width = made.contact_width.map_or(Width::OfPart, Width::Given);
+    let pairs = made.contact_pairs.into_iter();
+    let pairs = pairs.map(|pair| DefaultPair { name: pair.name, slave: pair.slave, master: pair.master, width });
+    let ways: &[(&'static str, &'static str)] = if axisymmetric {
+        &[("outer", "outer"), ("bottom", "bottom")]
+    } else {
+        &[("sides", "sides"), ("face_near", "face_near"), ("face_away", "face_away"), ("bottom", "bottom")]
+    };
+    let held = |set: &'static str| {
+        let mut supports = vec![(set, BOTH)];
+        if axisymmetric {
+            supports.push(("axis", X));
+        }
+        supports
+    };
+    let exists = |set: &str| made.definition.node_sets.contains_key(set);
+    let supports = ways.iter().filter(|(_, set)| exists(set));
+    let supports = supports.map(|&(name, set)| DefaultSupports { name, supports: held(set) }).collect();
+    Ok(Generated {
+        name: "perpendicular_fibre",
+        defaults: Defaults {
+            pairs: pairs.collect(),
+            supports,
+            grip: Some(("grip", made.pull_direction)),
+            exit: Some("exit"),
+            tail: Some("tail"),
+        },
+        definition: made.definition,
+        diameter: Some(parameters.fibre_diameter),
+        notes: made.notes,
+    })
+}
+
+fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, SpecimenError> {
+    let cells = number(given.other_cells, 10);
+    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let section = if axisymmetric {
+        CylinderSection::Axisymmetric { height: length(given.height, 1.0), cells }
+    } else {
+        CylinderSection::Quarter { model: PlaneModel::PlaneStrain, thickness: 1.0, cells }
+    };
+    let definition = specimen::thick_cylinder(&ThickCylinder {
+        inner_radius: length(given.inner_radius, 1.0),
+        outer_radius: length(given.outer_radius, 2.0),
+        radial_cells: number(given.radial_cells, 10),
+        grading: length(given.grading, 2.0),
+        section,
+        kind: kind(given.element, ElementName::Q8),
+    })?;
+    let supports: &[(&'static str, &'static [[f64; 2]])] =
+        if axisymmetric { &[("bottom", Y), ("top", Y)] } else { &[("symmetry_x", X), ("symmetry_y", Y)] };
+    Ok(one_body("thick_cylinder", definition, supports))
+}
+
+fn two_blocks(given: &document::TwoBlocks) -> Result<Generated, SpecimenError> {
+    let numbers =
+        |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
+    let definition = specimen::two_blocks(&TwoBlocks {
+        width: length(given.width, 1.0),
+        heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),
+        edges: numbers(given.edges, [4, 3]),
+        rows: numbers(given.rows, [2, 2]),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let supports = [("bottom", Y), ("lower_left", X), ("upper_left", X)];
+    Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
+}
+
+fn hertz(given: &document::Hertz) -> Result<Generated, SpecimenError> {
+    let definition = specimen::cylinder_on_plane(&CylinderOnPlane {
+        radius: length(given.radius, 10.0),
+        half_width: length(given.half_width, 5.0),
+        height: length(given.height, 5.0),
+        depth: length(given.depth, 5.0),
+        contact_zone: length(given.contact_zone, 0.5),
+        contact_edges: number(given.contact_edges, 20),
+        growth: length(given.growth, 1.3),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let supports = [("bottom", Y), ("symmetry", X)];
+    Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
+}
+
+fn drag_out_strip(given: &document::DragOutStrip) -> Result<Generated, SpecimenError> {
+    let default = DragOutStrip::new([body(given.element, ElementName::Q4); 2]);
+    let definition = specimen::drag_out_strip(&DragOutStrip {
+        strip_length: length(given.strip_length, default.strip_length),
+        strip_height: length(given.strip_height, default.strip_height),
+        block_start: length(given.block_start, default.block_start),
+        block_length: length(given.block_length, default.block_length),
+        block_height: length(given.block_height, default.block_height),
+        strip_edges: number(given.strip_edges, default.strip_edges),
+        strip_rows: number(given.strip_rows, default.strip_rows),
+        block_edges: number(given.block_edges, default.block_edges),
+        block_size: length(given.block_size, default.block_size),
+        growth: length(given.growth, default.growth),
+        bodies: default.bodies,
+    })?;
+    let supports = [("symmetry", Y), ("block_left", X)];
+    let grip = Some(("sliding_end", [1.0, 0.0]));
+    Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
+}
+
+fn one_body(
+    name: &'static str,
+    definition: MeshDefinition,
+    supports: &[(&'static str, &'static [[f64; 2]])],
+) -> Generated {
+    let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
+    let defaults = Defaults { supports, ..Defaults::default() };
+    Generated { name, definition, defaults, diameter: None, notes: Vec::new() }
+}
+
+fn in_contact(
+    name: &'static str,
+    definition: MeshDefinition,
+    supports: &[(&'static str, &'static [[f64; 2]])],
+    slave: &str,
+    master: &str,
+    grip: Option<(&'static str, [f64; 2])>,
+) -> Generated {
+    let mut made = one_body(name, definition, supports);
+    let (slave, master) = (slave.to_owned(), master.to_owned());
+    made.defaults.pairs = vec![DefaultPair { name: "contact".to_owned(), slave, master, width: Width::OfPart }];
+    made.defaults.grip = grip;
+    made
+}
+
+fn length(given: Option<Positive>, default: f64) -> f64 {
+    given.map_or(default, |length| length.0)
+}
+
+fn number(given: Option<Elements>, default: usize) -> usize {
+    given.map_or(default, |n| n.0 as usize)
+}
+
+fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
+    match given.unwrap_or(default) {
+        ElementName::T3 => ElementKind::T3,
+        ElementName::T6 => ElementKind::T6,
+        ElementName::Q4 => ElementKind::Q4,
+        ElementName::Q8 => ElementKind::Q8,
+    }
+}
+
+/// Plane strain of thickness 1; the case's parts say otherwise.
+fn body(given: Option<ElementName>, default: ElementName) -> BodyChoice {
+    BodyChoice::new(kind(given, default), PlaneModel::PlaneStrain, 1.0)
+}
