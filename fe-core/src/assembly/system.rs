@@ -200,6 +200,16 @@ impl System {
         }
     }
 
+    /// The largest stiffness of a freedom against itself, N/mm.
+    pub fn largest_diagonal(&self) -> f64 {
+        let diagonal = |row| self.matrix.pattern().index(row, row).map_or(0.0, |place| self.matrix.values[place].abs());
+        let elements = (0..self.row_count()).map(diagonal).fold(0.0, f64::max);
+        let of_block = |(rows, values): (&[usize], &[f64])| {
+            values.iter().step_by(rows.len() + 1).fold(0.0, |largest: f64, value| largest.max(value.abs()))
+        };
+        elements + self.matrix.contact.iter().map(of_block).fold(0.0, f64::max)
+    }
+
     /// Takes over the blocks of contact and of loads that follow the body, by freedoms.
     pub fn set_blocks(&mut self, blocks: &Blocks) {
         self.blocks.clone_from(blocks);

@@ -88,6 +88,10 @@ pub(super) struct Equilibrium<'m> {
     at_committed_state: bool,
     /// The largest force scale so far.
     greatest_scale: f64,
+    /// The largest coordinate, mm.
+    extent: f64,
+    /// Forces that rounding of positions makes of the largest stiffness, N.
+    rounding: f64,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -96,6 +100,8 @@ const LEAST_RELATIVE_SCALE: f64 = 1e-4;
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 /// A factor that made the residual smaller by this serves again.
 const FAST_REDUCTION: f64 = 0.05;
+/// Positions are known to a few units of their last place.
+const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
@@ -136,6 +142,8 @@ impl<'m> Equilibrium<'m> {
             last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
+            extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
+            rounding: 0.0,
         })
     }
 
@@ -311,11 +319,11 @@ impl<'m> Equilibrium<'m> {
         trial: &Committed,
     ) -> bool {
         let controls = &self.model.controls;
-        let tolerance = controls.force_tolerance * scale;
+        let tolerance = (controls.force_tolerance * scale).max(self.rounding);
         let moved =
             trial.displacements.iter().zip(&start.displacements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         let small_correction = last.is_none_or(|last| last.correction <= controls.displacement_tolerance * moved);
-        residual <= NEGLIGIBLE_RESIDUAL * tolerance || (residual <= tolerance && small_correction)
+        residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.rounding) || (residual <= tolerance && small_correction)
     }
 
     /// What the residual is compared with: the largest of reactions, loads and contact forces.
@@ -502,6 +510,7 @@ impl<'m> Equilibrium<'m> {
             statistics.block_factorisations += 1;
             self.system.factorise_blocks()
         };
+        self.rounding = POSITION_ROUNDING * self.extent * self.system.largest_diagonal();
         self.factorised = result.is_ok();
         result.map(|_| ()).map_err(|error| unsolvable(&error))
     }
