@@ -8,6 +8,13 @@ use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
 /// lies well between its ends: ten points leave no error above rounding.
 const ARC_LENGTH_POINTS: usize = 10;
 
+/// Directions of neighbouring edges that differ by less than this do not need smoothing; rad.
+const STRAIGHT: f64 = 1e-6;
+/// Directions that differ by more are meant: a corner; rad.
+const CORNER: f64 = 0.5;
+/// Nodes of an edge (three) and of its neighbours (two more each).
+pub(super) const MAX_SHAPE_NODES: usize = 7;
+
 /// Edges of which each starts where the one before ends. The body lies on the left. Counted without end in both
 /// directions if closed: edge −1 is the last one, and the arc length goes on growing from round to round.
 #[derive(Clone, Debug)]
@@ -19,6 +26,8 @@ pub(super) struct Chain {
     starts: Vec<f64>,
     length: f64,
     closed: bool,
+    /// Whether normals are smoothed where each edge meets the next.
+    smooth: Vec<bool>,
     rule: Vec<LinePoint>,
 }
 
@@ -33,12 +42,40 @@ pub(super) struct Foot {
     pub corner: bool,
 }
 
-/// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain.
+/// Shape functions of an edge with two derivatives by ξ: along the end's tangent past the ends of an open chain. With
+/// the smoothed direction m = Σ turn x in place of x' = Σ first x, in which its neighbours' nodes have a part.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Shape {
-    pub values: [f64; 3],
-    pub first: [f64; 3],
-    pub second: [f64; 3],
+    count: usize,
+    nodes: [usize; MAX_SHAPE_NODES],
+    pub values: [f64; MAX_SHAPE_NODES],
+    pub first: [f64; MAX_SHAPE_NODES],
+    pub second: [f64; MAX_SHAPE_NODES],
+    pub turn: [f64; MAX_SHAPE_NODES],
+    /// Derivatives of `turn` by ξ.
+    pub turning: [f64; MAX_SHAPE_NODES],
+    /// Whether m is something else than x'.
+    pub smoothed: bool,
+}
+
+impl Shape {
+    /// The nodes: the edge's own, then those of its neighbours.
+    pub fn nodes(&self) -> &[usize] {
+        &self.nodes[..self.count]
+    }
+
+    /// Adds `factor` (and its derivative) × the direction of an edge with these nodes and derivatives to m.
+    fn add_direction(&mut self, nodes: &[usize], first: &[f64; 3], [factor, derivative]: [f64; 2]) {
+        for (&node, first) in nodes.iter().zip(first) {
+            let place = self.nodes().iter().position(|&other| other == node).unwrap_or(self.count);
+            if place == self.count {
+                self.nodes[place] = node;
+                self.count += 1;
+            }
+            self.turn[place] += factor * first;
+            self.turning[place] += derivative * first;
+        }
+    }
 }
 
 impl Chain {
@@ -57,6 +94,7 @@ impl Chain {
             }
             chain.add(&edge, reference);
         }
+        chain.smooth = (0..chain.len() as i64).map(|edge| chain.is_bent_after(edge)).collect();
         Ok(chain)
     }
 
@@ -75,6 +113,7 @@ impl Chain {
             starts: Vec::new(),
             length: 0.0,
             closed,
+            smooth: Vec::new(),
             rule: gauss_legendre(ARC_LENGTH_POINTS),
         }
     }
@@ -88,6 +127,21 @@ impl Chain {
         self.reference.push(reference);
         self.starts.push(self.length);
         self.length += self.length_within(self.kinds.len() - 1, 1.0);
+    }
+
+    /// Whether the directions before and after the end of an edge differ in the reference configuration, but not as
+    /// at a corner.
+    fn is_bent_after(&self, edge: i64) -> bool {
+        if !self.goes_on(edge, 1) {
+            return false;
+        }
+        let direction = |edge: i64, coordinate: f64| {
+            let index = self.index(edge);
+            self.kinds[index].point(&self.reference[index], coordinate).tangent
+        };
+        let ([a, b], [c, d]) = (direction(edge, 1.0), direction(edge + 1, -1.0));
+        let angle = (a * d - b * c).atan2(a * c + b * d).abs();
+        (STRAIGHT..CORNER).contains(&angle)
     }
 
     /// How many edges there are.
@@ -132,14 +186,53 @@ impl Chain {
         let kind = self.kinds[self.index(edge)];
         let excess = self.excess(edge, coordinate);
         let at = coordinate - excess;
-        let (mut values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
+        let (values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
+        let second = if excess == 0.0 { kind.shape_second_derivatives() } else { [0.0; 3] };
+        let mut shape = Shape {
+            count: kind.node_count(),
+            nodes: [0; MAX_SHAPE_NODES],
+            values: [0.0; MAX_SHAPE_NODES],
+            first: [0.0; MAX_SHAPE_NODES],
+            second: [0.0; MAX_SHAPE_NODES],
+            turn: [0.0; MAX_SHAPE_NODES],
+            turning: [0.0; MAX_SHAPE_NODES],
+            smoothed: false,
+        };
+        for (node, &index) in self.nodes(edge).iter().enumerate() {
+            shape.nodes[node] = index;
+            shape.values[node] = values[node] + first[node] * excess;
+            (shape.first[node], shape.turn[node]) = (first[node], first[node]);
+            (shape.second[node], shape.turning[node]) = (second[node], second[node]);
+        }
         if excess == 0.0 {
-            return Shape { values, first, second: kind.shape_second_derivatives() };
+            self.smooth(edge, at, &mut shape);
         }
-        for node in 0..3 {
-            values[node] += first[node] * excess;
+        shape
+    }
+
+    /// Adds to m, at each end of an edge that is smoothed, what makes it there the mean of both edges' directions dx/ds₀;
+    /// linearly from 0 at the other end.
+    fn smooth(&self, edge: i64, coordinate: f64, shape: &mut Shape) {
+        for (side, joint) in [(-1, edge - 1), (1, edge)] {
+            if !self.goes_on(edge, side) || !self.smooth.get(self.index(joint)).is_some_and(|smooth| *smooth) {
+                continue;
+            }
+            let end = side as f64;
+            let share = [0.5 * (1.0 + end * coordinate), 0.5 * end];
+            let [own, other] = [(edge, end), (edge + side, -end)].map(|(edge, at)| self.stretch(edge, at));
+            let directions = [(edge, end, -0.5), (edge + side, -end, 0.5 * own / other)];
+            for (edge, at, factor) in directions {
+                let first = self.kinds[self.index(edge)].shape_derivatives(at);
+                shape.add_direction(self.nodes(edge), &first, share.map(|share| factor * share));
+            }
+            shape.smoothed = true;
         }
-        Shape { values, first, second: [0.0; 3] }
+    }
+
+    /// ds₀/dξ within an edge.
+    fn stretch(&self, edge: i64, coordinate: f64) -> f64 {
+        let index = self.index(edge);
+        self.kinds[index].point(&self.reference[index], coordinate).stretch()
     }
 
     /// Reference arc length s₀ at a place, mm, with its two derivatives by ξ.

@@ -1,9 +1,9 @@
 //! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
 
-use super::chain::{Chain, Foot};
+use super::chain::{Chain, Foot, MAX_SHAPE_NODES, Shape};
 
-/// Nodes of a contact point: at most three of a slave edge and three of a master edge.
-pub(super) const MAX_NODES: usize = 6;
+/// Nodes of a contact point: at most three of a slave edge, three of a master edge and two of each of its neighbours.
+pub(super) const MAX_NODES: usize = 3 + MAX_SHAPE_NODES;
 /// Their freedoms.
 pub(super) const MAX_FREEDOMS: usize = 2 * MAX_NODES;
 /// d shorter than this × |x'| has no direction to be trusted: the edge's normal is the corner's.
@@ -48,7 +48,7 @@ pub(super) struct Kinematics {
     pub position: [f64; 2],
     /// x(ξ), mm.
     pub foot: [f64; 2],
-    /// T.
+    /// T, along m.
     pub tangent: [f64; 2],
     /// n.
     pub normal: [f64; 2],
@@ -56,6 +56,8 @@ pub(super) struct Kinematics {
     pub gap: f64,
     /// s = s₀(ξ), mm.
     pub arc_length: f64,
+    /// v = A n: the forces of a unit of tension. It is ∂g/∂x where the normals are not smoothed.
+    pub pull: [f64; MAX_FREEDOMS],
     /// ∂g/∂x.
     pub gap_gradient: [f64; MAX_FREEDOMS],
     /// ∂s/∂x.
@@ -66,19 +68,43 @@ pub(super) struct Kinematics {
 /// Ingredients of the second derivatives.
 #[derive(Clone, Copy, Debug)]
 struct Second {
-    /// A and B: ∂d/∂x and ∂x'/∂x at fixed ξ, per node.
+    /// A and B: ∂d/∂x and ∂m/∂x at fixed ξ, per node.
     arm: [f64; MAX_NODES],
     turn: [f64; MAX_NODES],
-    /// a = A T, b = B n, c = A x'' − 2 B x' + B' d.
+    /// a = A T, b = B n, b̄ = B̄ n, c = A m' − B̄ m − B x' + B' d, with B̄ = ∂x'/∂x.
     a: [f64; MAX_FREEDOMS],
     b: [f64; MAX_FREEDOMS],
+    b_edge: [f64; MAX_FREEDOMS],
     c: [f64; MAX_FREEDOMS],
     /// ∂ξ/∂x.
     coordinate: [f64; MAX_FREEDOMS],
-    /// Of ∂²g: coefficients of (a bᵀ + b aᵀ), a aᵀ and b bᵀ.
-    gap: [f64; 3],
+    /// Of ∂v: coefficients of a bᵀ, b̄ aᵀ, a aᵀ and b̄ bᵀ.
+    pull: [f64; 4],
     /// Of ∂²s: coefficients of (A B 1 + c ∂ξᵀ + symmetric) and of ∂ξ ∂ξᵀ.
     slip: [f64; 2],
+}
+
+/// x', x'', m and m' at the foot.
+struct Directions {
+    tangent: [f64; 2],
+    bend: [f64; 2],
+    direction: [f64; 2],
+    turning: [f64; 2],
+}
+
+impl Directions {
+    fn new(shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
+        let mut sums = [[0.0; 2]; 4];
+        for (k, &node) in shape.nodes().iter().enumerate() {
+            let x = position(node);
+            let factors = [shape.first[k], shape.second[k], shape.turn[k], shape.turning[k]];
+            for (sum, factor) in sums.iter_mut().zip(factors) {
+                *sum = [sum[0] + factor * x[0], sum[1] + factor * x[1]];
+            }
+        }
+        let [tangent, bend, direction, turning] = sums;
+        Self { tangent, bend, direction, turning }
+    }
 }
 
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
@@ -102,22 +128,14 @@ impl Kinematics {
         position: &impl Fn(usize) -> [f64; 2],
     ) -> Result<Self, NoGap> {
         let shape = chain.shape(foot.edge, foot.coordinate);
-        let mut point = Self::over(slave, chain.nodes(foot.edge), &shape.values, position);
-        let (mut tangent, mut bend, mut turned) = ([0.0; 2], [0.0; 2], [0.0; MAX_NODES]);
-        for (k, &node) in chain.nodes(foot.edge).iter().enumerate() {
-            let x = position(node);
-            point.second.turn[slave.count + k] = shape.first[k];
-            turned[slave.count + k] = shape.second[k];
-            for i in 0..2 {
-                tangent[i] += shape.first[k] * x[i];
-                bend[i] += shape.second[k] * x[i];
-            }
-        }
-        let stretch = tangent[0].hypot(tangent[1]);
+        let mut point = Self::over(slave, &shape, position);
+        let directions = Directions::new(&shape, position);
+        let Directions { tangent, bend, direction, turning } = directions;
+        let stretch = direction[0].hypot(direction[1]);
         if stretch.is_nan() || stretch <= 0.0 {
             return Err(NoGap::Collapsed);
         }
-        point.tangent = tangent.map(|t| t / stretch);
+        point.tangent = direction.map(|t| t / stretch);
         point.normal = right_of(point.tangent);
         let arm = [0, 1].map(|i| point.position[i] - point.foot[i]);
         let [arc_length, by_coordinate, by_coordinate_twice] = chain.arc_length(foot.edge, foot.coordinate);
@@ -127,46 +145,37 @@ impl Kinematics {
             return Ok(point);
         }
         point.gap = dot(arm, point.normal);
-        let denominator = stretch * stretch - dot(arm, bend);
+        let denominator = dot(tangent, direction) - dot(arm, turning);
         if denominator <= 0.0 {
             return Err(NoGap::BeyondCentre);
         }
-        point.fill(tangent, stretch, bend, arm, denominator, &turned);
+        point.fill(slave.count, &shape, &directions, arm, denominator);
         for freedom in 0..2 * point.count {
             point.slip_gradient[freedom] = by_coordinate * point.second.coordinate[freedom];
         }
-        let along = dot(tangent, bend);
-        point.second.slip =
-            [by_coordinate / denominator, by_coordinate_twice - 3.0 * along * by_coordinate / denominator];
+        let along = dot(direction, bend) + 2.0 * dot(tangent, turning);
+        point.second.slip = [by_coordinate / denominator, by_coordinate_twice - along * by_coordinate / denominator];
         Ok(point)
     }
 
     /// Nodes, positions and A; the rest is 0.
-    fn over(slave: &SlavePoint, master: &[usize], values: &[f64; 3], position: &impl Fn(usize) -> [f64; 2]) -> Self {
+    fn over(slave: &SlavePoint, shape: &Shape, position: &impl Fn(usize) -> [f64; 2]) -> Self {
         let zero = [0.0; MAX_FREEDOMS];
         let mut nodes = [0; MAX_NODES];
         let mut arm = [0.0; MAX_NODES];
         let mut foot = [0.0; 2];
         nodes[..slave.count].copy_from_slice(&slave.nodes[..slave.count]);
         arm[..slave.count].copy_from_slice(&slave.values[..slave.count]);
-        for (k, &node) in master.iter().enumerate() {
+        for (k, &node) in shape.nodes().iter().enumerate() {
             nodes[slave.count + k] = node;
-            arm[slave.count + k] = -values[k];
+            arm[slave.count + k] = -shape.values[k];
             let x = position(node);
-            foot = [foot[0] + values[k] * x[0], foot[1] + values[k] * x[1]];
+            foot = [foot[0] + shape.values[k] * x[0], foot[1] + shape.values[k] * x[1]];
         }
-        let second = Second {
-            arm,
-            turn: [0.0; MAX_NODES],
-            a: zero,
-            b: zero,
-            c: zero,
-            coordinate: zero,
-            gap: [0.0; 3],
-            slip: [0.0; 2],
-        };
+        let (pull, slip) = ([0.0; 4], [0.0; 2]);
+        let turn = [0.0; MAX_NODES];
         Self {
-            count: slave.count + master.len(),
+            count: slave.count + shape.nodes().len(),
             nodes,
             position: slave.position(position),
             foot,
@@ -174,9 +183,10 @@ impl Kinematics {
             normal: [0.0; 2],
             gap: 0.0,
             arc_length: 0.0,
+            pull: zero,
             gap_gradient: zero,
             slip_gradient: zero,
-            second,
+            second: Second { arm, turn, a: zero, b: zero, b_edge: zero, c: zero, coordinate: zero, pull, slip },
         }
     }
 
@@ -190,38 +200,43 @@ impl Kinematics {
         self.tangent = [-self.normal[1], self.normal[0]];
         for node in 0..self.count {
             for i in 0..2 {
-                self.gap_gradient[2 * node + i] = self.second.arm[node] * self.normal[i];
+                self.pull[2 * node + i] = self.second.arm[node] * self.normal[i];
                 self.second.a[2 * node + i] = self.second.arm[node] * self.tangent[i];
             }
         }
-        self.second.turn = [0.0; MAX_NODES];
-        self.second.gap = [0.0, 1.0 / self.gap, 0.0];
+        self.gap_gradient = self.pull;
+        self.second.pull = [0.0, 0.0, 1.0 / self.gap, 0.0];
     }
 
-    /// Gradients of g and ξ and the ingredients of their second derivatives.
-    fn fill(
-        &mut self,
-        tangent: [f64; 2],
-        stretch: f64,
-        bend: [f64; 2],
-        arm: [f64; 2],
-        denominator: f64,
-        turned: &[f64; MAX_NODES],
-    ) {
+    /// Gradients of g and ξ and the ingredients of the second derivatives.
+    fn fill(&mut self, slave: usize, shape: &Shape, directions: &Directions, arm: [f64; 2], denominator: f64) {
+        let Directions { tangent, direction, turning, .. } = directions;
         let (gap, normal, second) = (self.gap, self.normal, &mut self.second);
         for node in 0..self.count {
-            let (arm_of, turn) = (second.arm[node], second.turn[node]);
+            let of_master = |factors: &[f64; MAX_SHAPE_NODES]| if node < slave { 0.0 } else { factors[node - slave] };
+            let (arm_of, turn, turned) = (second.arm[node], of_master(&shape.turn), of_master(&shape.turning));
+            let turn_of_edge = of_master(&shape.first);
+            second.turn[node] = turn;
             for i in 0..2 {
                 let freedom = 2 * node + i;
-                self.gap_gradient[freedom] = arm_of * normal[i];
+                self.pull[freedom] = arm_of * normal[i];
                 second.a[freedom] = arm_of * self.tangent[i];
                 second.b[freedom] = turn * normal[i];
-                second.c[freedom] = arm_of * bend[i] - 2.0 * turn * tangent[i] + turned[node] * arm[i];
-                second.coordinate[freedom] = (arm_of * tangent[i] + turn * gap * normal[i]) / denominator;
+                second.b_edge[freedom] = turn_of_edge * normal[i];
+                second.c[freedom] =
+                    arm_of * turning[i] - turn_of_edge * direction[i] - turn * tangent[i] + turned * arm[i];
+                second.coordinate[freedom] = (arm_of * direction[i] + turn * gap * normal[i]) / denominator;
             }
         }
-        let curvature = dot(normal, bend);
-        second.gap = [-stretch / denominator, -curvature / denominator, -gap / denominator];
+        let stretch = direction[0].hypot(direction[1]);
+        let (mut along, mut across) = (stretch, 0.0);
+        if shape.smoothed {
+            (along, across) = (dot(*tangent, self.tangent), dot(*tangent, normal));
+        }
+        for freedom in 0..2 * self.count {
+            self.gap_gradient[freedom] = self.pull[freedom] - across * second.coordinate[freedom];
+        }
+        second.pull = [along, stretch, dot(normal, *turning), gap].map(|factor| -factor / denominator);
     }
 
     /// The nodes: slave, then master.
@@ -243,14 +258,17 @@ impl Kinematics {
         freedoms
     }
 
-    /// `by_gap` ∂²g/∂x_i∂x_j + `by_slip` ∂²s/∂x_i∂x_j, the same to the last bit when i and j change places.
-    pub fn second_derivative(&self, by_gap: f64, by_slip: f64, i: usize, j: usize) -> f64 {
-        let Second { arm, turn, a, b, c, coordinate, gap, slip } = &self.second;
-        let of_gap = gap[0] * (a[i] * b[j] + b[i] * a[j]) + gap[1] * (a[i] * a[j]) + gap[2] * (b[i] * b[j]);
+    /// `by_pull` ∂v_i/∂x_j + `by_slip` ∂²s/∂x_i∂x_j; the same to the last bit when i and j change places, unless
+    /// normals are smoothed.
+    pub fn second_derivative(&self, by_pull: f64, by_slip: f64, i: usize, j: usize) -> f64 {
+        let Second { arm, turn, a, b, b_edge, c, coordinate, pull, slip } = &self.second;
+        let of_pull = (pull[0] * (a[i] * b[j]) + pull[1] * (b_edge[i] * a[j]))
+            + pull[2] * (a[i] * a[j])
+            + pull[3] * (b_edge[i] * b[j]);
         let same_direction = if (i ^ j) & 1 == 0 { arm[i / 2] * turn[j / 2] + turn[i / 2] * arm[j / 2] } else { 0.0 };
         let of_slip = slip[0] * (same_direction + (c[i] * coordinate[j] + coordinate[i] * c[j]))
             + slip[1] * (coordinate[i] * coordinate[j]);
-        by_gap * of_gap + by_slip * of_slip
+        by_pull * of_pull + by_slip * of_slip
     }
 }
 
@@ -258,11 +276,7 @@ impl Kinematics {
 fn neighbour_normal(chain: &Chain, foot: Foot, position: &impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
     let side = if foot.coordinate < 0.0 { -1 } else { 1 };
     let shape = chain.shape(foot.edge + side, -foot.coordinate);
-    let mut tangent = [0.0; 2];
-    for (first, &node) in shape.first.iter().zip(chain.nodes(foot.edge + side)) {
-        let x = position(node);
-        tangent = [tangent[0] + first * x[0], tangent[1] + first * x[1]];
-    }
+    let tangent = Directions::new(&shape, position).direction;
     let stretch = tangent[0].hypot(tangent[1]);
     right_of(tangent.map(|t| t / stretch))
 }

@@ -10,6 +10,7 @@ mod pair;
 mod projection;
 mod quadrature;
 mod settle;
+mod setup;
 
 pub use error::ContactError;
 pub use history::PointStatus;
@@ -19,7 +20,7 @@ pub use settle::Settlement;
 use crate::assembly::{Blocks, IncrementContext, Trouble};
 use crate::mesh::Mesh;
 use crate::model::{ContactPair, Freedom};
-use pair::Pair;
+use pair::{Output, Pair};
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -159,8 +160,9 @@ impl Contact {
             [x + displacements[2 * node], y + displacements[2 * node + 1]]
         };
         let mut all = Evaluation::default();
+        let mut output = Output { request, forces, blocks };
         for pair in pairs {
-            let evaluation = pair.evaluate(&position, context, request, forces, blocks)?;
+            let evaluation = pair.evaluate(&position, context, &mut output)?;
             all.points += evaluation.points;
             all.searches += evaluation.searches;
             all.changes += evaluation.changes;
@@ -168,7 +170,7 @@ impl Contact {
         Ok(all)
     }
 
-    /// Whether all blocks of the last evaluation are symmetric to the last bit.
+    /// Whether all blocks of the last evaluation with tangents are symmetric to the last bit.
     pub fn symmetric(&self) -> bool {
         self.pairs.iter().all(|pair| pair.symmetric)
     }

@@ -1,13 +1,18 @@
-//! The foot of a point on a chain: where d(ξ) = x_s − x(ξ) is normal to x'(ξ) and nearest (6.14–6.18).
+//! The foot of a point on a chain: where d(ξ) = x_s − x(ξ) is normal to the direction m(ξ) and nearest (6.14–6.18).
 
 use super::chain::{Chain, Foot};
 
 /// Edges that a walk passes before the neighbourhood counts as lost.
 const LONGEST_WALK: usize = 16;
-/// d·x' below this × |x'|² is none: rounding of ξ, of order 1.
+/// d·m below this × x'·m is none: rounding of ξ, of order 1.
 const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;
+
+/// Newton without a bracket.
+const FEW_ITERATIONS: usize = 5;
+/// Of ξ: its square is rounding.
+const SMALL_STEP: f64 = 1e-9;
 
 /// What the nearest place of an edge is.
 enum OnEdge {
@@ -16,7 +21,7 @@ enum OnEdge {
     After,
 }
 
-/// d·x' and its derivative by ξ, and |x'|², at a place in the present configuration.
+/// d·m and its derivative by ξ, and x'·m, at a place in the present configuration.
 struct Slope {
     value: f64,
     derivative: f64,
@@ -33,7 +38,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     /// The foot near another one: a walk along the chain, edge by edge. `None` if it is not found near there.
     pub fn near(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
         let (mut edge, mut from, mut came) = (last.edge, last.coordinate.clamp(-1.0, 1.0), 0);
-        for _ in 0..LONGEST_WALK.max(2) {
+        for _ in 0..LONGEST_WALK {
             let side = match self.on_edge(point, edge, from) {
                 OnEdge::Inside(coordinate) => return Some(Foot { edge, coordinate, corner: false }),
                 OnEdge::Before => -1,
@@ -75,7 +80,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     fn distance(&self, point: [f64; 2], edge: i64, coordinate: f64) -> f64 {
         let shape = self.chain.shape(edge, coordinate);
         let mut arm = point;
-        for (value, &node) in shape.values.iter().zip(self.chain.nodes(edge)) {
+        for (value, &node) in shape.values.iter().zip(shape.nodes()) {
             let position = (self.position)(node);
             arm = [arm[0] - value * position[0], arm[1] - value * position[1]];
         }
@@ -84,27 +89,31 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
 
     fn slope(&self, point: [f64; 2], edge: i64, coordinate: f64) -> Slope {
         let shape = self.chain.shape(edge, coordinate);
-        let (mut arm, mut tangent, mut bend) = (point, [0.0; 2], [0.0; 2]);
-        for (k, &node) in self.chain.nodes(edge).iter().enumerate() {
+        let (mut arm, mut tangent, mut direction, mut turning) = (point, [0.0; 2], [0.0; 2], [0.0; 2]);
+        for (k, &node) in shape.nodes().iter().enumerate() {
             let position = (self.position)(node);
             for i in 0..2 {
                 arm[i] -= shape.values[k] * position[i];
                 tangent[i] += shape.first[k] * position[i];
-                bend[i] += shape.second[k] * position[i];
+                direction[i] += shape.turn[k] * position[i];
+                turning[i] += shape.turning[k] * position[i];
             }
         }
         let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-        let stretch_squared = dot(tangent, tangent);
-        Slope { value: dot(arm, tangent), derivative: dot(arm, bend) - stretch_squared, stretch_squared }
+        let stretch_squared = dot(tangent, direction);
+        Slope { value: dot(arm, direction), derivative: dot(arm, turning) - stretch_squared, stretch_squared }
     }
 
     /// The foot on one edge, near ξ = `from` if there are several.
     fn on_edge(&self, point: [f64; 2], edge: i64, from: f64) -> OnEdge {
+        if let Some(coordinate) = self.close_by(point, edge, from) {
+            return OnEdge::Inside(coordinate);
+        }
         let sign = |coordinate: f64| {
             let Slope { value, stretch_squared, .. } = self.slope(point, edge, coordinate);
             if value.abs() <= ROUNDING * stretch_squared { 0.0 } else { value }
         };
-        // d·x' falls through 0 at a nearest place: the bracket is (positive, negative).
+        // d·m falls through 0 at a nearest place: the bracket is (positive, negative).
         let (start, end) = (sign(-1.0), sign(1.0));
         let middle = if from.abs() < 1.0 { sign(from) } else { 0.0 };
         match (start > 0.0, end < 0.0) {
@@ -121,7 +130,25 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
         }
     }
 
-    /// Newton between a place where d·x' > 0 and one where it is < 0; half an edge at most in one iteration, and
+    /// The foot on one edge by a few steps of Newton alone, which do where the last foot was near.
+    fn close_by(&self, point: [f64; 2], edge: i64, from: f64) -> Option<f64> {
+        let mut at = from;
+        for _ in 0..FEW_ITERATIONS {
+            let Slope { value, derivative, .. } = self.slope(point, edge, at);
+            let step = -value / derivative;
+            at += step;
+            if derivative >= 0.0 || step.abs() > 1.0 || at.abs() >= 1.0 {
+                return None;
+            }
+            // The next step would be of the order of this one's square.
+            if step.abs() <= SMALL_STEP {
+                return Some(at);
+            }
+        }
+        None
+    }
+
+    /// Newton between a place where d·m > 0 and one where it is < 0; half an edge at most in one iteration, and
     /// bisection where Newton leaves the bracket.
     fn within(&self, point: [f64; 2], edge: i64, (mut low, from, mut high): (f64, f64, f64)) -> OnEdge {
         let mut at = from.clamp(low, high);

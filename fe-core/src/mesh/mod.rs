@@ -12,6 +12,9 @@
 //!
 //! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] tells them.
 //!
+//! Definitions come from [`gmsh`] files, from [`structured`] blocks or from the parameters of a [`specimen`];
+//! [`preflight`] finds in a checked mesh what no single element shows.
+//!
 //! # Example
 //!
 //! ```

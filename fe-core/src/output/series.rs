@@ -19,7 +19,7 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 /// The first file of an increment holds the solids on their reference positions. Where parts share a node the file has
 /// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
 /// `_min`, `principal_direction`, `von_mises`, `strain`, and each state variable by its name (NaN in parts without
-/// it). Cell data: `part` and `element`. Numbers count from 1. The second file, `contact_000000.vtu`, part 1 of the
+/// it). Cell data: `part` and `element`. Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1 of the
 /// series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
 /// `open`, `weight`. A model without contact pairs has none.
 ///
@@ -147,7 +147,7 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
     }
     Ok(Grid {
         time: fields.time,
-        names: vec![("part_names", mesh.parts().iter().map(|part| part.name.as_str()).collect())],
+        numbers: numbers("part", mesh.parts().iter().map(|part| part.name.as_str())),
         points: places.nodes().iter().map(|&node| mesh.nodes()[node]).collect(),
         cells,
         point_data,
@@ -166,7 +166,7 @@ fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
         |name, value: fn(&super::ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
     Grid {
         time: fields.time,
-        names: vec![("pair_names", fields.pairs.iter().map(String::as_str).collect())],
+        numbers: numbers("pair", fields.pairs.iter().map(String::as_str)),
         points: points.iter().map(|point| point.position).collect(),
         cells: Cells {
             connectivity: (0..count).collect(),
@@ -189,6 +189,11 @@ fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
         ],
         cell_data: Vec::new(),
     }
+}
+
+/// "part fibre" is 1, and so on.
+fn numbers<'n>(what: &str, names: impl Iterator<Item = &'n str>) -> Vec<(String, i32)> {
+    names.zip(1..).map(|(name, number)| (format!("{what} {name}"), number)).collect()
 }
 
 /// Indices as people count.

@@ -34,8 +34,8 @@ pub(super) struct Cells {
 /// A grid with data.
 pub(super) struct Grid<'a> {
     pub time: f64,
-    /// Lists of names that cells or points refer to by number.
-    pub names: Vec<(&'a str, Vec<&'a str>)>,
+    /// Numbers that the arrays refer to, by name: field data, for not every reader takes text.
+    pub numbers: Vec<(String, i32)>,
     /// (x, y, 0) point by point.
     pub points: Vec<[f64; 2]>,
     pub cells: Cells,
@@ -95,8 +95,8 @@ impl Grid<'_> {
              header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n",
         );
         data_array(&mut xml, "Float64", "TimeValue", "NumberOfTuples=\"1\"", &self.time.to_le_bytes());
-        for (name, list) in &self.names {
-            string_array(&mut xml, name, list);
+        for (name, number) in &self.numbers {
+            data_array(&mut xml, "Int32", &escaped(name), "NumberOfTuples=\"1\"", &number.to_le_bytes());
         }
         let (points, cells) = (self.points.len(), self.cells.types.len());
         // writing to a String cannot fail
@@ -128,15 +128,6 @@ fn data_array(xml: &mut String, kind: &str, name: &str, attributes: &str, bytes:
     let _ = write!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\" {attributes} format=\"binary\">");
     STANDARD.encode_string(&content, xml);
     xml.push_str("</DataArray>\n");
-}
-
-/// Strings are written as the numbers of their bytes, each ending with 0.
-fn string_array(xml: &mut String, name: &str, list: &[&str]) {
-    let _ = write!(xml, "<Array type=\"String\" Name=\"{name}\" NumberOfTuples=\"{}\" format=\"ascii\">", list.len());
-    for byte in list.iter().flat_map(|text| text.bytes().chain([0])) {
-        let _ = write!(xml, "{byte} ");
-    }
-    xml.push_str("</Array>\n");
 }
 
 /// Text inside an attribute.

@@ -5,8 +5,8 @@ use super::points::{PointIncrement, PointTrouble, Points, USUAL_FRACTION, is_sym
 use super::{LEAST_VOLUME_RATIO, TangentChoice};
 use crate::element::MAX_NODES;
 use crate::kinematics::finite::{
-    AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent, mean,
-    nominal_tangent, small_strain, with_mean,
+    AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent,
+    TangentForm, mean, nominal_tangent, small_strain, spatial_tangent, with_mean,
 };
 use umat_abi::law::Request;
 
@@ -226,31 +226,43 @@ fn present_position<const N: usize>(shape: &Shape<'_, N>, point: usize, displace
     [x, y, 0.0]
 }
 
-/// The exact derivative of the forces of [`advance_finite`].
+/// The derivative of the forces of [`advance_finite`]. Returns whether it is symmetric.
 pub(super) fn stiffness_finite<const N: usize>(
     shape: &Shape<'_, N>,
     motions: &Motions,
+    form: TangentForm,
     points: &Points,
     stiffness: &mut [Nodal<N>],
-) {
+) -> bool {
     stiffness.fill([[0.0; 2]; N]);
+    let first = shape.first_point;
+    let symmetric =
+        form == TangentForm::Spatial && points.moduli[first..first + shape.volumes.len()].iter().all(is_symmetric);
     let mut average = Average::<N>::default_of(shape);
     if let Some(average) = &mut average {
-        average.start(shape, motions, points);
+        average.start(shape, motions, form, points);
     }
     for point in shape.points() {
-        let index = shape.first_point + point;
-        let (stress, moduli) = (&points.trial.stress[index], &points.moduli[index]);
-        let at = shape.at(point);
-        let tangent = match &mut average {
-            None => nominal_tangent(&motions[point], stress, moduli),
-            Some(average) => average.add_finite(&at, shape.volumes[point], &motions[point], stress, moduli),
+        let (stress, moduli) = (&points.trial.stress[first + point], &points.moduli[first + point]);
+        let (at, volume) = (shape.at(point), shape.volumes[point]);
+        let tangent = match (&mut average, form) {
+            (None, TangentForm::Exact) => nominal_tangent(&motions[point], stress, moduli),
+            (None, TangentForm::Spatial) => spatial_tangent(&motions[point], stress, moduli),
+            (Some(average), _) => average.add_finite(&at, volume, &motions[point], stress, moduli),
         };
-        at.add_stiffness::<false>(&tangent, shape.volumes[point], stiffness);
+        if symmetric {
+            at.add_stiffness::<true>(&tangent, volume, stiffness);
+        } else {
+            at.add_stiffness::<false>(&tangent, volume, stiffness);
+        }
     }
     if let Some(average) = &average {
         average.add_to(stiffness);
     }
+    if symmetric {
+        mirror(stiffness);
+    }
+    symmetric
 }
 
 /// What the means over an element add to its stiffness: (∂f/∂θ̄) ⊗ ∂θ̄/∂u + (∂f/∂p̄) ⊗ ∂p̄/∂u.
@@ -266,6 +278,7 @@ struct Average<const N: usize> {
     middle_volume: f64,
     mean_dilatation: f64,
     mean_pressure: f64,
+    form: TangentForm,
 }
 
 impl<const N: usize> Average<N> {
@@ -284,16 +297,23 @@ impl<const N: usize> Average<N> {
                 middle_volume: volume,
                 mean_dilatation: 0.0,
                 mean_pressure: 0.0,
+                form: TangentForm::Exact,
             }
         })
     }
 
-    /// The means under large displacements.
-    fn start(&mut self, shape: &Shape<'_, N>, motions: &Motions, points: &Points) {
+    /// The means under large displacements; the spatial form knows the end only.
+    fn start(&mut self, shape: &Shape<'_, N>, motions: &Motions, form: TangentForm, points: &Points) {
+        self.form = form;
         self.volume = shape.integral(|point| motions[point].volume_ratio);
-        self.middle_volume = shape.integral(|point| motions[point].middle_volume_ratio);
-        self.mean_dilatation = mean_dilatation(shape, motions).unwrap_or_default();
         self.mean_pressure = mean_stress(shape, points, |point| motions[point].volume_ratio).unwrap_or_default();
+        (self.middle_volume, self.mean_dilatation) = match form {
+            TangentForm::Exact => {
+                let volume = shape.integral(|point| motions[point].middle_volume_ratio);
+                (volume, mean_dilatation(shape, motions).unwrap_or_default())
+            }
+            TangentForm::Spatial => (self.volume, 0.0),
+        };
     }
 
     /// Adds a point of small strains; returns its moduli between deviators.
@@ -330,13 +350,15 @@ impl<const N: usize> Average<N> {
         stress: &Components,
         moduli: &Moduli,
     ) -> NominalTangent {
-        let (tangent, rates) = AverageRates::of(motion, stress, self.mean_pressure, moduli);
+        let motion = match self.form {
+            TangentForm::Exact => *motion,
+            TangentForm::Spatial => motion.at_end(),
+        };
+        let (tangent, rates) = AverageRates::of(&motion, self.form, stress, self.mean_pressure, moduli);
         at.add_conjugate(&rates.by_dilatation, volume, &mut self.force_by_dilatation);
         at.add_conjugate(&rates.by_pressure, volume, &mut self.force_by_pressure);
-        let end = volume / self.volume;
-        at.add_conjugate(&rates.pressure, end * motion.volume_ratio, &mut self.pressure);
-        at.add_conjugate(&rates.by_pressure, end * (mean(stress) - self.mean_pressure), &mut self.pressure);
-        self.pressure_by_dilatation += end * motion.volume_ratio * rates.pressure_by_dilatation;
+        at.add_conjugate(&rates.pressure, volume / self.volume, &mut self.pressure);
+        self.pressure_by_dilatation += volume / self.volume * rates.pressure_by_dilatation;
         let middle = volume * motion.middle_volume_ratio / self.middle_volume;
         at.add_conjugate(&rates.dilatation, middle, &mut self.dilatation);
         let excess = motion.dilatation() - self.mean_dilatation;

@@ -19,7 +19,14 @@
 //! # Large displacements
 //!
 //! With `nlgeom` the kinematics are those of [`crate::kinematics::finite`], and stiffnesses are the exact derivative of
-//! that incremental map, so [`Solids::symmetric`] is false. Energies are counted per reference volume.
+//! that incremental map, so [`Solids::symmetric`] is false, unless [`Solids::set_tangent_form`] asks for the usual
+//! spatial form. Energies are counted per reference volume: what is dissipated
+//! then never decreases.
+//!
+//! # Symmetry
+//!
+//! A DDSDDE that is symmetric but for rounding is made exactly so when it arrives; everything after decides by exact
+//! equality.
 
 mod element;
 mod error;
@@ -33,8 +40,9 @@ pub use summary::{Counters, PointCounts, PointView, SolidEnergies};
 
 use super::{IncrementContext, Place, Trouble};
 use crate::element::ElementKind;
+use crate::kinematics::finite::TangentForm;
 use crate::model::Model;
-use element::{Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
+use element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
 use kernel::Nodal;
 use points::same_bits;
 use record::{Body, Record, bodies};
@@ -43,7 +51,7 @@ use umat_abi::law::Request;
 #[cfg(test)]
 mod test;
 
-/// Below this det F an increment is given up (fe.md §5): the element is as good as inverted.
+/// Below this det F an increment is given up: the element is as good as inverted.
 pub const LEAST_VOLUME_RATIO: f64 = 0.2;
 
 /// Which tangent of its points an element's stiffness is made of.
@@ -60,10 +68,13 @@ pub enum TangentChoice {
 }
 
 /// The solids of a model.
+///
+/// Indices of elements and points that the model does not have panic like those of a slice.
 #[derive(Debug)]
 pub struct Solids {
     nlgeom: bool,
     skip_unchanged: bool,
+    tangent_form: TangentForm,
     bodies: Vec<Body>,
     records: Vec<Record>,
     active: Vec<bool>,
@@ -92,6 +103,7 @@ impl Solids {
         Ok(Self {
             nlgeom: model.nlgeom,
             skip_unchanged: model.skipping.unchanged_elements,
+            tangent_form: TangentForm::default(),
             active: vec![true; records.len()],
             committed: vec![[0.0; 2]; nodal],
             evaluated: vec![[0.0; 2]; nodal],
@@ -126,6 +138,14 @@ impl Solids {
         if record.choice != choice {
             record.choice = choice;
             record.has_tangent = false;
+        }
+    }
+
+    /// Which derivative stiffnesses of large displacements are, from the next evaluation on. Small strains have one only.
+    pub fn set_tangent_form(&mut self, form: TangentForm) {
+        if self.tangent_form != form {
+            self.tangent_form = form;
+            self.records.iter_mut().for_each(|record| record.has_tangent = false);
         }
     }
 
@@ -172,7 +192,7 @@ impl Solids {
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
         if !same_bits(&times(&self.context), &times(context)) {
-            self.records.iter_mut().for_each(|record| record.is_evaluated = false);
+            self.records.iter_mut().for_each(Record::forget);
         }
         self.context = *context;
         let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
@@ -192,8 +212,7 @@ impl Solids {
         displacements: &[[f64; 2]],
         request: Request,
     ) -> Result<(), Trouble> {
-        let Self { nlgeom, records, bodies, .. } = self;
-        let record = &mut records[element];
+        let record = &mut self.records[element];
         let end: Nodal<N> = std::array::from_fn(|k| displacements[record.nodes()[k]]);
         let evaluated = &mut self.evaluated[record.nodal.clone()];
         let wants_tangent = request == Request::StressAndTangent;
@@ -205,53 +224,49 @@ impl Solids {
             self.counters.skipped_evaluations += 1;
             return Ok(());
         }
-        (record.is_evaluated, record.has_tangent) = (false, false);
-        let (shape, points) = bodies[record.part].split::<N>(record);
+        record.forget();
+        let (shape, points) = self.bodies[record.part].split::<N>(record);
         points.call.celent = record.characteristic_length;
         points.call.noel = i32::try_from(element + 1).unwrap_or(i32::MAX);
         let task = Task { request, choice: record.choice };
-        let (forces, changed) = (&mut self.forces[record.nodal.clone()], &mut record.moduli_changed);
-        let (Some(forces), Some(start)) =
-            (forces.as_mut_array::<N>(), self.committed[record.nodal.clone()].as_array::<N>())
-        else {
-            unreachable!("an element's nodes are N");
+        let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
+        let changed = &mut record.moduli_changed;
+        let motions = if self.nlgeom {
+            let start = &self.committed[record.nodal.clone()].as_chunks::<N>().0[0];
+            advance_finite(&shape, points, [start, &end], task, forces, changed).map(Some)
+        } else {
+            advance_small(&shape, points, &end, task, forces, changed).map(|()| None)
         };
-        let positions = shape.positions;
-        let trouble = |(point, trouble): element::ElementTrouble| Trouble {
-            place: Place::Element { element, point, position: positions[point] },
+        let motions = motions.map_err(|(point, trouble)| Trouble {
+            place: Place::Element { element, point, position: shape.positions[point] },
             reason: trouble.reason,
             fraction: trouble.fraction,
-        };
-        let motions = if *nlgeom {
-            Some(advance_finite(&shape, points, [start, &end], task, forces, changed).map_err(trouble)?)
-        } else {
-            advance_small(&shape, points, &end, task, forces, changed).map_err(trouble)?;
-            None
-        };
+        })?;
         evaluated.copy_from_slice(&end);
         (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
         self.counters.evaluations += 1;
-        if wants_tangent && (record.moduli_changed || *nlgeom || !self.skip_unchanged) {
-            let (rows, _) = self.stiffnesses[record.stiffness.clone()].as_chunks_mut::<2>();
-            let (rows, _) = rows.as_chunks_mut::<N>();
-            let symmetric = match &motions {
-                Some(motions) => {
-                    stiffness_finite(&shape, motions, points, rows);
-                    false
-                }
-                None => {
-                    let first = shape.first_point;
-                    stiffness_small(&shape, &points.moduli[first..first + shape.volumes.len()], rows)
-                }
-            };
-            self.version += 1;
-            self.unsymmetric = self.unsymmetric + usize::from(!symmetric) - usize::from(record.is_unsymmetric);
-            record.is_unsymmetric = !symmetric;
-            record.moduli_changed = false;
-            record.version = self.version;
-            self.counters.stiffness_builds += 1;
+        if wants_tangent && (record.moduli_changed || self.nlgeom || !self.skip_unchanged) {
+            self.build_stiffness::<N>(element, motions.as_ref());
         }
         Ok(())
+    }
+
+    /// The stiffness of the last evaluation, whose motions large displacements need.
+    fn build_stiffness<const N: usize>(&mut self, element: usize, motions: Option<&Motions>) {
+        let record = &mut self.records[element];
+        let (shape, points) = self.bodies[record.part].split::<N>(record);
+        let (rows, _) = self.stiffnesses[record.stiffness.clone()].as_chunks_mut::<2>();
+        let (rows, _) = rows.as_chunks_mut::<N>();
+        let is_symmetric = match motions {
+            Some(motions) => stiffness_finite(&shape, motions, self.tangent_form, points, rows),
+            None => stiffness_small(&shape, &points.moduli[record.points.clone()], rows),
+        };
+        self.version += 1;
+        self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.is_unsymmetric);
+        record.is_unsymmetric = !is_symmetric;
+        record.moduli_changed = false;
+        record.version = self.version;
+        self.counters.stiffness_builds += 1;
     }
 
     /// ∂force/∂displacement of an element, row by row, freedoms ordered node by node as the mesh has them: of its last
@@ -275,7 +290,8 @@ impl Solids {
         self.records.iter().enumerate().filter(move |(_, record)| record.version > version).map(|(element, _)| element)
     }
 
-    /// Whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small.
+    /// Whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small or the
+    /// tangent's form is [`TangentForm::Spatial`].
     pub fn symmetric(&self) -> bool {
         self.unsymmetric == 0
     }
@@ -296,14 +312,12 @@ impl Solids {
                 self.bodies[record.part].points.commit(record.points.clone());
                 self.committed[record.nodal.clone()].copy_from_slice(evaluated);
             }
-            (record.is_evaluated, record.has_tangent) = (false, false);
+            record.forget();
         }
     }
 
     /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
-        for record in &mut self.records {
-            (record.is_evaluated, record.has_tangent) = (false, false);
-        }
+        self.records.iter_mut().for_each(Record::forget);
     }
 }

@@ -42,6 +42,11 @@ impl Record {
     pub(super) fn nodes(&self) -> &[usize] {
         &self.nodes[..self.kind.node_count()]
     }
+
+    /// The last evaluation says nothing any more.
+    pub(super) fn forget(&mut self) {
+        (self.is_evaluated, self.has_tangent) = (false, false);
+    }
 }
 
 /// A part: its points, and their reference configuration.

@@ -82,7 +82,7 @@ fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
     let displacements = scene.moved(1, |[x, _]| [0.0, 0.01 * x]);
     forces(&mut contact, &displacements);
     let over = contact.points().filter(|point| point.pressure < -4.0).count();
-    assert!(over >= 20 && over < 30, "{over}");
+    assert!((20..30).contains(&over), "{over}");
     let settlement = contact.settle();
     assert_eq!((settlement.opened, settlement.again), (2, true));
     forces(&mut contact, &displacements);
@@ -138,4 +138,45 @@ fn an_enforcement_without_a_penalty_is_refused() {
     let pair = ContactPair { enforcement: condensed, ..scene.pair(uinter(&[("normal_stiffness", 7.0)])) };
     let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err();
     assert!(matches!(error, ContactError::Enforcement { .. }), "{error}");
+}
+
+/// (6.20): p_0 at no gap, nothing from g_0 on, and no jump where the exponential ends.
+#[test]
+fn the_soft_law_is_that_of_the_thesis_made_continuous() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(scene.pair(soft(&[])));
+    let mut pressure = |gap: f64| {
+        forces(&mut contact, &scene.moved(1, |_| [0.0, gap]));
+        contact.points().next().unwrap().pressure
+    };
+    assert!((pressure(0.0) - 2.0).abs() < 1e-12);
+    assert_eq!(pressure(0.1001), 0.0);
+    let e = std::f64::consts::E;
+    assert!((pressure(0.05) - 2.0 / (e - 1.0) * 0.5 * (0.5_f64.exp() - 1.0)).abs() < 1e-12);
+    let end = 2.0 / (e - 1.0) * (7.0 * 7.0_f64.exp() - 7.0);
+    assert!((pressure(-0.6) / end - 1.0).abs() < 1e-12);
+    let slope = 2.0 / (e - 1.0) * (8.0 * 7.0_f64.exp() - 1.0) / 0.1;
+    assert!((pressure(-0.7) / (end + 0.1 * slope) - 1.0).abs() < 1e-12);
+}
+
+/// Lifted off in small steps, the bond costs the triangle under its cap, ½ p_0 (g_c + δ_N), and keeps nothing.
+#[test]
+fn opening_costs_the_triangle_under_the_cap() {
+    let scene = Scene::straight(Q8);
+    let (p_0, delta_n) = (4.0, 0.2);
+    let mut contact = scene.contact(scene.pair(hard(p_0, delta_n, &[])));
+    for step in 0..=1000 {
+        let displacements = scene.moved(1, |_| [0.0, 3e-4 * f64::from(step)]);
+        forces(&mut contact, &displacements);
+        while contact.settle().again {
+            forces(&mut contact, &displacements);
+        }
+        contact.commit();
+    }
+    let area: f64 = contact.points().map(|point| point.area).sum();
+    let triangle = 0.5 * p_0 * (p_0 / contact.penalties().next().unwrap() + delta_n) * area;
+    let energies = contact.energies();
+    assert!((energies.opening / triangle - 1.0).abs() < 2e-3, "{} for {triangle}", energies.opening);
+    assert!((energies.work - energies.opening).abs() < 1e-9 * triangle);
+    assert_eq!((energies.normal_stored, contact.counts().open), (0.0, 6));
 }

@@ -129,14 +129,18 @@ fn feet_on_random_curves_are_the_nearest_places() {
     let scene = Scene::new(
         Row { kind: Q8, from: 0.0, to: 5.0, count: 5 },
         Row { kind: Q8, from: 0.0, to: 5.0, count: 5 },
-        |x| 0.2 * x.sin(),
+        |_| 0.0,
         PlaneModel::PlaneStrain,
     );
     let chain = Chain::new(&scene.mesh, &scene.master, "p").unwrap();
     let mut inside = 0;
     for _ in 0..60 {
+        // Straight at the start, so that no normal is smoothed.
         let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.06 * random.next()).collect();
-        let position = |node: usize| [0, 1].map(|i| scene.mesh.nodes()[node][i] + displacements[2 * node + i]);
+        let position = |node: usize| {
+            let [x, y] = scene.mesh.nodes()[node];
+            [x + displacements[2 * node], y + 0.2 * x.sin() + displacements[2 * node + 1]]
+        };
         let projection = Projection { chain: &chain, position };
         let x = 2.5 + 2.0 * random.next();
         let point = [x, 0.2 * x.sin() + 0.15 * random.next()];
@@ -223,6 +227,6 @@ fn a_master_in_pieces_is_refused() {
     let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err().to_string();
     assert_eq!(
         error,
-        "contact 'fibre': the master is no single chain of edges: it is in pieces: 2 of 3 edges hang together"
+        "contact 'fibre': the master is no single chain of edges: it is in pieces: 1 of 3 edges hang together"
     );
 }

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::assembly::Place;
+use crate::contact::law::PointLaw;
 use crate::element::ElementKind::{Q4, Q8};
 
 #[test]
@@ -10,7 +11,7 @@ fn a_walk_finds_what_a_full_search_finds() {
         let scene = Scene::rows(kind, parabola, PlaneModel::PlaneStrain);
         let pair = scene.pair(uinter(&[("mu", 0.2)]));
         let mut contacts =
-            [true, false].map(|walk| Contact::new(&scene.mesh, &[pair.clone()], &[86.0; 2], walk).unwrap());
+            [true, false].map(|walk| Contact::new(&scene.mesh, std::slice::from_ref(&pair), &[86.0; 2], walk).unwrap());
         for step in 0..60 {
             let displacements = scene.shaken([0.05 * f64::from(step) - 0.5, -0.02], 0.01);
             let [walked, searched] = contacts.each_mut().map(|contact| {
@@ -39,22 +40,21 @@ fn searches_are_counted_only_where_they_happen() {
 }
 
 /// Halving the step halves the largest change of a nodal force: there is no jump where a point passes from one master
-/// edge to the next, nor past the end.
+/// edge to the next, nor past the end. But for the couple τ A g_N/l of the shear, which acts at the slave's side of
+/// the gap, and which one edge hands to the next: the penetration is kept small.
 #[test]
 fn forces_are_continuous_over_many_edges() {
     for kind in [Q4, Q8] {
         for release in [false, true] {
             let scene = Scene::straight(kind);
             let largest_change = |steps: u32| {
-                let pair = ContactPair {
-                    release,
-                    ..scene.pair(uinter(&[("k_e", 2.0), ("a_1", 100.0), ("law", 2.0), ("mu", 0.3)]))
-                };
+                let law = uinter(&[("law", 2.0), ("mu", 0.3), ("k_f", 20.0)]);
+                let pair = ContactPair { release, penalty_factor: 1e6, ..scene.pair(law) };
                 let mut contact = scene.contact(pair);
                 let (mut before, mut change): (Option<Vec<f64>>, f64) = (None, 0.0);
                 for step in 0..=steps {
                     let slide = 0.1 + 3.2 * f64::from(step) / f64::from(steps);
-                    let now = forces(&mut contact, &scene.moved(1, |[x, _]| [slide, -0.02 - 0.002 * x]));
+                    let now = forces(&mut contact, &scene.moved(1, |[x, _]| [slide, -2e-6 - 2e-7 * x]));
                     contact.commit();
                     if let Some(before) = before {
                         let difference: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
@@ -70,6 +70,30 @@ fn forces_are_continuous_over_many_edges() {
     }
 }
 
+/// Over the facets of a curve normals are smoothed: the direction of the pressure does not jump at their nodes.
+#[test]
+fn forces_are_continuous_over_facets() {
+    for (kind, curve) in [(Q4, parabola as fn(f64) -> f64), (Q4, |x| -parabola(x)), (Q8, |x| 0.3 * x.cos())] {
+        let scene = Scene::rows(kind, curve, PlaneModel::PlaneStrain);
+        let largest_change = |steps: u32| {
+            let mut contact = scene.contact(scene.pair(uinter(&[("law", 2.0), ("mu", 0.0)])));
+            let (mut before, mut change): (Option<Vec<f64>>, f64) = (None, 0.0);
+            for step in 0..=steps {
+                let slide = 0.8 * f64::from(step) / f64::from(steps);
+                let now = forces(&mut contact, &scene.moved(1, |_| [slide, -0.1]));
+                if let Some(before) = before {
+                    let difference: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
+                    change = change.max(largest(&difference));
+                }
+                before = Some(now);
+            }
+            change
+        };
+        let ratio = largest_change(1000) / largest_change(2000);
+        assert!((1.9..2.1).contains(&ratio), "{kind}: {ratio}");
+    }
+}
+
 /// Slip back and forth under changing pressure: dissipation never falls, and the books close.
 #[test]
 fn cycles_dissipate_and_energies_balance() {
@@ -82,7 +106,7 @@ fn cycles_dissipate_and_energies_balance() {
     ];
     for law in laws {
         for release in [false, true] {
-            let scene = Scene::rows(Q8, parabola, PlaneModel::PlaneStrain);
+            let scene = Scene::rows(if release { Q4 } else { Q8 }, parabola, PlaneModel::PlaneStrain);
             let mut contact = scene.contact(ContactPair { release, ..scene.pair(law.clone()) });
             let (mut spent, mut amplitude) = (0.0, 0.0);
             // The datum: a soft law's pressure at no gap is stored, not worked for.
@@ -169,4 +193,138 @@ fn displacements_that_are_none_are_trouble_with_a_place() {
         contact.evaluate(&displacements, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap_err();
     assert!(matches!(&trouble.place, Place::Contact { pair, point: 0, .. } if pair == "fibre"), "{trouble}");
     assert_eq!(trouble.fraction, Some(0.5));
+}
+
+#[test]
+fn slip_towards_the_masters_start_counts_as_well() {
+    let scene = Scene::straight(Q4);
+    for direction in [1.0, -1.0] {
+        let mut contact = scene.contact(scene.pair(uinter(&[])));
+        for slide in [0.1, 0.2] {
+            forces(&mut contact, &scene.moved(1, |_| [direction * slide, 0.0]));
+            assert!((contact.mean_slip() - slide).abs() < 1e-13);
+            contact.commit();
+        }
+    }
+}
+
+/// A block that goes round a disc twice: the arc length goes on growing, the gap comes back.
+#[test]
+fn a_closed_master_is_gone_round_and_round() {
+    let half = 0.5_f64.sqrt();
+    let mesh = Mesh::new(MeshDefinition {
+        nodes: vec![
+            [-half, -half],
+            [half, -half],
+            [half, half],
+            [-half, half],
+            [0.0, -1.0],
+            [1.0, 0.0],
+            [0.0, 1.0],
+            [-1.0, 0.0],
+            [-0.1, 1.05],
+            [0.1, 1.05],
+            [0.1, 1.2],
+            [-0.1, 1.2],
+        ],
+        parts: vec![Part::new("disc", PlaneModel::PlaneStrain, 1.0), Part::new("block", PlaneModel::PlaneStrain, 1.0)],
+        elements: vec![
+            ElementDefinition { kind: Q8, part: 0, nodes: (0..8).collect() },
+            ElementDefinition { kind: Q4, part: 1, nodes: (8..12).collect() },
+        ],
+        ..MeshDefinition::default()
+    })
+    .unwrap();
+    let master: Vec<_> = (0..4).map(|edge| ElementEdge { element: 0, edge }).collect();
+    let slave = vec![ElementEdge { element: 1, edge: 0 }];
+    let scene = Scene { mesh, master, slave };
+    let law = uinter(&[("law", 2.0), ("mu", 0.3)]);
+    for walk in [true, false] {
+        let mut contact = Contact::new(&scene.mesh, &[scene.pair(law.clone())], &[86.0; 2], walk).unwrap();
+        let mut turned = |angle: f64| {
+            let (sine, cosine) = angle.sin_cos();
+            let turn = |[x, y]: [f64; 2]| [cosine * x - sine * y - x, sine * x + cosine * y - y];
+            forces(&mut contact, &scene.moved(1, turn));
+            contact.commit();
+            contact.points().map(|point| (point.gap, point.slip)).collect::<Vec<_>>()
+        };
+        let start = turned(0.0);
+        let mut last = start.clone();
+        // The edges run counter-clockwise; their length is that of four parabolas on the circle.
+        let mut length = None;
+        for step in 1..=80 {
+            last = turned(std::f64::consts::TAU * f64::from(step) / 40.0);
+            length = if step == 40 { Some(last[0].1 - start[0].1) } else { length };
+        }
+        let length = length.unwrap();
+        assert!((length / std::f64::consts::TAU - 1.0).abs() < 0.01, "{length}");
+        for (now, before) in last.iter().zip(&start) {
+            assert!((now.0 - before.0).abs() < 1e-12 && (now.1 - before.1 - 2.0 * length).abs() < 1e-12);
+        }
+    }
+}
+
+#[test]
+fn a_plugin_that_asks_for_less_is_trouble_with_its_fraction() {
+    let scene = Scene::straight(Q4);
+    let mut contact = scene.contact(scene.pair(uinter(&[])));
+    // The pressure overflows, the plugin refuses.
+    let displacements = scene.moved(1, |_| [0.0, -1e307]);
+    let mut forces = vec![0.0; displacements.len()];
+    let trouble =
+        contact.evaluate(&displacements, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap_err();
+    assert!(trouble.reason.contains("PNEWDT"), "{trouble}");
+    assert_eq!(trouble.fraction, Some(0.5));
+    contact.restore();
+    let back = vec![0.0; displacements.len()];
+    contact.evaluate(&back, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap();
+}
+
+/// What the plugin of the last point was told.
+#[test]
+fn uinter_and_fric_get_their_arguments() {
+    let scene = Scene::straight(Q4);
+    let context =
+        IncrementContext { step: 2, increment: 3, iteration: 4, step_time: 0.5, total_time: 1.5, time_increment: 0.25 };
+    for law in [uinter(&[]), hard(1000.0, 0.1, &[])] {
+        let mut contact = scene.contact(scene.pair(law));
+        let go = |contact: &mut Contact, movement: [f64; 2]| {
+            let displacements = scene.moved(1, |_| movement);
+            let (mut forces, mut blocks) = (vec![0.0; displacements.len()], Blocks::default());
+            contact.evaluate(&displacements, &context, Request::Stress, &mut forces, &mut blocks).unwrap();
+        };
+        go(&mut contact, [0.3, -0.01]);
+        contact.commit();
+        go(&mut contact, [0.4, -0.03]);
+        let close = |found: &[f64], wanted: &[f64]| {
+            assert!(found.iter().zip(wanted).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} for {wanted:?}");
+        };
+        // The last of six points: the second Gauss point of the third of three edges on 1.5 … 4.1.
+        let edge = 2.6 / 3.0;
+        let x = 4.1 - 0.5 * edge * (1.0 - 1.0 / 3.0_f64.sqrt()) + 0.4;
+        let penalty = contact.pairs[0].penalty;
+        match &contact.pairs[0].law {
+            PointLaw::Uinter { call, .. } => {
+                // The master runs towards −x.
+                close(&call.rdisp, &[0.03, -0.4, 0.0]);
+                close(&call.drdisp, &[0.02, -0.1, 0.0]);
+                close(&call.time, &[0.75, 1.75]);
+                close(&call.coords, &[x, -0.03, 0.0]);
+                close(&call.local_directions, &[0.0, 1.0, 0.0, -1.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
+                close(&[call.dtime, call.area, call.chrlngth], &[0.25, 0.5 * edge * 30.0, edge]);
+                assert_eq!((call.counters, call.node), ([2, 3, 4], 6));
+            }
+            PointLaw::Fric { call, .. } => {
+                close(&call.dgam, &[-0.1, 0.0]);
+                close(&call.pressure, &[0.03 * penalty, 0.02 * penalty]);
+                close(&call.time, &[0.75, 1.75]);
+                close(&call.coords, &[x, -0.03, 0.0]);
+                close(&call.rcoord, &[x, 0.0, 0.0]);
+                close(&[call.dtime, call.chrlngth], &[0.25, edge]);
+                close(&call.slip[..1], &[contact.pairs[0].committed.points[5].inelastic_slip]);
+                assert!(call.slip[0] < -0.1, "softening: most of the slip of 0.3 was inelastic");
+                assert_eq!((call.counters, call.node), ([2, 3], 6));
+            }
+        }
+    }
 }

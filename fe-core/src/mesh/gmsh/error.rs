@@ -95,8 +95,8 @@ pub enum GmshFault {
     NoSurface,
     /// Surface elements outside all groups.
     #[error(
-        "element {element}{} in no physical surface; add Physical Surface(\"name\") = {{...}} over all surfaces",
-        others(*count)
+        "element {element}{} is in no physical surface; add Physical Surface(\"name\") = {{...}} over all surfaces",
+        one_of(*count)
     )]
     NoGroup { element: u64, count: usize },
     /// A surface in two groups.
@@ -132,12 +132,9 @@ pub enum GmshFault {
     Shape { element: u64, source: MappingError },
 }
 
-/// "and 3 others are", or "is".
-fn others(count: usize) -> String {
-    match count {
-        0 | 1 => " is".to_owned(),
-        _ => format!(" and {} others are", count - 1),
-    }
+/// How many there are, if more than one.
+fn one_of(count: usize) -> String {
+    if count > 1 { format!(" (the first of {count})") } else { String::new() }
 }
 
 /// Both kinds of mismatch, and what there is.

@@ -397,7 +397,7 @@ fn meshes_that_cannot_be_computed_are_refused_with_a_remedy() {
             (
                 "7 2 2 5 2 2 6 3\n8 2 2 5",
                 "7 2 2 0 2 2 6 3\n8 2 2 0",
-                "case.msh:30: element 7 and 1 others are in no physical surface; add Physical Surface(\"name\") = {...} over all surfaces",
+                "case.msh:30: element 7 (the first of 2) is in no physical surface; add Physical Surface(\"name\") = {...} over all surfaces",
             ),
             (
                 "6 3 2 4 1",

@@ -1,13 +1,4 @@
 //! How a body can still move without straining.
-//!
-//! A plane body has three rigid motions, u = t + ω × (x − c): t₁, t₂ and, made a length by the body's size L, ωL. A
-//! constraint of a node along the unit vector d forbids d·u, so it is the row
-//!
-//! ```text
-//! [ d₁   d₂   ((x₁ − c₁) d₂ − (x₂ − c₂) d₁)/L ]
-//! ```
-//!
-//! and what remains is the null space of all rows. A body of revolution has one rigid motion, along its axis.
 
 use super::Body;
 use crate::kinematics::PlaneModel;
@@ -51,6 +42,15 @@ impl std::fmt::Display for RigidMode {
 
 /// The rigid motions of a body that constraints of nodes along directions (of any length > 0) leave free: translations
 /// first. Constraints of nodes that the body does not have are ignored.
+///
+/// A plane body has three, u = t + ω × (x − c): t₁, t₂ and, made a length by the body's size L, ωL. A constraint of a
+/// node along the unit vector d forbids d·u, so it is the row
+///
+/// ```text
+/// [ d₁   d₂   ((x₁ − c₁) d₂ − (x₂ − c₂) d₁)/L ]
+/// ```
+///
+/// and what remains is the null space of all rows. A body of revolution has one, along its axis.
 pub fn rigid_body_freedom(mesh: &Mesh, body: &Body, constraints: &[(usize, [f64; 2])]) -> Vec<RigidMode> {
     let constraints: Vec<(usize, [f64; 2])> = constraints
         .iter()

@@ -1,13 +1,13 @@
 //! How a line is divided.
-//!
-//! Sizes of all gradings but [`Grading::Capped`] form a geometric series: n sizes hᵢ = h₁ qⁱ⁻¹ over the length L with
-//!
-//! ```text
-//! h₁ = L (q − 1)/(qⁿ − 1)        hₙ/h₁ = qⁿ⁻¹        (q = 1: h₁ = L/n)
-//! ```
 
 /// How a line is divided, from its start to its end. Where a number of divisions follows from sizes, it is rounded and
 /// all sizes are scaled to fill the line.
+///
+/// Sizes of all gradings but [`Grading::Capped`] form a geometric series: n sizes hᵢ = h₁ qⁱ⁻¹ over the length L with
+///
+/// ```text
+/// h₁ = L (q − 1)/(qⁿ − 1)        hₙ/h₁ = qⁿ⁻¹        (q = 1: h₁ = L/n)
+/// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Grading {
     /// Equal sizes.
@@ -260,7 +260,7 @@ fn capped(length: f64, first: f64, growth: f64, largest: f64) -> Result<Vec<f64>
 fn cumulated(sizes: &[f64], length: f64) -> Result<Vec<f64>, GradingError> {
     let scale = length / sizes.iter().sum::<f64>();
     let smallest = scale * sizes.iter().copied().fold(f64::INFINITY, f64::min);
-    if !(smallest >= SMALLEST_FRACTION * length) {
+    if smallest.is_nan() || smallest < SMALLEST_FRACTION * length {
         return Err(GradingError::Vanishing { smallest, length });
     }
     let mut positions = vec![0.0];

@@ -51,8 +51,8 @@ impl Canvas {
         side: &Side<'_>,
     ) -> Result<Self, PictureError> {
         let plot = view.size();
-        let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(2) as usize);
-        let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(2) as usize);
+        let x = Axis::exact(&axes[0], view.x.clone(), (plot.0 / 55).max(4) as usize);
+        let y = Axis::exact(&axes[1], view.y.clone(), (plot.1 / 40).max(4) as usize);
         let widest = y.ticks().iter().map(|&tick| y.text(tick).chars().count()).max().unwrap_or(1);
         let left = text_width(TICK_SIZE, widest) + 40;
         let width = 10 + left + plot.0 + side.width();
@@ -150,8 +150,7 @@ impl Layout<'_> {
             .draw()?;
         let (across, up) = chart.plotting_area().get_pixel_range();
         let ((left, right), (top, bottom)) = ((across.start, across.end), (up.start, up.end));
-        let frame = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
-        root.draw(&PathElement::new(frame, INK.stroke_width(UNIT as u32)))?;
+        draw_outline(root, [(left, top), (right, bottom)])?;
         Ok((left, top))
     }
 }
@@ -202,12 +201,19 @@ impl Side<'_> {
     }
 }
 
+/// A frame 1 px wide; the backend draws outlines of rectangles as hairlines.
+fn draw_outline<'a>(root: &Root<'a>, [(left, top), (right, bottom)]: [(i32, i32); 2]) -> Drawn<'a, ()> {
+    let frame = vec![(left, top), (right, top), (right, bottom), (left, bottom), (left, top)];
+    root.draw(&PathElement::new(frame, INK.stroke_width(UNIT as u32)))?;
+    Ok(())
+}
+
 /// A square of a colour with a name beside it.
 fn draw_swatch<'a>(root: &Root<'a>, (x, y): (i32, i32), color: RGBColor, name: &str) -> Drawn<'a, ()> {
     let side = BAR_WIDTH * UNIT;
     let corners = [(x, y), (x + side, y + side)];
     root.draw(&Rectangle::new(corners, color.filled()))?;
-    root.draw(&Rectangle::new(corners, INK.stroke_width((UNIT / 2) as u32)))?;
+    draw_outline(root, corners)?;
     let style = font(TICK_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
     root.draw(&Text::new(name.to_owned(), (x + side + BAR_TEXT * UNIT, y + side / 2), style))?;
     Ok(())
@@ -235,7 +241,7 @@ impl Levels {
                 band_color(band, self.count()).filled(),
             ))?;
         }
-        root.draw(&Rectangle::new([(x, y), (right, y + height * UNIT)], INK.stroke_width(UNIT as u32)))?;
+        draw_outline(root, [(x, y), (right, y + height * UNIT)])?;
         let style = || font(TICK_SIZE).pos(Pos::new(HPos::Left, VPos::Center));
         let place = |share: f64, text: String| -> Drawn<'a, ()> {
             let tick = vec![(right, up(share)), (right + 4 * UNIT, up(share))];

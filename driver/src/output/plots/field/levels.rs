@@ -64,9 +64,15 @@ impl Levels {
         signed(format!("{scaled:.*}", self.decimals))
     }
 
-    /// Text of an end of the range.
+    /// Text of an end of the range: one digit more than a level has.
     pub fn end_text(&self, value: f64) -> String {
-        significant(value / self.scale, 3)
+        let scaled = value / self.scale;
+        if self.between.is_empty() {
+            return significant(scaled, 4);
+        }
+        let unit = 10f64.powi(self.decimals as i32 + 1);
+        // only the digits that are shown; no "−0"
+        significant((scaled * unit).round() / unit + 0.0, 12)
     }
 }
 

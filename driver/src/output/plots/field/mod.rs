@@ -290,14 +290,7 @@ pub fn contour(
     let shown = range.filter(|(start, end)| start < end && (end - start).is_finite());
     let shown = shown.or((data.0 <= data.1).then_some(data));
     let levels = shown.map(|range| Levels::new(quantity, range));
-    let mut note = picture.note();
-    if let (Some(levels), true) = (&levels, data.0 <= data.1) {
-        if data.0 < levels.range.0 || data.1 > levels.range.1 {
-            let separator = if note.is_empty() { "" } else { "; " };
-            // writing to a String cannot fail
-            let _ = write!(note, "{separator}values from {} to {}", levels.end_text(data.0), levels.end_text(data.1));
-        }
-    }
+    let note = levels.as_ref().map_or_else(|| picture.note(), |levels| note_with_excess(picture, levels, data));
     let side = Side::Bar { levels: levels.as_ref(), missing };
     let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &side)?;
     let surface = Surface::new(mesh, positions, canvas.view());
@@ -315,6 +308,16 @@ pub fn contour(
     }
     push_line(&mut body, "#222222", 0.8, &boundary, "");
     Ok(canvas.finish(&body))
+}
+
+/// The note, and how far the data go beyond the levels' range. Data without a value have an empty range.
+fn note_with_excess(picture: &FieldPicture<'_>, levels: &Levels, (least, greatest): (f64, f64)) -> String {
+    let note = picture.note();
+    if least > greatest || (least >= levels.range.0 && greatest <= levels.range.1) {
+        return note;
+    }
+    let separator = if note.is_empty() { "" } else { "; " };
+    format!("{note}{separator}values from {} to {}", levels.end_text(least), levels.end_text(greatest))
 }
 
 /// Elements smaller than this on average, px, are not outlined in contours: lines would hide the colours.

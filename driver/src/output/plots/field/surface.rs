@@ -1,5 +1,6 @@
 //! The elements of a picture on its grid: subdivided for fills, edge by edge for lines.
 
+use super::super::axis::drawable;
 use super::region::{Place, Region, after};
 use super::view::View;
 use super::{PictureElement, PictureMesh};
@@ -60,8 +61,7 @@ impl<'a> Surface<'a> {
     /// The union of some elements.
     pub fn area(&self, wanted: impl Fn(&PictureElement) -> bool) -> String {
         let mut region = Region::default();
-        for (element, places, lattice) in self.subdivided().filter(|(element, ..)| wanted(element)) {
-            let _ = element;
+        for (_, places, lattice) in self.subdivided().filter(|(element, ..)| wanted(element)) {
             region.add(&lattice.outline.iter().map(|&index| places[index]).collect::<Vec<_>>());
         }
         region.path()
@@ -73,7 +73,7 @@ impl<'a> Surface<'a> {
         let mut region = Region::default();
         for (element, places, lattice) in self.subdivided() {
             let nodal: Vec<f64> = element.nodes.iter().map(|&node| values[node]).collect();
-            if !nodal.iter().all(|value| value.is_finite()) {
+            if !nodal.iter().all(|&value| drawable(value)) {
                 continue;
             }
             let interpolated = |weights: &Vec<f64>| weights.iter().zip(&nodal).map(|(w, value)| w * value).sum();

@@ -1,6 +1,8 @@
 //! Patch tests: a linear motion gives the same stress everywhere, in equilibrium at inner nodes.
 
 use super::*;
+use crate::element::MappedPoint;
+use crate::kinematics::StrainDisplacement;
 use crate::mesh::Element;
 
 /// Nodes on no boundary edge.
@@ -87,5 +89,47 @@ fn kinds_mix_in_a_part() {
     assert_eq!(counts, [4, 3]);
     for (a, b) in solids.point(0, 3).stress.iter().zip(solids.point(1, 0).stress) {
         approx::assert_abs_diff_eq!(*a, b, epsilon = 1e-12);
+    }
+}
+
+/// The loops over nodes against the matrix B of [`crate::kinematics`], B-bar included: f = Σ Bᵀ σ dV, ε = B u.
+#[test]
+fn forces_and_strains_are_those_of_the_matrix_b() {
+    for variant in Variant::ALL {
+        for plane_model in PlaneModel::ALL {
+            let mesh = single(variant, plane_model, 0.1);
+            let displacements = moved(&mesh, |[x, y]| [x + 0.01 * (x * y + y), y + 0.02 * (x * x - y)]);
+            let mut solids = Solids::new(&model(mesh.clone(), &linear_elastic(), variant.average, false)).unwrap();
+            let found = forces(&mut solids, &displacements, Request::Stress);
+            solids.commit(&displacements);
+            let (nodes, count) = mesh.element_positions(0);
+            let mut matrices: Vec<(StrainDisplacement, f64)> = mesh
+                .integration_points(0)
+                .iter()
+                .map(|point| {
+                    let mapped = MappedPoint::new(variant.kind, &nodes[..count], point.coordinates).unwrap();
+                    let volume = plane_model.depth(mapped.position[0], 0.7) * mapped.determinant * point.weight;
+                    (StrainDisplacement::new(plane_model, &mapped).unwrap(), volume)
+                })
+                .collect();
+            if variant.average {
+                StrainDisplacement::average_dilatation(&mut matrices);
+            }
+            let mut expected = vec![0.0; found.len()];
+            for (point, (matrix, volume)) in matrices.iter().enumerate() {
+                let view = solids.point(0, point);
+                // In plane stress the matrix has the shear third.
+                let order = if plane_model == PlaneModel::PlaneStress { [0, 1, 3, 2] } else { [0, 1, 2, 3] };
+                let strain = matrix.strain(&displacements);
+                for (k, &component) in order.iter().enumerate() {
+                    approx::assert_abs_diff_eq!(view.strain[component], strain[k], epsilon = 1e-15);
+                }
+                matrix.add_internal_force(&order.map(|component| view.stress[component]), *volume, &mut expected);
+            }
+            let scale = largest(&expected);
+            for (found, expected) in found.iter().zip(&expected) {
+                approx::assert_abs_diff_eq!(found, expected, epsilon = 1e-13 * scale);
+            }
+        }
     }
 }

@@ -1,0 +1,161 @@
+//! A pair from what a model says of it: numbers checked, penalty chosen, every point put on its foot.
+
+use super::chain::Chain;
+use super::error::ContactError;
+use super::history::{History, PointState, PointStatus};
+use super::kinematics::Kinematics;
+use super::law::{LawFailure, PointLaw};
+use super::pair::{Datum, Pair, situation};
+use super::projection::Projection;
+use super::quadrature::{ContactPoint, contact_points};
+use crate::assembly::IncrementContext;
+use crate::mesh::Mesh;
+use crate::model::{ContactLaw, ContactPair, Enforcement, NormalLaw, Width};
+
+/// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
+/// curves: stored and subtracted.
+const INITIAL_GAP: f64 = 1e-3;
+
+impl Pair {
+    /// A pair of a mesh without displacements.
+    ///
+    /// # Errors
+    /// Everything in [`ContactError`].
+    pub fn new(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], walks: bool) -> Result<Self, ContactError> {
+        check_numbers(pair)?;
+        let chain = Chain::new(mesh, &pair.master, &pair.name)?;
+        let points = contact_points(mesh, pair, &chain)?;
+        let penalty = penalty(mesh, pair, moduli, &points);
+        let law = PointLaw::new(pair, penalty)?;
+        let state_count = match &law {
+            PointLaw::Uinter { call, .. } => call.statev().len(),
+            PointLaw::Fric { call, .. } => call.statev().len(),
+        };
+        let empty = History { points: Vec::new(), statev: vec![0.0; points.len() * state_count] };
+        let mut pair_points = Self {
+            name: pair.name.clone(),
+            chain,
+            law,
+            enforcement: pair.enforcement,
+            penalty,
+            critical_slip: pair.critical_slip,
+            committed: empty.clone(),
+            trial: empty,
+            kinematics: vec![None; points.len()],
+            symmetric: true,
+            release: pair.release,
+            walks,
+            data: Vec::with_capacity(points.len()),
+            state_count,
+            points,
+        };
+        for index in 0..pair_points.points.len() {
+            pair_points.start_point(mesh, pair, index)?;
+        }
+        pair_points.trial.points.clone_from(&pair_points.committed.points);
+        Ok(pair_points)
+    }
+
+    /// Finds where a point starts.
+    fn start_point(&mut self, mesh: &Mesh, pair: &ContactPair, index: usize) -> Result<(), ContactError> {
+        let position = |node: usize| mesh.nodes()[node];
+        let point = self.points[index];
+        let at = point.slave.position(&position);
+        let no_foot = |reason| ContactError::NoFoot { pair: self.name.clone(), point: index, position: at, reason };
+        let projection = Projection { chain: &self.chain, position };
+        let foot = projection.anywhere(at).ok_or_else(|| no_foot("no foot on the master"))?;
+        let kinematics =
+            Kinematics::new(&self.chain, &point.slave, foot, &position).map_err(|no_gap| no_foot(no_gap.reason()))?;
+        let width = match pair.width {
+            Width::Given(width) => width,
+            Width::OfPart => point.edge_length,
+        };
+        let (gap, allowed) = (kinematics.gap, INITIAL_GAP * width);
+        let too_large =
+            || ContactError::InitialGap { pair: pair.name.clone(), point: index, position: at, gap, allowed };
+        let is_fault = gap.abs() <= allowed;
+        if !is_fault && gap < 0.0 {
+            return Err(too_large());
+        }
+        let along = kinematics.tangent[0] * point.direction[0] + kinematics.tangent[1] * point.direction[1] >= 0.0;
+        let behind = if along { point.behind } else { point.length - point.behind };
+        self.data.push(Datum { gap: if is_fault { gap } else { 0.0 }, arc_length: kinematics.arc_length, behind });
+        let (weight, _) = self.weight(index, kinematics.arc_length);
+        let mut state = PointState::new(foot, weight);
+        state.gap = gap - self.data[index].gap;
+        if weight == 0.0 {
+            state.status = PointStatus::Released;
+        }
+        self.committed.points.push(state);
+        if !is_fault && self.is_bonded(index, &kinematics, allowed)? {
+            return Err(too_large());
+        }
+        Ok(())
+    }
+
+    /// Whether the law would carry tension or shear at a small gap and slip.
+    fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ContactError> {
+        let start = PointState::new(self.committed.points[index].foot, 1.0);
+        let context =
+            IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
+        let virgin = vec![0.0; self.state_count];
+        let situation = situation(&self.points[index], kinematics, index, [length, length], &start, &virgin, &context);
+        let refused =
+            |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
+        self.law.is_bonded(&situation, &mut virgin.clone()).map_err(refused)
+    }
+}
+
+/// Numbers of a pair that must be in range.
+fn check_numbers(pair: &ContactPair) -> Result<(), ContactError> {
+    let check = |what, value: f64, fine: bool, rule| {
+        let error = ContactError::Value { pair: pair.name.clone(), what, value, rule };
+        if fine { Ok(()) } else { Err(error) }
+    };
+    let positive = |value: f64| value > 0.0 && value.is_finite();
+    let not_negative = |value: f64| value >= 0.0 && value.is_finite();
+    check("the penalty factor", pair.penalty_factor, positive(pair.penalty_factor), "positive")?;
+    check("the critical slip", pair.critical_slip, not_negative(pair.critical_slip), "0 or positive")?;
+    if let Width::Given(width) = pair.width {
+        check("the contact width", width, positive(width), "positive")?;
+    }
+    match pair.enforcement {
+        Enforcement::Penalty => {}
+        Enforcement::Uzawa { tolerance, .. } => check("the gap tolerance", tolerance, positive(tolerance), "positive")?,
+        Enforcement::PerturbedLagrangian { ratio } => {
+            check("ε'/ε_N", ratio, ratio >= 1e4 && ratio.is_finite(), "at least 1e4")?
+        }
+    }
+    match &pair.law {
+        ContactLaw::Fric { normal: NormalLaw::Hard(law), .. } => {
+            check("p_0", law.p_0, not_negative(law.p_0), "0 or positive")?;
+            check("delta_n", law.delta_n, not_negative(law.delta_n), "0 or positive")
+        }
+        ContactLaw::Fric { normal: NormalLaw::Soft(law), .. } => {
+            check("p_0", law.p_0, positive(law.p_0), "positive")?;
+            check("g_0", law.g_0, positive(law.g_0), "positive")
+        }
+        ContactLaw::Uinter(_) => Ok(()),
+    }
+}
+
+/// ε_N = f min(E t/h)/width over the edges of both surfaces, MPa/mm: t the depth, h the element's size across the edge.
+/// A slave without a width of its own has that of its part, so that t/width is 1 there.
+fn penalty(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], points: &[ContactPoint]) -> f64 {
+    let sum = |of: fn(&ContactPoint) -> f64| points.iter().map(of).sum::<f64>();
+    let width = sum(|point| point.area) / sum(|point| point.length);
+    let mut least = f64::INFINITY;
+    for &edge in pair.slave.iter().chain(&pair.master) {
+        let element = mesh.elements()[edge.element];
+        let part = &mesh.parts()[element.part()];
+        let ends = mesh.edge_nodes(edge);
+        let [start, end] = [0, 1].map(|k| mesh.nodes()[ends.nodes()[k]]);
+        let length = (end[0] - start[0]).hypot(end[1] - start[1]);
+        // A triangle is twice as high as its mean height.
+        let shape = if element.kind().corner_count() == 3 { 2.0 } else { 1.0 };
+        let height = shape * mesh.element_area(edge.element) / length;
+        let depth = part.model.depth(0.5 * (start[0] + end[0]), part.thickness);
+        least = least.min(moduli[element.part()] * depth / height);
+    }
+    pair.penalty_factor * least / width
+}

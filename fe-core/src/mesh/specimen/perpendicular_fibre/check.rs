@@ -1,0 +1,78 @@
+//! What the parameters of a fibre in a block must be.
+
+use super::{Configuration, FibreSection, PerpendicularFibre};
+use crate::element::EdgeKind;
+use crate::kinematics::PlaneModel;
+use crate::mesh::specimen::SpecimenError;
+use crate::mesh::specimen::requirement::Requirements;
+
+impl PerpendicularFibre {
+    /// All that must hold of the parameters.
+    pub(super) fn check(&self) -> Result<(), SpecimenError> {
+        let mut required = Requirements::default();
+        for (name, value) in [
+            ("width", self.width),
+            ("depth", self.depth),
+            ("matrix_thickness", self.matrix_thickness),
+            ("fibre_diameter", self.fibre_diameter),
+            ("embedded_length", self.embedded_length),
+            ("free_length", self.free_length),
+            ("mesh.interface_size", self.mesh.interface_size),
+            ("mesh.largest_size", self.mesh.largest_size),
+        ] {
+            required.positive(name, value);
+        }
+        let (gap, hole_depth) = (self.tail_gap, self.embedded_length + self.tail_gap);
+        required.that(gap >= 0.0 && gap.is_finite(), "tail_gap", gap, "0 or positive");
+        required.that(
+            hole_depth < self.depth,
+            "embedded_length + tail_gap",
+            hole_depth,
+            format!("less than the depth {}: the ligament below the hole holds the halves together", self.depth),
+        );
+        required.that(
+            self.half_width() > 0.5 * self.fibre_diameter,
+            "half of the width (the outer radius)",
+            self.half_width(),
+            format!("more than half of the fibre_diameter, {}", 0.5 * self.fibre_diameter),
+        );
+        self.check_configuration(&mut required);
+        let mesh = &self.mesh;
+        required.count("mesh.embedded_elements", mesh.embedded_elements);
+        required.count("mesh.elements_across", mesh.elements_across);
+        required.count("mesh.slave_edges_per_master", mesh.slave_edges_per_master);
+        required.that(mesh.growth >= 1.0 && mesh.growth.is_finite(), "mesh.growth", mesh.growth, "at least 1");
+        if let Some(size) = mesh.exit_size {
+            let fits = size > 0.0 && size < self.embedded_length;
+            let requirement = format!("positive and less than the embedded_length {}", self.embedded_length);
+            required.that(fits, "mesh.exit_size", size, requirement);
+        }
+        let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);
+        required.that(
+            self.is_axisymmetric() || middle,
+            "mesh.elements_across",
+            mesh.elements_across,
+            format!("even with {}: the fibre needs nodes on its axis", self.fibre.kind),
+        );
+        required.check()
+    }
+
+    fn check_configuration(&self, required: &mut Requirements) {
+        match self.configuration {
+            Configuration::Plane { section, fibre_model, matrix_model } => {
+                for (name, model) in [("fibre_model", fibre_model), ("matrix_model", matrix_model)] {
+                    let plane = model != PlaneModel::Axisymmetric;
+                    required.that(plane, name, "axisymmetric", "plane stress or plane strain in a plane configuration");
+                }
+                if let FibreSection::Thickness(thickness) = section {
+                    required.positive("fibre_section", thickness);
+                }
+            }
+            Configuration::Axisymmetric { outer_radius } => {
+                if let Some(radius) = outer_radius {
+                    required.positive("outer_radius", radius);
+                }
+            }
+        }
+    }
+}

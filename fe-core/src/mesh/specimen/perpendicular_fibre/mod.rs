@@ -1,0 +1,290 @@
+//! A fibre perpendicular to the face that it is pulled out of.
+
+mod check;
+mod lines;
+mod sets;
+
+use std::f64::consts::PI;
+
+use super::{Specimen, SpecimenError};
+use crate::element::{ElementKind, Integration};
+use crate::kinematics::PlaneModel;
+use crate::mesh::Part;
+use crate::mesh::structured::{Block, Diagonal, StructuredMesh};
+use lines::Lines;
+
+/// Support (b) begins so many diameters beside the fibre.
+pub const NEAR_CLEARANCE: f64 = 2.0;
+
+/// Support (c) holds so much of the exit face, mm, from each side.
+pub const AWAY_LENGTH: f64 = 3.0;
+
+/// A round fibre in a block, perpendicular to its exit face, for [`perpendicular_fibre`]. The default is the specimen of
+/// chapters 6 and 7.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PerpendicularFibre {
+    /// Plane or axisymmetric.
+    pub configuration: Configuration,
+    /// Width of the block, 25.4 mm.
+    pub width: f64,
+    /// Depth of the block along the fibre, 12.7 mm.
+    pub depth: f64,
+    /// Thickness of the block, 3.26 mm: the share of one fibre.
+    pub matrix_thickness: f64,
+    /// Diameter φ of the fibre, 0.406 mm.
+    pub fibre_diameter: f64,
+    /// Embedded length, 12.2 mm.
+    pub embedded_length: f64,
+    /// Length outside the block, up to the grip, 3 mm.
+    pub free_length: f64,
+    /// How much longer than the fibre the hole is, 0 mm.
+    pub tail_gap: f64,
+    /// Elements of the fibre.
+    pub fibre: PartMesh,
+    /// Elements of the matrix.
+    pub matrix: PartMesh,
+    /// Sizes.
+    pub mesh: FibreMesh,
+}
+
+/// How the specimen becomes plane.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Configuration {
+    /// A slice with two contact lines.
+    Plane {
+        /// The thickness that stands for the round section.
+        section: FibreSection,
+        /// Plane stress by default: in plane strain its axial stiffness would be 1/(1 − ν²) of the true one.
+        fibre_model: PlaneModel,
+        /// Plane strain by default.
+        matrix_model: PlaneModel,
+    },
+    /// A body of revolution about the fibre's axis.
+    Axisymmetric {
+        /// Its radius, mm; `None`: √(width · matrix_thickness/π), the same area.
+        outer_radius: Option<f64>,
+    },
+}
+
+impl Configuration {
+    /// A slice with the true area of the fibre, the fibre in plane stress and the matrix in plane strain.
+    pub const PLANE: Self = Self::Plane {
+        section: FibreSection::EqualArea,
+        fibre_model: PlaneModel::PlaneStress,
+        matrix_model: PlaneModel::PlaneStrain,
+    };
+}
+
+/// The thickness of a plane fibre of height φ.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FibreSection {
+    /// πφ/4: the area of the circle.
+    EqualArea,
+    /// 3πφ/16: the moment of inertia of the circle.
+    EqualInertia,
+    /// This thickness, mm.
+    Thickness(f64),
+}
+
+impl FibreSection {
+    /// The thickness of a fibre of this diameter, mm.
+    pub fn thickness(self, diameter: f64) -> f64 {
+        match self {
+            Self::EqualArea => PI / 4.0 * diameter,
+            Self::EqualInertia => 3.0 * PI / 16.0 * diameter,
+            Self::Thickness(thickness) => thickness,
+        }
+    }
+}
+
+/// The elements of a part.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PartMesh {
+    /// Their kind, Q8 by default.
+    pub kind: ElementKind,
+    /// Their integration; `None`: the kind's default.
+    pub integration: Option<Integration>,
+}
+
+impl Default for PartMesh {
+    fn default() -> Self {
+        Self { kind: ElementKind::Q8, integration: None }
+    }
+}
+
+/// Sizes of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreMesh {
+    /// Elements of the fibre along its embedded length, 40.
+    pub embedded_elements: usize,
+    /// Their size at the exit face, 0.15 mm; `None`: all equal.
+    pub exit_size: Option<f64>,
+    /// Elements across the fibre (across its radius in axial symmetry), 2.
+    pub elements_across: usize,
+    /// Edges of the hole on each edge of the fibre, 1.
+    pub slave_edges_per_master: usize,
+    /// Size across the matrix at the hole, 0.1 mm.
+    pub interface_size: f64,
+    /// Each size over the one before it, away from the hole, 1.3.
+    pub growth: f64,
+    /// Largest size, 2 mm.
+    pub largest_size: f64,
+}
+
+impl Default for FibreMesh {
+    fn default() -> Self {
+        Self {
+            embedded_elements: 40,
+            exit_size: Some(0.15),
+            elements_across: 2,
+            slave_edges_per_master: 1,
+            interface_size: 0.1,
+            growth: 1.3,
+            largest_size: 2.0,
+        }
+    }
+}
+
+impl Default for PerpendicularFibre {
+    fn default() -> Self {
+        Self {
+            configuration: Configuration::PLANE,
+            width: 25.4,
+            depth: 12.7,
+            matrix_thickness: 3.26,
+            fibre_diameter: 0.406,
+            embedded_length: 12.2,
+            free_length: 3.0,
+            tail_gap: 0.0,
+            fibre: PartMesh::default(),
+            matrix: PartMesh::default(),
+            mesh: FibreMesh::default(),
+        }
+    }
+}
+
+#[doc = include_str!("doc.md")]
+///
+/// # Errors
+///
+/// All parameters that cannot be, or the line that sizes do not divide.
+pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, SpecimenError> {
+    parameters.check()?;
+    let lines = Lines::new(parameters)?;
+    let mut mesh = StructuredMesh::default();
+    let [fibre_part, matrix_part] = parameters.parts();
+    let (fibre_part, matrix_part) = (mesh.add_part(fibre_part), mesh.add_part(matrix_part));
+
+    let fibre = mesh.block(
+        &Block::new(fibre_part, parameters.fibre.kind, &lines.fibre_x, &lines.fibre_y)
+            .cut(&|column, _| mirrored(&lines.fibre_x, column)),
+    )?;
+    let hole = |column: usize, row: usize| lines.middle_columns.contains(&column) && row >= lines.ligament_rows;
+    let matrix = mesh.block(
+        &Block::new(matrix_part, parameters.matrix.kind, &lines.matrix_x, &lines.matrix_y)
+            .keeping(&|column, row| !hole(column, row))
+            .cut(&|column, _| mirrored(&lines.matrix_x, column)),
+    )?;
+
+    // `check` has ruled out kinds without a node on the axis.
+    let axis_place = if parameters.is_axisymmetric() { 0 } else { fibre.columns() };
+    let on_axis = |row: usize| fibre.node(axis_place, 2 * row).expect("the fibre has nodes on its axis");
+    let (exit_node, tail_node) = (on_axis(parameters.mesh.embedded_elements), on_axis(0));
+    mesh.node_set("exit", [exit_node]);
+    mesh.node_set("tail", [tail_node]);
+    sets::name_outer_sets(&mut mesh, parameters, &fibre, &matrix, &lines);
+    let contact_pairs = sets::name_surfaces(&mut mesh, parameters, &fibre, &matrix, &lines);
+    let mut notes = parameters.notes();
+    notes.extend(sets::name_supports_of_face(&mut mesh, parameters, &matrix));
+    let contact_width = (!parameters.is_axisymmetric()).then_some(PI / 2.0 * parameters.fibre_diameter);
+    Ok(Specimen {
+        definition: mesh.definition(),
+        pull_direction: [0.0, 1.0],
+        contact_pairs,
+        contact_width,
+        exit_node,
+        tail_node,
+        notes,
+    })
+}
+
+/// Diagonals that are the mirror image of each other on both sides of the axis.
+fn mirrored(x: &[f64], column: usize) -> Diagonal {
+    if x[column] + x[column + 1] < 0.0 { Diagonal::Falling } else { Diagonal::Rising }
+}
+
+impl PerpendicularFibre {
+    fn is_axisymmetric(&self) -> bool {
+        matches!(self.configuration, Configuration::Axisymmetric { .. })
+    }
+
+    /// Half of the block's width, or its radius.
+    fn half_width(&self) -> f64 {
+        match self.configuration {
+            Configuration::Plane { .. } => 0.5 * self.width,
+            Configuration::Axisymmetric { outer_radius } => {
+                outer_radius.unwrap_or((self.width * self.matrix_thickness / PI).sqrt())
+            }
+        }
+    }
+
+    /// Fibre and matrix.
+    fn parts(&self) -> [Part; 2] {
+        let (models, fibre_thickness) = match self.configuration {
+            Configuration::Plane { section, fibre_model, matrix_model } => {
+                ([fibre_model, matrix_model], section.thickness(self.fibre_diameter))
+            }
+            // A thickness that nobody uses.
+            Configuration::Axisymmetric { .. } => ([PlaneModel::Axisymmetric; 2], self.matrix_thickness),
+        };
+        [
+            Part { integration: self.fibre.integration, ..Part::new("fibre", models[0], fibre_thickness) },
+            Part { integration: self.matrix.integration, ..Part::new("matrix", models[1], self.matrix_thickness) },
+        ]
+    }
+
+    fn notes(&self) -> Vec<String> {
+        let phi = self.fibre_diameter;
+        match self.configuration {
+            Configuration::Plane { section, .. } => {
+                let thickness = section.thickness(phi);
+                let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
+                vec![
+                    format!(
+                        "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
+                    ),
+                    format!(
+                        "contact width {:.4} mm per line on a matrix of thickness {} mm: the pressure of the contact is not the traction of the matrix",
+                        PI / 2.0 * phi,
+                        self.matrix_thickness
+                    ),
+                ]
+            }
+            Configuration::Axisymmetric { .. } => vec![format!("outer radius {:.4} mm", self.half_width())],
+        }
+    }
+
+    /// Where supports (b) and (c) begin, if the block is wide enough for them.
+    fn support_limits(&self) -> [Option<f64>; 2] {
+        let (radius, half) = (0.5 * self.fibre_diameter, self.half_width());
+        [radius + NEAR_CLEARANCE * self.fibre_diameter, half - AWAY_LENGTH]
+            .map(|limit| (limit > radius && limit < half).then_some(limit))
+    }
+
+    /// Where the divisions across the block stop: the hole, the supports' limits, the side.
+    fn stops(&self) -> Vec<f64> {
+        /// Limits closer to each other than this fraction of the half width are one: cells would be slivers.
+        const MERGED: f64 = 1e-4;
+        let (radius, half) = (0.5 * self.fibre_diameter, self.half_width());
+        let mut limits: Vec<f64> = self.support_limits().into_iter().flatten().collect();
+        limits.sort_by(f64::total_cmp);
+        let mut stops = vec![radius];
+        for limit in limits {
+            if limit - stops[stops.len() - 1] > MERGED * half && half - limit > MERGED * half {
+                stops.push(limit);
+            }
+        }
+        stops.push(half);
+        stops
+    }
+}
