@@ -364,10 +364,15 @@ fn a_drive_that_nothing_moves_is_told() {
 #[test]
 fn a_crack_band_is_judged_by_the_elements_of_its_part() {
     let mut case = pullout_case();
-    let props = json!({ "E": 23700, "nu": 0.15, "f_t": 3.0, "f_c": 34.8 });
-    case["parts"]["matrix"]["material"] = json!({ "plugin": "concrete_damage", "props": props });
+    let material =
+        |crushing_energy: f64| json!({ "plugin": "concrete_damage", "props": { "G_f": 0.1, "G_c": crushing_energy } });
+    case["parts"]["matrix"]["material"] = material(15.0);
+    accepted(&case, &[]);
+    // elements of 0.5 mm × 0.5 mm dissipate more than this before they soften
+    case["parts"]["matrix"]["material"] = material(1e-4);
     let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
-    assert!(text.is_empty() || !text.contains("characteristic_length"), "{text}");
+    let expected = "$.parts.matrix.material.props: concrete_damage: in element ";
+    assert!(text.contains(expected) && text.contains("of length 0.5000 mm"), "{text}");
 }
 
 const MALFORMED: &[Sample] = &[
