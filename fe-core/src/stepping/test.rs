@@ -7,6 +7,9 @@ use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support};
 use std::io;
 
+mod patch;
+mod spin;
+
 /// Keeps what it is told.
 #[derive(Default)]
 struct Keeper(Vec<Record>);
