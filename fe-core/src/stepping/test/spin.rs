@@ -4,9 +4,9 @@ use super::patch::{Looking, Matrix, errors, patch, rotate, step_to};
 use super::*;
 
 /// Turn in each step, degrees.
-const TURN: f64 = 15.0;
+const TURN: f64 = 5.0;
 /// Steps of a whole turn.
-const STEPS: u32 = 24;
+const STEPS: u32 = 72;
 /// Relative to the stress, and to the energy stored.
 const EXACT: f64 = 1e-8;
 
