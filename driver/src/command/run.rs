@@ -87,10 +87,13 @@ fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
 
 /// Files that an earlier run may have left and this one may not write.
 fn remove_leftovers(folder: &Path) -> io::Result<()> {
-    let pictures = fs::read_dir(folder.join("plots")).into_iter().flatten().flatten().map(|entry| entry.path());
-    let leftovers = pictures
-        .filter(|path| path.extension().is_some_and(|extension| extension == "svg"))
-        .chain(["replay.json", "report.html", "summary.json"].map(|name| folder.join(name)));
+    let files = |folder: PathBuf, wanted: &'static str| {
+        let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+        files.filter(move |path| path.extension().is_some_and(|extension| extension == wanted))
+    };
+    let leftovers = files(folder.join("plots"), "svg")
+        .chain(files(folder.join("fields"), "vtu"))
+        .chain(["replay.json", "report.html", "summary.json", "fields.pvd"].map(|name| folder.join(name)));
     for path in leftovers {
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -140,7 +143,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     };
     let (statistics, result) = match case {
         Case::Path(program) => path::run(program, &mut record),
-        Case::Pullout(program) => pullout::run(program, &mut record),
+        Case::Pullout(program) => pullout::run(program, folder, &mut record),
     };
     record.progress.finish();
     let message = match result {

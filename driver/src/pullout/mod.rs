@@ -1,5 +1,6 @@
 //! Specimens in two dimensions: what a case asks for, checked and resolved, and its run.
 
+mod fields;
 mod program;
 mod recorder;
 

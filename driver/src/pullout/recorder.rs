@@ -1,10 +1,15 @@
 //! Runs a model, and turns its records into rows of the history.
 
+use super::fields::FieldWriter;
 use super::{COLUMNS, Program};
 use crate::path::program::Until;
 use crate::path::{self, Failure, Row, Statistics, Stop};
 use fe_core::stepping::{Analysis, Directive, Observer, Record, RunError, Snapshot};
 use std::io;
+use std::path::Path;
+
+#[cfg(test)]
+mod test;
 
 /// Columns before the values of a [`Row`]: step and increment.
 const LEADING_COLUMNS: usize = 2;
@@ -13,16 +18,20 @@ const VALUES: usize = COLUMNS.len() - LEADING_COLUMNS - 1;
 /// A step is at its end within this part of its duration: increments add up with rounding.
 const END_TOLERANCE: f64 = 1e-9;
 
-/// Runs a program to its end, to an `until`, or to a failure. Rows that were observed stay valid.
+/// Runs a program to its end, to an `until`, or to a failure; fields go to `folder`. Rows that were observed stay valid.
 ///
 /// # Errors
 /// [`Stop`]; the statistics tell how far it came.
-pub fn run(program: &Program, observer: &mut dyn path::Observer) -> (Statistics, Result<(), Stop>) {
+pub fn run(program: &Program, folder: &Path, observer: &mut dyn path::Observer) -> (Statistics, Result<(), Stop>) {
     let mut analysis = match Analysis::new(&program.model) {
         Ok(analysis) => analysis,
         Err(error) => return (Statistics::default(), Err(failure(1, 1, error.to_string()))),
     };
-    let mut recorder = Recorder::new(program, observer);
+    let fields = match program.output.fields_every.map(|_| FieldWriter::create(folder, &program.model)).transpose() {
+        Ok(fields) => fields,
+        Err(error) => return (Statistics::default(), Err(Stop::Write(error))),
+    };
+    let mut recorder = Recorder::new(program, observer, fields);
     let result = analysis.run(&mut recorder).map_err(|error| match error {
         RunError::Failed { step, increment, .. } => failure(step, increment, error.to_string()),
         RunError::Write(error) => Stop::Write(error),
@@ -32,7 +41,7 @@ pub fn run(program: &Program, observer: &mut dyn path::Observer) -> (Statistics,
     let statistics = Statistics {
         increments: done.increments,
         iterations: done.iterations,
-        plugin_calls: 0,
+        plugin_calls: analysis.snapshot().solids().counters().umat_calls,
         cutbacks: done.cutbacks,
     };
     (statistics, result)
@@ -46,7 +55,7 @@ fn failure(step: u32, increment: u32, message: String) -> Stop {
 struct Recorder<'a> {
     program: &'a Program,
     observer: &'a mut dyn path::Observer,
-    /// Total time at the end of each step, as long as none ends early.
+    fields: Option<FieldWriter>,
     present: Present,
     /// Total time at the start of the present step.
     step_start: f64,
@@ -77,9 +86,9 @@ impl Present {
 }
 
 impl<'a> Recorder<'a> {
-    fn new(program: &'a Program, observer: &'a mut dyn path::Observer) -> Self {
+    fn new(program: &'a Program, observer: &'a mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let present = Present { step: 0, increment: 0, values: [0.0; VALUES], iterations: 0, written: true };
-        Self { program, observer, present, step_start: 0.0 }
+        Self { program, observer, fields, present, step_start: 0.0 }
     }
 
     /// Writes the last row if it was not due: a run that fails keeps all that it reached.
@@ -105,6 +114,13 @@ impl<'a> Recorder<'a> {
         step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
     }
 
+    /// Whether the present row is the last of its step or run, or its turn has come.
+    fn is_due(&self, directive: Directive, every: usize) -> bool {
+        directive != Directive::GoOn
+            || self.is_at_end_of_step()
+            || (self.present.increment as usize).is_multiple_of(every)
+    }
+
     /// Takes an increment down; says how the run goes on.
     fn accept(&mut self, record: &Record) -> io::Result<Directive> {
         if record.step != self.present.step {
@@ -123,8 +139,7 @@ impl<'a> Recorder<'a> {
             return Ok(Directive::GoOn);
         }
         let directive = self.directive();
-        let is_last = directive != Directive::GoOn || self.is_at_end_of_step();
-        if is_last || (record.increment as usize).is_multiple_of(self.program.output.every) {
+        if self.is_due(directive, self.program.output.every) {
             self.present.written = true;
             self.observer.row(self.present.row())?;
         }
@@ -134,8 +149,15 @@ impl<'a> Recorder<'a> {
 }
 
 impl Observer for Recorder<'_> {
-    fn increment(&mut self, record: &Record, _: &Snapshot<'_>) -> io::Result<Directive> {
-        self.accept(record)
+    fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
+        let directive = self.accept(record)?;
+        if let Some(every) = self.program.output.fields_every
+            && self.is_due(directive, every)
+            && let Some(fields) = &mut self.fields
+        {
+            fields.write(snapshot)?;
+        }
+        Ok(directive)
     }
 }
 

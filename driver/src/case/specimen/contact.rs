@@ -100,12 +100,13 @@ fn one_pair(
         Some(document::Quadrature::Nodes) => Quadrature::Nodes,
     };
     let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
+    let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
     let release = reader.optional(pair.release.as_ref(), &place.key("release"));
     let enforcement = enforcement(reader, pair, place);
     let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
     let (slave, master) = surfaces?;
     Some(ContactPair {
-        critical_slip: 0.0,
+        critical_slip: critical_slip.map_or(0.0, |slip| slip.0),
         name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
         slave,
         master,

@@ -68,8 +68,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 }
                 Err(SpecimenError::Parameters { problems }) => {
                     for problem in problems {
+                        // a sum of parameters is told at its first
+                        let key = problem.name.split_whitespace().next().unwrap_or(problem.name);
                         reader.problem(
-                            &place.key(problem.name),
+                            &place.key(key),
                             format!("is {}, it must be {}", problem.value, problem.requirement),
                         );
                     }

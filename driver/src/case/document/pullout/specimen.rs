@@ -9,7 +9,7 @@ use serde::Deserialize;
 #[serde(untagged)]
 pub enum MeshSource {
     /// A specimen by its parameters.
-    Specimen(SpecimenSource),
+    Specimen(Box<SpecimenSource>),
     /// A Gmsh file.
     File(FileSource),
 }

@@ -1,0 +1,148 @@
+use super::*;
+use crate::pullout::Output;
+use fe_core::element::ElementKind::Q4;
+use fe_core::kinematics::PlaneModel::PlaneStrain;
+use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
+use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
+use fe_core::stepping::{Counts, Energies, Iteration};
+use std::path::PathBuf;
+
+/// Two steps of 1 s and 2 s on a mesh that nobody computes.
+fn program(every: usize) -> Program {
+    let mesh = Mesh::new(MeshDefinition {
+        nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+        parts: vec![Part::new("block", PlaneStrain, 1.0)],
+        elements: vec![ElementDefinition { kind: Q4, part: 0, nodes: vec![0, 1, 2, 3] }],
+        ..MeshDefinition::default()
+    });
+    let step = |time| Step { time, targets: vec![], control: StepControl::Fixed { increments: 4 } };
+    Program {
+        case_file: PathBuf::from("case.json"),
+        title: String::new(),
+        description: String::new(),
+        mesh: String::new(),
+        model: Model {
+            mesh: mesh.expect("a mesh"),
+            laws: vec![],
+            average_dilatation: vec![],
+            contacts: vec![],
+            drives: vec![],
+            supports: vec![],
+            couplings: vec![],
+            loads: vec![],
+            nlgeom: false,
+            measured: Measured::default(),
+            steps: vec![step(1.0), step(2.0)],
+            controls: Controls::default(),
+            skipping: Skipping::ALL,
+        },
+        step_untils: vec![None, None],
+        until: None,
+        output: Output { every, plots: false, fields_every: None },
+        compare: vec![],
+        warnings: vec![],
+    }
+}
+
+fn record(step: u32, increment: u32, time: f64) -> Record {
+    Record {
+        step,
+        increment,
+        time,
+        slip: 0.1 * time,
+        load: 7.0,
+        load_lateral: 8.0,
+        slip_exit: 9.0,
+        slip_tail: 10.0,
+        energies: Energies { external_work: 11.0, opening: 16.0, ..Energies::default() },
+        energy_error: 18.0,
+        counts: Counts { damaged: 19, released: 24, ..Counts::default() },
+        greatest_pressure: 25.0,
+        cutbacks: 26,
+        iterations: vec![Iteration::default(); 3],
+    }
+}
+
+/// Step, increment and iterations of the rows that are written.
+#[derive(Default)]
+struct Rows {
+    written: Vec<(u32, u32, u32)>,
+    values: Vec<f64>,
+    done: usize,
+}
+
+impl path::Observer for Rows {
+    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        self.written.push((row.step, row.increment, row.iterations));
+        self.values = row.values.to_vec();
+        Ok(())
+    }
+
+    fn increment_done(&mut self, _: Row<'_>) {
+        self.done += 1;
+    }
+}
+
+/// Step 1 in four increments, step 2 in three of its four.
+fn observed(program: &Program) -> (Rows, Vec<Directive>) {
+    let mut rows = Rows::default();
+    let mut recorder = Recorder::new(program, &mut rows, None);
+    let records = (1..=4).map(|k| record(1, k, 0.25 * f64::from(k))).chain((1..=3).map(|k| {
+        // three halves of a second: not the end of the step
+        record(2, k, 1.0 + 0.5 * f64::from(k))
+    }));
+    let records: Vec<Record> = std::iter::once(record(0, 0, 0.0)).chain(records).collect();
+    let directives =
+        records.iter().map(|record| recorder.accept(record).expect("nothing is written to disk")).collect();
+    recorder.finish().expect("nothing is written to disk");
+    (rows, directives)
+}
+
+#[test]
+fn the_last_row_of_a_step_and_of_the_run_are_written_whatever_the_stride() {
+    let (rows, directives) = observed(&program(3));
+    assert_eq!(rows.written, [(0, 0, 3), (1, 3, 3), (1, 4, 3), (2, 3, 3)]);
+    assert_eq!((rows.done, directives.iter().all(|directive| *directive == Directive::GoOn)), (7, true));
+    let (rows, _) = observed(&program(2));
+    // the run ends in the middle of its second step: its last row is kept
+    assert_eq!(rows.written, [(0, 0, 3), (1, 2, 3), (1, 4, 3), (2, 2, 3), (2, 3, 3)]);
+}
+
+#[test]
+fn values_stand_under_their_columns() {
+    let (rows, _) = observed(&program(1));
+    let column = |name: &str| rows.values[COLUMNS.iter().position(|column| *column == name).expect("a column") - 2];
+    assert_eq!(rows.values.len(), COLUMNS.len() - 3);
+    let expected = [
+        ("time", 2.5),
+        ("slip", 0.25),
+        ("load", 7.0),
+        ("load_lateral", 8.0),
+        ("slip_exit", 9.0),
+        ("slip_tail", 10.0),
+        ("external_work", 11.0),
+        ("opening_energy", 16.0),
+        ("energy_error", 18.0),
+        ("damaged_points", 19.0),
+        ("released_points", 24.0),
+        ("bearing_pressure_max", 25.0),
+        ("cutbacks", 26.0),
+    ];
+    for (name, value) in expected {
+        assert_eq!(column(name), value, "{name}");
+    }
+}
+
+#[test]
+fn bounds_end_a_step_or_the_run() {
+    let time_beyond = |bound| Until { column: 2, absolute: false, greater_than: Some(bound), less_than: None };
+    let mut of_step = program(10);
+    of_step.step_untils[0] = Some(time_beyond(0.6));
+    let (rows, directives) = observed(&of_step);
+    assert_eq!(directives[3], Directive::EndStep);
+    assert!(rows.written.contains(&(1, 3, 3)));
+    let mut of_run = program(10);
+    of_run.until = Some(time_beyond(1.6));
+    let (_, directives) = observed(&of_run);
+    assert_eq!(directives.iter().position(|directive| *directive == Directive::EndRun), Some(6));
+}
