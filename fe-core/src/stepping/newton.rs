@@ -206,7 +206,7 @@ impl<'m> Equilibrium<'m> {
         let equations = self.system.equations();
         let mut residual = vec![0.0; equations.count()];
         equations.reduce(&self.unbalanced(), &mut residual);
-        let limit = self.model.controls.force_tolerance * self.force_scale();
+        let limit = (self.model.controls.force_tolerance * self.force_scale()).max(self.rounding);
         let unbalanced: Vec<bool> = residual.iter().map(|force| force.abs() > limit).collect();
         if !unbalanced.contains(&true) {
             return Ok(true);
@@ -215,7 +215,10 @@ impl<'m> Equilibrium<'m> {
         let at_fault = |freedom: &usize| equations.equations_of(*freedom).iter().any(|(e, _)| unbalanced[*e]);
         let freedoms: Vec<usize> = (0..equations.freedom_count()).filter(at_fault).collect();
         let equations = equations.clone();
-        self.zone.take_in(&self.model.mesh, &freedoms);
+        if !self.zone.take_in(&self.model.mesh, &freedoms) {
+            let reason = "equilibrium is lost between the far field and the zone".into();
+            return Err(trouble(Place::System, reason, CUT));
+        }
         self.system = self
             .zone
             .system(self.model, equations, self.contact.freedoms(), &self.solids)

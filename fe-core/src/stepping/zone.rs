@@ -67,12 +67,14 @@ impl Zone {
         }
     }
 
-    /// Takes in the elements at some freedoms, and a few rings around them.
-    pub(super) fn take_in(&mut self, mesh: &Mesh, freedoms: &[usize]) {
+    /// Takes in the elements at some freedoms, and a few rings around them; `false` if they are all in already.
+    pub(super) fn take_in(&mut self, mesh: &Mesh, freedoms: &[usize]) -> bool {
+        let before = self.active.iter().filter(|active| **active).count();
         let mut added = Self { active: touching(mesh, freedoms), condenses: false };
         added.grow(mesh, GROWTH);
         self.active.iter_mut().zip(added.active).for_each(|(active, added)| *active |= added);
         self.condenses = self.pays();
+        self.active.iter().filter(|active| **active).count() > before
     }
 
     /// The system of this partition; the solids' stiffnesses are those of the virgin state, or were.
