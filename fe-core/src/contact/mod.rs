@@ -106,7 +106,7 @@ pub struct SlipGrowth {
     pub point: usize,
     /// |Δg| of the increment, mm.
     pub growth: f64,
-    /// |Δg| / max(g_crit, κ/2), κ the largest |g| at the start; 0 where both are 0.
+    /// |Δg| / max(g_crit, κ/2), κ the largest |g| at the start; 0 where there is no elastic bond.
     pub ratio: f64,
 }
 
@@ -329,7 +329,7 @@ impl Contact {
                 }
                 let growth = (end.slip - start.slip).abs();
                 let measure = of_pair.critical_slip.max(0.5 * start.largest_slip);
-                let ratio = if measure > 0.0 { growth / measure } else { 0.0 };
+                let ratio = if of_pair.critical_slip > 0.0 { growth / measure } else { 0.0 };
                 if largest.is_none_or(|largest| (ratio, growth) > (largest.ratio, largest.growth)) {
                     largest = Some(SlipGrowth { pair, point, growth, ratio });
                 }

@@ -16,6 +16,13 @@ use crate::model::{ContactLaw, ContactPair, Enforcement, NormalLaw, Width};
 /// curves: stored and subtracted.
 const INITIAL_GAP: f64 = 1e-3;
 
+/// The first slip at which a law is asked for its elastic limit, as part of an edge.
+const FIRST_PROBE: f64 = 1e-7;
+/// A shear that is on its first line within this is elastic.
+const ELASTIC_PROBE: f64 = 1e-6;
+/// Halvings by which the limit is found: to a hundredth of itself.
+const PROBES: usize = 7;
+
 impl Pair {
     /// A pair of a mesh without displacements.
     ///
@@ -53,7 +60,53 @@ impl Pair {
             pair_points.start_point(mesh, pair, index)?;
         }
         pair_points.trial.points.clone_from(&pair_points.committed.points);
+        if pair_points.critical_slip == 0.0 {
+            pair_points.critical_slip = pair_points.elastic_slip(mesh)?;
+        }
         Ok(pair_points)
+    }
+
+    /// The slip up to which a virgin point's shear is a straight line, asked of the law itself at gap 0; 0 where it has
+    /// none without pressure.
+    fn elastic_slip(&mut self, mesh: &Mesh) -> Result<f64, ContactError> {
+        let is_closed = |state: &PointState| !matches!(state.status, PointStatus::Released) && state.gap <= 0.0;
+        let Some(index) = self.committed.points.iter().position(is_closed) else { return Ok(0.0) };
+        let position = |node: usize| mesh.nodes()[node];
+        let point = self.points[index];
+        let foot = self.committed.points[index].foot;
+        let Ok(kinematics) = Kinematics::new(&self.chain, &point.slave, foot, &position) else { return Ok(0.0) };
+        let start = PointState { gap: 0.0, ..PointState::new(foot, 1.0) };
+        let virgin = vec![0.0; self.state_count];
+        let context =
+            IncrementContext { step: 1, increment: 1, iteration: 1, time_increment: 1.0, ..Default::default() };
+        let mut shear_at = |slip: f64| {
+            let situation = situation(&point, &kinematics, index, [0.0, slip], &start, &virgin, &context);
+            let mut end = start;
+            let mut statev = virgin.clone();
+            let refused =
+                |failure: LawFailure| ContactError::Parameters { pair: self.name.clone(), message: failure.reason };
+            self.law.advance(&situation, &mut end, &mut statev).map_err(refused)?;
+            Ok(end.shear)
+        };
+        let first = FIRST_PROBE * point.edge_length;
+        let stiffness = shear_at(first)? / first;
+        if stiffness <= 0.0 {
+            return Ok(0.0);
+        }
+        let (mut elastic, mut beyond) = (first, first);
+        while beyond < point.edge_length {
+            beyond *= 2.0;
+            if (shear_at(beyond)? / (stiffness * beyond) - 1.0).abs() > ELASTIC_PROBE {
+                break;
+            }
+            elastic = beyond;
+        }
+        for _ in 0..PROBES {
+            let middle = 0.5 * (elastic + beyond);
+            let is_elastic = (shear_at(middle)? / (stiffness * middle) - 1.0).abs() <= ELASTIC_PROBE;
+            *(if is_elastic { &mut elastic } else { &mut beyond }) = middle;
+        }
+        Ok(elastic)
     }
 
     /// Finds where a point starts.

@@ -25,7 +25,7 @@ pub struct ContactPair {
     pub enforcement: Enforcement,
     /// Whether a point's contact fades as it passes either end of the master.
     pub release: bool,
-    /// Slip up to which the bond is elastic, mm, which limits increments; 0: unknown.
+    /// Slip up to which the bond is elastic, mm, which limits increments; 0: the law is asked.
     pub critical_slip: f64,
 }
 

@@ -37,7 +37,7 @@ pub struct Pair {
     pub penalty_factor: Option<Piece<Positive>>,
     /// How the hard normal law is enforced (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
-    /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: not known).
+    /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
     pub critical_slip: Option<Piece<Positive>>,
     /// Whether contact fades as a point passes either end of the master (default true).
     pub release: Option<Piece<bool>>,
