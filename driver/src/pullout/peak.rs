@@ -46,7 +46,8 @@ impl<'p> PeakKeeper<'p> {
     /// Whether the load is greater than ever; then it is the peak from now on.
     fn rises(&mut self, record: &Record) -> bool {
         let greatest = self.peak.map_or(0.0, |peak| peak.load.abs());
-        let rises = record.load.abs() > greatest;
+        // before the first step there is no load but rounding
+        let rises = record.step > 0 && record.load.abs() > greatest;
         if rises {
             let &Record { load, slip, step, increment, time, .. } = record;
             self.peak = Some(PeakLoad { load, slip, step, increment, time });

@@ -4,16 +4,17 @@
 //! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load. `axial_stress`,
 //! `interface_shear` and `interface_pressure` show both states.
 
-use super::fibre::Fibre;
+use super::fibre::{Fibre, Wall};
 use super::{Outcome, Program, State};
 use crate::output::number::significant;
 use crate::output::plots::Picture;
 use crate::output::plots::field::{
-    FieldPicture, PictureError, PictureMesh, Window, contour, deformed_mesh, interface_profiles,
+    FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, deformed_mesh, interface_profiles,
 };
 use crate::output::plots::figure::{Figure, Line, Style};
 use crate::output::plots::quantity::{Quantity, Sort};
 use fe_core::mesh::Mesh;
+use fe_core::model::ContactPair;
 use fe_core::output::{FieldsError, Principal, Recovery, axial_stress};
 use std::collections::BTreeSet;
 use std::io;
@@ -23,6 +24,7 @@ use std::path::Path;
 const ZOOM: f64 = 3.0;
 /// Cross-sections along a fibre at most.
 const MOST_SECTIONS: usize = 400;
+const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
 /// Draws everything into a folder.
 ///
@@ -65,6 +67,8 @@ struct Album<'a> {
     mesh: &'a Mesh,
     recovery: Recovery,
     fibre: Option<Fibre>,
+    /// How the slave surface of each pair lies along the fibre.
+    walls: Vec<Option<Wall>>,
     /// Parts that carry contact points: fibres are stressed so much more that colours follow these parts.
     matrix: BTreeSet<usize>,
     pictures: Vec<Picture>,
@@ -73,12 +77,16 @@ struct Album<'a> {
 impl<'a> Album<'a> {
     fn new(folder: &'a Path, program: &'a Program) -> Self {
         let mesh = &program.model.mesh;
-        let slaves = program.model.contacts.iter().flat_map(|pair| &pair.slave);
+        let contacts = &program.model.contacts;
+        let slaves = contacts.iter().flat_map(|pair| &pair.slave);
+        let fibre = Fibre::of(&program.model);
+        let wall = |pair: &ContactPair| Wall::of(fibre.as_ref()?, mesh, &pair.slave);
         Self {
+            walls: contacts.iter().map(wall).collect(),
             folder,
             mesh,
             recovery: Recovery::new(mesh),
-            fibre: Fibre::of(&program.model),
+            fibre,
             matrix: slaves.map(|edge| mesh.elements()[edge.element].part()).collect(),
             pictures: Vec::new(),
         }
@@ -120,7 +128,9 @@ impl<'a> Album<'a> {
             let mut picture = FieldPicture::new(moment.title("Deformed mesh"), &mesh);
             (picture.window, picture.magnification) = (window.clone(), magnification);
             self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
-            for shown in &contours {
+            // a zoom on nothing says no more than the whole
+            let is_worth_it = |shown: &&Contour| place.is_empty() || !shown.is_constant();
+            for shown in contours.iter().filter(is_worth_it) {
                 let mut picture = FieldPicture::new(moment.title(&shown.what), &mesh);
                 picture.window = window.clone();
                 let range = shown.range(&self.recovery, &mesh, &self.matrix, window.as_ref());
@@ -136,7 +146,8 @@ impl<'a> Album<'a> {
             let whole = Window::around(&mesh.nodes)?;
             let [x, y] = self.mesh.nodes()[fibre.exit_node];
             let reach = 2.0 * ZOOM * fibre.radius;
-            let within = |at: f64, range: &std::ops::Range<f64>| (at - reach).max(range.start)..(at + reach).min(range.end);
+            let within =
+                |at: f64, range: &std::ops::Range<f64>| (at - reach).max(range.start)..(at + reach).min(range.end);
             Some(Window { x: within(x, &whole.x), y: within(y, &whole.y) })
         });
         let zoom = around_exit.map(|window| ("_exit", Some(window)));
@@ -152,12 +163,17 @@ impl<'a> Album<'a> {
             let sections = elements.min(MOST_SECTIONS);
             let points = axial_stress(&moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
             let columns = ("arc".to_owned(), moment.suffix.to_owned());
-            lines.push(Line { label: moment.title("").trim_start_matches(", ").into(), points, columns, style: Style { color: k, dash: k } });
+            lines.push(Line {
+                label: moment.title("").trim_start_matches(", ").into(),
+                points,
+                columns,
+                style: Style { color: k, dash: k },
+            });
         }
         self.keep_figure(&Figure {
             name: "axial_stress".into(),
             title: "Axial stress of the fibre".into(),
-            x: Quantity { name: "distance from the embedded end along the fibre".into(), unit: "mm".into() },
+            x: Quantity { name: ALONG_FIBRE.into(), unit: "mm".into() },
             y: Quantity { name: "axial stress".into(), unit: "MPa".into() },
             lines,
             marks: Vec::new(),
@@ -165,12 +181,18 @@ impl<'a> Album<'a> {
         })
     }
 
-    /// Shear and pressure along the interface: a colour for each moment, a dash for each pair.
+    /// Shear and pressure along the interface: a colour for each moment, a dash for each pair. Along a fibre the walls of
+    /// the hole have a common coordinate, and shear that resists the pull is positive.
     fn interface(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
         let mut figures: Vec<Figure> = Vec::new();
         for (color, moment) in moments.iter().enumerate() {
             for mut figure in interface_profiles("", &moment.state.fields) {
                 for (dash, line) in figure.lines.iter_mut().enumerate() {
+                    if let Some(Some(wall)) = self.walls.get(dash) {
+                        let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
+                        line.points.iter_mut().for_each(|(x, y)| (*x, *y) = (wall.along_fibre(*x), sign * *y));
+                        figure.x.name = ALONG_FIBRE.into();
+                    }
                     line.label = format!("{}, {}", line.label, moment.words);
                     line.style = Style { color, dash };
                 }
@@ -233,6 +255,11 @@ enum Limits {
 }
 
 impl Contour {
+    fn is_constant(&self) -> bool {
+        let mut numbers = self.values.iter().filter(|value| value.is_finite());
+        numbers.next().is_none_or(|first| numbers.all(|other| other == first))
+    }
+
     fn range(
         &self,
         recovery: &Recovery,

@@ -62,13 +62,7 @@ fn material_point(
 }
 
 /// A case of kind "interface".
-fn contact_point(
-    program: &Program,
-    pair: &str,
-    point: usize,
-    title: String,
-    snapshot: &Snapshot<'_>,
-) -> Option<Value> {
+fn contact_point(program: &Program, pair: &str, point: usize, title: String, snapshot: &Snapshot<'_>) -> Option<Value> {
     let call = snapshot.contact().last_call(pair, point)?;
     let (law, entry) = match &program.model.contacts.iter().find(|other| other.name == pair)?.law {
         ContactLaw::Uinter(law) => (law, "uinter"),

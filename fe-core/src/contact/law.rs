@@ -1,8 +1,8 @@
 //! From gap and slip to tractions: the calls of UINTER and FRIC.
 
-use super::{ContactError, NormalDrive};
 use super::history::{PointState, PointStatus};
 use super::normal::{HostNormal, NormalState};
+use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
 use crate::model::{ContactLaw, ContactPair, Enforcement, PluginLaw};
 use umat_abi::host::{CallOutcome, ContactArrays, FricCall, Law, Overrun, UinterCall, Validation};
@@ -133,7 +133,7 @@ impl PointLaw {
         statev: &'a [f64],
     ) -> Option<super::ContactCall<'a>> {
         let props = self.arrays().props();
-        let number = i32::try_from(point + 1).ok();
+        let number = i32::try_from(point + 1).ok().filter(|_| self.arrays().calls() > 0);
         match self {
             Self::Uinter { call, .. } if Some(call.node) == number => Some(super::ContactCall {
                 slip: [call.rdisp[1] - call.drdisp[1], call.rdisp[1]],

@@ -9,6 +9,7 @@ use std::io;
 use std::path::Path;
 
 mod account;
+mod specimen;
 pub use account::{Account, LawAccount, Parameter};
 
 #[cfg(test)]
@@ -43,6 +44,7 @@ fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
                     div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
                 }
                 (comparison(summary))
+                @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
                 (effort(summary))
                 (peaks(summary))
             }
