@@ -31,11 +31,14 @@ fn material_point(
     let mesh = &program.model.mesh;
     let part = mesh.elements()[element].part();
     let law = &program.model.laws[part];
+    // Elements whose dilatation is averaged have strains 33 in plane strain as well: the axisymmetric mode has the same
+    // NTENS and NDI, and drives all four.
+    let has_strain_33 = call.strain[2] != 0.0 || call.strain_increment[2] != 0.0;
     // the four components of the plane among the six of a case
     let (mode, components, driven): (_, &[usize], &[usize]) = match mesh.parts()[part].model {
         PlaneModel::PlaneStress => ("plane_stress", &[0, 1, 3], &[0, 1, 3]),
-        PlaneModel::PlaneStrain => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
-        PlaneModel::Axisymmetric => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
+        PlaneModel::PlaneStrain if !has_strain_33 => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
+        PlaneModel::PlaneStrain | PlaneModel::Axisymmetric => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
     };
     let named = |names: &[&str; 6], which: &[usize], values: [f64; 4]| {
         which.iter().map(|&k| (names[k].to_owned(), json!(values[k]))).collect::<Map<_, _>>()

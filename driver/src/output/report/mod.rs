@@ -36,6 +36,7 @@ fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
             body {
                 h1 { (title) }
                 (status(summary))
+                @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
                 @if !account.description.is_empty() { p.description { (account.description) } }
                 (warnings(&summary.warnings))
                 (what_was_run(account, summary))
