@@ -10,6 +10,9 @@ use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support
 use crate::output::Fields;
 use std::io;
 
+mod patch;
+mod spin;
+
 /// Keeps what it is told.
 #[derive(Default)]
 struct Keeper(Vec<Record>);

@@ -11,7 +11,7 @@ use fe_core::mesh::gmsh::{self, PartProperties};
 use fe_core::mesh::specimen::SpecimenError;
 use fe_core::mesh::{Mesh, MeshDefinition};
 use fe_core::model::Width;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
@@ -99,9 +99,17 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
     }
 }
 
-/// Checks the mesh; its faults are told at `mesh`.
+/// Checks the mesh; its faults are told at `mesh`. The nodes of a part are a set of its name, unless there is another.
 pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
-    Mesh::new(ground.definition.clone())
+    let mut definition = ground.definition.clone();
+    for (index, part) in definition.parts.iter().enumerate() {
+        let nodes = || {
+            let elements = definition.elements.iter().filter(|element| element.part == index);
+            BTreeSet::from_iter(elements.flat_map(|element| element.nodes.iter().copied())).into_iter().collect()
+        };
+        definition.node_sets.entry(part.name.clone()).or_insert_with(nodes);
+    }
+    Mesh::new(definition)
         .map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string()))
         .ok()
 }

@@ -61,7 +61,7 @@ pub enum Supports {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Support {
-    /// Node set; default: the one called like the support.
+    /// Node set; default: the one called like the support. The nodes of a part are a set of its name.
     pub nodes: Option<String>,
     /// Direction in which they are held; default: both.
     pub direction: Option<SupportDirection>,

@@ -1,0 +1,41 @@
+//! A cylinder on a plane.
+
+use super::{model, run_to_end};
+use end_to_end_tests::analytical::hertz::LineContact;
+
+const PAIR: LineContact = LineContact { radius: 10.0, bodies: [(210e3, 0.3); 2] };
+
+#[test]
+fn half_width_and_peak_pressure_are_hertz() {
+    let model = model("hertz", &[]);
+    let base = model.supports.iter().position(|support| support.name.starts_with("base") && support.direction[1] == 1.0);
+    let base = base.unwrap();
+    let (mut force, mut points) = (0.0, Vec::new());
+    run_to_end(&model, |_, snapshot| {
+        // the model is one half
+        force = 2.0 * snapshot.reaction_of(base, [0.0, 1.0]);
+        let point = |point: fe_core::contact::PointRecord<'_>| (point.position.map(|x| x[0]), point.pressure, point.area);
+        points = snapshot.contact().points().map(point).collect();
+    });
+    let (half_width, peak) = (PAIR.half_width(force), PAIR.peak_pressure(force));
+    let carried: f64 = points.iter().map(|(_, pressure, area)| 2.0 * pressure * area).sum();
+    approx::assert_relative_eq!(carried, force, max_relative = 1e-4);
+
+    // p² = p_0² (1 − x²/a²) is a line in x², fitted where it is not next to the edge of contact
+    let inside = points.iter().filter_map(|&(x, p, _)| x.filter(|x| *x < 0.8 * half_width).map(|x| (x * x, p * p)));
+    let inside: Vec<(f64, f64)> = inside.collect();
+    let count = inside.len() as f64;
+    let mean = |f: &dyn Fn(&(f64, f64)) -> f64| inside.iter().map(f).sum::<f64>() / count;
+    let (mx, my) = (mean(&|p| p.0), mean(&|p| p.1));
+    let slope = mean(&|p| (p.0 - mx) * (p.1 - my)) / mean(&|p| (p.0 - mx).powi(2));
+    let fitted_peak = (my - slope * mx).sqrt();
+    let fitted_width = fitted_peak / (-slope).sqrt();
+    let greatest = points.iter().fold(0.0_f64, |greatest, (_, pressure, _)| greatest.max(*pressure));
+    let closed = points.iter().filter(|(_, pressure, _)| *pressure > 0.0);
+    let last = closed.filter_map(|(x, ..)| *x).fold(0.0, f64::max);
+    println!("P {force:.1} N/mm: a {half_width:.4}, fitted {fitted_width:.4}, last closed point {last:.4}");
+    println!("p_0 {peak:.1}, fitted {fitted_peak:.1}, greatest {greatest:.1} MPa, {count} points");
+    approx::assert_relative_eq!(fitted_width, half_width, max_relative = 1e-2);
+    approx::assert_relative_eq!(fitted_peak, peak, max_relative = 1e-2);
+    approx::assert_relative_eq!(greatest, peak, max_relative = 1e-2);
+}

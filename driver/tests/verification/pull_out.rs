@@ -1,0 +1,81 @@
+//! An elastic fibre in a rigid matrix against one-dimensional shear lag.
+
+use super::{model, run, run_to_end};
+use end_to_end_tests::analytical::pull_out::{DroppingBond, Fibre};
+
+/// The specimen of the cases.
+const FIBRE: Fibre = Fibre { diameter: 0.406, modulus: 210e3, length: 12.2 };
+
+#[test]
+fn the_linear_bond_gives_the_load_of_shear_lag() {
+    let mut errors = Vec::new();
+    for elements in [10, 20, 40] {
+        let model = model("fibre-elastic-bond", &[&format!("mesh.specimen.embedded_elements={elements}")]);
+        let mut error = [f64::NAN; 2];
+        run_to_end(&model, |record, _| {
+            let load = FIBRE.elastic_load(400.0, record.slip_exit);
+            let tail = FIBRE.elastic_tail_slip(400.0, record.slip_exit);
+            error = [(record.load / load - 1.0).abs(), (record.slip_tail / tail - 1.0).abs()];
+        });
+        println!("{elements} elements: load {:.2e}, tail {:.2e}", error[0], error[1]);
+        assert!(error[0] < 1e-3, "{elements} elements: {error:?}");
+        errors.push(error[0]);
+    }
+}
+
+#[test]
+fn the_dropping_bond_is_followed_through_the_snap_back() {
+    let bond = DroppingBond { stiffness: 100.0, strength: 2.0, friction: 1.0 };
+    let model = model("fibre-dropping-bond", &[]);
+    let (peak, peak_slip) = FIBRE.debonding(&bond, FIBRE.debonded_at_peak(&bond));
+    let branch: Vec<(f64, f64)> =
+        (0..=4000).map(|k| FIBRE.debonding(&bond, FIBRE.length * f64::from(k) / 4000.0)).collect();
+    // distances from the branch, relative to the peak; slips that turn back
+    let (mut worst, mut debonded, mut turned, mut last) = (0.0_f64, 0, 0, 0.0);
+    let mut greatest = 0.0_f64;
+    let end = run(&model, |record, _| {
+        greatest = greatest.max(record.load);
+        turned += u32::from(record.slip_exit < last);
+        last = record.slip_exit;
+        let (load, slip) = (record.load / peak, record.slip_exit / peak_slip);
+        let elastic = FIBRE.elastic_load(bond.stiffness, record.slip_exit) / peak;
+        let distance = branch.iter().map(|(p, u)| (p / peak - load).abs().max((u / peak_slip - slip).abs()));
+        let off = distance.fold(f64::INFINITY, f64::min);
+        if (elastic - load).abs() > off && record.load > 0.0 {
+            worst = worst.max(off);
+            debonded += 1;
+        }
+    });
+    println!("peak {greatest:.4} for {peak:.4} N; {debonded} on the branch, off by {worst:.2e}; turned {turned}; {end:?}");
+    end.unwrap();
+    assert!(turned > 3, "no snap-back was followed");
+    assert!(worst < 5e-3, "{worst:.2e} off the branch");
+}
+
+#[test]
+fn the_full_pull_out_ends_at_nothing() {
+    const FRICTION: f64 = 1.0;
+    let model = model("fibre-full-pull-out", &[]);
+    let full = FIBRE.friction_load(FRICTION, 0.0);
+    let (mut worst, mut rise, mut peak, mut lowest, mut last) = (0.0_f64, 0.0_f64, 0.0, f64::INFINITY, f64::NAN);
+    let mut outputs = 0;
+    run_to_end(&model, |record, _| {
+        if record.load > peak {
+            (peak, lowest) = (record.load, record.load);
+        }
+        lowest = record.load.min(lowest);
+        rise = rise.max(record.load - lowest);
+        // before the tail has slid the bond is not yet exhausted
+        if record.slip_tail > 2.0 * FRICTION / 1000.0 {
+            let off = (record.load - FIBRE.friction_load(FRICTION, record.slip_tail)).abs() / full;
+            worst = worst.max(off);
+            outputs += 1;
+        }
+        last = record.load;
+    });
+    println!("{outputs} outputs: off by {worst:.2e}, rises by {:.2e}, ends at {last:.2e} N", rise / peak);
+    assert!(outputs >= 400);
+    assert!(worst < 5e-3, "{worst:.2e}");
+    assert!(rise < 5e-4 * peak, "{:.2e}", rise / peak);
+    approx::assert_abs_diff_eq!(last, 0.0, epsilon = 1e-6 * full);
+}
