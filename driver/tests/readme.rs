@@ -130,3 +130,19 @@ fn plasticity_in_fortran_follows_the_plugin() {
 fn plasticity_in_c_follows_the_plugin() {
     plasticity_in(Tool::C, "j2.c");
 }
+
+/// The pull-out case of the README ends with nothing left in the block.
+#[test]
+fn the_fibre_of_the_readme_is_pulled_out() {
+    let desk = Desk::new();
+    let case = blocks("json").into_iter().find(|block| block.contains("pullout")).expect("a pull-out case");
+    let case = desk.write("fibre.json", &case);
+    let coarse = ["mesh.specimen.embedded_elements=12", "output.plots=false", "output.vtu=false"];
+    let run = desk.run(&case, &coarse, "fibre", 0);
+    let (load, slip) = (run.history.column("load"), run.history.column("slip"));
+    let peak = load.iter().fold(0.0_f64, |peak, load| peak.max(*load));
+    // πφL times the greatest bond, and what friction adds
+    assert!((29.0..33.0).contains(&peak), "{peak}");
+    assert!(load.last().unwrap().abs() < 1e-6 * peak && *slip.last().unwrap() == 12.5);
+    assert!(run.history.column("energy_error").iter().all(|error| error.abs() < 1e-3));
+}

@@ -1,14 +1,19 @@
 //! Two-dimensional finite elements in plane stress, plane strain and axial symmetry.
 //!
-//! Units N, mm, MPa; tension positive; (x, y), which is (r, z) in axial symmetry. What is here is complete and tested
-//! in itself, and knows no constitutive law, no plugin and no case file:
+//! Units N, mm, MPa; tension positive; (x, y), which is (r, z) in axial symmetry. Materials and interfaces are plugins behind
+//! the UMAT, UINTER and FRIC interfaces ([`model::PluginLaw`]); no law is known here. In the order of one increment:
 //!
-//! - [`element`]: the reference elements T3, T6, Q4 and Q8, their edges, their integration rules, the isoparametric
-//!   map and the characteristic length that a UMAT receives as `CELENT`;
-//! - [`kinematics`]: small strains from nodal displacements, B-bar for Q4, nodal forces from stresses, the volume of a point;
-//! - [`mesh`]: nodes, elements, parts and named sets, checked as a whole; neighbours and boundaries.
-//!
-
+//! - [`mesh`]: nodes, elements, parts and named sets, checked as a whole; structured meshes, specimens, Gmsh files,
+//!   pre-flight checks;
+//! - [`element`]: the reference elements T3, T6, Q4 and Q8, their edges, integration rules and the isoparametric map;
+//! - [`kinematics`]: small strains, B-bar, and the updated-Lagrangian increment of large displacements;
+//! - [`assembly`]: all material points through their UMATs, loads, constraints, the system of equations, the condensed
+//!   far field;
+//! - [`contact`]: points of one surface on another, their laws and how these are enforced;
+//! - [`solver`]: sparse direct solution with reused analyses and checked residuals;
+//! - [`stepping`]: Newton, automatic increments, indirect control, energies ([`stepping::Analysis`] runs a
+//!   [`model::Model`]);
+//! - [`output`]: fields at nodes, VTK files.
 //!
 //! Everything in code is counted from 0. Messages, the pictures of the elements and the arguments `NOEL` and `NPT` of
 //! a UMAT count from 1, as users do.

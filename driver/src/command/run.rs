@@ -141,9 +141,16 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
         progress: Progress::new(&title(case), extent(case), shown(case), quiet),
         done: 0,
     };
-    let (statistics, result) = match case {
-        Case::Path(program) => path::run(program, &mut record),
-        Case::Pullout(program) => pullout::run(program, folder, &mut record),
+    let (statistics, result, mut specimen) = match case {
+        Case::Path(program) => {
+            let (statistics, result) = path::run(program, &mut record);
+            (statistics, result, None)
+        }
+        Case::Pullout(program) => {
+            let mut outcome = pullout::run(program, folder, &mut record);
+            let result = std::mem::replace(&mut outcome.result, Ok(()));
+            (outcome.statistics, result, Some((program, outcome)))
+        }
     };
     record.progress.finish();
     let message = match result {
@@ -157,6 +164,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
         }
     };
     let mut summary = summarise(case, &record.peaks, statistics, message, start.elapsed().as_secs_f64())?;
+    summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
     let mut pictures = Vec::new();
     // a long history is read back only if something is made of it
     if case.draws_plots() || !case.compare().is_empty() {
@@ -164,6 +172,9 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
         summary.compare = case.compare().iter().map(|curve| compare(&history, curve)).collect();
         if case.draws_plots() {
             pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(case))?;
+            if let Some((program, outcome)) = &specimen {
+                pictures.extend(pullout::pictures::draw(&folder.join("plots"), program, outcome)?);
+            }
         }
     }
     summary.write(&folder.join("summary.json"))?;
@@ -192,6 +203,7 @@ fn summarise(
         cutbacks: statistics.cutbacks,
         wall_time_s,
         compare: Vec::new(),
+        specimen: None,
         warnings: warnings(case),
     })
 }

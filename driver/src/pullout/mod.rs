@@ -1,8 +1,16 @@
-//! Specimens in two dimensions: what a case asks for, checked and resolved, and its run.
+//! Specimens in two dimensions: what a case asks for, checked and resolved, its run, and what it leaves behind besides
+//! the history.
 
+mod fibre;
 mod fields;
+mod findings;
+mod peak;
+pub mod pictures;
 mod program;
 mod recorder;
+mod replay;
 
+pub use findings::{Failure, Findings, Place};
+pub use peak::PeakLoad;
 pub use program::{COLUMNS, Output, Program};
-pub use recorder::run;
+pub use recorder::{Outcome, State, run};

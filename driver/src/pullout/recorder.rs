@@ -1,15 +1,20 @@
 //! Runs a model, and turns its records into rows of the history.
 
 use super::fields::FieldWriter;
-use super::{COLUMNS, Program};
+use super::findings::{self, Findings};
+use super::peak::PeakKeeper;
+use super::{COLUMNS, Program, replay};
 use crate::path::program::Until;
 use crate::path::{self, Failure, Row, Statistics, Stop};
-use fe_core::stepping::{Analysis, Directive, Observer, Record, RunError, Snapshot};
+use fe_core::output::Fields;
+use fe_core::stepping::{Analysis, Directive, Energies, Observer, Record, RunError, Snapshot};
+use serde_json::Value;
 use std::io;
 use std::path::Path;
+use std::time::{Duration, Instant};
 
 #[cfg(test)]
-mod test;
+pub(super) mod test;
 
 /// Columns before the values of a [`Row`]: step and increment.
 const LEADING_COLUMNS: usize = 2;
@@ -18,45 +23,124 @@ const VALUES: usize = COLUMNS.len() - LEADING_COLUMNS - 1;
 /// A step is at its end within this part of its duration: increments add up with rounding.
 const END_TOLERANCE: f64 = 1e-9;
 
-/// Runs a program to its end, to an `until`, or to a failure; fields go to `folder`. Rows that were observed stay valid.
-///
-/// # Errors
-/// [`Stop`]; the statistics tell how far it came.
-pub fn run(program: &Program, folder: &Path, observer: &mut dyn path::Observer) -> (Statistics, Result<(), Stop>) {
-    let mut analysis = match Analysis::new(&program.model) {
-        Ok(analysis) => analysis,
-        Err(error) => return (Statistics::default(), Err(failure(1, 1, error.to_string()))),
-    };
-    let fields = match program.output.fields_every.map(|_| FieldWriter::create(folder, &program.model)).transpose() {
-        Ok(fields) => fields,
-        Err(error) => return (Statistics::default(), Err(Stop::Write(error))),
-    };
-    let mut recorder = Recorder::new(program, observer, fields);
-    let result = analysis.run(&mut recorder).map_err(|error| match error {
-        RunError::Failed { step, increment, .. } => failure(step, increment, error.to_string()),
-        RunError::Write(error) => Stop::Write(error),
-    });
-    let result = recorder.finish().map_err(Stop::Write).and(result);
-    let done = analysis.statistics();
-    let statistics = Statistics {
-        increments: done.increments,
-        iterations: done.iterations,
-        plugin_calls: analysis.snapshot().solids().counters().umat_calls,
-        cutbacks: done.cutbacks,
-    };
-    (statistics, result)
+/// What a run gives: what it cost, how it ended, what it found, and the states that pictures show.
+#[derive(Debug)]
+pub struct Outcome<'p> {
+    /// What it cost.
+    pub statistics: Statistics,
+    /// How it ended. Rows that were observed stay valid.
+    pub result: Result<(), Stop>,
+    /// What it says besides its history.
+    pub findings: Findings,
+    /// The state at the greatest load, if the run went on from there and pictures are wanted.
+    pub peak: Option<State<'p>>,
+    /// The state at the end, if pictures are wanted and anything was computed.
+    pub end: Option<State<'p>>,
 }
 
-fn failure(step: u32, increment: u32, message: String) -> Stop {
-    Stop::Failed(Failure { step, increment, message, replay: serde_json::Value::Null })
+impl Outcome<'_> {
+    fn stopped(stop: Stop) -> Self {
+        Self {
+            statistics: Statistics::default(),
+            result: Err(stop),
+            findings: Findings::default(),
+            peak: None,
+            end: None,
+        }
+    }
+}
+
+/// A state that pictures show.
+#[derive(Debug)]
+pub struct State<'p> {
+    /// Slip, mm.
+    pub slip: f64,
+    /// Load, N.
+    pub load: f64,
+    /// The fields.
+    pub fields: Fields<'p>,
+}
+
+/// Runs a program to its end, to an `until`, or to a failure; fields go to `folder`.
+pub fn run<'p>(program: &'p Program, folder: &Path, observer: &mut dyn path::Observer) -> Outcome<'p> {
+    let model = &program.model;
+    let start = Instant::now();
+    let mut analysis = match Analysis::new(model) {
+        Ok(analysis) => analysis,
+        Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
+    };
+    let set_up = start.elapsed();
+    let fields = match program.output.fields_every.map(|_| FieldWriter::create(folder, model)).transpose() {
+        Ok(fields) => fields,
+        Err(error) => return Outcome::stopped(Stop::Write(error)),
+    };
+    let mut recorder = Recorder::new(program, observer, fields);
+    let start = Instant::now();
+    let ended = analysis.run(&mut recorder);
+    let snapshot = analysis.snapshot();
+    let mut findings = Findings { failure: ended.as_ref().err().and_then(failure_of), ..Findings::default() };
+    let ended = ended.map_err(|error| match error {
+        RunError::Failed { step, increment, ref trouble, .. } => {
+            failure(step, increment, error.to_string(), replay::of(program, trouble, &snapshot))
+        }
+        RunError::Write(error) => Stop::Write(error),
+    });
+    let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
+    let elapsed = start.elapsed();
+    let done = analysis.statistics();
+    let Recorder { fields, peak, present, energies, energy_error, .. } = recorder;
+    let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
+    findings.peak_load = peak.peak();
+    findings.energy_error_max = energy_error;
+    findings.energies = findings::energies(&energies);
+    findings.statistics = findings::statistics(&analysis);
+    findings.times = findings::times(set_up, elapsed.saturating_sub(writing), writing);
+    let pairs = model.contacts.iter().map(|pair| pair.name.clone());
+    findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
+    let [_, slip, load, ..] = present.values;
+    let end = || State { slip, load, fields: Fields::of(&snapshot).kept(&model.mesh) };
+    let goes_on = |state: &State<'_>| state.fields.time < snapshot.time();
+    Outcome {
+        statistics: Statistics {
+            increments: done.increments,
+            iterations: done.iterations,
+            plugin_calls: snapshot.solids().counters().umat_calls + snapshot.contact().law_calls(),
+            cutbacks: done.cutbacks,
+        },
+        result,
+        findings,
+        peak: peak.into_state().filter(goes_on),
+        end: program.output.plots.then(end),
+    }
+}
+
+fn failure(step: u32, increment: u32, message: String, replay: Value) -> Stop {
+    Stop::Failed(Failure { step, increment, message, replay })
+}
+
+fn failure_of(error: &RunError) -> Option<findings::Failure> {
+    match error {
+        RunError::Failed { step, increment, progress, trouble } => Some(findings::Failure {
+            step: *step,
+            increment: *increment,
+            progress: *progress,
+            place: (&trouble.place).into(),
+            reason: trouble.reason.clone(),
+        }),
+        RunError::Write(_) => None,
+    }
 }
 
 /// Which increments are written, and when a step or the run ends early.
-struct Recorder<'a> {
-    program: &'a Program,
-    observer: &'a mut dyn path::Observer,
+struct Recorder<'p, 'o> {
+    program: &'p Program,
+    observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
+    peak: PeakKeeper<'p>,
     present: Present,
+    energies: Energies,
+    /// The greatest energy error so far.
+    energy_error: f64,
     /// Total time at the start of the present step.
     step_start: f64,
 }
@@ -85,14 +169,29 @@ impl Present {
     }
 }
 
-impl<'a> Recorder<'a> {
-    fn new(program: &'a Program, observer: &'a mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
+impl<'p, 'o> Recorder<'p, 'o> {
+    fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let present = Present { step: 0, increment: 0, values: [0.0; VALUES], iterations: 0, written: true };
-        Self { program, observer, fields, present, step_start: 0.0 }
+        let peak = PeakKeeper::new(program.output.plots.then_some(&program.model.mesh));
+        Self {
+            program,
+            observer,
+            fields,
+            peak,
+            present,
+            energies: Energies::default(),
+            energy_error: 0.0,
+            step_start: 0.0,
+        }
     }
 
-    /// Writes the last row if it was not due: a run that fails keeps all that it reached.
-    fn finish(&mut self) -> io::Result<()> {
+    /// Writes the last row and the last fields if they were not due: a run that fails keeps all that it reached.
+    fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
+        self.finish_history()?;
+        self.fields.as_mut().map_or(Ok(()), |fields| fields.finish(snapshot))
+    }
+
+    fn finish_history(&mut self) -> io::Result<()> {
         if self.present.written { Ok(()) } else { self.observer.row(self.present.row()) }
     }
 
@@ -126,6 +225,8 @@ impl<'a> Recorder<'a> {
         if record.step != self.present.step {
             self.step_start = self.present.time();
         }
+        self.energies = record.energies;
+        self.energy_error = self.energy_error.max(record.energy_error.abs());
         self.present = Present {
             step: record.step,
             increment: record.increment,
@@ -148,9 +249,10 @@ impl<'a> Recorder<'a> {
     }
 }
 
-impl Observer for Recorder<'_> {
+impl Observer for Recorder<'_, '_> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         let directive = self.accept(record)?;
+        self.peak.observe(record, snapshot);
         if let Some(every) = self.program.output.fields_every
             && self.is_due(directive, every)
             && let Some(fields) = &mut self.fields

@@ -1,11 +1,11 @@
 //! From gap and slip to tractions: the calls of UINTER and FRIC.
 
-use super::ContactError;
 use super::history::{PointState, PointStatus};
 use super::normal::{HostNormal, NormalState};
+use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
 use crate::model::{ContactLaw, ContactPair, Enforcement, PluginLaw};
-use umat_abi::host::{CallOutcome, FricCall, Law, Overrun, UinterCall, Validation};
+use umat_abi::host::{CallOutcome, ContactArrays, FricCall, Law, Overrun, UinterCall, Validation};
 
 /// A plugin that gave a number that is none may do better with a smaller increment.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -115,6 +115,46 @@ impl PointLaw {
             return Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) });
         }
         Ok(tangent)
+    }
+
+    /// The arrays of the plugin's calls.
+    pub fn arrays(&self) -> &ContactArrays {
+        match self {
+            Self::Uinter { call, .. } => call,
+            Self::Fric { call, .. } => call,
+        }
+    }
+
+    /// The increment that the plugin was last called for, if it was for this point, from its state at the start.
+    pub fn last_call<'a>(
+        &'a self,
+        point: usize,
+        start: &PointState,
+        statev: &'a [f64],
+    ) -> Option<super::ContactCall<'a>> {
+        let props = self.arrays().props();
+        let number = i32::try_from(point + 1).ok().filter(|_| self.arrays().calls() > 0);
+        match self {
+            Self::Uinter { call, .. } if Some(call.node) == number => Some(super::ContactCall {
+                slip: [call.rdisp[1] - call.drdisp[1], call.rdisp[1]],
+                normal: NormalDrive::Gap([call.drdisp[0] - call.rdisp[0], -call.rdisp[0]]),
+                statev,
+                props,
+                characteristic_length: call.chrlngth,
+                time: call.time[1] - call.dtime,
+                time_increment: call.dtime,
+            }),
+            Self::Fric { call, .. } if Some(call.node) == number => Some(super::ContactCall {
+                slip: [start.slip, start.slip + call.dgam[0]],
+                normal: NormalDrive::Pressure(call.pressure[0]),
+                statev,
+                props,
+                characteristic_length: call.chrlngth,
+                time: call.time[1] - call.dtime,
+                time_increment: call.dtime,
+            }),
+            _ => None,
+        }
     }
 
     /// Whether a point carries tension or shear while it is open by a little.

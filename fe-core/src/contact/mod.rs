@@ -110,6 +110,34 @@ pub struct SlipGrowth {
     pub ratio: f64,
 }
 
+/// The increment that a point's law was last called for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactCall<'a> {
+    /// g at its start and at its end, mm.
+    pub slip: [f64; 2],
+    /// What was given in the normal direction.
+    pub normal: NormalDrive,
+    /// STATEV at its start.
+    pub statev: &'a [f64],
+    /// PROPS, with the penalties that the host filled in.
+    pub props: &'a [f64],
+    /// CHRLNGTH, mm.
+    pub characteristic_length: f64,
+    /// Total time at its start, s.
+    pub time: f64,
+    /// Its duration, s.
+    pub time_increment: f64,
+}
+
+/// What a law is given in the normal direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum NormalDrive {
+    /// UINTER: −RDISP(1) at the start and at the end, mm.
+    Gap([f64; 2]),
+    /// FRIC: the pressure at the end, MPa.
+    Pressure(f64),
+}
+
 impl Contact {
     /// The pairs of a mesh without displacements. `moduli`: an elastic modulus of each part, MPa, for the penalty.
     /// `contact_search`: whether feet are looked for from the last ones.
@@ -139,6 +167,18 @@ impl Contact {
     /// ε_N of each pair, MPa/mm.
     pub fn penalties(&self) -> impl Iterator<Item = f64> {
         self.pairs.iter().map(|pair| pair.penalty)
+    }
+
+    /// Calls of the plugins so far.
+    pub fn law_calls(&self) -> u64 {
+        self.pairs.iter().map(|pair| pair.law.arrays().calls()).sum()
+    }
+
+    /// The last call of a pair's law, if it was for this point: the one that failed, where a law did.
+    pub fn last_call(&self, pair: &str, point: usize) -> Option<ContactCall<'_>> {
+        let pair = self.pairs.iter().find(|other| other.name == pair)?;
+        let statev = pair.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
+        pair.law.last_call(point, pair.committed.points.get(point)?, statev)
     }
 
     /// From the committed state to the end displacements (two per node). Adds the internal contact forces to `forces`

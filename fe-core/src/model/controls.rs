@@ -54,7 +54,7 @@ impl Default for Controls {
         Self {
             force_tolerance: 1e-6,
             displacement_tolerance: 1e-5,
-            max_iterations: 16,
+            max_iterations: 20,
             max_cutbacks: 30,
             line_search: true,
             locate_peak: true,

@@ -71,6 +71,15 @@ impl PluginLaw {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
     }
 
+    /// Names of its state variables, by metadata or `sdv1`…, followed by those of its derived outputs.
+    pub fn state_names(&self) -> Vec<String> {
+        let described = self.law.iter().flat_map(|law| &law.states).map(|state| state.name.clone());
+        let count = self.law.as_ref().map_or(0, |law| law.states.len());
+        let others = (count + 1..=self.nstatv).map(|number| format!("sdv{number}"));
+        let derived = self.law.iter().flat_map(|law| &law.derived).map(|derived| derived.name.clone());
+        described.chain(others).chain(derived).collect()
+    }
+
     fn error(&self, error: &LoadError) -> LawError {
         LawError { name: self.name.clone(), message: error.to_string() }
     }

@@ -6,7 +6,7 @@ use crate::element::MappedPoint;
 /// Mean axial stress of a part's cross-sections along its axis: pairs of arc length, mm, and stress, MPa.
 ///
 /// `axis` is a polyline through reference positions. Its length is cut into `sections` equal pieces; each integration
-/// point of the part counts, with its area, for the piece that holds the point of the axis nearest to it. The stress is
+/// point of the part counts, with its area (its volume in axial symmetry), for the piece that holds the point of the axis nearest to it. The stress is
 /// t·σt with t the axis's direction, turned with the body by the deformation gradient; the arc length is the mean of the
 /// piece's points. A stress that is linear along a straight axis is reproduced; times the cross-section it is the axial
 /// force. Pieces without points are left out, and there are none along an axis of one place.
@@ -22,7 +22,7 @@ pub fn axial_stress(
 ) -> Result<Vec<(f64, f64)>, FieldsError> {
     fields.check()?;
     let length: f64 = axis.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum();
-    // area, its first moment along the axis, and the stress's integral
+    // volume, its first moment along the axis, and the stress's integral
     let mut sums = vec![[0.0; 3]; sections];
     let mut stresses = fields.stresses.iter();
     for (index, element) in fields.mesh.elements().iter().enumerate() {
@@ -33,7 +33,9 @@ pub fn axial_stress(
                 continue;
             };
             let [x, y] = turned(fields, element.nodes(), &mapped, direction);
-            let weight = point.weight * mapped.determinant;
+            let part = &fields.mesh.parts()[part];
+            let depth = part.model.depth(mapped.position[0], part.thickness);
+            let weight = point.weight * mapped.determinant * depth;
             let section = (arc / length * sections as f64) as usize;
             if let Some(sum) = sums.get_mut(section.min(sections.saturating_sub(1))) {
                 let stress = s11 * x * x + 2.0 * s12 * x * y + s22 * y * y;
@@ -41,8 +43,8 @@ pub fn axial_stress(
             }
         }
     }
-    let filled = sums.into_iter().filter(|[area, ..]| *area > 0.0);
-    Ok(filled.map(|[area, moment, integral]| (moment / area, integral / area)).collect())
+    let filled = sums.into_iter().filter(|[volume, ..]| *volume > 0.0);
+    Ok(filled.map(|[volume, moment, integral]| (moment / volume, integral / volume)).collect())
 }
 
 /// Arc length and direction of a polyline at its point nearest to a position.

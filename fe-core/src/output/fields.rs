@@ -1,6 +1,7 @@
 //! What a model looks like at the end of an increment.
 
 use crate::mesh::Mesh;
+use std::borrow::Cow;
 
 /// The state of a model at one time.
 ///
@@ -12,9 +13,9 @@ pub struct Fields<'a> {
     /// Total time, s.
     pub time: f64,
     /// Displacements, two per node, mm.
-    pub displacements: &'a [f64],
+    pub displacements: Cow<'a, [f64]>,
     /// Forces of supports on the nodes, two per node, N; 0 at free nodes.
-    pub reactions: &'a [f64],
+    pub reactions: Vec<f64>,
     /// Cauchy stresses at the points: 11, 22, 33, 12, MPa; 33 is 0 in plane stress.
     pub stresses: Vec<[f64; 4]>,
     /// Strains at the points: 11, 22, 33 and the engineering shear 12; 33 is NaN where nobody knows it.
@@ -22,9 +23,9 @@ pub struct Fields<'a> {
     /// State variables and derived outputs at the points: as many at each as the element's part has names.
     pub states: Vec<f64>,
     /// Their names, of each part.
-    pub state_names: &'a [Vec<String>],
+    pub state_names: Vec<Vec<String>>,
     /// Names of the contact pairs.
-    pub pairs: &'a [String],
+    pub pairs: Vec<String>,
     /// The contact points of all pairs.
     pub contact: Vec<ContactPoint>,
 }
@@ -78,6 +79,13 @@ pub enum FieldsError {
 }
 
 impl Fields<'_> {
+    /// The same with displacements of their own, to be kept while the run goes on. `mesh` must be the fields' own, by a
+    /// reference that lives as long.
+    pub fn kept<'m>(self, mesh: &'m Mesh) -> Fields<'m> {
+        let displacements = Cow::Owned(self.displacements.into_owned());
+        Fields { mesh, displacements, ..self }
+    }
+
     /// Checks all lengths.
     ///
     /// # Errors

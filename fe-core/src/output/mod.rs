@@ -1,6 +1,6 @@
 //! Fields at points and nodes, and the files that hold them.
 //!
-//! - [`Fields`] is what a model looks like at the end of an increment: plain data, filled by whoever steps;
+//! - [`Fields`] is what a model looks like at the end of an increment, plain data; [`Fields::of`] a run's snapshot;
 //! - [`Recovery`] brings values from integration points to nodes, part by part;
 //! - [`Principal`] are the principal stresses of one point;
 //! - [`axial_stress`] is the mean over the cross-sections of a slender part;
@@ -39,6 +39,7 @@ mod fields;
 mod principal;
 mod recovery;
 mod series;
+mod snapshot;
 mod vtu;
 
 pub use axial::axial_stress;

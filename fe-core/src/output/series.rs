@@ -122,8 +122,8 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
     let directions: Vec<[f64; 3]> = principal.iter().map(Principal::direction).collect();
     let mut point_data = vec![
         Array::integers("node", counted(places.nodes().iter().copied())),
-        Array::tuples("displacement", &VECTOR, &vectors(fields.displacements)),
-        Array::tuples("reaction", &VECTOR, &vectors(fields.reactions)),
+        Array::tuples("displacement", &VECTOR, &vectors(&fields.displacements)),
+        Array::tuples("reaction", &VECTOR, &vectors(&fields.reactions)),
         Array::tuples("stress", &STRESS, &tensors),
         Array::scalars("principal_stress_max", principal.iter().map(|p| p.maximum).collect()),
         Array::scalars("principal_stress_mid", principal.iter().map(|p| p.middle).collect()),

@@ -233,13 +233,13 @@ impl Snapshot {
         Fields {
             mesh,
             time,
-            displacements: &self.displacements,
-            reactions: &self.displacements,
+            displacements: self.displacements.as_slice().into(),
+            reactions: self.displacements.clone(),
             strains: stresses.clone(),
             stresses,
             states: states.concat(),
-            state_names: &self.names,
-            pairs: &self.pairs,
+            state_names: self.names.clone(),
+            pairs: self.pairs.clone(),
             contact: (0..3).map(point).collect(),
         }
     }
@@ -380,7 +380,7 @@ fn fields_of_another_mesh_are_refused_and_nothing_is_listed() {
         change(&mut fields);
         assert_eq!(series.write(&fields).unwrap_err().to_string(), message);
     };
-    refuse(&|fields| fields.displacements = &[0.0], "there are 1 displacements, the mesh needs 90");
+    refuse(&|fields| fields.displacements = vec![0.0].into(), "there are 1 displacements, the mesh needs 90");
     refuse(&|fields| fields.stresses.truncate(3), "there are 3 stresses, the mesh needs 32");
     refuse(&|fields| fields.states.clear(), "there are 0 state variables, the mesh needs 32");
     refuse(&|fields| fields.contact[2].pair = 4, "contact point 3 belongs to pair 5, there are 1");
@@ -424,13 +424,13 @@ fn the_axial_stress_follows_the_axis_as_it_turns() {
         let fields = Fields {
             mesh: &mesh,
             time: 0.0,
-            displacements: &displacements,
-            reactions: &displacements,
+            displacements: displacements.as_slice().into(),
+            reactions: displacements.clone(),
             strains: stresses.clone(),
             stresses,
             states: Vec::new(),
-            state_names: &[vec![]],
-            pairs: &[],
+            state_names: vec![vec![]],
+            pairs: Vec::new(),
             contact: Vec::new(),
         };
         for sections in [1, 5, 10, 20, 37] {

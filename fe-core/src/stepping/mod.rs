@@ -225,7 +225,8 @@ impl<'m> Analysis<'m> {
         let [load, load_lateral] = self.measured_load(&snapshot);
         let along =
             |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction));
-        let reference = self.energies.external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work);
+        let rounding = self.equilibrium.rounding() * newton::largest(&self.committed.displacements);
+        let reference = self.energies.external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work).max(rounding);
         Record {
             step,
             increment,

@@ -14,7 +14,8 @@
 
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Statistics};
-use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loads};
+use crate::assembly::solids::TangentChoice;
+use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loads, touching};
 use crate::contact::Contact;
 use crate::model::Model;
 use crate::solver::{SolverError, Symmetry};
@@ -88,6 +89,8 @@ pub(super) struct Equilibrium<'m> {
     at_committed_state: bool,
     /// The largest force scale so far.
     greatest_scale: f64,
+    /// Elements whose stiffness is not the consistent one.
+    fallen_back: Vec<usize>,
     /// The largest coordinate, mm.
     extent: f64,
     /// Forces that rounding of positions makes of the largest stiffness, N.
@@ -98,6 +101,11 @@ pub(super) struct Equilibrium<'m> {
 const LEAST_RELATIVE_SCALE: f64 = 1e-4;
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
+/// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
+/// after many cuts needs no finer ones than the state that it starts from.
+const LEAST_RELATIVE_MOVE: f64 = 1e-2;
+/// After how many iterations the stiffness of elements out of balance becomes safer (fe.md §5).
+const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// A factor that made the residual smaller by this serves again.
 const FAST_REDUCTION: f64 = 0.05;
 /// Positions are known to a few units of their last place.
@@ -142,6 +150,7 @@ impl<'m> Equilibrium<'m> {
             last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
+            fallen_back: Vec::new(),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
         })
@@ -246,15 +255,21 @@ impl<'m> Equilibrium<'m> {
     /// Energies of the committed state but for the external work.
     pub(super) fn energies(&self, committed: &Committed) -> Energies {
         let (solids, contact) = (self.solids.energies(), self.contact.energies());
+        let opening = contact.opening + contact.released;
         Energies {
             external_work: 0.0,
             elastic: solids.stored,
             plastic: solids.plastic,
             damage: solids.damage,
-            interface: contact.work,
-            opening: contact.opening + contact.released,
+            interface: contact.work - opening,
+            opening,
             stabilisation: committed.stabilisation,
         }
+    }
+
+    /// Forces that rounding makes, N.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -284,6 +299,7 @@ impl<'m> Equilibrium<'m> {
         // After a settlement the drives are where they should be, and the increment may be in equilibrium already.
         let mut pending = done == 0;
         let mut growing = 0;
+        self.choose_tangents(TangentChoice::Consistent);
         loop {
             let residual = largest(&self.residual);
             let scale = self.force_scale();
@@ -294,6 +310,9 @@ impl<'m> Equilibrium<'m> {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
+            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
+                self.choose_tangents(*choice);
+            }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
             self.prepare_factor(start, trial, context, statistics)?;
             let direction = self.direction(start, trial, target, pending, statistics)?;
@@ -313,6 +332,29 @@ impl<'m> Equilibrium<'m> {
         }
     }
 
+    /// Makes the stiffness of elements that are out of balance safer: of all elements, back to the consistent one.
+    fn choose_tangents(&mut self, choice: TangentChoice) {
+        if choice == TangentChoice::Consistent {
+            for element in std::mem::take(&mut self.fallen_back) {
+                self.solids.set_tangent_choice(element, choice);
+                self.has_tangents = false;
+            }
+            return;
+        }
+        let limit = self.model.controls.force_tolerance * self.force_scale();
+        let unbalanced = (0..self.residual.len()).filter(|&row| self.residual[row].abs() > limit);
+        let freedoms: Vec<usize> = unbalanced.map(|row| 2 * self.system.node_of_row(row)).collect();
+        let both: Vec<usize> = freedoms.iter().flat_map(|&freedom| [freedom, freedom + 1]).collect();
+        for (element, is_unbalanced) in touching(&self.model.mesh, &both).into_iter().enumerate() {
+            if is_unbalanced {
+                self.solids.set_tangent_choice(element, choice);
+                self.fallen_back.push(element);
+                self.has_tangents = false;
+                self.last_reduction = 1.0;
+            }
+        }
+    }
+
     fn is_converged(
         &self,
         residual: f64,
@@ -325,6 +367,7 @@ impl<'m> Equilibrium<'m> {
         let tolerance = (controls.force_tolerance * scale).max(self.rounding);
         let moved =
             trial.displacements.iter().zip(&start.displacements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let moved = moved.max(LEAST_RELATIVE_MOVE * largest(&trial.displacements));
         let small_correction = last.is_none_or(|last| last.correction <= controls.displacement_tolerance * moved);
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.rounding) || (residual <= tolerance && small_correction)
     }

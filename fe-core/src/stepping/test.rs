@@ -7,6 +7,7 @@ use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support};
+use crate::output::Fields;
 use std::io;
 
 mod patch;
@@ -111,5 +112,36 @@ fn newton_is_quadratic_in_plastic_flow_and_follows_the_hardening_line() {
         let hardening = 200e3 * 2000.0 / 202e3;
         let stress = if strain < yield_strain { 200e3 * strain } else { 400.0 + hardening * (strain - yield_strain) };
         approx::assert_relative_eq!(record.load, 0.5 * stress, max_relative = 1e-9);
+    }
+}
+
+#[test]
+fn fields_of_a_snapshot_hold_the_stress_of_the_load_and_can_be_kept() {
+    for model in [PlaneModel::PlaneStress, PlaneModel::PlaneStrain] {
+        let law = PluginLaw::shipped("pure_damage", &[("E", 1000.0), ("nu", 0.25)]);
+        let model = strip(law, model, 1e-5, StepControl::Fixed { increments: 1 });
+        let mut analysis = Analysis::new(&model).unwrap();
+        let mut keeper = Keeper::default();
+        analysis.run(&mut keeper).unwrap();
+        let snapshot = analysis.snapshot();
+        let fields = Fields::of(&snapshot);
+        fields.check().unwrap();
+        assert!(matches!(fields.displacements, std::borrow::Cow::Borrowed(_)));
+        let load = keeper.0[1].load;
+        for (stress, strain) in fields.stresses.iter().zip(&fields.strains) {
+            // the cross-section is 1 × 0.5
+            approx::assert_relative_eq!(stress[0], load / 0.5, max_relative = 1e-10);
+            approx::assert_relative_eq!(strain[0], 1e-5 / 4.0, max_relative = 1e-10);
+            let is_plane_stress = model.mesh.parts()[0].model == PlaneModel::PlaneStress;
+            assert_eq!(strain[2].is_nan(), is_plane_stress, "nobody knows it in plane stress only");
+        }
+        let names = &fields.state_names[0];
+        assert!(names.contains(&"eta".to_owned()) && names.contains(&"D".to_owned()), "{names:?}");
+        assert!(fields.state("D").iter().all(|damage| *damage == 0.0));
+        let pulled: f64 = fields.reactions.iter().step_by(2).filter(|force| **force > 0.0).sum();
+        approx::assert_relative_eq!(pulled, load, max_relative = 1e-10);
+        let kept = fields.kept(&model.mesh);
+        drop(analysis);
+        kept.check().unwrap();
     }
 }

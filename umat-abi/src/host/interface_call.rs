@@ -35,6 +35,7 @@ pub struct ContactArrays {
     surfaces: [[u8; 80]; 2],
     scratch: [f64; 36],
     pnewdt: f64,
+    calls: u64,
 }
 
 impl ContactArrays {
@@ -60,6 +61,7 @@ impl ContactArrays {
             surfaces: [fortran_name("SLAVE"), fortran_name("MASTER")],
             scratch: [0.0; 36],
             pnewdt: PNEWDT_ON_ENTRY,
+            calls: 0,
         }
     }
 
@@ -98,7 +100,13 @@ impl ContactArrays {
         CallOutcome::of(self.pnewdt)
     }
 
+    /// Calls so far.
+    pub fn calls(&self) -> u64 {
+        self.calls
+    }
+
     fn run(&mut self, call: impl FnOnce()) -> Result<CallOutcome, Overrun> {
+        self.calls += 1;
         if self.keeps_floating_point {
             call();
         } else {

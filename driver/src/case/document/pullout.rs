@@ -207,7 +207,7 @@ pub struct PulloutControls {
     pub force_tolerance: Option<Fraction>,
     /// Correction of displacements relative to the increment's (default 1e-5).
     pub displacement_tolerance: Option<Fraction>,
-    /// Newton iterations of an attempt (default 16).
+    /// Newton iterations of an attempt (default 20).
     pub max_iterations: Option<Whole<2, 1000>>,
     /// Attempts of one increment (default 30).
     pub max_cutbacks: Option<Whole<0, 1000>>,

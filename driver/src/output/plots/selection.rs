@@ -197,6 +197,7 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
             layouts.push(Layout::new(name, moving.into_iter().map(|column| ("slip", column))));
         }
     }
+    layouts.push(Layout::pair("iterations", "time", "iterations"));
     layouts
 }
 

@@ -9,6 +9,7 @@ use std::io;
 use std::path::Path;
 
 mod account;
+mod specimen;
 pub use account::{Account, LawAccount, Parameter};
 
 #[cfg(test)]
@@ -35,6 +36,7 @@ fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
             body {
                 h1 { (title) }
                 (status(summary))
+                @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
                 @if !account.description.is_empty() { p.description { (account.description) } }
                 (warnings(&summary.warnings))
                 (what_was_run(account, summary))
@@ -43,6 +45,7 @@ fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
                     div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
                 }
                 (comparison(summary))
+                @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
                 (effort(summary))
                 (peaks(summary))
             }

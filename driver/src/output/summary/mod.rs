@@ -3,6 +3,7 @@
 use super::compare::Comparison;
 use super::{at, malformed};
 use crate::path::Row;
+use crate::pullout::Findings;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
@@ -51,6 +52,9 @@ pub struct Summary {
     pub wall_time_s: f64,
     /// One entry per `compare` of the case.
     pub compare: Vec<Comparison>,
+    /// What only specimens have.
+    #[serde(flatten)]
+    pub specimen: Option<Findings>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
 }

@@ -30,6 +30,7 @@ pub(in crate::output) fn summary() -> Summary {
             x: "e11".into(),
             y: "s11".into(),
         }],
+        specimen: None,
         warnings: vec!["strains beyond 5 %".into()],
     }
 }

@@ -44,7 +44,7 @@ fn program(every: usize) -> Program {
     }
 }
 
-fn record(step: u32, increment: u32, time: f64) -> Record {
+pub fn record(step: u32, increment: u32, time: f64) -> Record {
     Record {
         step,
         increment,
@@ -94,7 +94,7 @@ fn observed(program: &Program) -> (Rows, Vec<Directive>) {
     let records: Vec<Record> = std::iter::once(record(0, 0, 0.0)).chain(records).collect();
     let directives =
         records.iter().map(|record| recorder.accept(record).expect("nothing is written to disk")).collect();
-    recorder.finish().expect("nothing is written to disk");
+    recorder.finish_history().expect("nothing is written to disk");
     (rows, directives)
 }
 

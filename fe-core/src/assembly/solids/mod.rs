@@ -36,7 +36,7 @@ mod record;
 mod summary;
 
 pub use error::SolidsError;
-pub use summary::{Counters, PointCounts, PointView, SolidEnergies};
+pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
 
 use super::{IncrementContext, Place, Trouble};
 use crate::element::ElementKind;

@@ -1,7 +1,7 @@
 //! What the solids tell: energies, counts, single points.
 
 use super::{Solids, record::Body};
-use crate::kinematics::finite::Components;
+use crate::kinematics::finite::{Components, rotated};
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -63,7 +63,47 @@ pub struct PointView<'a> {
     pub volume: f64,
 }
 
+/// The increment that a point's UMAT was last called for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointCall<'a> {
+    /// σ at its start, MPa: turned with the body, as the UMAT got it.
+    pub stress: Components,
+    /// ε at its start, likewise.
+    pub strain: Components,
+    /// Δε.
+    pub strain_increment: Components,
+    /// STATEV at its start.
+    pub statev: &'a [f64],
+    /// Total time at its start, s.
+    pub time: f64,
+    /// Its duration, s.
+    pub time_increment: f64,
+    /// CELENT, mm.
+    pub characteristic_length: f64,
+}
+
 impl Solids {
+    /// The last call of the law of an element's part, if it was for this point: the one that failed, where a law did.
+    pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall<'_>> {
+        let record = &self.records[element];
+        let call = &self.bodies[record.part].points.call;
+        let number = |index: usize| i32::try_from(index + 1).ok();
+        if [Some(call.noel), Some(call.npt)] != [number(element), number(point)] {
+            return None;
+        }
+        let PointView { stress, strain, statev, .. } = self.point(element, point);
+        let rotation = (call.drot[0][0], call.drot[0][1]);
+        Some(PointCall {
+            stress: rotated(&stress, rotation, 1.0),
+            strain: rotated(&strain, rotation, 2.0),
+            strain_increment: self.bodies[record.part].points.last_strain_increment(),
+            statev,
+            time: call.time[1],
+            time_increment: call.dtime,
+            characteristic_length: call.celent,
+        })
+    }
+
     /// Energies of each part.
     pub fn part_energies(&self) -> Vec<SolidEnergies> {
         let of_body = |body: &Body| {

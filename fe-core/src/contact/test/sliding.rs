@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::assembly::Place;
+use crate::contact::NormalDrive;
 use crate::contact::law::PointLaw;
 use crate::element::ElementKind::{Q4, Q8};
 
@@ -325,6 +326,40 @@ fn uinter_and_fric_get_their_arguments() {
                 assert!(call.slip[0] < -0.1, "softening: most of the slip of 0.3 was inelastic");
                 assert_eq!((call.counters, call.node), ([2, 3], 6));
             }
+        }
+    }
+}
+
+#[test]
+fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
+    let scene = Scene::straight(Q4);
+    for law in [uinter(&[]), hard(2.0, 0.1, &[])] {
+        let is_uinter = matches!(law, ContactLaw::Uinter(_));
+        let mut contact = scene.contact(scene.pair(law));
+        let count = contact.points().count();
+        assert!((0..count).all(|point| contact.last_call("fibre", point).is_none()));
+        forces(&mut contact, &scene.moved(1, |_| [0.01, -0.001]));
+        contact.commit();
+        let start = contact.points().last().map(|point| (point.slip, point.gap, point.statev.to_vec())).unwrap();
+        forces(&mut contact, &scene.moved(1, |_| [0.03, -0.002]));
+        let last = contact.points().last().unwrap();
+        let (pair, point, end) = (last.pair.to_owned(), last.point, (last.slip, last.gap, last.pressure));
+        assert!(contact.last_call(&pair, point - 1).is_none() && contact.last_call("other", point).is_none());
+        let calls = contact.law_calls();
+        assert_eq!(calls, 2 * count as u64);
+        contact.restore();
+        let call = contact.last_call(&pair, point).expect("it was the last");
+        approx::assert_abs_diff_eq!(call.slip[0], start.0, epsilon = 1e-12);
+        approx::assert_abs_diff_eq!(call.slip[1], end.0, epsilon = 1e-12);
+        approx::assert_abs_diff_eq!((end.0 - start.0).abs(), 0.02, epsilon = 1e-12);
+        assert_eq!(call.statev, start.2);
+        match call.normal {
+            NormalDrive::Gap(gaps) => {
+                assert!(is_uinter);
+                approx::assert_abs_diff_eq!(gaps[0], start.1, epsilon = 1e-12);
+                approx::assert_abs_diff_eq!(gaps[1], end.1, epsilon = 1e-12);
+            }
+            NormalDrive::Pressure(pressure) => assert_eq!((is_uinter, pressure), (false, end.2)),
         }
     }
 }

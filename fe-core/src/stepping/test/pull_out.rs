@@ -7,8 +7,8 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::mesh::specimen::{Configuration, FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use crate::model::{
-    ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step, StepControl,
-    Support, Width,
+    ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step,
+    StepControl, Support, Width,
 };
 use crate::stepping::Analysis;
 use umat_abi::law::Request;
@@ -38,14 +38,26 @@ fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
 }
 
 /// A fibre embedded 3 mm in six elements, pulled by `slip`.
-fn fibre(configuration: Configuration, laws: [PluginLaw; 2], bond: &PluginLaw, slip: f64, control: StepControl) -> Model {
+fn fibre(
+    configuration: Configuration,
+    laws: [PluginLaw; 2],
+    bond: &PluginLaw,
+    slip: f64,
+    control: StepControl,
+) -> Model {
     let specimen = perpendicular_fibre(&PerpendicularFibre {
         configuration,
         depth: 3.5,
         width: 8.0,
         embedded_length: 3.0,
         free_length: 0.5,
-        mesh: FibreMesh { embedded_elements: 6, exit_size: None, interface_size: 0.4, growth: 2.0, ..FibreMesh::default() },
+        mesh: FibreMesh {
+            embedded_elements: 6,
+            exit_size: None,
+            interface_size: 0.4,
+            growth: 2.0,
+            ..FibreMesh::default()
+        },
         ..PerpendicularFibre::default()
     })
     .unwrap();
@@ -84,7 +96,8 @@ fn fibre(configuration: Configuration, laws: [PluginLaw; 2], bond: &PluginLaw, s
         })
         .collect();
     let [fibre, matrix] = laws;
-    let laws = mesh.parts().iter().map(|part| if part.name == "fibre" { fibre.clone() } else { matrix.clone() }).collect();
+    let laws =
+        mesh.parts().iter().map(|part| if part.name == "fibre" { fibre.clone() } else { matrix.clone() }).collect();
     Model {
         average_dilatation: vec![false; mesh.parts().len()],
         laws,
@@ -122,7 +135,8 @@ fn mortar() -> PluginLaw {
 /// πφL times the greatest bond bounds the load; the work is that of the bond; nothing is left at the end.
 #[test]
 fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
-    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)] {
+    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)]
+    {
         let mut model = fibre(configuration, [steel(), mortar()], &bond(0.0), 3.2, AUTOMATIC);
         model.nlgeom = nlgeom;
         let (records, _) = run(&model);
@@ -141,7 +155,8 @@ fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
 /// K δ against central differences of the residual, of the whole system, where points stick, harden, soften, rub.
 #[test]
 fn the_system_s_tangent_is_the_derivative_of_its_forces() {
-    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)] {
+    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)]
+    {
         for friction in [0.0, 0.3] {
             for slip in [0.002, 0.012, 0.2] {
                 let fixed = StepControl::Fixed { increments: 3 };
@@ -216,7 +231,8 @@ const ROUNDING: f64 = 1e-9;
 /// Once no point changes its branch the residual falls quadratically: sticking, softening, flowing, cracking.
 #[test]
 fn newton_converges_quadratically_in_every_state() {
-    let plastic = PluginLaw::shipped("j2_plasticity", &[("E", 210e3), ("nu", 0.3)]).followed_by(&[20.0, 0.0, 2120.0, 1.0]);
+    let plastic =
+        PluginLaw::shipped("j2_plasticity", &[("E", 210e3), ("nu", 0.3)]).followed_by(&[20.0, 0.0, 2120.0, 1.0]);
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);
     let brittle = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-8)]);
     for (name, laws, slip) in [
@@ -246,7 +262,8 @@ fn newton_converges_quadratically_in_every_state() {
 #[test]
 fn skipping_gives_the_same_curve() {
     let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);
-    let mut model = fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.3, StepControl::Fixed { increments: 60 });
+    let mut model =
+        fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.3, StepControl::Fixed { increments: 60 });
     let (with, all) = run(&model);
     model.skipping = Skipping::NONE;
     let (without, none) = run(&model);

@@ -29,7 +29,7 @@ mod surface;
 mod view;
 
 pub use fe_core::element::ElementKind;
-pub use profile::interface_profiles;
+pub use profile::{INTERFACE_SHEAR, interface_profiles};
 
 use super::quantity::Quantity;
 use canvas::{Canvas, Side, band_color, hexadecimal, part_color};

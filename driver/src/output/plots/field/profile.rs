@@ -4,6 +4,9 @@ use super::super::figure::{Figure, Line, Style};
 use super::super::quantity::Quantity;
 use fe_core::output::{ContactPoint, Fields};
 
+/// Name of the picture of shear tractions.
+pub const INTERFACE_SHEAR: &str = "interface_shear";
+
 /// Shear traction and pressure of each contact pair along its slave surface.
 ///
 /// The lines stop where a point has left the other surface (weight 0).
@@ -11,8 +14,7 @@ pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
     type Value = fn(&ContactPoint) -> f64;
     let shear: Value = |point| point.shear_traction;
     let pressure: Value = |point| point.pressure;
-    let quantities =
-        [("interface_shear", "bond traction", shear), ("interface_pressure", "contact pressure", pressure)];
+    let quantities = [(INTERFACE_SHEAR, "bond traction", shear), ("interface_pressure", "contact pressure", pressure)];
     let figure = |(name, label, value): (&str, &str, Value)| Figure {
         name: name.into(),
         title: title.into(),

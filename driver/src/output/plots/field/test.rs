@@ -284,18 +284,16 @@ fn pictures_and_profiles_come_from_computed_fields() {
         open: false,
         weight,
     };
-    let (displacements, names) = ([0.01; 12], [vec![], vec![]]);
-    let pairs = ["upper".to_string(), "lower".to_string()];
     let fields = Fields {
         mesh: &mesh,
         time: 1.0,
-        displacements: &displacements,
-        reactions: &displacements,
+        displacements: vec![0.01; 12].into(),
+        reactions: vec![0.0; 12],
         stresses: vec![[1.0, 2.0, 0.0, 0.0]; 8],
         strains: vec![[0.0; 4]; 8],
         states: Vec::new(),
-        state_names: &names,
-        pairs: &pairs,
+        state_names: vec![vec![], vec![]],
+        pairs: vec!["upper".to_string(), "lower".to_string()],
         contact: vec![point(1, 0.5, 1.0), point(0, 0.7, 1.0), point(0, 0.2, 0.4), point(0, 0.9, 0.0)],
     };
     let picture = PictureMesh::new(&fields, &Recovery::new(&mesh));

@@ -70,7 +70,7 @@ impl View {
 
 impl Window {
     /// Around positions, with some space; `None` if none is finite or all are one.
-    pub(super) fn around(positions: &[[f64; 2]]) -> Option<Self> {
+    pub fn around(positions: &[[f64; 2]]) -> Option<Self> {
         let range = |k: usize| {
             let finite = positions.iter().filter(|p| p.iter().all(|c| c.is_finite())).map(|p| p[k]);
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), value| (a.min(value), b.max(value)))

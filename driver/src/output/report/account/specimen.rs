@@ -5,7 +5,9 @@ use crate::output::number::rounded;
 use crate::path::program::Until;
 use crate::pullout::Program;
 use fe_core::kinematics::PlaneModel;
-use fe_core::model::{ContactPair, Enforcement, Model, Quadrature, Step, StepControl, Support, Width};
+use fe_core::model::{
+    ContactPair, Controls, Enforcement, Model, Quadrature, Skipping, Step, StepControl, Support, Width,
+};
 
 /// Of a specimen.
 pub fn account(program: &Program) -> Account {
@@ -54,6 +56,12 @@ fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
     }
     settings.extend(model.contacts.iter().map(|pair| (format!("Contact {}", pair.name), contact(pair))));
     settings.extend(model.supports.iter().map(|held| (format!("Support {}", held.name), support(held, model))));
+    settings.extend(model.loads.iter().map(|load| (format!("Load {}", load.name), model.drives[load.drive].clone())));
+    if !model.couplings.is_empty() {
+        settings.push(("Couplings".to_owned(), count(model.couplings.len(), "constraint")));
+    }
+    settings.push(("Controls".to_owned(), controls(&model.controls)));
+    settings.push(("Skipping".to_owned(), skipping(model.skipping)));
     settings.extend(program.until.as_ref().map(|until| ("Until".to_owned(), bound(until, columns))));
     if program.output.every > 1 {
         settings.push(("History".to_owned(), format!("every {}th increment", program.output.every)));
@@ -79,6 +87,35 @@ fn contact(pair: &ContactPair) -> String {
         Enforcement::PerturbedLagrangian { ratio } => format!("perturbed Lagrangian, ratio {}", rounded(ratio)),
     };
     format!("{points}, {width}, {enforcement}, penalty factor {}", rounded(pair.penalty_factor))
+}
+
+fn controls(controls: &Controls) -> String {
+    let mut text = format!(
+        "force tolerance {}, displacement tolerance {}, at most {} iterations and {} cutbacks",
+        rounded(controls.force_tolerance),
+        rounded(controls.displacement_tolerance),
+        controls.max_iterations,
+        controls.max_cutbacks
+    );
+    let switches = [(controls.line_search, "line search"), (controls.locate_peak, "peak located")];
+    switches.into_iter().filter(|(on, _)| *on).for_each(|(_, name)| text.push_str(&format!(", {name}")));
+    if controls.viscosity > 0.0 {
+        text.push_str(&format!(", viscosity {} N·s/mm", rounded(controls.viscosity)));
+    }
+    text
+}
+
+fn skipping(skipping: Skipping) -> String {
+    let items = [
+        (skipping.unchanged_elements, "unchanged elements"),
+        (skipping.elastic_far_field, "elastic far field"),
+        (skipping.factor_reuse, "factors that still serve"),
+        (skipping.unused_tangents, "unused tangents"),
+        (skipping.contact_search, "contact search"),
+        (skipping.symmetric_solver, "unsymmetric solver where symmetric"),
+    ];
+    let names: Vec<&str> = items.into_iter().filter(|(on, _)| *on).map(|(_, name)| name).collect();
+    if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
 }
 
 fn support(support: &Support, model: &Model) -> String {

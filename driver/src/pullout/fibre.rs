@@ -1,0 +1,107 @@
+//! Where the fibre of a specimen is: what pictures follow and zoom to.
+
+use fe_core::mesh::{ElementEdge, Mesh};
+use fe_core::model::Model;
+
+/// A fibre that is measured at its exit and at its tail.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fibre {
+    /// Index of its part.
+    pub part: usize,
+    /// Polyline from the tail over the exit to the grip, reference positions, mm.
+    pub axis: Vec<[f64; 2]>,
+    /// Its node where it leaves the matrix.
+    pub exit_node: usize,
+    /// Distance of the hole's wall from the exit node, mm.
+    pub radius: f64,
+}
+
+impl Fibre {
+    /// `None` for models without a fibre in a hole.
+    pub fn of(model: &Model) -> Option<Self> {
+        let (tail, exit_node) = model.measured.tail_node.zip(model.measured.exit_node)?;
+        let mesh = &model.mesh;
+        let part = mesh.elements().iter().find(|element| element.nodes().contains(&tail))?.part();
+        let exit = mesh.nodes()[exit_node];
+        let wall = model.contacts.iter().flat_map(|pair| &pair.slave);
+        let wall = wall.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
+        let distances = wall.map(|node| distance(mesh.nodes()[node], exit));
+        let radius = distances.min_by(f64::total_cmp).filter(|radius| *radius > 0.0)?;
+        let mut axis = vec![mesh.nodes()[tail], exit];
+        axis.extend(grip(model, exit));
+        Some(Self { part, axis, exit_node, radius })
+    }
+
+    /// The distance along the axis from the tail, mm, of the place of the axis nearest to a position.
+    fn arc(&self, [x, y]: [f64; 2]) -> f64 {
+        let (mut nearest, mut start) = ((f64::INFINITY, 0.0), 0.0);
+        for ends in self.axis.windows(2) {
+            let [[a_x, a_y], [b_x, b_y]] = [ends[0], ends[1]];
+            let length = distance(ends[0], ends[1]);
+            let along = ((x - a_x) * (b_x - a_x) + (y - a_y) * (b_y - a_y)) / length;
+            let within = along.clamp(0.0, length);
+            let share = within / length;
+            let away = distance([x, y], [a_x + share * (b_x - a_x), a_y + share * (b_y - a_y)]);
+            if away < nearest.0 {
+                nearest = (away, start + within);
+            }
+            start += length;
+        }
+        nearest.1
+    }
+}
+
+/// How a wall of the hole lies along the fibre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Wall {
+    /// Distance from the tail along the fibre where the wall's arc length is 0, mm.
+    pub start: f64,
+    /// 1 if it runs from the tail to the exit, −1 if it runs back. Shear that resists the pull has this sign.
+    pub direction: f64,
+}
+
+impl Wall {
+    /// Of the slave surface of a contact pair.
+    pub fn of(fibre: &Fibre, mesh: &Mesh, slave: &[ElementEdge]) -> Option<Self> {
+        let end = |edge: &ElementEdge, k: usize| fibre.arc(mesh.nodes()[mesh.edge_nodes(*edge).nodes()[k]]);
+        let (start, end) = (end(slave.first()?, 0), end(slave.last()?, 1));
+        Some(Self { start, direction: if end >= start { 1.0 } else { -1.0 } })
+    }
+
+    /// Distance from the tail along the fibre, mm.
+    pub fn along_fibre(&self, arc: f64) -> f64 {
+        self.start + self.direction * arc
+    }
+}
+
+/// The point of the line along the pull direction that is level with the grip; `None` if that is the exit.
+fn grip(model: &Model, exit: [f64; 2]) -> Option<[f64; 2]> {
+    let nodes = &model.supports.get(model.measured.support?)?.nodes;
+    let [d_x, d_y] = model.measured.direction;
+    let along = |&node: &usize| {
+        let [x, y] = model.mesh.nodes()[node];
+        (x - exit[0]) * d_x + (y - exit[1]) * d_y
+    };
+    let mean = nodes.iter().map(along).sum::<f64>() / nodes.len() as f64;
+    (mean > 0.0).then(|| [exit[0] + mean * d_x, exit[1] + mean * d_y])
+}
+
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn walls_lie_along_a_bent_fibre_in_either_direction() {
+        let fibre = Fibre { part: 0, axis: vec![[1.0, 1.0], [1.0, 4.0], [3.0, 4.0]], exit_node: 0, radius: 0.5 };
+        for (position, arc) in [([1.2, 1.0], 0.0), ([0.7, 2.5], 1.5), ([2.0, 4.4], 4.0), ([9.0, 4.0], 5.0)] {
+            assert!((fibre.arc(position) - arc).abs() < 1e-12, "{position:?}");
+        }
+        let forward = Wall { start: 0.25, direction: 1.0 };
+        let back = Wall { start: 3.0, direction: -1.0 };
+        assert_eq!((forward.along_fibre(2.0), back.along_fibre(2.0)), (2.25, 1.0));
+    }
+}

@@ -1,0 +1,133 @@
+//! What a run of a specimen says besides its history.
+
+use super::peak::PeakLoad;
+use fe_core::assembly;
+use fe_core::stepping::{Analysis, Energies};
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use std::time::Duration;
+
+/// The part of `summary.json` that only specimens have.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Findings {
+    /// The greatest load; absent if nothing was measured.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub peak_load: Option<PeakLoad>,
+    /// The greatest imbalance of the energies, relative as in the history.
+    pub energy_error_max: f64,
+    /// Energies at the end by their columns, N·mm.
+    pub energies: IndexMap<String, f64>,
+    /// What was done how often.
+    pub statistics: IndexMap<String, u64>,
+    /// Where the time went, s.
+    pub times: IndexMap<String, f64>,
+    /// Penalties of the normal direction by contact pair, MPa/mm.
+    pub penalties: IndexMap<String, f64>,
+    /// Why and where the run stopped early.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failure: Option<Failure>,
+}
+
+/// A run that stopped early.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Failure {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1; 0: equilibrium before the first step.
+    pub increment: u32,
+    /// What part of the step was done.
+    pub progress: f64,
+    /// Where.
+    pub place: Place,
+    /// Why.
+    pub reason: String,
+}
+
+/// A place in a specimen; numbers count from 1, positions in mm.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Place {
+    /// An integration point of an element.
+    Element {
+        /// The element.
+        element: usize,
+        /// The point in it.
+        point: usize,
+        /// Where it was in the reference configuration.
+        position: [f64; 2],
+    },
+    /// A contact point.
+    Contact {
+        /// Name of the pair.
+        pair: String,
+        /// The point in it.
+        point: usize,
+        /// Where it was then.
+        position: [f64; 2],
+    },
+    /// A node.
+    Node {
+        /// The node.
+        node: usize,
+        /// Where it was in the reference configuration.
+        position: [f64; 2],
+    },
+    /// Nowhere in particular.
+    System,
+}
+
+impl From<&assembly::Place> for Place {
+    fn from(place: &assembly::Place) -> Self {
+        match *place {
+            assembly::Place::Element { element, point, position } => {
+                Self::Element { element: element + 1, point: point + 1, position }
+            }
+            assembly::Place::Contact { ref pair, point, position } => {
+                Self::Contact { pair: pair.clone(), point: point + 1, position }
+            }
+            assembly::Place::Node { node, position } => Self::Node { node: node + 1, position },
+            assembly::Place::System => Self::System,
+        }
+    }
+}
+
+/// Energies by their columns.
+pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
+    let named = [
+        ("external_work", energies.external_work),
+        ("elastic_energy", energies.elastic),
+        ("plastic_energy", energies.plastic),
+        ("damage_energy", energies.damage),
+        ("interface_energy", energies.interface),
+        ("opening_energy", energies.opening),
+        ("stabilisation_energy", energies.stabilisation),
+    ];
+    named.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}
+
+/// Where the time went, s.
+pub fn times(set_up: Duration, analysis: Duration, fields: Duration) -> IndexMap<String, f64> {
+    let named = [("set_up", set_up), ("analysis", analysis), ("writing_fields", fields)];
+    named.into_iter().map(|(name, time)| (name.to_owned(), time.as_secs_f64())).collect()
+}
+
+/// What was done how often.
+pub fn statistics(analysis: &Analysis<'_>) -> IndexMap<String, u64> {
+    let done = analysis.statistics();
+    let snapshot = analysis.snapshot();
+    let solids = snapshot.solids().counters();
+    let named = [
+        ("force_evaluations", done.evaluations),
+        ("element_evaluations", solids.evaluations),
+        ("skipped_element_evaluations", solids.skipped_evaluations),
+        ("element_stiffnesses", solids.stiffness_builds),
+        ("umat_calls", solids.umat_calls),
+        ("contact_law_calls", snapshot.contact().law_calls()),
+        ("factorisations", done.factorisations),
+        ("contact_factorisations", done.block_factorisations),
+        ("solutions", done.solutions),
+        ("contact_settlements", done.settlements),
+        ("far_field_expansions", done.expansions),
+    ];
+    named.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+}

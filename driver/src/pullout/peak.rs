@@ -1,0 +1,88 @@
+//! The state at the greatest load.
+
+use super::State;
+use fe_core::mesh::Mesh;
+use fe_core::output::Fields;
+use fe_core::stepping::{Record, Snapshot};
+use serde::{Deserialize, Serialize};
+
+/// The increment with the greatest load so far.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PeakLoad {
+    /// Load, N: the greatest in magnitude, with its sign.
+    pub load: f64,
+    /// Slip there, mm.
+    pub slip: f64,
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1.
+    pub increment: u32,
+    /// Total time, s.
+    pub time: f64,
+}
+
+/// Keeps the greatest load, and the fields there if pictures are wanted.
+#[derive(Debug)]
+pub struct PeakKeeper<'p> {
+    /// `None`: nobody wants the fields.
+    mesh: Option<&'p Mesh>,
+    peak: Option<PeakLoad>,
+    fields: Option<Fields<'p>>,
+}
+
+impl<'p> PeakKeeper<'p> {
+    /// With a mesh, fields are kept as well.
+    pub fn new(mesh: Option<&'p Mesh>) -> Self {
+        Self { mesh, peak: None, fields: None }
+    }
+
+    /// Takes an increment into account; the first of equal ones is the peak.
+    pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>) {
+        if self.rises(record) {
+            self.fields = self.mesh.map(|mesh| Fields::of(snapshot).kept(mesh));
+        }
+    }
+
+    /// Whether the load is greater than ever; then it is the peak from now on.
+    fn rises(&mut self, record: &Record) -> bool {
+        let greatest = self.peak.map_or(0.0, |peak| peak.load.abs());
+        // before the first step there is no load but rounding
+        let rises = record.step > 0 && record.load.abs() > greatest;
+        if rises {
+            let &Record { load, slip, step, increment, time, .. } = record;
+            self.peak = Some(PeakLoad { load, slip, step, increment, time });
+        }
+        rises
+    }
+
+    /// The greatest load; `None`: there was none.
+    pub fn peak(&self) -> Option<PeakLoad> {
+        self.peak
+    }
+
+    /// The state there.
+    pub fn into_state(self) -> Option<State<'p>> {
+        let PeakLoad { load, slip, .. } = self.peak?;
+        Some(State { slip, load, fields: self.fields? })
+    }
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+    use crate::pullout::recorder::test::record;
+
+    #[test]
+    fn the_peak_is_the_first_of_the_greatest_loads_in_magnitude() {
+        let mut keeper = PeakKeeper::new(None);
+        let loads = [0.0, 3.0, 5.0, 5.0, -4.0, f64::NAN, -7.5, 7.0];
+        for (load, increment) in loads.into_iter().zip(0..) {
+            let record = Record { load, ..record(1, increment, 0.25 * f64::from(increment)) };
+            let expected = [false, true, true, false, false, false, true, false][increment as usize];
+            assert_eq!(keeper.rises(&record), expected, "{load}");
+        }
+        let peak = keeper.peak().expect("a load");
+        assert_eq!((peak.load, peak.increment, peak.time), (-7.5, 6, 1.5));
+        assert!(PeakKeeper::new(None).peak().is_none());
+    }
+}

@@ -1,0 +1,302 @@
+//! The pictures of a specimen's fields, at the greatest load and at the end of the run.
+//!
+//! `deformed_mesh`, `principal_stress_max`, `principal_stress_min` and the damages of the laws show the whole specimen;
+//! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load. `axial_stress`,
+//! `interface_shear` and `interface_pressure` show both states.
+
+use super::fibre::{Fibre, Wall};
+use super::{Outcome, Program, State};
+use crate::output::number::significant;
+use crate::output::plots::Picture;
+use crate::output::plots::field::{
+    FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, deformed_mesh, interface_profiles,
+};
+use crate::output::plots::figure::{Figure, Line, Style};
+use crate::output::plots::quantity::{Quantity, Sort};
+use fe_core::mesh::Mesh;
+use fe_core::model::ContactPair;
+use fe_core::output::{FieldsError, Principal, Recovery, axial_stress};
+use std::collections::BTreeSet;
+use std::io;
+use std::path::Path;
+
+/// The zoom shows so many diameters of the fibre to each side of its exit.
+const ZOOM: f64 = 3.0;
+/// Cross-sections along a fibre at most.
+const MOST_SECTIONS: usize = 400;
+const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
+
+/// Draws everything into a folder.
+///
+/// # Errors
+/// A file that cannot be written, or fields that cannot be drawn.
+pub fn draw(folder: &Path, program: &Program, outcome: &Outcome<'_>) -> io::Result<Vec<Picture>> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
+    let mut album = Album::new(folder, program);
+    let peak = outcome.peak.as_ref().map(|state| Moment { state, suffix: "_peak", words: "greatest load" });
+    let end = outcome.end.as_ref().map(|state| Moment { state, suffix: "", words: "end of the run" });
+    let moments: Vec<Moment<'_>> = peak.into_iter().chain(end).collect();
+    for moment in &moments {
+        album.contours(moment)?;
+    }
+    album.axial_stress(&moments)?;
+    album.interface(&moments)?;
+    Ok(album.pictures)
+}
+
+/// A state with its name.
+struct Moment<'a> {
+    state: &'a State<'a>,
+    /// At the end of a file's stem.
+    suffix: &'static str,
+    words: &'static str,
+}
+
+impl Moment<'_> {
+    fn title(&self, what: &str) -> String {
+        let State { slip, load, .. } = self.state;
+        let words = self.words;
+        format!("{what}, {words}: slip {} mm, load {} N", significant(*slip, 4), significant(*load, 4))
+    }
+}
+
+/// Pictures of one run.
+struct Album<'a> {
+    folder: &'a Path,
+    mesh: &'a Mesh,
+    recovery: Recovery,
+    fibre: Option<Fibre>,
+    /// How the slave surface of each pair lies along the fibre.
+    walls: Vec<Option<Wall>>,
+    /// Parts that carry contact points: fibres are stressed so much more that colours follow these parts.
+    matrix: BTreeSet<usize>,
+    pictures: Vec<Picture>,
+}
+
+impl<'a> Album<'a> {
+    fn new(folder: &'a Path, program: &'a Program) -> Self {
+        let mesh = &program.model.mesh;
+        let contacts = &program.model.contacts;
+        let slaves = contacts.iter().flat_map(|pair| &pair.slave);
+        let fibre = Fibre::of(&program.model);
+        let wall = |pair: &ContactPair| Wall::of(fibre.as_ref()?, mesh, &pair.slave);
+        Self {
+            walls: contacts.iter().map(wall).collect(),
+            folder,
+            mesh,
+            recovery: Recovery::new(mesh),
+            fibre,
+            matrix: slaves.map(|edge| mesh.elements()[edge.element].part()).collect(),
+            pictures: Vec::new(),
+        }
+    }
+
+    /// All pictures of the whole specimen and of the exit at one moment.
+    fn contours(&mut self, moment: &Moment<'_>) -> io::Result<()> {
+        let fields = &moment.state.fields;
+        let mesh = PictureMesh::new(fields, &self.recovery);
+        let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
+        let principal: Vec<Principal> = stresses.into_iter().map(Principal::new).collect();
+        let stress = |name: &str| Quantity { name: name.into(), unit: "MPa".into() };
+        let mut contours = vec![
+            Contour {
+                name: "principal_stress_max".into(),
+                what: "Maximum principal stress".into(),
+                values: principal.iter().map(|p| p.maximum).collect(),
+                quantity: stress("σ_{max}"),
+                limits: Limits::OfMatrix,
+            },
+            Contour {
+                name: "principal_stress_min".into(),
+                what: "Minimum principal stress".into(),
+                values: principal.iter().map(|p| p.minimum).collect(),
+                quantity: stress("σ_{min}"),
+                limits: Limits::OfMatrix,
+            },
+        ];
+        for name in damages(&fields.distinct_state_names()) {
+            let values = self.recovery.recover_limited(self.mesh, &fields.state(name)).map_err(unfit)?;
+            let quantity = Quantity::of(name, &Default::default());
+            let file = if is_total(name) { "damage".to_owned() } else { format!("damage_{name}") };
+            let what = if is_total(name) { "Damage".to_owned() } else { format!("Damage {name}") };
+            contours.push(Contour { name: file, what, values, quantity, limits: Limits::OfData });
+        }
+        for (place, window) in self.windows(&mesh) {
+            let name = |stem: &str| format!("{stem}{place}{}", moment.suffix);
+            let magnification = mesh.suggested_magnification();
+            let mut picture = FieldPicture::new(moment.title("Deformed mesh"), &mesh);
+            (picture.window, picture.magnification) = (window.clone(), magnification);
+            self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
+            // a zoom on nothing says no more than the whole
+            let is_worth_it = |shown: &&Contour| place.is_empty() || !shown.is_constant();
+            for shown in contours.iter().filter(is_worth_it) {
+                let mut picture = FieldPicture::new(moment.title(&shown.what), &mesh);
+                picture.window = window.clone();
+                let range = shown.range(&self.recovery, &mesh, &self.matrix, window.as_ref());
+                self.keep(&name(&shown.name), contour(&picture, &shown.values, &shown.quantity, range))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What pictures show, by what is added to their names: everything, and around the exit of a fibre.
+    fn windows(&self, mesh: &PictureMesh) -> Vec<(&'static str, Option<Window>)> {
+        let around_exit = self.fibre.as_ref().and_then(|fibre| {
+            let whole = Window::around(&mesh.nodes)?;
+            let [x, y] = self.mesh.nodes()[fibre.exit_node];
+            let reach = 2.0 * ZOOM * fibre.radius;
+            let within =
+                |at: f64, range: &std::ops::Range<f64>| (at - reach).max(range.start)..(at + reach).min(range.end);
+            Some(Window { x: within(x, &whole.x), y: within(y, &whole.y) })
+        });
+        let zoom = around_exit.map(|window| ("_exit", Some(window)));
+        std::iter::once(("", None)).chain(zoom).collect()
+    }
+
+    /// The fibre's axial stress along its axis.
+    fn axial_stress(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
+        let Some(fibre) = &self.fibre else { return Ok(()) };
+        let elements = self.mesh.elements().iter().filter(|element| element.part() == fibre.part).count();
+        let mut lines = Vec::new();
+        for (k, moment) in moments.iter().enumerate() {
+            let sections = elements.min(MOST_SECTIONS);
+            let points = axial_stress(&moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
+            let columns = ("arc".to_owned(), moment.suffix.to_owned());
+            lines.push(Line {
+                label: moment.title("").trim_start_matches(", ").into(),
+                points,
+                columns,
+                style: Style { color: k, dash: k },
+            });
+        }
+        self.keep_figure(&Figure {
+            name: "axial_stress".into(),
+            title: "Axial stress of the fibre".into(),
+            x: Quantity { name: ALONG_FIBRE.into(), unit: "mm".into() },
+            y: Quantity { name: "axial stress".into(), unit: "MPa".into() },
+            lines,
+            marks: Vec::new(),
+            equal_units: false,
+        })
+    }
+
+    /// Shear and pressure along the interface: a colour for each moment, a dash for each pair. Along a fibre the walls of
+    /// the hole have a common coordinate, and shear that resists the pull is positive.
+    fn interface(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
+        let mut figures: Vec<Figure> = Vec::new();
+        for (color, moment) in moments.iter().enumerate() {
+            for mut figure in interface_profiles("", &moment.state.fields) {
+                for (dash, line) in figure.lines.iter_mut().enumerate() {
+                    if let Some(Some(wall)) = self.walls.get(dash) {
+                        let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
+                        line.points.iter_mut().for_each(|(x, y)| (*x, *y) = (wall.along_fibre(*x), sign * *y));
+                        figure.x.name = ALONG_FIBRE.into();
+                    }
+                    line.label = format!("{}, {}", line.label, moment.words);
+                    line.style = Style { color, dash };
+                }
+                match figures.iter_mut().find(|other| other.name == figure.name) {
+                    Some(other) => other.lines.append(&mut figure.lines),
+                    None => figures.push(figure),
+                }
+            }
+        }
+        for mut figure in figures {
+            figure.lines.retain(|line| line.points.iter().any(|(_, value)| value.is_finite()));
+            figure.title = format!("{} along the interface", capital(&figure.y.name));
+            self.keep_figure(&figure)?;
+        }
+        Ok(())
+    }
+
+    fn keep_figure(&mut self, figure: &Figure) -> io::Result<()> {
+        if figure.lines.is_empty() {
+            return Ok(());
+        }
+        let svg = figure.svg()?;
+        self.write(&figure.name, svg)
+    }
+
+    /// Writes a picture, unless there was nothing to draw.
+    fn keep(&mut self, name: &str, drawn: Result<String, PictureError>) -> io::Result<()> {
+        match drawn {
+            Ok(svg) => self.write(name, svg),
+            Err(PictureError::Nothing) => Ok(()),
+            Err(error) => Err(io::Error::other(format!("{name}: {error}"))),
+        }
+    }
+
+    fn write(&mut self, name: &str, svg: String) -> io::Result<()> {
+        let path = self.folder.join(format!("{name}.svg"));
+        std::fs::write(&path, &svg)
+            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+        self.pictures.push(Picture { path, svg });
+        Ok(())
+    }
+}
+
+/// Values at nodes, and how they are shown.
+struct Contour {
+    name: String,
+    what: String,
+    values: Vec<f64>,
+    quantity: Quantity,
+    limits: Limits,
+}
+
+/// What the colours reach from and to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Limits {
+    /// The values shown.
+    OfData,
+    /// The values of the matrix that are shown.
+    OfMatrix,
+}
+
+impl Contour {
+    fn is_constant(&self) -> bool {
+        let mut numbers = self.values.iter().filter(|value| value.is_finite());
+        numbers.next().is_none_or(|first| numbers.all(|other| other == first))
+    }
+
+    fn range(
+        &self,
+        recovery: &Recovery,
+        mesh: &PictureMesh,
+        matrix: &BTreeSet<usize>,
+        window: Option<&Window>,
+    ) -> Option<(f64, f64)> {
+        if self.limits == Limits::OfData {
+            return None;
+        }
+        let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));
+        let parts = recovery.nodes().parts();
+        let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k]));
+        let (least, greatest) = values
+            .map(|k| self.values[k])
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (least < greatest).then_some((least, greatest))
+    }
+}
+
+/// The damages to draw: the total one if a law tells it, or else all.
+fn damages<'n>(names: &[&'n str]) -> Vec<&'n str> {
+    let damages: Vec<&str> = names.iter().copied().filter(|name| Sort::of(name) == Sort::Damage).collect();
+    let total: Vec<&str> = damages.iter().copied().filter(|name| is_total(name)).collect();
+    if total.is_empty() { damages } else { total }
+}
+
+fn is_total(name: &str) -> bool {
+    matches!(name, "D" | "d" | "damage")
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn unfit(error: FieldsError) -> io::Error {
+    io::Error::other(error)
+}

@@ -1,0 +1,111 @@
+//! The replay case of a failed run: the state of the failing point before the increment, and the increment.
+
+use super::Program;
+use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
+use fe_core::assembly::{Place, Trouble};
+use fe_core::contact::NormalDrive;
+use fe_core::kinematics::PlaneModel;
+use fe_core::model::{ContactLaw, PluginLaw};
+use fe_core::stepping::Snapshot;
+use serde_json::{Map, Value, json};
+
+/// Of a material or contact point whose law was called last and stopped the run; null where there is none.
+pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
+    let title = format!("Replay of a failed increment: {}, {}", program.title, trouble.place);
+    match &trouble.place {
+        Place::Element { element, point, .. } => material_point(program, [*element, *point], title, snapshot),
+        Place::Contact { pair, point, .. } => contact_point(program, pair, *point, title, snapshot),
+        Place::Node { .. } | Place::System => None,
+    }
+    .unwrap_or(Value::Null)
+}
+
+/// A case of kind "point". What large displacements turn is given as turned, and its rotation left out.
+fn material_point(
+    program: &Program,
+    [element, point]: [usize; 2],
+    title: String,
+    snapshot: &Snapshot<'_>,
+) -> Option<Value> {
+    let call = snapshot.solids().last_call(element, point)?;
+    let mesh = &program.model.mesh;
+    let part = mesh.elements()[element].part();
+    let law = &program.model.laws[part];
+    // Elements whose dilatation is averaged have strains 33 in plane strain as well: the axisymmetric mode has the same
+    // NTENS and NDI, and drives all four.
+    let has_strain_33 = call.strain[2] != 0.0 || call.strain_increment[2] != 0.0;
+    // the four components of the plane among the six of a case
+    let (mode, components, driven): (_, &[usize], &[usize]) = match mesh.parts()[part].model {
+        PlaneModel::PlaneStress => ("plane_stress", &[0, 1, 3], &[0, 1, 3]),
+        PlaneModel::PlaneStrain if !has_strain_33 => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
+        PlaneModel::PlaneStrain | PlaneModel::Axisymmetric => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
+    };
+    let named = |names: &[&str; 6], which: &[usize], values: [f64; 4]| {
+        which.iter().map(|&k| (names[k].to_owned(), json!(values[k]))).collect::<Map<_, _>>()
+    };
+    let end = std::array::from_fn(|k| call.strain[k] + call.strain_increment[k]);
+    Some(json!({
+        "kind": "point",
+        "title": title,
+        "material": material(law, &law.props, None),
+        "mode": mode,
+        "characteristic_length": call.characteristic_length,
+        "initial": {
+            "strain": named(&STRAIN_NAMES, components, call.strain),
+            "stress": named(&STRESS_NAMES, components, call.stress),
+            "statev": call.statev,
+            "time": call.time,
+        },
+        "steps": [{
+            "increments": 1,
+            "time": duration(call.time_increment),
+            "target": named(&STRAIN_NAMES, driven, end),
+        }],
+    }))
+}
+
+/// A case of kind "interface".
+fn contact_point(program: &Program, pair: &str, point: usize, title: String, snapshot: &Snapshot<'_>) -> Option<Value> {
+    let call = snapshot.contact().last_call(pair, point)?;
+    let (law, entry) = match &program.model.contacts.iter().find(|other| other.name == pair)?.law {
+        ContactLaw::Uinter(law) => (law, "uinter"),
+        ContactLaw::Fric { law, .. } => (law, "fric"),
+    };
+    let [start, end] = call.slip;
+    let mut initial = json!({ "statev": call.statev, "time": call.time, "slip": start });
+    let mut target = json!({ "slip": end });
+    match call.normal {
+        NormalDrive::Gap([start, end]) => (initial["gap"], target["gap"]) = (json!(start), json!(end)),
+        NormalDrive::Pressure(end) => target["p"] = json!(end),
+    }
+    Some(json!({
+        "kind": "interface",
+        "title": title,
+        "material": material(law, call.props, Some(entry)),
+        "characteristic_length": call.characteristic_length,
+        "initial": initial,
+        "steps": [{ "increments": 1, "time": duration(call.time_increment), "target": target }],
+    }))
+}
+
+/// The library by its absolute path: the case may be moved.
+fn material(law: &PluginLaw, props: &[f64], entry: Option<&str>) -> Value {
+    let path = law.library.path();
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+    let mut material = json!({ "plugin": path.to_string_lossy(), "cmname": law.cmname, "props": props });
+    if let Some(symbol) = &law.symbol {
+        material["symbol"] = json!(symbol);
+    }
+    if let Some(entry) = entry {
+        material["entry"] = json!(entry);
+    }
+    if law.law.is_none() {
+        material["nstatv"] = json!(law.nstatv);
+    }
+    material
+}
+
+/// A step takes some time; equilibrium before the first step takes none.
+fn duration(time_increment: f64) -> f64 {
+    if time_increment > 0.0 { time_increment } else { 1.0 }
+}

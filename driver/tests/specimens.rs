@@ -1,0 +1,175 @@
+//! What the run of a specimen leaves: fields for ParaView, pictures, summary, report, and replays of what failed.
+
+mod program;
+
+use program::{Desk, Run, command, json};
+use serde_json::{Value, json};
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// A coarse fibre in elastic concrete, pulled in two steps past the peak of its bond.
+fn fibre() -> Value {
+    let elastic =
+        |modulus: f64| json!({ "material": { "plugin": "linear_elastic", "props": { "E": modulus, "nu": 0.2 } } });
+    json!({
+        "kind": "pullout",
+        "title": "A coarse fibre",
+        "mesh": { "specimen": {
+            "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0, "largest_size": 6.0,
+        } },
+        "parts": { "fibre": elastic(210e3), "matrix": elastic(23.7e3) },
+        "contact": { "law": { "plugin": "bond_slip", "props": { "k_e": 400.0 } } },
+        "steps": [
+            { "slip": 0.03, "increments": { "initial": 0.01, "maximum": 0.1 } },
+            { "slip": 0.2, "increments": { "initial": 0.01, "maximum": 0.2 } },
+        ],
+        "output": { "vtu": 5 },
+    })
+}
+
+/// A plate with a hole, pulled; the law of its points as given.
+fn plate(material: Value, end: f64, increments: u32) -> Value {
+    json!({
+        "kind": "pullout",
+        "title": "A plate",
+        "mesh": { "specimen": { "type": "plate_with_hole", "cells": 6, "element": "Q4" } },
+        "parts": { "plate": { "material": material } },
+        "grip": { "nodes": "top", "direction": [0, 1], "lateral": "free" },
+        "steps": [ { "slip": end, "increments": increments } ],
+        "output": { "vtu": 2 },
+    })
+}
+
+/// Times of the data sets of a series, each file of which is there and can be read.
+fn series(folder: &Path) -> Vec<(f64, String)> {
+    let text = std::fs::read_to_string(folder.join("fields.pvd")).expect("a series");
+    let document = roxmltree::Document::parse(&text).expect("XML");
+    let sets = document.descendants().filter(|node| node.has_tag_name("DataSet"));
+    let attribute = |node: roxmltree::Node<'_, '_>, name: &str| node.attribute(name).expect("an attribute").to_owned();
+    sets.map(|node| {
+        let file = attribute(node, "file");
+        let text = std::fs::read_to_string(folder.join(&file)).expect("a file of the series");
+        roxmltree::Document::parse(&text).expect("XML");
+        (attribute(node, "timestep").parse().expect("a time"), file)
+    })
+    .collect()
+}
+
+fn exists(run: &Run, names: &[&str]) {
+    for name in names {
+        let path = run.folder.join("plots").join(format!("{name}.svg"));
+        let svg = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{name}: {error}"));
+        roxmltree::Document::parse(&svg).unwrap_or_else(|error| panic!("{name}: {error}"));
+    }
+}
+
+#[test]
+fn a_pull_out_leaves_fields_pictures_summary_and_report() {
+    let desk = Desk::new();
+    let run = desk.run(&desk.case("case.json", &fibre()), &[], "out", 0);
+    let (steps, increments) = (run.history.column("step"), run.history.column("increment"));
+    let times = run.history.column("time");
+    let rows = times.len();
+    let is_due = |k: usize| increments[k] % 5.0 == 0.0 || k + 1 == rows || steps[k + 1] != steps[k];
+    let due: Vec<f64> = (0..rows).filter(|&k| is_due(k)).map(|k| times[k]).collect();
+    let sets = series(&run.folder);
+    let of = |prefix: &str| -> Vec<f64> {
+        sets.iter().filter(|(_, file)| file.starts_with(prefix)).map(|(time, _)| *time).collect()
+    };
+    assert_eq!((of("fields/0"), of("fields/contact_")), (due.clone(), due));
+    exists(
+        &run,
+        &[
+            "load_slip",
+            "energies",
+            "iterations",
+            "points",
+            "axial_stress",
+            "interface_shear",
+            "interface_pressure",
+            "deformed_mesh",
+            "deformed_mesh_exit",
+            "deformed_mesh_peak",
+            "principal_stress_max",
+            "principal_stress_max_exit_peak",
+            "principal_stress_min_peak",
+            "principal_stress_min_exit",
+        ],
+    );
+    let load = run.history.column("load");
+    let greatest = (0..rows).max_by(|&a, &b| load[a].total_cmp(&load[b])).expect("a row");
+    let peak = &run.summary["peak_load"];
+    assert_eq!(peak["load"].as_f64(), Some(load[greatest]));
+    assert_eq!(peak["slip"].as_f64(), Some(run.history.column("slip")[greatest]));
+    assert!(greatest + 1 < rows, "the run goes on beyond the peak");
+    let statistic = |name: &str| run.summary["statistics"][name].as_u64().unwrap_or_else(|| panic!("{name}"));
+    assert!(statistic("contact_law_calls") > 0 && statistic("umat_calls") > 0);
+    let calls = statistic("contact_law_calls") + statistic("umat_calls");
+    assert_eq!(run.summary["plugin_calls"].as_u64(), Some(calls));
+    assert_eq!(run.summary["energies"]["external_work"].as_f64(), Some(run.history.last("external_work")));
+    let errors = run.history.column("energy_error");
+    let worst = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
+    assert_eq!(run.summary["energy_error_max"].as_f64(), Some(worst));
+    assert!(run.summary.get("failure").is_none());
+    let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
+    for text in ["Greatest load", "Energies at the end", "Penalties of contact", "Skipping", "interface_left", "<svg"] {
+        assert!(report.contains(text), "{text}");
+    }
+    let drawn = desk.pullout(["plot", "out"]).expect(0).stdout;
+    assert!(drawn.contains("load_slip.svg"), "{drawn}");
+}
+
+#[test]
+fn fields_and_pictures_can_be_switched_off() {
+    let desk = Desk::new();
+    let material = json!({ "plugin": "linear_elastic" });
+    let overrides = ["output.vtu=false", "output.plots=false"];
+    let run = desk.run(&desk.case("case.json", &plate(material, 1e-3, 1)), &overrides, "out", 0);
+    assert!(!run.folder.join("fields.pvd").exists() && !run.folder.join("plots").exists());
+    assert!(run.summary["peak_load"]["load"].as_f64() > Some(0.0));
+}
+
+#[test]
+fn a_law_that_fails_is_named_with_its_place_and_can_be_replayed() {
+    let desk = Desk::new();
+    let run = desk.run(&desk.case("case.json", &plate(json!({ "plugin": "panicking" }), 0.05, 100)), &[], "out", 1);
+    let failure = &run.summary["failure"];
+    assert_eq!(failure["place"]["kind"], "element", "{failure}");
+    let [element, point] = ["element", "point"].map(|key| failure["place"][key].as_u64().expect("a number"));
+    let message = run.summary["message"].as_str().expect("a message");
+    assert!(message.contains(&format!("element {element}, integration point {point}")), "{message}");
+    assert!(message.contains("replay.json"), "{message}");
+    // what was reached is kept, its fields as well
+    let last = run.history.last("time");
+    assert!(run.history.rows.len() > 2);
+    assert_eq!(series(&run.folder).last().map(|(time, _)| *time), Some(last));
+    exists(&run, &["load_slip", "deformed_mesh", "principal_stress_max"]);
+    // the point alone fails in the same increment
+    let replay = run.folder.join("replay.json");
+    desk.pullout(["check".as_ref(), replay.as_os_str()]).expect(0);
+    assert_eq!(json(&replay)["initial"]["time"].as_f64(), Some(last));
+    let again = desk.run(&replay, &[], "again", 1);
+    assert!(again.outcome.stderr.contains("plugin 'panicking', step 1, increment 1"), "{}", again.outcome.stderr);
+}
+
+#[test]
+fn fields_of_a_killed_run_can_be_opened() {
+    let desk = Desk::new();
+    let mut case = plate(json!({ "plugin": "linear_elastic" }), 1e-3, 5_000_000);
+    case["output"]["vtu"] = json!(1);
+    desk.case("case.json", &case);
+    let mut child = command()
+        .current_dir(desk.path(""))
+        .args(["run", "--quiet", "--out", "out", "case.json"])
+        .spawn()
+        .expect("the program starts");
+    let series_file = desk.path("out/fields.pvd");
+    let start = Instant::now();
+    while std::fs::metadata(&series_file).map_or(0, |file| file.len()) < 1000 {
+        assert!(start.elapsed() < Duration::from_secs(60), "no series after a minute");
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child.kill().expect("the run goes on");
+    child.wait().expect("an end");
+    assert!(series(&desk.path("out")).len() > 3);
+}
