@@ -2,6 +2,7 @@
 //! `cases/verification` through the reader and the FE core.
 
 mod beam;
+mod capstan;
 mod contact_patch;
 mod cook;
 mod cylinder;

@@ -8,19 +8,23 @@ const FIBRE: Fibre = Fibre { diameter: 0.406, modulus: 210e3, length: 12.2 };
 
 #[test]
 fn the_linear_bond_gives_the_load_of_shear_lag() {
+    /// k, MPa/mm.
+    const STIFFNESS: f64 = 40.0;
     let mut errors = Vec::new();
-    for elements in [10, 20, 40] {
+    for elements in [1, 2, 8] {
         let model = model("fibre-elastic-bond", &[&format!("mesh.specimen.embedded_elements={elements}")]);
         let mut error = [f64::NAN; 2];
         run_to_end(&model, |record, _| {
-            let load = FIBRE.elastic_load(400.0, record.slip_exit);
-            let tail = FIBRE.elastic_tail_slip(400.0, record.slip_exit);
+            let load = FIBRE.elastic_load(STIFFNESS, record.slip_exit);
+            let tail = FIBRE.elastic_tail_slip(STIFFNESS, record.slip_exit);
             error = [(record.load / load - 1.0).abs(), (record.slip_tail / tail - 1.0).abs()];
         });
         println!("{elements} elements: load {:.2e}, tail {:.2e}", error[0], error[1]);
         errors.push(error[0]);
     }
-    assert!(errors[2] < 1e-3 && errors.is_sorted_by(|a, b| a > b), "{errors:?}");
+    // what is left is that real sections do not stay quite plane
+    let changes = [(errors[0] - errors[1]).abs(), (errors[1] - errors[2]).abs()];
+    assert!(errors[2] < 1e-3 && changes[1] < changes[0], "{errors:?}");
 }
 
 #[test]
@@ -34,22 +38,28 @@ fn the_dropping_bond_is_followed_through_the_snap_back() {
     let (mut worst, mut debonded, mut turned, mut last) = (0.0_f64, 0, 0, 0.0);
     let mut greatest = 0.0_f64;
     let end = run(&model, |record, _| {
-        if record.increment % 20 == 0 { eprintln!("{} t {:.5} slip {:.6} exit {:.6} P {:.4} cut {} it {}", record.increment, record.time, record.slip, record.slip_exit, record.load, record.cutbacks, record.iterations.len()); }
         greatest = greatest.max(record.load);
-        turned += u32::from(record.slip_exit < last);
-        last = record.slip_exit;
         let (load, slip) = (record.load / peak, record.slip_exit / peak_slip);
-        let elastic = FIBRE.elastic_load(bond.stiffness, record.slip_exit) / peak;
         let distance = branch.iter().map(|(p, u)| (p / peak - load).abs().max((u / peak_slip - slip).abs()));
         let off = distance.fold(f64::INFINITY, f64::min);
-        if (elastic - load).abs() > off && record.load > 0.0 {
+        // elastic before, friction alone afterwards
+        let elastic = FIBRE.elastic_load(bond.stiffness, record.slip_exit) / peak;
+        let is_debonding = slip > branch[0].1 / peak_slip && record.slip_tail < bond.strength / bond.stiffness;
+        if is_debonding {
+            turned += u32::from(record.slip_exit < last);
             worst = worst.max(off);
             debonded += 1;
+        } else if record.load > 0.0 {
+            let friction = FIBRE.friction_load(bond.friction, record.slip_tail) / peak;
+            worst = worst.max((elastic - load).abs().min((friction - load).abs()));
         }
+        last = record.slip_exit;
     });
-    println!("peak {greatest:.4} for {peak:.4} N; {debonded} on the branch, off by {worst:.2e}; turned {turned}; {end:?}");
+    println!(
+        "peak {greatest:.4} for {peak:.4} N; {debonded} on the branch, off by {worst:.2e}; turned {turned}; {end:?}"
+    );
     end.unwrap();
-    assert!(turned > 3, "no snap-back was followed");
+    assert!(turned > 0 && debonded > 50, "no snap-back was followed");
     assert!(worst < 5e-3, "{worst:.2e} off the branch");
 }
 

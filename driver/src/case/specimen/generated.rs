@@ -8,8 +8,8 @@ use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{
-    self, BodyChoice, Configuration, CylinderOnPlane, CylinderSection, DragOutStrip, FibreMesh, PartMesh,
-    PerpendicularFibre, PlateWithHole, SpecimenError, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+    self, BodyChoice, Configuration, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip, FibreMesh,
+    PartMesh, PerpendicularFibre, PlateWithHole, SpecimenError, ThickCylinder, TimoshenkoBeam, TwoBlocks,
 };
 use fe_core::model::Width;
 
@@ -58,6 +58,7 @@ pub fn generate(given: &document::Specimen) -> Result<Generated, SpecimenError> 
         document::Specimen::TwoBlocks(given) => two_blocks(given),
         document::Specimen::Hertz(given) => hertz(given),
         document::Specimen::DragOutStrip(given) => drag_out_strip(given),
+        document::Specimen::CurvedChannel(given) => curved_channel(given),
     }
 }
 
@@ -194,6 +195,22 @@ fn drag_out_strip(given: &document::DragOutStrip) -> Result<Generated, SpecimenE
     let supports = [("symmetry", Y), ("block_left", X)];
     let grip = Some(("sliding_end", [1.0, 0.0]));
     Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
+}
+
+fn curved_channel(given: &document::CurvedChannel) -> Result<Generated, SpecimenError> {
+    let definition = specimen::curved_channel(&CurvedChannel {
+        radius: length(given.radius, 10.0),
+        angle: length(given.angle_deg, 90.0).to_radians(),
+        fibre_height: length(given.fibre_height, 0.2),
+        free_length: length(given.free_length, 1.0),
+        depth: length(given.depth, 0.5),
+        edges: number(given.edges, 40),
+        free_edges: number(given.free_edges, 3),
+        rows: number(given.rows, 1),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let grip = Some(("grip", [0.0, -1.0]));
+    Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
 }
 
 fn one_body(

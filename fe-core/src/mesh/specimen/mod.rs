@@ -2,9 +2,10 @@
 //!
 //! [`perpendicular_fibre`] makes a pull-out specimen with everything that a run must know of it, a [`Specimen`]. The
 //! others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`timoshenko_beam`], [`two_blocks`],
-//! [`cylinder_on_plane`], [`drag_out_strip`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
+//! [`cylinder_on_plane`], [`drag_out_strip`], [`curved_channel`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
 
 mod bodies_in_contact;
+mod curved_channel;
 mod one_body;
 mod perpendicular_fibre;
 mod requirement;
@@ -13,6 +14,7 @@ mod requirement;
 mod test;
 
 pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
+pub use curved_channel::{CurvedChannel, curved_channel};
 pub use one_body::{
     CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
     timoshenko_beam,

@@ -55,6 +55,8 @@ pub enum Specimen {
     Hertz(Hertz),
     /// A strip that is pulled out from under a block: parts strip and block.
     DragOutStrip(DragOutStrip),
+    /// A fibre that lies on a curved channel: parts fibre and channel.
+    CurvedChannel(CurvedChannel),
 }
 
 /// Kind of elements.
@@ -242,5 +244,29 @@ pub struct DragOutStrip {
     /// Each size over the one before it (default 1.2).
     pub growth: Option<Positive>,
     /// Kind of elements (default Q4).
+    pub element: Option<ElementName>,
+}
+
+/// A fibre that lies on a curved channel, straight before and after it: a capstan.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CurvedChannel {
+    /// Radius of the channel (default 10).
+    pub radius: Option<Positive>,
+    /// Angle of the arc, degrees (default 90).
+    pub angle_deg: Option<Positive>,
+    /// Height of the fibre (default 0.2).
+    pub fibre_height: Option<Positive>,
+    /// Length of the fibre before and after the arc (default 1).
+    pub free_length: Option<Positive>,
+    /// Depth of the channel's body (default 0.5).
+    pub depth: Option<Positive>,
+    /// Edges around the arc (default 40).
+    pub edges: Option<Elements>,
+    /// Edges along each free length (default 3).
+    pub free_edges: Option<Elements>,
+    /// Elements across the fibre (default 1).
+    pub rows: Option<Elements>,
+    /// Kind of elements (default Q8).
     pub element: Option<ElementName>,
 }
