@@ -89,6 +89,8 @@ pub(super) struct Equilibrium<'m> {
     at_committed_state: bool,
     /// The largest force scale so far.
     greatest_scale: f64,
+    /// Whether attempts go on with safe stiffnesses where others would be cut.
+    pub(super) is_patient: bool,
     /// Elements whose stiffness is not the consistent one.
     fallen_back: Vec<usize>,
     /// The largest coordinate, mm.
@@ -112,6 +114,9 @@ const FAST_REDUCTION: f64 = 0.05;
 const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
+/// A patient attempt may take this many times the iterations: with the secant stiffness of damage at rest they creep, but
+/// arrive where an element snaps to its cracked state.
+const PATIENCE: usize = 10;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
 const DIVERGENCE: usize = 4;
 /// Rounds of multiplier updates and openings in one increment.
@@ -150,6 +155,7 @@ impl<'m> Equilibrium<'m> {
             last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
+            is_patient: false,
             fallen_back: Vec::new(),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
@@ -306,11 +312,16 @@ impl<'m> Equilibrium<'m> {
             if !pending && self.is_converged(residual, scale, history.last(), start, trial) {
                 return Ok(history);
             }
-            if history.len() >= controls.max_iterations || growing >= DIVERGENCE {
+            let most = if self.is_patient { PATIENCE * controls.max_iterations } else { controls.max_iterations };
+            if history.len() >= most || (growing >= DIVERGENCE && !self.is_patient) {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
-            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
+            if self.is_patient {
+                if history.len() >= FALLBACKS[0].0 && history.len() % FALLBACKS[0].0 == 0 {
+                    self.choose_tangents(TangentChoice::Frozen);
+                }
+            } else if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
