@@ -24,6 +24,7 @@ use std::path::Path;
 const ZOOM: f64 = 3.0;
 /// Cross-sections along a fibre at most.
 const MOST_SECTIONS: usize = 400;
+const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
 /// Draws everything into a folder.
@@ -191,7 +192,7 @@ impl<'a> Album<'a> {
                     if let Some(Some(wall)) = self.walls.get(dash) {
                         let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
                         line.points.iter_mut().for_each(|(x, y)| (*x, *y) = (wall.along_fibre(*x), sign * *y));
-                        figure.x.name = ALONG_FIBRE.into();
+                        figure.x.name = ALONG_HOLE.into();
                     }
                     line.label = format!("{}, {}", line.label, moment.words);
                     line.style = Style { color, dash };
@@ -299,4 +300,16 @@ fn capital(text: &str) -> String {
 
 fn unfit(error: FieldsError) -> io::Error {
     io::Error::other(error)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn the_total_damage_is_drawn_alone() {
+        assert_eq!(damages(&["eta", "D_t", "D", "D_c", "strain_33"]), ["D"]);
+        assert_eq!(damages(&["D_t", "D_c", "peeq"]), ["D_t", "D_c"]);
+        assert!(damages(&["peeq", "dissipated_energy"]).is_empty());
+    }
 }
