@@ -6,6 +6,8 @@ use fe_core::stepping::Snapshot;
 
 /// MPa.
 const PRESSURE: f64 = 100.0;
+/// Nothing but rounding.
+const EXACT: f64 = 1e-11;
 const YIELD_STRESS: f64 = 240.0;
 
 fn cylinder(poisson: f64) -> Cylinder {
@@ -69,7 +71,8 @@ fn elastic_errors_fall_with_the_order_of_the_elements() {
                 let orders = orders(&found.map(|errors| errors[k]));
                 println!("{element} axisymmetric {axisymmetric} {what}: {:.2e}, orders {orders:.2?}", found[3][k]);
                 // a mesh of 8 cells is not yet where orders are those of the limit
-                assert!(orders[2] > expected[k] - 0.1, "{element}, {axisymmetric}, {what}: orders {orders:?}");
+                // reduced Q8 are exact at the nodes of this problem in axial symmetry
+                assert!(orders[2] > expected[k] - 0.1 || found[0][k] < EXACT, "{element}, {axisymmetric}, {what}: orders {orders:?}");
             }
         }
     }

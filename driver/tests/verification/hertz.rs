@@ -7,7 +7,9 @@ const PAIR: LineContact = LineContact { radius: 10.0, bodies: [(210e3, 0.3); 2] 
 
 #[test]
 fn half_width_and_peak_pressure_are_hertz() {
-    let model = model("hertz", &[]);
+    let given = std::env::var("GIVEN").unwrap_or_default();
+    let given: Vec<&str> = given.split(';').filter(|g| !g.is_empty()).collect();
+    let model = model("hertz", &given);
     let base = model.supports.iter().position(|support| support.name.starts_with("base") && support.direction[1] == 1.0);
     let base = base.unwrap();
     let (mut force, mut points) = (0.0, Vec::new());

@@ -20,9 +20,12 @@ const FAILURES_BEFORE_PATIENCE: u32 = 2;
 const FAILURES_BEFORE_SLIP_CONTROL: u32 = 4;
 /// The first increment under slip control, as part of the last under the drives.
 const FIRST_SLIP: f64 = 0.5;
-/// Slip increments grow and shrink between these parts of the first.
-const SLIP_RANGE: [f64; 2] = [1e-6, 8.0];
-/// After as many increments in a row under slip control in which the drives advanced, they lead again.
+/// Slip increments shrink to this part of the first.
+const LEAST_SLIP: f64 = 1e-6;
+/// After as many increments in a row under slip control in which the drives advanced, they lead again, if increments have
+/// grown to this part of the largest under the drives: shorter ones would only be cut again.
+const RECOVERED: f64 = 0.5;
+/// As many.
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// Aim a little below the greatest admissible slip.
 const SLIP_MARGIN: f64 = 0.9;
@@ -75,6 +78,8 @@ pub(super) struct StepRun {
     failures: u32,
     last_progress: f64,
     last_slip: f64,
+    /// The largest increment of the mean slip under the drives.
+    largest_slip: f64,
     follows_slip: bool,
     locates_peak: bool,
 }
@@ -94,6 +99,7 @@ impl StepRun {
             failures: 0,
             last_progress: 0.0,
             last_slip: 0.0,
+            largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
         }
@@ -190,7 +196,7 @@ impl StepRun {
     fn is_least(&self) -> bool {
         match self.lead {
             Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
-            Lead::Slip { increment, first, .. } => increment * 0.5 < first * SLIP_RANGE[0],
+            Lead::Slip { increment, first, .. } => increment * 0.5 < first * LEAST_SLIP,
         }
     }
 
@@ -203,6 +209,7 @@ impl StepRun {
         let before = self.progress;
         match &mut self.lead {
             Lead::Drives => {
+                self.largest_slip = self.largest_slip.max(self.last_slip);
                 let left = 1.0 - self.progress;
                 self.progress = if self.attempted == left { 1.0 } else { self.progress + self.attempted };
                 self.size.accepted(iterations);
@@ -221,14 +228,15 @@ impl StepRun {
     }
 
     fn after_slip_increment(&mut self, iterations: usize) {
-        let Lead::Slip { increment, first, advances, easy } = &mut self.lead else { return };
+        let largest = self.largest_slip;
+        let Lead::Slip { increment, advances, easy, .. } = &mut self.lead else { return };
         let was_easy = iterations <= 6;
         if was_easy && *easy {
-            *increment = (*increment * 1.5).min(*first * SLIP_RANGE[1]);
+            *increment = (*increment * 1.5).min(largest);
         }
         *easy = was_easy;
         *advances = if self.last_progress > 0.0 { *advances + 1 } else { 0 };
-        if *advances >= ADVANCES_BEFORE_DRIVE_CONTROL {
+        if *advances >= ADVANCES_BEFORE_DRIVE_CONTROL && *increment >= RECOVERED * largest {
             self.lead = Lead::Drives;
             self.size.restart(self.last_progress);
         }
@@ -256,7 +264,7 @@ impl StepRun {
             Lead::Slip { increment, first, easy, .. } => {
                 *increment *= fraction;
                 *easy = false;
-                if *increment >= *first * SLIP_RANGE[0] { Advance::Repeated } else { Advance::Failed }
+                if *increment >= *first * LEAST_SLIP { Advance::Repeated } else { Advance::Failed }
             }
         }
     }

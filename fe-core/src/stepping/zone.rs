@@ -87,6 +87,13 @@ impl Zone {
     ) -> Result<System, SolverError> {
         let condensation =
             self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: contact });
-        System::new(&model.mesh, equations, contact, condensation, SolverOptions::default())
+        let mut coupled = contact.to_vec();
+        if model.nlgeom {
+            // pressures that follow the body have tangents as well
+            coupled.extend(loaded_freedoms(model));
+            coupled.sort_unstable();
+            coupled.dedup();
+        }
+        System::new(&model.mesh, equations, &coupled, condensation, SolverOptions::default())
     }
 }
