@@ -210,6 +210,14 @@ impl System {
         elements + self.matrix.contact.iter().map(of_block).fold(0.0, f64::max)
     }
 
+    /// K times unknowns by rows.
+    #[cfg(test)]
+    pub(crate) fn multiply(&self, unknowns: &[f64]) -> Vec<f64> {
+        let mut product = vec![0.0; unknowns.len()];
+        self.matrix.multiply(unknowns, &mut product).expect("one unknown per row");
+        product
+    }
+
     /// Takes over the blocks of contact and of loads that follow the body, by freedoms.
     pub fn set_blocks(&mut self, blocks: &Blocks) {
         self.blocks.clone_from(blocks);

@@ -617,3 +617,25 @@ pub(super) fn largest(values: &[f64]) -> f64 {
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
+
+#[cfg(test)]
+impl Equilibrium<'_> {
+    /// The residual at a trial state.
+    pub(super) fn residual_at(
+        &mut self,
+        start: &Committed,
+        trial: &Committed,
+        context: IncrementContext,
+        request: Request,
+    ) -> Result<Vec<f64>, Trouble> {
+        self.evaluate(start, trial, context, request, &mut Statistics::default())?;
+        Ok(self.residual.clone())
+    }
+
+    /// K times unknowns by rows, with the tangents of the last evaluation.
+    pub(super) fn tangent_times(&mut self, unknowns: &[f64]) -> Vec<f64> {
+        self.system.assemble_elements(&self.solids);
+        self.system.set_blocks(&self.blocks);
+        self.system.multiply(unknowns)
+    }
+}

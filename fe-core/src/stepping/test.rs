@@ -1,5 +1,7 @@
 //! Whole runs against closed forms: what the parts of an increment give together.
 
+mod pull_out;
+
 use super::*;
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;

@@ -1,0 +1,270 @@
+//! A short fibre pulled out of a block: the tangent of the whole system, Newton's convergence, energy, full extraction.
+
+use super::super::newton::{Committed, Equilibrium};
+use super::{Keeper, run};
+use crate::assembly::{Equations, IncrementContext};
+use crate::kinematics::PlaneModel;
+use crate::mesh::Mesh;
+use crate::mesh::specimen::{Configuration, FibreMesh, PerpendicularFibre, perpendicular_fibre};
+use crate::model::{
+    ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step, StepControl,
+    Support, Width,
+};
+use crate::stepping::Analysis;
+use umat_abi::law::Request;
+
+/// The bond of chapter 6 with friction.
+fn bond(friction: f64) -> PluginLaw {
+    let parameters = [
+        ("law", 0.0),
+        ("form", 0.0),
+        ("normal_law", 0.0),
+        ("p_0", 1000.0),
+        ("delta_N", 0.004),
+        ("k_e", 400.0),
+        ("a_1", 3.44),
+        ("b_1", 0.13865),
+        ("a_2", 1.0),
+        ("b_2", -0.1772),
+        ("tau_res", 0.0),
+        ("k_u", 0.0),
+        ("mu", friction),
+    ];
+    PluginLaw::shipped("bond_slip", &parameters)
+}
+
+fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
+    PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", poisson)])
+}
+
+/// A fibre embedded 3 mm in six elements, pulled by `slip`.
+fn fibre(configuration: Configuration, laws: [PluginLaw; 2], bond: &PluginLaw, slip: f64, control: StepControl) -> Model {
+    let specimen = perpendicular_fibre(&PerpendicularFibre {
+        configuration,
+        depth: 3.5,
+        width: 8.0,
+        embedded_length: 3.0,
+        free_length: 0.5,
+        mesh: FibreMesh { embedded_elements: 6, exit_size: None, interface_size: 0.4, growth: 2.0, ..FibreMesh::default() },
+        ..PerpendicularFibre::default()
+    })
+    .unwrap();
+    let mesh = Mesh::new(specimen.definition).unwrap();
+    let set = |name: &str| mesh.node_set(name).unwrap().to_vec();
+    let support = |name: &str, nodes, direction, drive| Support { name: name.into(), nodes, direction, drive };
+    let mut supports = vec![support("grip", set("grip"), [0.0, 1.0], Some(0))];
+    match configuration {
+        Configuration::Plane { .. } => {
+            supports.push(support("grip across", set("grip"), [1.0, 0.0], None));
+            for direction in [[1.0, 0.0], [0.0, 1.0]] {
+                supports.push(support("sides", set("sides"), direction, None));
+            }
+        }
+        Configuration::Axisymmetric { .. } => {
+            supports.push(support("axis", set("axis"), [1.0, 0.0], None));
+            for direction in [[1.0, 0.0], [0.0, 1.0]] {
+                supports.push(support("outer", set("outer"), direction, None));
+            }
+        }
+    }
+    let contacts = specimen
+        .contact_pairs
+        .iter()
+        .map(|pair| ContactPair {
+            name: pair.name.to_string(),
+            slave: mesh.edge_set(&pair.slave).unwrap().to_vec(),
+            master: mesh.edge_set(&pair.master).unwrap().to_vec(),
+            law: ContactLaw::Uinter(bond.clone()),
+            quadrature: Quadrature::Gauss { points: 2 },
+            width: specimen.contact_width.map_or(Width::OfPart, Width::Given),
+            penalty_factor: 100.0,
+            enforcement: Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 },
+            release: true,
+            critical_slip: 0.0,
+        })
+        .collect();
+    let [fibre, matrix] = laws;
+    let laws = mesh.parts().iter().map(|part| if part.name == "fibre" { fibre.clone() } else { matrix.clone() }).collect();
+    Model {
+        average_dilatation: vec![false; mesh.parts().len()],
+        laws,
+        contacts,
+        drives: vec!["slip".into()],
+        supports,
+        couplings: Vec::new(),
+        loads: Vec::new(),
+        nlgeom: false,
+        measured: Measured {
+            slip: Some(0),
+            support: Some(0),
+            direction: specimen.pull_direction,
+            exit_node: Some(specimen.exit_node),
+            tail_node: Some(specimen.tail_node),
+        },
+        steps: vec![Step { time: 1.0, targets: vec![Some(slip)], control }],
+        controls: Controls::default(),
+        skipping: Skipping::ALL,
+        mesh,
+    }
+}
+
+const AUTOMATIC: StepControl = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };
+const AXISYMMETRIC: Configuration = Configuration::Axisymmetric { outer_radius: None };
+
+fn steel() -> PluginLaw {
+    elastic(210e3, 0.3)
+}
+
+fn mortar() -> PluginLaw {
+    elastic(23.7e3, 0.15)
+}
+
+/// πφL times the greatest bond bounds the load; the work is that of the bond; nothing is left at the end.
+#[test]
+fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
+    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)] {
+        let mut model = fibre(configuration, [steel(), mortar()], &bond(0.0), 3.2, AUTOMATIC);
+        model.nlgeom = nlgeom;
+        let (records, _) = run(&model);
+        let peak = records.iter().map(|record| record.load).fold(0.0, f64::max);
+        let bound = std::f64::consts::PI * 0.406 * 3.0 * 2.0;
+        assert!(peak < bound && peak > 0.97 * bound, "{configuration:?}: peak {peak}, bound {bound}");
+        let last = records.last().unwrap();
+        assert!(last.load.abs() < 1e-6 * peak, "{configuration:?}: {} left", last.load);
+        assert_eq!(last.counts.released, model.contacts.len() * 24 / 2);
+        for record in &records {
+            assert!(record.energy_error.abs() < 1e-3, "{configuration:?}: {record:?}");
+        }
+    }
+}
+
+/// K δ against central differences of the residual, of the whole system, where points stick, harden, soften, rub.
+#[test]
+fn the_system_s_tangent_is_the_derivative_of_its_forces() {
+    for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)] {
+        for friction in [0.0, 0.3] {
+            for slip in [0.002, 0.012, 0.2] {
+                let fixed = StepControl::Fixed { increments: 3 };
+                let mut model = fibre(configuration, [steel(), mortar()], &bond(friction), slip, fixed);
+                model.nlgeom = nlgeom;
+                let error = tangent_error(&model);
+                assert!(error < 1e-6, "{configuration:?}, nlgeom {nlgeom}, μ {friction}, slip {slip}: {error:e}");
+            }
+        }
+    }
+}
+
+/// The largest error of K δ relative to the largest entry, at the end of a run and a little on.
+fn tangent_error(model: &Model) -> f64 {
+    let mut model = model.clone();
+    model.skipping = Skipping::NONE;
+    let mut analysis = Analysis::new(&model).unwrap();
+    analysis.run(&mut Keeper::default()).unwrap();
+    let start = analysis.committed.clone();
+    let equilibrium = &mut analysis.equilibrium;
+    let context =
+        IncrementContext { step: 1, increment: 9, iteration: 1, step_time: 0.9, total_time: 0.9, time_increment: 0.1 };
+    let rows = equilibrium.system.row_count();
+    // a point of the next increment: the fibre moves on by 1 µm, so that slips grow, every row by its own small share
+    let mut seed = 0x2545_f491_4f6c_dd1d_u64;
+    let mut random = move || {
+        seed ^= seed << 13;
+        seed ^= seed >> 7;
+        seed ^= seed << 17;
+        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+    };
+    let drives = [1e-3];
+    let moved: Vec<f64> = (0..rows).map(|_| 1e-7 * random()).collect();
+    let direction: Vec<f64> = (0..rows).map(|_| random()).collect();
+    let mut fibre_freedom = vec![false; start.displacements.len()];
+    for element in model.mesh.elements().iter().filter(|element| model.mesh.parts()[element.part()].name == "fibre") {
+        element.nodes().iter().for_each(|node| fibre_freedom[2 * node + 1] = true);
+    }
+    let at = |equilibrium: &Equilibrium<'_>, share: f64| {
+        let unknowns: Vec<f64> = moved.iter().zip(&direction).map(|(a, b)| a + share * b).collect();
+        let change = equilibrium.system.displacements(&unknowns, &drives);
+        let mut state = start.clone();
+        state.displacements.iter_mut().zip(change).for_each(|(u, du)| *u += du);
+        state.drives[0] += drives[0];
+        for (freedom, value) in equilibrium.system.displacements(&unknowns, &[0.0]).into_iter().enumerate() {
+            if fibre_freedom[freedom] {
+                state.displacements[freedom] = start.displacements[freedom] + drives[0] + value;
+            }
+        }
+        state
+    };
+    let residual = |equilibrium: &mut Equilibrium<'_>, state: &Committed| {
+        equilibrium.residual_at(&start, state, context, Request::StressAndTangent).unwrap()
+    };
+    let h = 2e-9;
+    let (plus, minus) = (at(equilibrium, h), at(equilibrium, -h));
+    let (plus, minus) = (residual(equilibrium, &plus), residual(equilibrium, &minus));
+    let middle = at(equilibrium, 0.0);
+    residual(equilibrium, &middle);
+    let product = equilibrium.tangent_times(&direction);
+    let scale = product.iter().fold(0.0, |largest: f64, x| largest.max(x.abs()));
+    plus.iter()
+        .zip(&minus)
+        .zip(&product)
+        .map(|((plus, minus), product)| ((minus - plus) / (2.0 * h) - product).abs() / scale)
+        .fold(0.0, f64::max)
+}
+
+/// What rounding of positions leaves through the penalties, relative to the force scale.
+const ROUNDING: f64 = 1e-9;
+
+/// Once no point changes its branch the residual falls quadratically: sticking, softening, flowing, cracking.
+#[test]
+fn newton_converges_quadratically_in_every_state() {
+    let plastic = PluginLaw::shipped("j2_plasticity", &[("E", 210e3), ("nu", 0.3)]).followed_by(&[20.0, 0.0, 2120.0, 1.0]);
+    let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);
+    let brittle = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-8)]);
+    for (name, laws, slip) in [
+        ("stick", [steel(), mortar()], 0.002),
+        ("slip", [steel(), mortar()], 0.012),
+        ("softening", [steel(), mortar()], 0.1),
+        ("J2 fibre", [plastic, mortar()], 0.02),
+        ("concrete_damage", [steel(), concrete], 0.02),
+        ("cracking concrete_damage", [steel(), brittle], 0.02),
+    ] {
+        let fixed = StepControl::Fixed { increments: 5 };
+        let mut model = fibre(Configuration::PLANE, laws, &bond(0.1), slip, fixed);
+        model.skipping = Skipping::NONE;
+        model.controls.force_tolerance = 1e-9;
+        model.controls.locate_peak = false;
+        model.contacts.iter_mut().for_each(|pair| pair.enforcement = Enforcement::Penalty);
+        let (records, _) = run(&model);
+        let last = &records.last().unwrap().iterations;
+        let relative: Vec<f64> = last.iter().map(|iteration| iteration.residual / iteration.scale).collect();
+        eprintln!("{name:26} {}", relative.iter().map(|r| format!("{r:9.1e}")).collect::<String>());
+        let [.., before, end] = relative[..] else { panic!("{name}: one iteration") };
+        assert!(end < 100.0 * before * before + ROUNDING, "{name}: {relative:?}");
+    }
+}
+
+/// What is condensed, kept or reused changes nothing but the cost.
+#[test]
+fn skipping_gives_the_same_curve() {
+    let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15)]);
+    let mut model = fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.3, StepControl::Fixed { increments: 60 });
+    let (with, all) = run(&model);
+    model.skipping = Skipping::NONE;
+    let (without, none) = run(&model);
+    assert_eq!(with.len(), without.len());
+    for (a, b) in with.iter().zip(&without) {
+        assert!((a.load - b.load).abs() < 1e-5 * 7.6, "{} against {}", a.load, b.load);
+    }
+    assert!(all.factorisations < none.factorisations / 2, "{all:?} against {none:?}");
+}
+
+/// The virgin model has its equations whatever is condensed.
+#[test]
+fn condensed_models_have_fewer_rows() {
+    let model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
+    let equations = Equations::new(&model).unwrap();
+    let count = equations.count();
+    let equilibrium = Equilibrium::new(&model, equations).unwrap();
+    assert!(equilibrium.system.row_count() + equilibrium.system.condensed_count() == count);
+    assert!(equilibrium.system.condensed_count() > 0, "{count} equations, none condensed");
+    assert_eq!(model.mesh.parts()[0].model, PlaneModel::PlaneStress);
+}
