@@ -126,10 +126,12 @@ fn faces(text: &mut String, name: &str, edges: &[fe_core::mesh::ElementEdge]) {
     }
 }
 
-/// Penalty of CalculiX's contact, MPa/mm: 50 times the stiffer Young's modulus, what its manual advises.
-const NORMAL_PENALTY: f64 = 50.0 * 210e3;
-/// Tension at large clearance, MPa, and the clearance up to which contact is looked for, relative to the face's size.
-const TENSION_AND_CLEARANCE: [f64; 2] = [1e-3, 1e-3];
+/// Penalty of CalculiX's contact, MPa/mm: 5 times the stiffer Young's modulus, the least that its manual advises. With 50
+/// times it diverges in these increments.
+const NORMAL_PENALTY: f64 = 5.0 * 210e3;
+/// Tension at large clearance, MPa, which smooths the corner of the law, and the clearance up to which contact is looked
+/// for, relative to the face's size.
+const TENSION_AND_CLEARANCE: [f64; 2] = [1.0, 1e-3];
 /// Coefficient of friction, and stiffness of sticking, MPa/mm: a hundredth of the penalty.
 const FRICTION: [f64; 2] = [0.3, 0.01 * NORMAL_PENALTY];
 

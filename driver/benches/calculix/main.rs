@@ -5,12 +5,10 @@
 //! the process or its child in the kernel's books, in ticks of 10 ms; both sides include reading or meshing, and write
 //! nothing but the reaction.
 
-mod clock;
 mod deck;
 
-use clock::CpuClock;
 use driver::case::Case;
-use end_to_end_tests::workspace;
+use end_to_end_tests::{CpuClock, workspace};
 use fe_core::model::Model;
 use fe_core::stepping::{Analysis, Directive, Observer, Record, Snapshot, Statistics};
 use std::io;
