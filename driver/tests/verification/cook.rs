@@ -6,8 +6,7 @@ use super::{model, node_at, run_to_end};
 const REFERENCE: f64 = 23.96;
 
 fn deflection(element: &str, cells: usize) -> f64 {
-    let [element, cells] =
-        [format!("mesh.specimen.element={element}"), format!("mesh.specimen.cells={cells}")];
+    let [element, cells] = [format!("mesh.specimen.element={element}"), format!("mesh.specimen.cells={cells}")];
     let model = model("cook-membrane", &[&element, &cells]);
     let middle = node_at(&model, [48.0, 52.0]);
     let mut deflection = f64::NAN;

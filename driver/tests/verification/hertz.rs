@@ -10,13 +10,15 @@ fn half_width_and_peak_pressure_are_hertz() {
     let given = std::env::var("GIVEN").unwrap_or_default();
     let given: Vec<&str> = given.split(';').filter(|g| !g.is_empty()).collect();
     let model = model("hertz", &given);
-    let base = model.supports.iter().position(|support| support.name.starts_with("base") && support.direction[1] == 1.0);
+    let base =
+        model.supports.iter().position(|support| support.name.starts_with("base") && support.direction[1] == 1.0);
     let base = base.unwrap();
     let (mut force, mut points) = (0.0, Vec::new());
     run_to_end(&model, |_, snapshot| {
         // the model is one half
         force = 2.0 * snapshot.reaction_of(base, [0.0, 1.0]);
-        let point = |point: fe_core::contact::PointRecord<'_>| (point.position.map(|x| x[0]), point.pressure, point.area);
+        let point =
+            |point: fe_core::contact::PointRecord<'_>| (point.position.map(|x| x[0]), point.pressure, point.area);
         points = snapshot.contact().points().map(point).collect();
     });
     let (half_width, peak) = (PAIR.half_width(force), PAIR.peak_pressure(force));

@@ -34,7 +34,18 @@ fn the_dropping_bond_is_followed_through_the_snap_back() {
     let (mut worst, mut debonded, mut turned, mut last) = (0.0_f64, 0, 0, 0.0);
     let mut greatest = 0.0_f64;
     let end = run(&model, |record, _| {
-        if record.increment % 20 == 0 { eprintln!("{} t {:.5} slip {:.6} exit {:.6} P {:.4} cut {} it {}", record.increment, record.time, record.slip, record.slip_exit, record.load, record.cutbacks, record.iterations.len()); }
+        if record.increment % 20 == 0 {
+            eprintln!(
+                "{} t {:.5} slip {:.6} exit {:.6} P {:.4} cut {} it {}",
+                record.increment,
+                record.time,
+                record.slip,
+                record.slip_exit,
+                record.load,
+                record.cutbacks,
+                record.iterations.len()
+            );
+        }
         greatest = greatest.max(record.load);
         turned += u32::from(record.slip_exit < last);
         last = record.slip_exit;
@@ -47,7 +58,9 @@ fn the_dropping_bond_is_followed_through_the_snap_back() {
             debonded += 1;
         }
     });
-    println!("peak {greatest:.4} for {peak:.4} N; {debonded} on the branch, off by {worst:.2e}; turned {turned}; {end:?}");
+    println!(
+        "peak {greatest:.4} for {peak:.4} N; {debonded} on the branch, off by {worst:.2e}; turned {turned}; {end:?}"
+    );
     end.unwrap();
     assert!(turned > 3, "no snap-back was followed");
     assert!(worst < 5e-3, "{worst:.2e} off the branch");

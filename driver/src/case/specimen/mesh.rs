@@ -109,9 +109,7 @@ pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
         };
         definition.node_sets.entry(part.name.clone()).or_insert_with(nodes);
     }
-    Mesh::new(definition)
-        .map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string()))
-        .ok()
+    Mesh::new(definition).map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string())).ok()
 }
 
 /// What a case says of a part besides its material.
