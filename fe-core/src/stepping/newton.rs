@@ -324,7 +324,7 @@ impl<'m> Equilibrium<'m> {
             }
             statistics.iterations += 1;
             if self.is_patient {
-                if history.len() >= FALLBACKS[0].0 && history.len() % FALLBACKS[0].0 == 0 {
+                if !history.is_empty() && history.len().is_multiple_of(FALLBACKS[0].0) {
                     self.choose_tangents(TangentChoice::Frozen);
                 }
             } else if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
