@@ -6,14 +6,9 @@ mod skipping;
 use super::*;
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-<<<<<<< HEAD
-use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
-use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support};
-use crate::output::Fields;
-=======
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
 use crate::model::{Controls, Load, LoadKind, Measured, PluginLaw, Skipping, StepControl, Support};
->>>>>>> bench
+use crate::output::Fields;
 use std::io;
 
 mod patch;
@@ -121,7 +116,6 @@ fn newton_is_quadratic_in_plastic_flow_and_follows_the_hardening_line() {
     }
 }
 
-<<<<<<< HEAD
 #[test]
 fn fields_of_a_snapshot_hold_the_stress_of_the_load_and_can_be_kept() {
     for model in [PlaneModel::PlaneStress, PlaneModel::PlaneStrain] {
@@ -151,7 +145,8 @@ fn fields_of_a_snapshot_hold_the_stress_of_the_load_and_can_be_kept() {
         drop(analysis);
         kept.check().unwrap();
     }
-=======
+}
+
 /// A pressure that turns with its edge pushes down on the edge's projection, however it bends, and couples freedoms
 /// although there is no contact.
 #[test]
@@ -171,5 +166,4 @@ fn a_pressure_follows_the_body_without_contact() {
     assert!(end.slip_exit.abs() > 1e-3 * length, "it bends: {end:?}");
     approx::assert_relative_eq!(end.load_lateral, pressure * thickness * (length + end.slip_exit), max_relative = 1e-6);
     assert!(records[1..].iter().all(|record| record.cutbacks == 0 && record.iterations.len() <= 8), "{records:?}");
->>>>>>> bench
 }
