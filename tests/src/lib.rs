@@ -2,11 +2,13 @@
 //! host would own it, random strain paths, and the compilers of other languages.
 
 pub mod analytical;
+mod clock;
 mod memory;
 mod path;
 mod sample;
 mod toolchain;
 
+pub use clock::CpuClock;
 pub use memory::PointMemory;
 pub use path::{Random, difference, strain_path};
 pub use sample::{LAWS, Sample, sample};

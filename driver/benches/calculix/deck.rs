@@ -39,7 +39,7 @@ fn bodies(model: &Model) -> String {
     let mesh = &model.mesh;
     let mut text = String::from("*NODE, NSET=NALL\n");
     for (node, [x, y]) in mesh.nodes().iter().enumerate() {
-        let _ = writeln!(text, "{}, {x:.15e}, {y:.15e}, 0.", node + 1);
+        let _ = writeln!(text, "{}, {x:.12e}, {y:.12e}, 0.", node + 1);
     }
     for (index, (part, law)) in mesh.parts().iter().zip(&model.laws).enumerate() {
         let elements = mesh.elements().iter().enumerate().filter(|(_, element)| element.part() == index);
@@ -118,7 +118,7 @@ pub fn plate(model: &Model) -> String {
     bodies(model) + &supports(model) + &steps
 }
 
-/// Face number of an edge in CalculiX: those of plane elements count from 1 as ours do from 0.
+/// A surface. Faces of plane elements are their edges, counted from 1 in the order in which ours count from 0.
 fn faces(text: &mut String, name: &str, edges: &[fe_core::mesh::ElementEdge]) {
     let _ = writeln!(text, "*SURFACE, NAME={name}, TYPE=ELEMENT");
     for edge in edges {
@@ -126,19 +126,29 @@ fn faces(text: &mut String, name: &str, edges: &[fe_core::mesh::ElementEdge]) {
     }
 }
 
+/// Penalty of CalculiX's contact, MPa/mm: 5 times the stiffer Young's modulus, the least that its manual advises. With 50
+/// times it diverges in these increments.
+const NORMAL_PENALTY: f64 = 5.0 * 210e3;
+/// Tension at large clearance, MPa, which smooths the corner of the law, and the clearance up to which contact is looked
+/// for, relative to the face's size.
+const TENSION_AND_CLEARANCE: [f64; 2] = [1.0, 1e-3];
+/// Coefficient of friction, and stiffness of sticking, MPa/mm: a hundredth of the penalty.
+const FRICTION: [f64; 2] = [0.3, 0.01 * NORMAL_PENALTY];
+
 /// The drag-out strip: node-to-surface penalty contact with friction.
 pub fn strip(model: &Model) -> String {
     let pair = &model.contacts[0];
     let mut text = bodies(model) + &supports(model);
-    let mut slave: Vec<usize> =
-        pair.slave.iter().flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect();
-    slave.sort_unstable();
-    slave.dedup();
-    set(&mut text, "SLAVENODES", &slave);
-    let _ = writeln!(text, "*SURFACE, NAME=SLAVE, TYPE=NODE\nSLAVENODES");
+    faces(&mut text, "SLAVE", &pair.slave);
     faces(&mut text, "MASTER", &pair.master);
-    text.push_str("*SURFACE INTERACTION, NAME=RUB\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n1.e7, 0.0, 0.001\n");
-    text.push_str("*FRICTION\n0.3, 1.e5\n*CONTACT PAIR, INTERACTION=RUB, TYPE=NODE TO SURFACE\nSLAVE, MASTER\n");
+    let [tension, clearance] = TENSION_AND_CLEARANCE;
+    let [coefficient, sticking] = FRICTION;
+    let _ = writeln!(
+        text,
+        "*SURFACE INTERACTION, NAME=RUB\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=LINEAR\n\
+         {NORMAL_PENALTY}, {tension}, {clearance}\n*FRICTION\n{coefficient}, {sticking}\n\
+         *CONTACT PAIR, INTERACTION=RUB, TYPE=NODE TO SURFACE\nSLAVE, MASTER"
+    );
     for index in 0..model.steps.len() {
         let mut body = driven(model, index);
         for load in &model.loads {

@@ -69,7 +69,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         preflight::check(reader, &model);
     }
     if reader.problems.is_empty()
-        && let Err(error) = Analysis::new(&model)
+        && let Err(error) = Analysis::check(&model)
     {
         reader.problem(&root, error.to_string());
     }

@@ -87,6 +87,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         cutbacks: 0,
         wall_time_s: 0.0123,
         compare: vec![compare(&history, &measured)],
+        specimen: None,
         warnings: vec![],
     };
     summary.write(&folder.join("summary.json")).unwrap();

@@ -54,7 +54,7 @@ impl Fibre {
 /// How a wall of the hole lies along the fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
-    /// Distance from the tail along the fibre where the wall's arc length is 0, mm.
+    /// Distance from the tail along the fibre, both in the reference configuration, where the wall's arc length is 0, mm.
     pub start: f64,
     /// 1 if it runs from the tail to the exit, −1 if it runs back. Shear that resists the pull has this sign.
     pub direction: f64,

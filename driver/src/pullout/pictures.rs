@@ -24,6 +24,9 @@ use std::path::Path;
 const ZOOM: f64 = 3.0;
 /// Cross-sections along a fibre at most.
 const MOST_SECTIONS: usize = 400;
+/// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
+const ROUNDING: f64 = 1e-9;
+const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
 /// Draws everything into a folder.
@@ -34,8 +37,13 @@ pub fn draw(folder: &Path, program: &Program, outcome: &Outcome<'_>) -> io::Resu
     std::fs::create_dir_all(folder)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
     let mut album = Album::new(folder, program);
-    let peak = outcome.peak.as_ref().map(|state| Moment { state, suffix: "_peak", words: "greatest load" });
-    let end = outcome.end.as_ref().map(|state| Moment { state, suffix: "", words: "end of the run" });
+    let states = || outcome.peak.iter().chain(&outcome.end);
+    let greatest = states().map(|state| state.load.abs()).fold(0.0, f64::max);
+    let load = |state: &State<'_>| without_rounding(state.load, greatest);
+    let peak = outcome.peak.as_ref();
+    let peak = peak.map(|state| Moment { state, suffix: "_peak", words: "greatest load", load: load(state) });
+    let end = outcome.end.as_ref();
+    let end = end.map(|state| Moment { state, suffix: "", words: "end of the run", load: load(state) });
     let moments: Vec<Moment<'_>> = peak.into_iter().chain(end).collect();
     for moment in &moments {
         album.contours(moment)?;
@@ -51,14 +59,20 @@ struct Moment<'a> {
     /// At the end of a file's stem.
     suffix: &'static str,
     words: &'static str,
+    /// Load, N: 0 where only rounding is left of the greatest one.
+    load: f64,
 }
 
 impl Moment<'_> {
     fn title(&self, what: &str) -> String {
-        let State { slip, load, .. } = self.state;
         let words = self.words;
-        format!("{what}, {words}: slip {} mm, load {} N", significant(*slip, 4), significant(*load, 4))
+        format!("{what}, {words}: slip {} mm, load {} N", significant(self.state.slip, 4), significant(self.load, 4))
     }
+}
+
+/// 0 for what is nothing compared with the greatest value.
+fn without_rounding(value: f64, greatest: f64) -> f64 {
+    if value.abs() < ROUNDING * greatest { 0.0 } else { value }
 }
 
 /// Pictures of one run.
@@ -71,6 +85,8 @@ struct Album<'a> {
     walls: Vec<Option<Wall>>,
     /// Parts that carry contact points: fibres are stressed so much more that colours follow these parts.
     matrix: BTreeSet<usize>,
+    /// The greatest principal stress so far, MPa.
+    greatest_stress: f64,
     pictures: Vec<Picture>,
 }
 
@@ -88,6 +104,7 @@ impl<'a> Album<'a> {
             recovery: Recovery::new(mesh),
             fibre,
             matrix: slaves.map(|edge| mesh.elements()[edge.element].part()).collect(),
+            greatest_stress: 0.0,
             pictures: Vec::new(),
         }
     }
@@ -98,19 +115,22 @@ impl<'a> Album<'a> {
         let mesh = PictureMesh::new(fields, &self.recovery);
         let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
         let principal: Vec<Principal> = stresses.into_iter().map(Principal::new).collect();
+        let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
+        self.greatest_stress = magnitudes.fold(self.greatest_stress, f64::max);
+        let greatest = self.greatest_stress;
         let stress = |name: &str| Quantity { name: name.into(), unit: "MPa".into() };
         let mut contours = vec![
             Contour {
                 name: "principal_stress_max".into(),
                 what: "Maximum principal stress".into(),
-                values: principal.iter().map(|p| p.maximum).collect(),
+                values: principal.iter().map(|p| without_rounding(p.maximum, greatest)).collect(),
                 quantity: stress("σ_{max}"),
                 limits: Limits::OfMatrix,
             },
             Contour {
                 name: "principal_stress_min".into(),
                 what: "Minimum principal stress".into(),
-                values: principal.iter().map(|p| p.minimum).collect(),
+                values: principal.iter().map(|p| without_rounding(p.minimum, greatest)).collect(),
                 quantity: stress("σ_{min}"),
                 limits: Limits::OfMatrix,
             },
@@ -191,7 +211,7 @@ impl<'a> Album<'a> {
                     if let Some(Some(wall)) = self.walls.get(dash) {
                         let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
                         line.points.iter_mut().for_each(|(x, y)| (*x, *y) = (wall.along_fibre(*x), sign * *y));
-                        figure.x.name = ALONG_FIBRE.into();
+                        figure.x.name = ALONG_HOLE.into();
                     }
                     line.label = format!("{}, {}", line.label, moment.words);
                     line.style = Style { color, dash };
@@ -299,4 +319,22 @@ fn capital(text: &str) -> String {
 
 fn unfit(error: FieldsError) -> io::Error {
     io::Error::other(error)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn what_rounding_leaves_is_nothing() {
+        let shown = [32.0, -1e-7, 3.7e-12, -0.0].map(|value| without_rounding(value, 32.0));
+        assert_eq!(shown, [32.0, -1e-7, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_total_damage_is_drawn_alone() {
+        assert_eq!(damages(&["eta", "D_t", "D", "D_c", "strain_33"]), ["D"]);
+        assert_eq!(damages(&["D_t", "D_c", "peeq"]), ["D_t", "D_c"]);
+        assert!(damages(&["peeq", "dissipated_energy"]).is_empty());
+    }
 }

@@ -44,6 +44,8 @@ pub struct System {
     /// Equation of each row.
     equation_of_row: Vec<usize>,
     matrix: SystemMatrix,
+    /// Place of each row's diagonal entry.
+    diagonal: Vec<usize>,
     solver: LinearSolver,
     scatter: Vec<Scatter>,
     element_freedoms: Vec<Vec<usize>>,
@@ -126,6 +128,8 @@ impl System {
         let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
         let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
         let contact_rows = by_rows(contact);
+        let on_diagonal = |row| pattern.index(row, row).expect("the diagonal is always there");
+        let diagonal = (0..pattern.size()).map(on_diagonal).collect();
         let pattern = Arc::new(pattern);
         let solver = LinearSolver::new(&pattern, &nodes, &contact_rows, options)?;
         Ok(Self {
@@ -133,6 +137,7 @@ impl System {
             equations,
             row_of_equation,
             equation_of_row,
+            diagonal,
             solver,
             scatter,
             element_freedoms,
@@ -194,16 +199,14 @@ impl System {
 
     /// Adds a number to the diagonal: a dashpot or spring at every row.
     pub fn add_to_diagonal(&mut self, value: f64) {
-        for row in 0..self.row_count() {
-            let place = self.matrix.pattern().index(row, row).expect("the diagonal is always there");
+        for &place in &self.diagonal {
             self.matrix.values[place] += value;
         }
     }
 
     /// The largest stiffness of a freedom against itself, N/mm.
     pub fn largest_diagonal(&self) -> f64 {
-        let diagonal = |row| self.matrix.pattern().index(row, row).map_or(0.0, |place| self.matrix.values[place].abs());
-        let elements = (0..self.row_count()).map(diagonal).fold(0.0, f64::max);
+        let elements = self.diagonal.iter().map(|&place| self.matrix.values[place].abs()).fold(0.0, f64::max);
         let of_block = |(rows, values): (&[usize], &[f64])| {
             values.iter().step_by(rows.len() + 1).fold(0.0, |largest: f64, value| largest.max(value.abs()))
         };

@@ -289,12 +289,15 @@ fn worthwhile_zone(
     contact: &[usize],
     options: SolverOptions,
 ) -> Result<Option<(Zone, DenseLu)>, SolverError> {
+    if contact.is_empty() {
+        return Ok(None);
+    }
     let affordable = match options.first_method {
         Some(Method::Condensed) => f64::INFINITY,
         Some(_) => return Ok(None),
         None => CONDENSATION_ADVANTAGE * cholesky_flops(pattern, &elimination_order(pattern, nodes, &[])?)?,
     };
-    if contact.is_empty() || dense_flops(contact.len()) > affordable {
+    if dense_flops(contact.len()) > affordable {
         return Ok(None);
     }
     let zone = Zone::new(pattern, nodes, contact)?;

@@ -67,8 +67,13 @@ impl Whole {
             let accepted = superset.entries() as f64 <= LARGEST_SUPERSET * own.entries() as f64;
             *self = Self::over(if accepted { superset } else { own }, matrix.pattern());
         }
-        self.values.fill(0.0);
-        self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
+        if self.values.len() == matrix.values.len() {
+            // Nothing but the solids' entries, in their order.
+            self.values.copy_from_slice(&matrix.values);
+        } else {
+            self.values.fill(0.0);
+            self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
+        }
         for (rows, values) in matrix.contact.iter() {
             for (&row, line) in rows.iter().zip(values.chunks_exact(rows.len().max(1))) {
                 for (&column, value) in rows.iter().zip(line) {

@@ -14,6 +14,8 @@ use crate::model::{Model, Step};
 
 /// The load of neighbours of the peak differs by less than this part of it.
 const PEAK_RESOLUTION: f64 = 2e-3;
+/// After as many failures in a row attempts become patient.
+const FAILURES_BEFORE_PATIENCE: u32 = 2;
 /// After as many failures in a row the mean slip leads.
 const FAILURES_BEFORE_SLIP_CONTROL: u32 = 4;
 /// The first increment under slip control, as part of the last under the drives.
@@ -128,6 +130,11 @@ impl StepRun {
                 Target::MeanSlip { mean_slip: committed.mean_slip + increment, direction: self.direction() }
             }
         }
+    }
+
+    /// Whether the next attempt goes on where others would be cut: several were.
+    pub(super) fn is_patient(&self) -> bool {
+        self.failures >= FAILURES_BEFORE_PATIENCE
     }
 
     /// Time that the next attempt takes; under slip control as long as the last increment.

@@ -17,7 +17,8 @@ pub use newton::Iteration;
 pub use record::{Counts, Directive, Observer, Record};
 pub use snapshot::Snapshot;
 
-use crate::assembly::{Equations, IncrementContext};
+use crate::assembly::{Equations, IncrementContext, Solids};
+use crate::contact::Contact;
 use crate::model::{Model, Step};
 use control::{Advance, Findings, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
@@ -90,6 +91,20 @@ impl<'m> Analysis<'m> {
         })
     }
 
+    /// Checks a model without preparing its computation: constraints, laws and contact.
+    ///
+    /// # Errors
+    ///
+    /// What [`Self::new`] would say, but for what only the pattern of the equations or the virgin state of all points
+    /// can tell.
+    pub fn check(model: &Model) -> Result<(), ModelError> {
+        error::check(model)?;
+        Equations::new(model)?;
+        let moduli = Solids::new(model)?.elastic_moduli();
+        Contact::new(&model.mesh, &model.contacts, &moduli, model.skipping.contact_search)?;
+        Ok(())
+    }
+
     /// Runs all steps; the observer sees the initial state and every accepted increment.
     ///
     /// # Errors
@@ -150,6 +165,7 @@ impl<'m> Analysis<'m> {
                 total_time: self.total_time,
                 time_increment: run.time_increment(),
             };
+            self.equilibrium.is_patient = run.is_patient();
             let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
             let has_converged = attempt.is_ok();
             let judged = attempt.and_then(|converged| {

@@ -15,7 +15,9 @@
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Statistics};
 use crate::assembly::solids::TangentChoice;
-use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loads, touching};
+use crate::assembly::{
+    Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads, touching,
+};
 use crate::contact::Contact;
 use crate::model::Model;
 use crate::solver::{SolverError, Symmetry};
@@ -89,6 +91,8 @@ pub(super) struct Equilibrium<'m> {
     at_committed_state: bool,
     /// The largest force scale so far.
     greatest_scale: f64,
+    /// Whether attempts go on with safe stiffnesses where others would be cut.
+    pub(super) is_patient: bool,
     /// Elements whose stiffness is not the consistent one.
     fallen_back: Vec<usize>,
     /// The largest coordinate, mm.
@@ -110,8 +114,14 @@ const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12,
 const FAST_REDUCTION: f64 = 0.05;
 /// Positions are known to a few units of their last place.
 const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// A correction that makes the largest residual grow is kept if it leaves no more than this part of the work of the
+/// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths.
+const WORK_REDUCTION: f64 = 0.8;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
+/// A patient attempt may take this many times the iterations: with the secant stiffness of damage at rest they creep, but
+/// arrive where an element snaps to its cracked state.
+const PATIENCE: usize = 10;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
 const DIVERGENCE: usize = 4;
 /// Rounds of multiplier updates and openings in one increment.
@@ -126,11 +136,12 @@ impl<'m> Equilibrium<'m> {
         let contact =
             Contact::new(&model.mesh, &model.contacts, &solids.elastic_moduli(), model.skipping.contact_search)?;
         let freedoms = equations.freedom_count();
-        let zone = Zone::new(model, &equations, contact.freedoms());
+        let coupled = coupled_freedoms(model, &contact);
+        let zone = Zone::new(model, &equations, &coupled);
         let virgin = vec![0.0; freedoms];
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms])?;
-        let system = zone.system(model, equations, contact.freedoms(), &solids)?;
+        let system = zone.system(model, equations, &coupled, &solids)?;
         solids.set_active(zone.active());
         Ok(Self {
             model,
@@ -150,6 +161,7 @@ impl<'m> Equilibrium<'m> {
             last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
+            is_patient: false,
             fallen_back: Vec::new(),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
@@ -230,7 +242,7 @@ impl<'m> Equilibrium<'m> {
         }
         self.system = self
             .zone
-            .system(self.model, equations, self.contact.freedoms(), &self.solids)
+            .system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)
             .map_err(|error| unsolvable(&error))?;
         self.solids.set_active(self.zone.active());
         self.factorised = false;
@@ -306,17 +318,22 @@ impl<'m> Equilibrium<'m> {
             if !pending && self.is_converged(residual, scale, history.last(), start, trial) {
                 return Ok(history);
             }
-            if history.len() >= controls.max_iterations || growing >= DIVERGENCE {
+            let most = if self.is_patient { PATIENCE * controls.max_iterations } else { controls.max_iterations };
+            if history.len() >= most || (growing >= DIVERGENCE && !self.is_patient) {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
-            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
+            if self.is_patient {
+                if !history.is_empty() && history.len().is_multiple_of(FALLBACKS[0].0) {
+                    self.choose_tangents(TangentChoice::Frozen);
+                }
+            } else if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
             self.prepare_factor(start, trial, context, statistics)?;
             let direction = self.direction(start, trial, target, pending, statistics)?;
-            let request = self.request_after(residual, scale);
+            let request = if pending { Request::StressAndTangent } else { self.request_after(residual, scale) };
             let step_length =
                 self.advance(start, trial, &direction, context, (pending, residual, request), statistics)?;
             let after = largest(&self.residual);
@@ -438,6 +455,12 @@ impl<'m> Equilibrium<'m> {
     /// External less internal forces.
     fn unbalanced(&self) -> Vec<f64> {
         self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
+    }
+
+    /// The work of the unbalanced forces along a correction, N mm: 0 where a shorter or longer one gains nothing.
+    fn work_along(&self, direction: &Direction) -> f64 {
+        let forces = self.external.iter().zip(&self.internal);
+        forces.zip(&direction.displacements).map(|((external, internal), change)| (external - internal) * change).sum()
     }
 
     /// The correction of this iteration.
@@ -578,6 +601,7 @@ impl<'m> Equilibrium<'m> {
         statistics: &mut Statistics,
     ) -> Result<f64, Trouble> {
         let from = trial.displacements.clone();
+        let work_before = self.work_along(direction);
         for (drive, change) in trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
@@ -593,6 +617,10 @@ impl<'m> Equilibrium<'m> {
         if !self.model.controls.line_search || predicting || moves_drives || full <= before {
             return Ok(1.0);
         }
+        let limit = WORK_REDUCTION * work_before.abs();
+        if self.work_along(direction).abs() <= limit {
+            return Ok(1.0);
+        }
         let mut best = (full, 1.0);
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
@@ -603,7 +631,7 @@ impl<'m> Equilibrium<'m> {
             if residual < best.0 {
                 best = (residual, length);
             }
-            if residual <= before {
+            if residual <= before || self.work_along(direction).abs() <= limit {
                 break;
             }
         }
@@ -639,6 +667,17 @@ impl Direction {
         self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
         self
     }
+}
+
+/// The freedoms that blocks may couple, ascending: those of contact, and of loads that follow the body.
+fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
+    let mut freedoms = contact.freedoms().to_vec();
+    if model.nlgeom {
+        freedoms.extend(loaded_freedoms(model));
+        freedoms.sort_unstable();
+        freedoms.dedup();
+    }
+    freedoms
 }
 
 fn unsolvable(error: &SolverError) -> Trouble {

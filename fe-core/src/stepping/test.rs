@@ -1,12 +1,13 @@
 //! Whole runs against closed forms: what the parts of an increment give together.
 
 mod pull_out;
+mod skipping;
 
 use super::*;
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
-use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
-use crate::model::{Controls, Measured, PluginLaw, Skipping, StepControl, Support};
+use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
+use crate::model::{Controls, Load, LoadKind, Measured, PluginLaw, Skipping, StepControl, Support};
 use crate::output::Fields;
 use std::io;
 
@@ -144,4 +145,25 @@ fn fields_of_a_snapshot_hold_the_stress_of_the_load_and_can_be_kept() {
         drop(analysis);
         kept.check().unwrap();
     }
+}
+
+/// A pressure that turns with its edge pushes down on the edge's projection, however it bends, and couples freedoms
+/// although there is no contact.
+#[test]
+fn a_pressure_follows_the_body_without_contact() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let mut model = strip(law, PlaneModel::PlaneStress, 1.0, StepControl::Fixed { increments: 2 });
+    let (pressure, length, thickness) = (1.0, 4.0, 0.5);
+    model.nlgeom = true;
+    model.supports.truncate(2);
+    let edges = (4..8).map(|element| ElementEdge { element, edge: 2 }).collect();
+    model.loads = vec![Load { name: "top".into(), drive: 0, kind: LoadKind::Pressure { edges, pressure } }];
+    let tip = model.mesh.nodes().len() - 1;
+    model.measured =
+        Measured { slip: None, support: Some(1), direction: [1.0, 0.0], exit_node: Some(tip), tail_node: None };
+    let (records, _) = run(&model);
+    let end = records.last().unwrap();
+    assert!(end.slip_exit.abs() > 1e-3 * length, "it bends: {end:?}");
+    approx::assert_relative_eq!(end.load_lateral, pressure * thickness * (length + end.slip_exit), max_relative = 1e-6);
+    assert!(records[1..].iter().all(|record| record.cutbacks == 0 && record.iterations.len() <= 8), "{records:?}");
 }

@@ -3,7 +3,8 @@
 /// Ticks per second on Linux, as user space sees them.
 const TICKS: f64 = 100.0;
 
-/// CPU time since it was started.
+/// CPU time since it was started. Its methods panic where there is no `/proc`.
+#[derive(Clone, Copy, Debug)]
 pub struct CpuClock {
     own: f64,
     children: f64,
