@@ -14,19 +14,16 @@ use crate::model::{Model, Step};
 
 /// The load of neighbours of the peak differs by less than this part of it.
 const PEAK_RESOLUTION: f64 = 2e-3;
-/// After as many failures in a row attempts become patient.
-const FAILURES_BEFORE_PATIENCE: u32 = 2;
 /// After as many failures in a row the mean slip leads.
 const FAILURES_BEFORE_SLIP_CONTROL: u32 = 4;
 /// The first increment under slip control, as part of the last under the drives.
 const FIRST_SLIP: f64 = 0.5;
 /// Slip increments shrink to this part of the first.
 const LEAST_SLIP: f64 = 1e-6;
-/// After as many increments in a row under slip control in which the drives advanced, they lead again, if increments have
-/// grown to this part of the largest under the drives: shorter ones would only be cut again.
-const RECOVERED: f64 = 0.5;
-/// As many.
+/// After as many increments in a row under slip control in which the drives advanced, they lead again,
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
+/// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
+const RECOVERED: f64 = 0.5;
 /// Aim a little below the greatest admissible slip.
 const SLIP_MARGIN: f64 = 0.9;
 /// No single judgement makes an increment smaller than this part.
@@ -130,11 +127,6 @@ impl StepRun {
                 Target::MeanSlip { mean_slip: committed.mean_slip + increment, direction: self.direction() }
             }
         }
-    }
-
-    /// Whether the next attempt goes on where others would be cut: several were.
-    pub(super) fn is_patient(&self) -> bool {
-        self.failures >= FAILURES_BEFORE_PATIENCE
     }
 
     /// Time that the next attempt takes; under slip control as long as the last increment.

@@ -165,7 +165,6 @@ impl<'m> Analysis<'m> {
                 total_time: self.total_time,
                 time_increment: run.time_increment(),
             };
-            self.equilibrium.is_patient = run.is_patient();
             let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
             let has_converged = attempt.is_ok();
             let judged = attempt.and_then(|converged| {

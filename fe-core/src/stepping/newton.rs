@@ -91,8 +91,6 @@ pub(super) struct Equilibrium<'m> {
     at_committed_state: bool,
     /// The largest force scale so far.
     greatest_scale: f64,
-    /// Whether attempts go on with safe stiffnesses where others would be cut.
-    pub(super) is_patient: bool,
     /// Elements whose stiffness is not the consistent one.
     fallen_back: Vec<usize>,
     /// The largest coordinate, mm.
@@ -115,13 +113,11 @@ const FAST_REDUCTION: f64 = 0.05;
 /// Positions are known to a few units of their last place.
 const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// A correction that makes the largest residual grow is kept if it leaves no more than this part of the work of the
-/// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths.
+/// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths. Not with
+/// contact: at the kinks of its laws such steps go to and fro.
 const WORK_REDUCTION: f64 = 0.8;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
-/// A patient attempt may take this many times the iterations: with the secant stiffness of damage at rest they creep, but
-/// arrive where an element snaps to its cracked state.
-const PATIENCE: usize = 10;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
 const DIVERGENCE: usize = 4;
 /// Rounds of multiplier updates and openings in one increment.
@@ -161,7 +157,6 @@ impl<'m> Equilibrium<'m> {
             last_reduction: 1.0,
             at_committed_state: false,
             greatest_scale: 0.0,
-            is_patient: false,
             fallen_back: Vec::new(),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
@@ -318,16 +313,11 @@ impl<'m> Equilibrium<'m> {
             if !pending && self.is_converged(residual, scale, history.last(), start, trial) {
                 return Ok(history);
             }
-            let most = if self.is_patient { PATIENCE * controls.max_iterations } else { controls.max_iterations };
-            if history.len() >= most || (growing >= DIVERGENCE && !self.is_patient) {
+            if history.len() >= controls.max_iterations || growing >= DIVERGENCE {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
-            if self.is_patient {
-                if !history.is_empty() && history.len().is_multiple_of(FALLBACKS[0].0) {
-                    self.choose_tangents(TangentChoice::Frozen);
-                }
-            } else if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
+            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
@@ -617,7 +607,8 @@ impl<'m> Equilibrium<'m> {
         if !self.model.controls.line_search || predicting || moves_drives || full <= before {
             return Ok(1.0);
         }
-        let limit = WORK_REDUCTION * work_before.abs();
+        let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };
+        let limit = spreads * work_before.abs();
         if self.work_along(direction).abs() <= limit {
             return Ok(1.0);
         }
