@@ -108,6 +108,8 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 /// After how many iterations the stiffness of elements out of balance becomes safer (fe.md §5).
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
+/// A residual that falls faster than this needs no safer stiffness.
+const SLOW_REDUCTION: f64 = 0.5;
 /// A factor that made the residual smaller by this serves again.
 const FAST_REDUCTION: f64 = 0.05;
 /// Positions are known to a few units of their last place.
@@ -317,7 +319,8 @@ impl<'m> Equilibrium<'m> {
                 return Err(self.not_converged(residual, scale, history.len()));
             }
             statistics.iterations += 1;
-            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| *after == history.len()) {
+            let is_slow = self.last_reduction > SLOW_REDUCTION;
+            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| is_slow && *after == history.len()) {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
