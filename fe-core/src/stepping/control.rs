@@ -8,7 +8,7 @@
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
 use super::newton::{Committed, Converged, Target};
-use super::size::IncrementSize;
+use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::{Place, Trouble};
 use crate::model::{Model, Step};
 
@@ -222,9 +222,9 @@ impl StepRun {
     fn after_slip_increment(&mut self, iterations: usize) {
         let largest = self.largest_slip;
         let Lead::Slip { increment, advances, easy, .. } = &mut self.lead else { return };
-        let was_easy = iterations <= 6;
+        let was_easy = iterations <= EASY;
         if was_easy && *easy {
-            *increment = (*increment * 1.5).min(largest);
+            *increment = (*increment * GROWTH).min(largest);
         }
         *easy = was_easy;
         *advances = if self.last_progress > 0.0 { *advances + 1 } else { 0 };

@@ -6,13 +6,13 @@ use crate::model::StepControl;
 mod test;
 
 /// Increments that need at most so many iterations are easy.
-const EASY: usize = 6;
+pub(super) const EASY: usize = 6;
 /// Increments that need more are hard.
 const HARD: usize = 10;
 /// After as many easy increments in a row the size grows.
 const STREAK: usize = 2;
 /// By this.
-const GROWTH: f64 = 1.5;
+pub(super) const GROWTH: f64 = 1.5;
 /// A hard increment makes the next smaller by this.
 const SHRINKAGE: f64 = 0.75;
 /// What is left of a step is taken as a whole rather than leave less than this part of an increment.
