@@ -39,7 +39,7 @@ pub struct Controls {
     pub displacement_tolerance: f64,
     /// Newton iterations of an attempt.
     pub max_iterations: usize,
-    /// Attempts of one increment.
+    /// Attempts of one increment that may be given up before the run is.
     pub max_cutbacks: usize,
     /// Whether a correction that makes the residual grow is shortened.
     pub line_search: bool,

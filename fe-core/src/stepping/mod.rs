@@ -189,7 +189,8 @@ impl<'m> Analysis<'m> {
                     self.equilibrium.restore();
                     self.statistics.cutbacks += 1;
                     cutbacks += 1;
-                    if run.reject(&trouble, has_converged) == Advance::Failed {
+                    let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
+                    if too_many || run.reject(&trouble, has_converged) == Advance::Failed {
                         let progress = run.progress();
                         return Err(RunError::Failed { step: number, increment: increment + 1, progress, trouble });
                     }

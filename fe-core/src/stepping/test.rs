@@ -167,3 +167,23 @@ fn a_pressure_follows_the_body_without_contact() {
     approx::assert_relative_eq!(end.load_lateral, pressure * thickness * (length + end.slip_exit), max_relative = 1e-6);
     assert!(records[1..].iter().all(|record| record.cutbacks == 0 && record.iterations.len() <= 8), "{records:?}");
 }
+
+/// An attempt that cannot converge is cut as often as the controls allow.
+#[test]
+fn an_increment_is_given_up_after_the_cutbacks_that_are_allowed() {
+    let law = PluginLaw::shipped("j2_plasticity", &[("E", 200e3), ("nu", 0.3)]).followed_by(&[400.0, 0.0, 2400.0, 1.0]);
+    let mut model = strip(law, PlaneModel::PlaneStress, 0.08, StepControl::Fixed { increments: 1 });
+    model.skipping = Skipping::NONE;
+    model.controls.max_iterations = 1;
+    model.controls.force_tolerance = 1e-14;
+    let attempts = |model: &Model| {
+        let mut keeper = Keeper::default();
+        let mut analysis = Analysis::new(model).unwrap();
+        assert!(analysis.run(&mut keeper).is_err());
+        (keeper.0.len(), analysis.statistics().cutbacks)
+    };
+    model.controls.max_cutbacks = 0;
+    assert_eq!(attempts(&model), (1, 1), "the initial state, and one attempt");
+    model.controls.max_cutbacks = 3;
+    assert!(attempts(&model).0 > 1, "three cuts reach the elastic range");
+}
