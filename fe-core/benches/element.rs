@@ -83,7 +83,16 @@ fn linear_elastic() -> PluginLaw {
     let law = library.laws().first().cloned();
     let name = "linear_elastic".to_owned();
     let nstatv = law.as_ref().map_or(0, |law| law.states.len());
-    PluginLaw { library, law, symbol: None, cmname: name.to_uppercase(), name, props: vec![210e3, 0.3], nstatv }
+    PluginLaw {
+        library,
+        law,
+        symbol: None,
+        cmname: name.to_uppercase(),
+        name,
+        props: vec![210e3, 0.3],
+        nstatv,
+        statev0: None,
+    }
 }
 
 fn model(case: &Case, nlgeom: bool) -> Model {

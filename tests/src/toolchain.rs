@@ -15,6 +15,8 @@ pub enum Tool {
     Fortran,
     /// valgrind.
     Valgrind,
+    /// nm, which lists the symbols of a library.
+    Nm,
 }
 
 impl Tool {
@@ -25,6 +27,7 @@ impl Tool {
             Self::Cpp => "g++",
             Self::Fortran => "gfortran",
             Self::Valgrind => "valgrind",
+            Self::Nm => "nm",
         }
     }
 }

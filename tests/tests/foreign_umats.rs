@@ -113,3 +113,33 @@ fn plasticity_in_free_form_fortran() {
 fn plasticity_in_c() {
     compare_plasticity("j2.c", Tool::C, &["-Wextra"]);
 }
+
+/// Two libraries with a COMMON block and helpers of the same names, called in turn: each keeps its own.
+#[test]
+fn shared_names_do_not_disturb() {
+    // what the sources include comes with the program: here it is written out
+    let include = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(include.path().join("ABA_PARAM.INC"), "      implicit real*8 (a-h,o-z)\n").expect("a file");
+    let library = |source: &str| {
+        let mut compiler = find(Tool::Fortran)?;
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let library = folder.path().join("libshared.so");
+        compiler.args(["-shared", "-fPIC", "-std=legacy", "-I"]).arg(include.path()).arg("-o").arg(&library);
+        run(compiler.arg(workspace("tests/umats").join(source)));
+        Some((folder, Library::open(&library).expect("a library just built")))
+    };
+    let (Some((_a, a)), Some((_b, b))) = (library("common_a.f"), library("common_b.f")) else { return };
+    let call = |library: &Library| {
+        UmatCall::new(library, None, "shared", StressState::ThreeD, 1, &STEEL).expect("umat_ of the compiler")
+    };
+    let mut calls = [call(&a), call(&b)];
+    for number in 1..=50 {
+        for (call, factor) in calls.iter_mut().zip([1.0, 3.0]) {
+            call.dstran[0] = 1e-6;
+            call.call(Request::StressAndTangent).expect("no overrun");
+            let shear_modulus = factor * STEEL[0] / (2.0 * (1.0 + STEEL[1]));
+            assert!((call.tangent(5, 5) - shear_modulus).abs() < ROUNDING * shear_modulus);
+            assert_eq!(call.statev(), [f64::from(number)], "calls that its own COMMON has counted");
+        }
+    }
+}

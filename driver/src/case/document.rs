@@ -139,7 +139,8 @@ pub struct Material {
     pub props: Option<Props>,
     /// Number of state variables; required for a library without metadata.
     pub nstatv: Option<Whole<0, 100_000>>,
-    /// State variables at the start; the same as initial.statev.
+    /// State variables at the start, at every point; in kind point the same as initial.statev. Default: what the
+    /// library's SDVINI sets, or zeros.
     pub statev0: Option<Vec<f64>>,
     /// Symbol of the entry point, if it has none of the usual names.
     #[schemars(length(min = 1))]
@@ -153,7 +154,6 @@ pub struct Material {
     /// Run the plugin in a process of its own.
     pub isolate: Option<bool>,
     /// A library without metadata may be called by several threads at once.
-    #[expect(dead_code, reason = "laws are called by one thread")]
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
     #[expect(dead_code, reason = "plugins are not isolated as yet")]

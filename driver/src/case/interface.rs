@@ -71,7 +71,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     if entry == Entry::Fric && given.gap.is_some() {
         reader.problem(&place.key("gap"), GAP_OF_FRIC);
     }
-    let initial_statev = statev(reader, material, given.statev.as_deref(), plugin.as_ref());
+    let states = plugin.as_ref().map_or(0, |plugin| plugin.nstatv);
+    let initial_statev =
+        statev(reader, material, given.statev.as_deref(), plugin.as_ref()).unwrap_or_else(|| vec![0.0; states]);
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };

@@ -59,7 +59,10 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     }
     let place_of_plugin = place.key("plugin");
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
-    let library = open(reader, &path, place_of_plugin.clone())?;
+    let mut library = open(reader, &path, place_of_plugin.clone())?;
+    if material.thread_safe == Some(true) {
+        library = library.thread_safe();
+    }
     let law = choose_law(reader, &library, material, place)?;
     let usable = match &law {
         Some(law) => check_kind(reader, law, &place_of_plugin, &purpose),

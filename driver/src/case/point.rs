@@ -332,31 +332,36 @@ fn number(reader: &mut Reader<'_>, piece: Option<&Piece<f64>>, place: &Place) ->
     reader.optional(piece, place).copied().unwrap_or(0.0)
 }
 
-/// STATEV at the start, from `material.statev0` or `initial.statev`; zeros if neither is given.
+/// STATEV at the start, from `material.statev0` or `initial.statev`; `None` if neither is given.
 pub fn statev(
     reader: &mut Reader<'_>,
     material: Option<&Material>,
     initial: Option<&[f64]>,
     plugin: Option<&Plugin>,
-) -> Vec<f64> {
+) -> Option<Vec<f64>> {
     let place = Place::root().key("initial").key("statev");
     let place_of_other = Place::root().key("material").key("statev0");
     let (values, place) = match (initial, material.and_then(|material| material.statev0.as_deref())) {
         (Some(_), Some(_)) => {
             reader.problem(&place, "the initial states are given twice: here and as $.material.statev0");
-            return Vec::new();
+            return None;
         }
         (Some(values), None) => (values, place),
         (None, Some(values)) => (values, place_of_other),
-        (None, None) => return vec![0.0; plugin.map_or(0, |plugin| plugin.nstatv)],
+        (None, None) => return None,
     };
-    if let Some(plugin) = plugin
-        && values.len() != plugin.nstatv
-    {
-        let message = format!("{} values given, {} has {} state variables", values.len(), plugin.name, plugin.nstatv);
-        reader.problem(&place, message);
+    if let Some(plugin) = plugin {
+        check_count(reader, values, plugin, &place);
     }
-    values.to_vec()
+    Some(values.to_vec())
+}
+
+/// Initial states must be as many as the law has.
+pub fn check_count(reader: &mut Reader<'_>, statev: &[f64], plugin: &Plugin, place: &Place) {
+    if statev.len() != plugin.nstatv {
+        let message = format!("{} values given, {} has {} state variables", statev.len(), plugin.name, plugin.nstatv);
+        reader.problem(place, message);
+    }
 }
 
 /// Six components from a list of six or of the mode's, or by name.

@@ -1,4 +1,6 @@
-//! `pullout plugin list | info | check`.
+//! `pullout plugin list | info | check | build`.
+
+mod build;
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
 use crate::case::{self, Case};
@@ -43,6 +45,8 @@ pub(super) enum Action {
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
     },
+    /// Compile a UMAT in Fortran, C or C++ to a library, with the flags that it needs.
+    Build(build::Arguments),
 }
 
 pub(super) fn act(action: &Action) -> u8 {
@@ -53,6 +57,7 @@ pub(super) fn act(action: &Action) -> u8 {
             Err(code) => code,
         },
         Action::Check { plugin, case, states, plugin_paths } => check(plugin, case.as_deref(), *states, plugin_paths),
+        Action::Build(arguments) => build::run(arguments),
     }
 }
 

@@ -62,6 +62,8 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
 
 /// Runs one case and says what came out.
 fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
+    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
+    umat_abi::host::announce_job(&title(case), &absolute);
     match run_into(case, folder, quiet) {
         Ok(summary) => {
             if !quiet {
@@ -238,9 +240,11 @@ fn warnings(case: &Case) -> Vec<String> {
             program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect()
         }
     };
-    for (name, _) in libraries.iter().filter(|(_, library)| library.changes_floating_point()) {
+    for (name, library) in libraries.iter().filter(|(_, library)| library.calls_change_floating_point()) {
         warnings.push(format!(
-            "loading '{name}' changed the floating-point modes (flush-to-zero); they were restored, and are around each call"
+            "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); they \
+             were restored behind each",
+            library.path().display()
         ));
     }
     warnings

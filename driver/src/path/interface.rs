@@ -5,7 +5,7 @@
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
-use umat_abi::host::{Derived, FricCall, UinterCall};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, FricCall, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -14,10 +14,11 @@ const NORMAL: usize = 2;
 pub(super) fn run(
     program: &Program,
     interface: &InterfaceProgram,
+    databases: ExternalDatabases,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = match Runner::new(program, interface) {
+    let mut runner = match Runner::new(program, interface, databases) {
         Ok(runner) => runner,
         Err(message) => return Err(Stop::unusable(message)),
     };
@@ -72,6 +73,9 @@ pub(super) struct Goal {
 
 struct Runner<'p> {
     call: Call,
+    databases: ExternalDatabases,
+    /// What UEXTERNALDB is told of the present attempt.
+    clock: Clock,
     directions: usize,
     plugin_name: &'p str,
     derived: &'p [Derived],
@@ -84,7 +88,11 @@ struct Runner<'p> {
 }
 
 impl<'p> Runner<'p> {
-    fn new(program: &'p Program, interface: &'p InterfaceProgram) -> Result<Self, String> {
+    fn new(
+        program: &'p Program,
+        interface: &'p InterfaceProgram,
+        databases: ExternalDatabases,
+    ) -> Result<Self, String> {
         let plugin = &program.plugin;
         let directions = interface.tangential_directions;
         let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), &plugin.cmname);
@@ -119,6 +127,8 @@ impl<'p> Runner<'p> {
         };
         let mut runner = Self {
             call,
+            databases,
+            clock: Clock::default(),
             directions,
             plugin_name: &plugin.name,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
@@ -186,6 +196,7 @@ impl<'p> Runner<'p> {
 
     fn set_counters(&mut self, step: u32, increment: u32) {
         let as_i32 = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
+        (self.clock.step, self.clock.increment) = (as_i32(step), as_i32(increment));
         match &mut self.call {
             Call::Uinter(call) => call.counters = [as_i32(step), as_i32(increment), 1],
             Call::Fric(call) => call.counters = [as_i32(step), as_i32(increment)],
@@ -331,6 +342,9 @@ impl Divisible for Runner<'_> {
         let time_increment = at(to) - at(from);
         self.trial.step_time = at(to);
         self.trial.total_time = goal.time_of_step + at(to);
+        let start = [self.committed.step_time, self.committed.total_time];
+        self.clock = Clock { time: start, time_increment, ..self.clock };
+        self.databases.increment_starts(self.clock);
         let iterations = match (goal.normal, &self.call) {
             (NormalControl::Pressure, Call::Uinter(_)) => {
                 self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, statistics)?
@@ -350,6 +364,8 @@ impl Divisible for Runner<'_> {
 
     fn commit(&mut self) {
         self.committed.clone_from(&self.trial);
+        let end = [self.committed.step_time, self.committed.total_time];
+        self.databases.increment_ends(Clock { time: end, ..self.clock });
     }
 
     fn fill(&self, values: &mut [f64]) {

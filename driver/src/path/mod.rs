@@ -13,6 +13,7 @@ mod test;
 
 use program::{Kind, Program, Until};
 use std::io;
+use umat_abi::host::ExternalDatabases;
 
 /// One finished increment (or the initial state), as a line of `history.csv`.
 #[derive(Clone, Copy, Debug)]
@@ -93,9 +94,10 @@ impl From<io::Error> for Stop {
 /// [`Stop`]; the statistics tell how far it came.
 pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Result<(), Stop>) {
     let mut statistics = Statistics::default();
+    let databases = ExternalDatabases::begin([&program.plugin.library]);
     let result = match &program.kind {
-        Kind::Point(point) => point::run(program, point, observer, &mut statistics),
-        Kind::Interface(interface) => interface::run(program, interface, observer, &mut statistics),
+        Kind::Point(point) => point::run(program, point, databases, observer, &mut statistics),
+        Kind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),
     };
     (statistics, result)
 }

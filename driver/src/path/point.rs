@@ -2,22 +2,23 @@
 
 use super::deformation::{columns, incremental_motion, matrix, rotated};
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
+use super::program::{Constraint, Control, Plugin, PointDrive, PointProgram, PointState, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Next, Observer, Place, Recorder, Statistics, Stop, replay};
 use nalgebra::Matrix3;
-use umat_abi::host::{Derived, UmatCall};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialStates, UmatCall};
 use umat_abi::law::Request;
 
 /// Runs a point program.
 pub(super) fn run(
     program: &Program,
     point: &PointProgram,
+    databases: ExternalDatabases,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = match Runner::new(program, point) {
+    let mut runner = match Runner::new(program, point, databases) {
         Ok(runner) => runner,
         Err(message) => return Err(Stop::unusable(message)),
     };
@@ -88,6 +89,7 @@ struct Runner<'p> {
     plugin_name: &'p str,
     max_iterations: u32,
     derived: &'p [Derived],
+    databases: ExternalDatabases,
     call: UmatCall,
     committed: Committed,
     /// Tangent at the last committed state, for the first guess.
@@ -108,7 +110,7 @@ struct Trial {
 }
 
 impl<'p> Runner<'p> {
-    fn new(program: &'p Program, point: &'p PointProgram) -> Result<Self, String> {
+    fn new(program: &'p Program, point: &'p PointProgram, databases: ExternalDatabases) -> Result<Self, String> {
         let plugin = &program.plugin;
         let stress_state = point.mode.stress_state();
         let mut call = UmatCall::new(
@@ -135,7 +137,7 @@ impl<'p> Runner<'p> {
         let committed = Committed {
             strain: initial.strain,
             stress: initial.stress,
-            statev: initial.statev.clone(),
+            statev: initial_states(plugin, initial)?,
             energies: [0.0; 3],
             step_time: 0.0,
             total_time: initial.time,
@@ -163,6 +165,7 @@ impl<'p> Runner<'p> {
             plugin_name: &plugin.name,
             max_iterations: program.controls.max_iterations,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
+            databases,
             call,
             trial: Trial {
                 strain: committed.strain,
@@ -226,6 +229,7 @@ impl<'p> Runner<'p> {
             return;
         }
         self.prepare_call(0.0, 1.0);
+        self.databases.increment_starts(clock(&self.call, self.call.time));
         let (call, committed) = (&mut self.call, &self.committed);
         let outcome = evaluate(
             call,
@@ -321,6 +325,23 @@ impl<'p> Runner<'p> {
     }
 }
 
+/// STATEV before the first step.
+fn initial_states(plugin: &Plugin, initial: &PointState) -> Result<Vec<f64>, String> {
+    if let Some(given) = &initial.statev {
+        return Ok(given.clone());
+    }
+    let mut statev = vec![0.0; plugin.nstatv];
+    if let Some(states) = InitialStates::of(&plugin.library) {
+        states.set(&mut statev, [0.0; 3], 1, 1).map_err(|overrun| format!("SDVINI: {overrun}"))?;
+    }
+    Ok(statev)
+}
+
+/// What UEXTERNALDB is told of the increment of a call.
+fn clock(call: &UmatCall, time: [f64; 2]) -> Clock {
+    Clock { time, time_increment: call.dtime, step: call.jstep[0], increment: call.kinc }
+}
+
 /// One call from the committed state.
 #[inline]
 #[allow(clippy::too_many_arguments, reason = "borrows parts of the runner separately")]
@@ -364,6 +385,7 @@ fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
 impl Divisible for Runner<'_> {
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
         self.prepare_call(from, to);
+        self.databases.increment_starts(clock(&self.call, self.call.time));
         if self.goal.deformation_gradient.is_some() {
             return self.attempt_deformation(from, to, statistics);
         }
@@ -431,6 +453,7 @@ impl Divisible for Runner<'_> {
         state.deformation_gradient = self.trial.deformation_gradient;
         state.temperature = self.trial.temperature;
         self.tangent = self.trial.tangent;
+        self.databases.increment_ends(clock(&self.call, [self.trial.step_time, self.trial.total_time]));
     }
 
     fn fill(&self, values: &mut [f64]) {

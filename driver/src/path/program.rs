@@ -134,8 +134,8 @@ pub struct PointState {
     pub strain: [f64; 6],
     /// Stress, MPa.
     pub stress: [f64; 6],
-    /// STATEV, NSTATV values.
-    pub statev: Vec<f64>,
+    /// STATEV, NSTATV values; `None`: what the library's SDVINI says, or zeros.
+    pub statev: Option<Vec<f64>>,
     /// Total time.
     pub time: f64,
     /// Deformation gradient, row by row.

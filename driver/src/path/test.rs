@@ -40,7 +40,6 @@ fn plugin(name: &str, props: &[f64]) -> Plugin {
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
 fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> Program {
-    let statev = vec![0.0; plugin.nstatv];
     Program {
         case_file: PathBuf::from("case.json"),
         title: "test".into(),
@@ -53,7 +52,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
             initial: PointState {
                 strain: [0.0; 6],
                 stress: [0.0; 6],
-                statev,
+                statev: None,
                 time: 0.0,
                 deformation_gradient: IDENTITY,
                 temperature: 0.0,

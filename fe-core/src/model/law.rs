@@ -1,7 +1,7 @@
 //! A law behind the plugin interface, with the parameters it runs with.
 
 use crate::kinematics::PlaneModel;
-use umat_abi::host::{FricCall, Law, Library, LoadError, UinterCall, UmatCall};
+use umat_abi::host::{FricCall, InitialStates, Law, Library, LoadError, UinterCall, UmatCall};
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
@@ -22,6 +22,8 @@ pub struct PluginLaw {
     pub props: Vec<f64>,
     /// NSTATV.
     pub nstatv: usize,
+    /// STATEV of every point of a part at the start, NSTATV values; `None`: what the library's SDVINI sets, or zeros.
+    pub statev0: Option<Vec<f64>>,
 }
 
 /// A law that cannot be called.
@@ -66,6 +68,29 @@ impl PluginLaw {
             .map_err(|error| self.error(&error))
     }
 
+    /// STATEV of a point at the start: its coordinates, mm, its element and number in it, from 1.
+    ///
+    /// # Errors
+    /// SDVINI wrote behind STATEV.
+    pub fn initial_states(
+        &self,
+        routine: Option<&InitialStates>,
+        position: [f64; 2],
+        element: i32,
+        point: i32,
+    ) -> Result<Vec<f64>, LawError> {
+        if let Some(given) = &self.statev0 {
+            return Ok(given.clone());
+        }
+        let mut statev = vec![0.0; self.nstatv];
+        if let Some(routine) = routine {
+            let coordinates = [position[0], position[1], 0.0];
+            let set = routine.set(&mut statev, coordinates, element, point);
+            set.map_err(|overrun| LawError { name: self.name.clone(), message: format!("SDVINI: {overrun}") })?;
+        }
+        Ok(statev)
+    }
+
     /// Whether its tangent is symmetric whatever the parameters and the state.
     pub fn has_symmetric_tangent(&self) -> bool {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
@@ -100,7 +125,7 @@ impl PluginLaw {
             props[index.unwrap_or_else(|| panic!("{name} has no parameter {key}"))] = *value;
         }
         let (nstatv, cmname) = (law.states.len(), name.to_uppercase());
-        Self { library, law: Some(law), name: name.into(), symbol: None, cmname, props, nstatv }
+        Self { library, law: Some(law), name: name.into(), symbol: None, cmname, props, nstatv, statev0: None }
     }
 
     /// With these values at the end of PROPS: a repeating group.

@@ -18,6 +18,7 @@ pub use controls::{Controls, Skipping, Step, StepControl};
 pub use law::{LawError, PluginLaw};
 
 use crate::mesh::{ElementEdge, Mesh};
+use umat_abi::host::Library;
 
 /// A degree of freedom: the displacement of a node along x (0) or y (1); r and z in axial symmetry.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -144,4 +145,14 @@ pub struct Model {
     pub controls: Controls,
     /// What may be skipped.
     pub skipping: Skipping,
+}
+
+impl Model {
+    /// The libraries of its laws, parts first; some may be named several times.
+    pub fn libraries(&self) -> impl Iterator<Item = &Library> {
+        let of_contact = self.contacts.iter().map(|pair| match &pair.law {
+            ContactLaw::Uinter(law) | ContactLaw::Fric { law, .. } => law,
+        });
+        self.laws.iter().chain(of_contact).map(|law| &law.library)
+    }
 }

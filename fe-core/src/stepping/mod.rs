@@ -22,6 +22,7 @@ use crate::contact::Contact;
 use crate::model::{Model, Step};
 use control::{Advance, Findings, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
+use umat_abi::host::{Clock, ExternalDatabases};
 
 /// What a run cost.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -49,6 +50,7 @@ pub struct Statistics {
 /// A model that is being computed.
 pub struct Analysis<'m> {
     model: &'m Model,
+    databases: ExternalDatabases,
     equilibrium: Equilibrium<'m>,
     committed: Committed,
     energies: Energies,
@@ -68,6 +70,7 @@ impl<'m> Analysis<'m> {
     /// Everything that would keep it from being computed: laws, constraints, contact.
     pub fn new(model: &'m Model) -> Result<Self, ModelError> {
         error::check(model)?;
+        let databases = ExternalDatabases::begin(model.libraries());
         let equations = Equations::new(model)?;
         let freedoms = equations.freedom_count();
         let committed = Committed {
@@ -80,6 +83,7 @@ impl<'m> Analysis<'m> {
         };
         Ok(Self {
             model,
+            databases,
             equilibrium: Equilibrium::new(model, equations)?,
             committed,
             energies: Energies::default(),
@@ -99,6 +103,8 @@ impl<'m> Analysis<'m> {
     /// can tell.
     pub fn check(model: &Model) -> Result<(), ModelError> {
         error::check(model)?;
+        // The virgin state is asked for: what a law reads in must be there.
+        let _databases = ExternalDatabases::begin(model.libraries());
         Equations::new(model)?;
         let moduli = Solids::new(model)?.elastic_moduli();
         Contact::new(&model.mesh, &model.contacts, &moduli, model.skipping.contact_search)?;
@@ -139,6 +145,7 @@ impl<'m> Analysis<'m> {
     fn find_datum(&mut self) -> Result<(), RunError> {
         let target = Target::Drives(self.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+        self.databases.increment_starts(clock(&context, 0.0));
         let converged = self
             .equilibrium
             .attempt(&self.committed, &target, context, &mut self.statistics)
@@ -165,6 +172,7 @@ impl<'m> Analysis<'m> {
                 total_time: self.total_time,
                 time_increment: run.time_increment(),
             };
+            self.databases.increment_starts(clock(&context, 0.0));
             let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
             let has_converged = attempt.is_ok();
             let judged = attempt.and_then(|converged| {
@@ -178,6 +186,7 @@ impl<'m> Analysis<'m> {
                     let passed = run.accept(&self.committed, &converged, findings, self.load.peaked);
                     step_time += passed;
                     self.commit(converged, passed);
+                    self.databases.increment_ends(clock(&context, passed));
                     let record = self.record(number, increment, cutbacks, iterations);
                     cutbacks = 0;
                     match observer.increment(&record, &self.snapshot())? {
@@ -259,6 +268,17 @@ impl<'m> Analysis<'m> {
             cutbacks,
             iterations,
         }
+    }
+}
+
+/// What UEXTERNALDB is told of an increment, `passed` after its start.
+fn clock(context: &IncrementContext, passed: f64) -> Clock {
+    let as_i32 = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
+    Clock {
+        time: [context.step_time + passed, context.total_time + passed],
+        time_increment: context.time_increment,
+        step: as_i32(context.step),
+        increment: as_i32(context.increment),
     }
 }
 

@@ -1,8 +1,8 @@
 //! A safe call of a UMAT: every argument valid, buffers reused, canaries checked.
 
+use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
-use crate::floating_point;
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
@@ -38,7 +38,7 @@ pub struct UmatCall {
     /// Keeps the function's code loaded.
     _library: Library,
     honours_stress_only: bool,
-    keeps_floating_point: bool,
+    guard: Option<Guard>,
     stress_state: StressState,
     stress: Guarded,
     statev: Guarded,
@@ -114,7 +114,7 @@ impl UmatCall {
             function,
             _library: library.clone(),
             honours_stress_only: described && library.laws().iter().all(|law| law.has(flags::STRESS_ONLY)),
-            keeps_floating_point: described,
+            guard: library.guard(),
             stress_state,
             stress: Guarded::new("STRESS", ntens),
             statev: Guarded::new("STATEV", nstatv),
@@ -236,15 +236,8 @@ impl UmatCall {
         self.pnewdt = PNEWDT_ON_ENTRY;
         let mut arguments = self.arguments(stress_only);
         alter(&mut arguments);
-        if self.keeps_floating_point {
-            // SAFETY: every pointer is valid for the sizes that the counts tell.
-            unsafe { arguments.call(self.function) };
-        } else {
-            let control = floating_point::control();
-            // SAFETY: as above.
-            unsafe { arguments.call(self.function) };
-            floating_point::set_control(control);
-        }
+        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
         self.stress.check()?;
         self.statev.check()?;
         self.ddsdde.check()?;

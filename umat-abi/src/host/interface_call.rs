@@ -1,9 +1,9 @@
 //! Safe calls of UINTER and FRIC.
 
 use super::call::CallOutcome;
+use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
-use crate::floating_point;
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
 use std::ops::{Deref, DerefMut};
@@ -25,7 +25,7 @@ const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 pub struct ContactArrays {
     /// Keeps the function's code loaded.
     _library: Library,
-    keeps_floating_point: bool,
+    guard: Option<Guard>,
     directions: i32,
     traction: Guarded,
     tangent: Guarded,
@@ -51,7 +51,7 @@ impl ContactArrays {
         guarded_props.as_mut_slice().copy_from_slice(props);
         Self {
             _library: library.clone(),
-            keeps_floating_point: !library.laws().is_empty(),
+            guard: library.guard(),
             directions: i32::try_from(directions).unwrap_or(i32::MAX),
             traction: Guarded::new(names[0], directions),
             tangent: Guarded::new(names[1], directions * directions),
@@ -107,13 +107,7 @@ impl ContactArrays {
 
     fn run(&mut self, call: impl FnOnce()) -> Result<CallOutcome, Overrun> {
         self.calls += 1;
-        if self.keeps_floating_point {
-            call();
-        } else {
-            let control = floating_point::control();
-            call();
-            floating_point::set_control(control);
-        }
+        run(self.guard.as_ref(), call);
         self.traction.check()?;
         self.tangent.check()?;
         self.statev.check()?;

@@ -1,6 +1,8 @@
 //! A loaded plugin library.
 
 use super::description::Law;
+use super::guard::Guard;
+use super::utilities;
 use crate::floating_point;
 use crate::fric::FricFunction;
 use crate::metadata::{PLUGIN_SYMBOL, Plugin};
@@ -56,6 +58,7 @@ pub struct Library {
     path: PathBuf,
     laws: Arc<[Law]>,
     changes_floating_point: bool,
+    guard: Option<Guard>,
     handle: Arc<libloading::Library>,
 }
 
@@ -66,16 +69,20 @@ impl fmt::Debug for Library {
 }
 
 impl Library {
-    /// Loads a library and reads its metadata if it has any.
+    /// Loads a library and reads its metadata if it has any; before the first, the utility routines that it may call.
     ///
     /// # Errors
     /// The loader's refusal, or metadata that this program cannot read.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
+        let utilities = utilities::load();
         let control = floating_point::control();
         let opened = open_locally(path);
         let changed = floating_point::modes(floating_point::control()) != floating_point::modes(control);
         floating_point::set_control(control);
-        let handle = opened.map_err(|error| LoadError::Open { path: path.into(), message: error.to_string() })?;
+        let handle = opened.map_err(|error| {
+            let unavailable = utilities.err().map_or_else(String::new, |reason| format!("; {reason}"));
+            LoadError::Open { path: path.into(), message: format!("{error}{unavailable}") }
+        })?;
         let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
         // SAFETY: the symbol, if there is one, is the function that abi.md §2 defines.
         let laws = match unsafe { handle.get::<extern "C" fn() -> *const Plugin>(PLUGIN_SYMBOL) } {
@@ -83,7 +90,9 @@ impl Library {
             Ok(description) => unsafe { Law::read_all(description()) }.map_err(metadata_error)?,
             Err(_) => Vec::new(),
         };
-        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, handle: Arc::new(handle) })
+        let guard = laws.is_empty().then(|| Guard::new(path));
+        let handle = Arc::new(handle);
+        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, guard, handle })
     }
 
     /// The file.
@@ -99,6 +108,24 @@ impl Library {
     /// Whether loading it switched floating-point modes (flush-to-zero); they were restored.
     pub fn changes_floating_point(&self) -> bool {
         self.changes_floating_point
+    }
+
+    /// Whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata
+    /// vouch for the library.
+    pub fn calls_change_floating_point(&self) -> bool {
+        self.guard.as_ref().is_some_and(Guard::changed_modes)
+    }
+
+    /// The same library, without metadata but known to be thread-safe: calls do not wait for each other.
+    #[must_use]
+    pub fn thread_safe(mut self) -> Self {
+        self.guard = self.guard.map(|guard| guard.of_thread_safe());
+        self
+    }
+
+    /// How it is called; `None`: its metadata vouch for it.
+    pub(super) fn guard(&self) -> Option<Guard> {
+        self.guard.clone()
     }
 
     /// The UMAT entry point: `symbol` if given, else the usual spellings.
@@ -138,7 +165,7 @@ impl Library {
             None => {
                 let stem = self.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
                 let library = stem.strip_prefix("lib").unwrap_or(&stem).to_owned();
-                vec![format!("{name}_"), name.to_owned(), name.to_ascii_uppercase(), format!("{library}_")]
+                spellings(name).into_iter().chain([format!("{library}_")]).collect()
             }
         };
         for symbol in &tried {
@@ -149,6 +176,20 @@ impl Library {
         }
         Err(LoadError::Symbol { path: self.path.clone(), tried })
     }
+
+    /// A routine under one of its usual spellings.
+    ///
+    /// # Safety
+    /// `F` is the type of the function with that name; it is not used after the library.
+    pub(super) unsafe fn find<F: Copy>(&self, name: &str) -> Option<F> {
+        // SAFETY: forwarded to the caller.
+        spellings(name).iter().find_map(|symbol| unsafe { self.handle.get::<F>(symbol.as_str()) }.ok().map(|f| *f))
+    }
+}
+
+/// As gfortran, C and upper-casing compilers spell a routine.
+fn spellings(name: &str) -> [String; 3] {
+    [format!("{name}_"), name.to_owned(), name.to_ascii_uppercase()]
 }
 
 /// RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND: two plugins that define the same helper or COMMON block must not run

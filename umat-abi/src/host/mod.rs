@@ -4,9 +4,12 @@ mod altered;
 mod call;
 mod description;
 mod discovery;
+mod guard;
 mod interface_call;
 mod library;
 mod memory;
+mod routines;
+mod utilities;
 
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};
@@ -15,3 +18,5 @@ pub use discovery::{Found, library_file_name, library_path, names_a_file, search
 pub use interface_call::{ContactArrays, FricCall, UinterCall};
 pub use library::{Library, LoadError};
 pub use memory::Overrun;
+pub use routines::{Clock, ExternalDatabases, InitialStates};
+pub use utilities::{UnavailableUtilities, announce_job, utilities_path};

@@ -4,6 +4,7 @@ use super::super::Reader;
 use super::super::document::pullout as document;
 use super::super::document::{Entry, PulloutCase};
 use super::super::plugin::{self, Length, Subject, Use};
+use super::super::point::check_count;
 use super::super::problem::Place;
 use super::Scene;
 use crate::path::program::{Mode, Plugin};
@@ -45,19 +46,20 @@ fn law(
             "a part calls the entry point umat; uinter and fric are for contact",
         );
     }
-    if material.statev0.is_some() {
-        reader.problem(&place_of_material.key("statev0"), "the states of parts start from 0: leave it out");
-    }
     let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
     let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
     let purpose = Use { subject: Subject::Specimen, entry: Entry::Umat, mode, length };
-    plugin::resolve(reader, material, &place_of_material, purpose).map(plugin_law)
+    let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
+    if let Some(statev0) = &material.statev0 {
+        check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));
+    }
+    Some(PluginLaw { statev0: material.statev0.clone(), ..plugin_law(plugin) })
 }
 
 /// As the FE core has it.
 pub fn plugin_law(plugin: Plugin) -> PluginLaw {
     let Plugin { library, law, name, symbol, cmname, props, nstatv } = plugin;
-    PluginLaw { library, law, name, symbol, cmname, props, nstatv }
+    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None }
 }
 
 fn mode(model: PlaneModel) -> Mode {

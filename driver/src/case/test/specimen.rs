@@ -473,7 +473,7 @@ const MALFORMED: &[Sample] = &[
         "a part calls the entry point umat",
         ByMeaning,
     ),
-    (&["parts.fibre.material.statev0=[0, 0]"], "$.parts.fibre.material.statev0", "start from 0", ByMeaning),
+    (&["parts.fibre.material.statev0=[0, 0, 0]"], "$.parts.fibre.material.statev0", "3 values given", ByMeaning),
     (
         &["parts.fibre.material={\"plugin\": \"bond_slip\"}"],
         "$.parts.fibre.material.plugin",

@@ -126,7 +126,7 @@ fn program() -> Program {
             initial: PointState {
                 strain: [0.0; 6],
                 stress: [0.0; 6],
-                statev: vec![],
+                statev: None,
                 time: 0.0,
                 deformation_gradient: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
                 temperature: 0.0,

@@ -60,7 +60,7 @@ pub(super) struct Points {
     pub(super) trial: States,
     /// DDSDDE of the last evaluation that asked for it.
     pub(super) moduli: Vec<Moduli>,
-    /// DDSDDE of the virgin state.
+    /// DDSDDE at zero strain with the initial states.
     pub(super) elastic: Moduli,
     /// Calls of the UMAT.
     pub(super) calls: u64,
@@ -88,7 +88,14 @@ impl Points {
         })
     }
 
-    /// Finds DDSDDE of the virgin state.
+    /// Sets the states of a point at the start.
+    pub(super) fn set_initial_states(&mut self, point: usize, statev: &[f64]) {
+        let place = self.statev(point);
+        self.committed.statev[place.clone()].copy_from_slice(statev);
+        self.trial.statev[place].copy_from_slice(statev);
+    }
+
+    /// Finds DDSDDE at zero strain with the initial states, those of the first point.
     pub(super) fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
         let error =
             |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
@@ -96,6 +103,9 @@ impl Points {
         self.rest();
         self.set_state(&zero, &zero, &zero);
         self.call.statev_mut().fill(0.0);
+        if let Some(first) = self.committed.statev.get(..self.nstatv) {
+            self.call.statev_mut().copy_from_slice(first);
+        }
         self.call.energies = [0.0; 3];
         self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;
         self.elastic = self.returned_moduli();

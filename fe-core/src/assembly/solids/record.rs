@@ -9,7 +9,7 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::model::{Model, PluginLaw};
 use std::ops::Range;
-use umat_abi::host::Validation;
+use umat_abi::host::{InitialStates, Validation};
 use umat_abi::metadata::stress_states;
 
 /// An element, and what is known of its last evaluation.
@@ -105,6 +105,7 @@ pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsEr
         bodies.push(body(mesh, part, law, average_dilatation[part], counts[part])?);
     }
     let records = records(mesh, &mut bodies);
+    set_initial_states(laws, &mut bodies, &records)?;
     for (body, law) in bodies.iter_mut().zip(laws) {
         body.points.find_elastic(law, &body.name)?;
     }
@@ -135,6 +136,30 @@ fn body(mesh: &Mesh, part: usize, law: &PluginLaw, average: bool, count: usize) 
         volumes: Vec::with_capacity(count),
         positions: Vec::with_capacity(count),
     })
+}
+
+/// STATEV of every point: of the case, of the library's SDVINI, or zeros.
+fn set_initial_states(laws: &[PluginLaw], bodies: &mut [Body], records: &[Record]) -> Result<(), SolidsError> {
+    let routines: Vec<_> = laws.iter().map(|law| InitialStates::of(&law.library)).collect();
+    for (element, record) in records.iter().enumerate() {
+        let (law, routine) = (&laws[record.part], routines[record.part].as_ref());
+        if law.statev0.is_none() && routine.is_none() {
+            continue;
+        }
+        let body = &mut bodies[record.part];
+        for (number, point) in record.points.clone().enumerate() {
+            let statev = law
+                .initial_states(routine, body.positions[point], number_of(element), number_of(number))
+                .map_err(|source| SolidsError::Umat { part: body.name.clone(), source })?;
+            body.points.set_initial_states(point, &statev);
+        }
+    }
+    Ok(())
+}
+
+/// As a plugin counts.
+fn number_of(index: usize) -> i32 {
+    i32::try_from(index + 1).unwrap_or(i32::MAX)
 }
 
 fn padded(values: &[f64]) -> [f64; MAX_NODES] {

@@ -1,0 +1,48 @@
+//! `pullout plugin build`.
+
+use super::{BAD_INPUT, DONE, FAILED, complain, say};
+use crate::build::{self, Form, Request};
+use std::path::PathBuf;
+
+#[derive(Debug, clap::Args)]
+pub(in crate::command) struct Arguments {
+    /// Fortran (.f .for .ftn fixed form; .f90 … free form), C, C++; object files are linked as they are.
+    #[arg(required = true, value_name = "SOURCE")]
+    sources: Vec<PathBuf>,
+    /// The library; default: lib<first source>.so in this folder.
+    #[arg(short, long, value_name = "OUT.so")]
+    output: Option<PathBuf>,
+    /// The Fortran sources are in fixed form, whatever their suffix.
+    #[arg(long, conflicts_with = "free")]
+    fixed: bool,
+    /// The Fortran sources are in free form, whatever their suffix.
+    #[arg(long)]
+    free: bool,
+    /// A further flag for the compilers, e.g. --flag=-fopenmp (may be repeated).
+    #[arg(long = "flag", value_name = "FLAG", allow_hyphen_values = true)]
+    flags: Vec<String>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> u8 {
+    let form = match (arguments.fixed, arguments.free) {
+        (true, _) => Some(Form::Fixed),
+        (_, true) => Some(Form::Free),
+        _ => None,
+    };
+    let request = Request {
+        sources: arguments.sources.clone(),
+        output: arguments.output.clone(),
+        form,
+        flags: arguments.flags.clone(),
+    };
+    match build::build(&request) {
+        Ok(built) => {
+            say(&format!("{}: {}\n", built.library.display(), built.entry_points.join(", ")));
+            DONE
+        }
+        Err(refusal) => {
+            complain(&refusal);
+            if refusal.is_bad_input() { BAD_INPUT } else { FAILED }
+        }
+    }
+}

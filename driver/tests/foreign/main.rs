@@ -1,0 +1,49 @@
+//! Anybody's UMAT: sources of different make (tests/umats) built by `pullout plugin build` and run by the program,
+//! against closed forms.
+
+mod build;
+mod finite_strain;
+mod parts;
+#[path = "../program/mod.rs"]
+mod program;
+mod umats;
+mod utilities;
+
+use end_to_end_tests::{Tool, find, workspace};
+use program::{Desk, Run};
+use serde_json::{Value, json};
+
+/// Two roads to one number differ by rounding; free stresses are met to 1e-8 MPa.
+const CLOSE: f64 = 1e-9;
+
+/// A library from a source of tests/umats; `None`, after a notice, where its compiler is not installed.
+fn built(desk: &Desk, source: &str, flags: &[&str]) -> Option<Value> {
+    let tool = match source.rsplit('.').next() {
+        Some("c") => Tool::C,
+        Some("cpp") => Tool::Cpp,
+        _ => Tool::Fortran,
+    };
+    find(tool)?;
+    let path = workspace("tests/umats").join(source);
+    let library = desk.path(&format!("lib{}.so", source.split('.').next().unwrap_or(source)));
+    let mut arguments = vec!["plugin", "build", path.to_str()?, "-o", library.to_str()?];
+    arguments.extend(flags);
+    let outcome = desk.pullout(arguments).expect(0);
+    assert!(outcome.stdout.contains(": umat_") || outcome.stdout.contains(": UMAT"), "{}", outcome.stdout);
+    Some(json!(library))
+}
+
+/// A case of steps in 3-D with an elastic material.
+fn point(material: Value, mode: &str, steps: Value) -> Value {
+    json!({ "kind": "point", "title": "foreign", "material": material, "mode": mode, "steps": steps })
+}
+
+fn run(desk: &Desk, name: &str, case: &Value) -> Run {
+    desk.run(&desk.case(&format!("{name}.json"), case), &[], name, 0)
+}
+
+/// Asserts a number.
+#[track_caller]
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= CLOSE * expected.abs().max(1.0), "{found} instead of {expected}");
+}

@@ -1,0 +1,73 @@
+//! Calls of libraries that describe nothing: what is not known of them is made sure of.
+
+use crate::floating_point;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
+
+/// One thread at a time, and the floating-point modes as they were.
+#[derive(Clone, Debug)]
+pub(super) struct Guard {
+    /// `None`: the library is known to be thread-safe.
+    turn: Option<Arc<Mutex<()>>>,
+    changed_modes: Arc<AtomicBool>,
+}
+
+/// The turn of each library file: handles of one file share its COMMON blocks.
+static TURNS: Mutex<Vec<(PathBuf, Weak<Mutex<()>>)>> = Mutex::new(Vec::new());
+
+/// The lock of a file.
+fn turn_of(path: &Path) -> Arc<Mutex<()>> {
+    let path = path.canonicalize().unwrap_or_else(|_| path.to_path_buf());
+    let mut turns = locked(&TURNS);
+    turns.retain(|(_, turn)| turn.strong_count() > 0);
+    if let Some(turn) = turns.iter().find(|(known, _)| *known == path).and_then(|(_, turn)| turn.upgrade()) {
+        return turn;
+    }
+    let turn = Arc::new(Mutex::new(()));
+    turns.push((path, Arc::downgrade(&turn)));
+    turn
+}
+
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl Guard {
+    pub(super) fn new(path: &Path) -> Self {
+        Self { turn: Some(turn_of(path)), changed_modes: Arc::default() }
+    }
+
+    /// The same without waiting for other threads.
+    pub(super) fn of_thread_safe(&self) -> Self {
+        Self { turn: None, ..self.clone() }
+    }
+
+    /// Whether a call came back with other floating-point modes than it started with.
+    pub(super) fn changed_modes(&self) -> bool {
+        self.changed_modes.load(Ordering::Relaxed)
+    }
+
+    /// Runs a call.
+    #[inline]
+    pub(super) fn run<R>(&self, call: impl FnOnce() -> R) -> R {
+        let _turn = self.turn.as_deref().map(locked);
+        let control = floating_point::control();
+        let result = call();
+        let after = floating_point::control();
+        if floating_point::modes(after) != floating_point::modes(control) {
+            self.changed_modes.store(true, Ordering::Relaxed);
+        }
+        floating_point::set_control(control);
+        result
+    }
+}
+
+/// Runs a call; `None`: the library's metadata vouch for it.
+#[inline]
+pub(super) fn run<R>(guard: Option<&Guard>, call: impl FnOnce() -> R) -> R {
+    match guard {
+        None => call(),
+        Some(guard) => guard.run(call),
+    }
+}

@@ -1,0 +1,136 @@
+//! The user subroutines around UMAT: UEXTERNALDB and SDVINI, called where a library exports them.
+
+use super::guard::{Guard, run};
+use super::library::Library;
+use super::memory::{Guarded, Overrun};
+use std::path::Path;
+
+/// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
+type ExternalDatabaseFunction =
+    unsafe extern "C" fn(*const i32, *const i32, *const f64, *const f64, *const i32, *const i32);
+
+/// STATEV(NSTATV), COORDS(NCRDS), NSTATV, NCRDS, NOEL, NPT, LAYER, KSPT.
+type InitialStateFunction =
+    unsafe extern "C" fn(*mut f64, *const f64, *const i32, *const i32, *const i32, *const i32, *const i32, *const i32);
+
+/// LOP: why UEXTERNALDB is called.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Occasion {
+    AnalysisStart = 0,
+    IncrementStart = 1,
+    IncrementEnd = 2,
+    AnalysisEnd = 3,
+}
+
+/// What UEXTERNALDB is told of an increment.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Clock {
+    /// Step time and total time now: at the increment's start or at its end, s.
+    pub time: [f64; 2],
+    /// Time increment, s.
+    pub time_increment: f64,
+    /// Step, from 1.
+    pub step: i32,
+    /// Increment in the step, from 1.
+    pub increment: i32,
+}
+
+#[derive(Debug)]
+struct ExternalDatabase {
+    function: ExternalDatabaseFunction,
+    guard: Option<Guard>,
+    library: Library,
+}
+
+/// UEXTERNALDB of the libraries of an analysis: called with LOP = 0 when this is made, around increments as the
+/// analysis tells, and with LOP = 3 when it is dropped.
+#[derive(Debug, Default)]
+pub struct ExternalDatabases {
+    databases: Vec<ExternalDatabase>,
+    last: Clock,
+}
+
+impl ExternalDatabases {
+    /// Begins an analysis with these libraries, each called once.
+    pub fn begin<'l>(libraries: impl IntoIterator<Item = &'l Library>) -> Self {
+        let mut databases: Vec<ExternalDatabase> = Vec::new();
+        for library in libraries {
+            let is_known = |path: &Path| databases.iter().any(|other| other.library.path() == path);
+            if is_known(library.path()) {
+                continue;
+            }
+            // SAFETY: a function of this name has the signature of the manual; no check is possible. The library is
+            // kept.
+            if let Some(function) = unsafe { library.find("uexternaldb") } {
+                databases.push(ExternalDatabase { function, guard: library.guard(), library: library.clone() });
+            }
+        }
+        let last = Clock { step: 1, ..Clock::default() };
+        let mut this = Self { databases, last };
+        this.call(Occasion::AnalysisStart, last);
+        this
+    }
+
+    /// An increment begins, for the first time or again after a cut-back.
+    pub fn increment_starts(&mut self, clock: Clock) {
+        self.call(Occasion::IncrementStart, clock);
+    }
+
+    /// An increment has converged.
+    pub fn increment_ends(&mut self, clock: Clock) {
+        self.call(Occasion::IncrementEnd, clock);
+    }
+
+    fn call(&mut self, occasion: Occasion, clock: Clock) {
+        self.last = clock;
+        let (lop, restart) = (occasion as i32, 0);
+        let Clock { time, time_increment, step, increment } = clock;
+        for database in &self.databases {
+            // SAFETY: every pointer is valid for what the manual says.
+            run(database.guard.as_ref(), || unsafe {
+                (database.function)(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment);
+            });
+        }
+    }
+}
+
+impl Drop for ExternalDatabases {
+    fn drop(&mut self) {
+        self.call(Occasion::AnalysisEnd, self.last);
+    }
+}
+
+/// SDVINI of a library.
+#[derive(Clone, Debug)]
+pub struct InitialStates {
+    function: InitialStateFunction,
+    guard: Option<Guard>,
+    /// Keeps the function's code loaded.
+    _library: Library,
+}
+
+impl InitialStates {
+    /// `None`: the library exports none.
+    pub fn of(library: &Library) -> Option<Self> {
+        // SAFETY: as for UEXTERNALDB.
+        let function = unsafe { library.find("sdvini") }?;
+        Some(Self { function, guard: library.guard(), _library: library.clone() })
+    }
+
+    /// Sets STATEV of a point: its coordinates, its element and number in it, from 1.
+    ///
+    /// # Errors
+    /// [`Overrun`] if it wrote behind STATEV.
+    pub fn set(&self, statev: &mut [f64], coordinates: [f64; 3], element: i32, point: i32) -> Result<(), Overrun> {
+        let mut guarded = Guarded::new("STATEV", statev.len());
+        let (dimensions, one) = (3, 1);
+        let (states, count) = (guarded.as_mut_ptr(), guarded.count());
+        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        run(self.guard.as_ref(), || unsafe {
+            (self.function)(states, coordinates.as_ptr(), count, &dimensions, &element, &point, &one, &one);
+        });
+        guarded.check()?;
+        statev.copy_from_slice(guarded.as_slice());
+        Ok(())
+    }
+}

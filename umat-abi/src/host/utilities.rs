@@ -1,0 +1,89 @@
+//! The utility routines that third-party UMATs call, in a library of their own (`umat-abi/utilities`).
+
+use super::discovery::{Found, search_paths};
+use std::fmt;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+/// Name of the library, as of a plugin.
+const LIBRARY: &str = "pullout_utilities";
+/// Tells it the job's name and folder.
+const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
+type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
+
+/// Why SINV, ROTSIG, XIT and the like are not there for plugins that call them.
+#[derive(Clone, Debug)]
+pub enum UnavailableUtilities {
+    /// Their library is not there.
+    Missing {
+        /// The folders where it was looked for.
+        searched: Vec<PathBuf>,
+    },
+    /// The loader refused it.
+    Refused {
+        /// The loader's words.
+        message: String,
+    },
+}
+
+impl fmt::Display for UnavailableUtilities {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Missing { searched } => {
+                let folders: Vec<_> = searched.iter().map(|folder| folder.display().to_string()).collect();
+                write!(f, "the library {LIBRARY} with the utility routines is in none of {}", folders.join(", "))
+            }
+            Self::Refused { message } => write!(f, "the library {LIBRARY} with the utility routines: {message}"),
+        }
+    }
+}
+
+/// The library of the utility routines: beside the plugins.
+///
+/// # Errors
+/// [`UnavailableUtilities::Missing`].
+pub fn utilities_path() -> Result<PathBuf, UnavailableUtilities> {
+    let searched = search_paths(&[]);
+    match Found::by_name(LIBRARY, &searched) {
+        Some(found) => Ok(found.path),
+        None => Err(UnavailableUtilities::Missing { searched }),
+    }
+}
+
+/// Loads the utility routines before the first plugin, for all that follow; stays loaded.
+pub(super) fn load() -> Result<&'static libloading::Library, &'static UnavailableUtilities> {
+    static LIBRARY_OR_REASON: OnceLock<Result<libloading::Library, UnavailableUtilities>> = OnceLock::new();
+    LIBRARY_OR_REASON
+        .get_or_init(|| {
+            let path = utilities_path()?;
+            open_globally(&path).map_err(|error| UnavailableUtilities::Refused { message: error.to_string() })
+        })
+        .as_ref()
+}
+
+/// RTLD_GLOBAL: what plugins leave undefined is found here.
+#[cfg(unix)]
+fn open_globally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    use libloading::os::unix::{Library, RTLD_GLOBAL, RTLD_NOW};
+    // SAFETY: the library is our own and has no initialisers.
+    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_GLOBAL) }.map(Into::into)
+}
+
+#[cfg(not(unix))]
+fn open_globally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    // SAFETY: the library is our own and has no initialisers.
+    unsafe { libloading::Library::new(path) }
+}
+
+/// Tells what GETJOBNAME and GETOUTDIR answer from now on. Without the utility routines nobody can ask.
+pub fn announce_job(name: &str, folder: &Path) {
+    let Ok(library) = load() else { return };
+    let folder = folder.to_string_lossy();
+    // SAFETY: the symbol, if there is one, is the function of that type in our own library; two texts and their
+    // lengths.
+    unsafe {
+        if let Ok(function) = library.get::<JobFunction>(JOB_SYMBOL) {
+            function(name.as_ptr(), name.len(), folder.as_ptr(), folder.len());
+        }
+    }
+}
