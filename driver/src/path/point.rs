@@ -107,6 +107,7 @@ struct Trial {
     total_time: f64,
     deformation_gradient: Matrix3<f64>,
     temperature: f64,
+    predef: Vec<f64>,
 }
 
 impl<'p> Runner<'p> {
@@ -174,6 +175,7 @@ impl<'p> Runner<'p> {
                 total_time: initial.time,
                 deformation_gradient: gradient,
                 temperature: initial.temperature,
+                predef: committed.predef.clone(),
             },
             committed,
             tangent: None,
@@ -284,7 +286,8 @@ impl<'p> Runner<'p> {
         for k in 0..call.predef.len() {
             let (start, end) = (goal.predef.0[k], goal.predef.1[k]);
             call.predef[k] = lerp(start, end, from);
-            call.dpred[k] = lerp(start, end, to) - call.predef[k];
+            self.trial.predef[k] = lerp(start, end, to);
+            call.dpred[k] = self.trial.predef[k] - call.predef[k];
         }
         self.trial.step_time = at(to);
         self.trial.total_time = goal.time_of_step + at(to);
@@ -452,6 +455,7 @@ impl Divisible for Runner<'_> {
         state.total_time = self.trial.total_time;
         state.deformation_gradient = self.trial.deformation_gradient;
         state.temperature = self.trial.temperature;
+        state.predef.clone_from(&self.trial.predef);
         self.tangent = self.trial.tangent;
         self.databases.increment_ends(clock(&self.call, [self.trial.step_time, self.trial.total_time]));
     }
@@ -579,7 +583,6 @@ impl<'s> Plan<'s> {
             goal.predef.0[k] = lerp(self.predef[k], end_predef[k], before);
             goal.predef.1[k] = lerp(self.predef[k], end_predef[k], after);
         }
-        runner.committed.predef.clone_from(&goal.predef.0);
         goal.relations.clone_from(&self.step.constraints);
         goal.relations_at_start.clear();
         for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
