@@ -70,7 +70,7 @@ impl Axis {
 fn widened(least: f64, greatest: f64, least_span: f64) -> (f64, f64) {
     let largest = least.abs().max(greatest.abs());
     // smaller numbers have no power of ten to divide by
-    let (least, greatest) = if largest > 1e-290 { (least, greatest) } else { (0.0, 0.0) };
+    let (least, greatest, largest) = if largest > 1e-290 { (least, greatest, largest) } else { (0.0, 0.0, 0.0) };
     // what rounding leaves of a constant is no range
     let span = least_span.max(1e-6 * largest).max(greatest - least);
     let span = if span > 0.0 { span } else { 1.0 };
