@@ -16,7 +16,7 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use umat_abi::host::{Law, Library};
+use umat_abi::host::{Law, Library, announce_job};
 
 /// Validates cases.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
@@ -62,8 +62,6 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
 
 /// Runs one case and says what came out.
 fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
-    let absolute = std::path::absolute(folder).unwrap_or_else(|_| folder.to_path_buf());
-    umat_abi::host::announce_job(&title(case), &absolute);
     match run_into(case, folder, quiet) {
         Ok(summary) => {
             if !quiet {
@@ -134,6 +132,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     fs::create_dir_all(folder)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
     remove_leftovers(folder)?;
+    announce_job(&title(case), &std::path::absolute(folder)?);
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     let start = Instant::now();

@@ -6,13 +6,8 @@ use umat_abi::host::{Alteration, FricCall, Overrun, UinterCall, UmatCall};
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
 
-pub(super) fn umat(
-    call: &mut UmatCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
+/// The arguments of a UMAT.
+pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64]) {
     let n = step.len();
     call.stran[..n].copy_from_slice(&from.input);
     call.dstran[..n].copy_from_slice(step);
@@ -22,6 +17,17 @@ pub(super) fn umat(
     call.energies.copy_from_slice(&from.energies[..3]);
     call.time = [from.time; 2];
     call.kinc = from.increment;
+}
+
+pub(super) fn umat(
+    call: &mut UmatCall,
+    from: &Committed,
+    step: &[f64],
+    filling: f64,
+    alteration: Alteration<'_>,
+) -> Called {
+    let n = step.len();
+    prepare_umat(call, from, step);
     let result = call.call_altered(filling, alteration).map(|_| ());
     let [stored, plastic, creep] = call.energies;
     let answer = Answer {

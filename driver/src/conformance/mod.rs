@@ -5,16 +5,19 @@
 //! with the rotated path, work with energy. A law that breaks a claim fails; a plain UMAT, which claims
 //! nothing, gets warnings and information.
 //!
-//! The checks call the plugin in this process. What crashes it (a fault that takes the process down) is the
-//! business of the worker around it.
+//! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
+//! crashes it (a fault that takes the process down) is the business of the worker around it.
 
 mod bad_input;
+mod bounds;
 mod determinism;
 mod energy;
 mod entry_call;
+mod hidden_data;
 mod memory;
 mod metadata;
 mod null_arguments;
+mod precision;
 mod random;
 mod report;
 mod rotation;
@@ -141,6 +144,9 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     memory::inputs_untouched(subject, &sample, ledger);
     determinism::repeatability(subject, &sample, ledger);
     determinism::call_order(subject, &sample, ledger);
+    hidden_data::check(subject, &sample, ledger);
+    bounds::check(subject, &sample, ledger);
+    precision::check(subject, &sample, ledger);
     determinism::threads(subject, &sample, options, ledger);
     determinism::stress_only(subject, &sample, ledger);
     virgin::zero_increment(subject, &sample, ledger);

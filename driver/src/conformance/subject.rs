@@ -8,11 +8,13 @@
 //! | FRIC | slips, pressure | shear tractions |
 
 use super::Options;
-use super::entry_call::{fric, uinter, umat};
+use super::entry_call::{fric, prepare_umat, uinter, umat};
 use crate::path::program::Plugin;
 use std::collections::BTreeMap;
 use std::fmt;
-use umat_abi::host::{Alteration, CallOutcome, FricCall, LoadError, UinterCall, UmatCall, Validation};
+use umat_abi::host::{
+    Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, UinterCall, UmatCall, Validation,
+};
 use umat_abi::law::StressState;
 
 /// Entry point and components.
@@ -358,6 +360,21 @@ impl<'p> Subject<'p> {
             *self.overruns.entry(overrun.array).or_default() += 1;
         }
         answer
+    }
+
+    /// One call of a UMAT in a child process with its arrays fenced; `None` for contact laws.
+    pub(super) fn probe(
+        &mut self,
+        from: &Committed,
+        step: &[f64],
+        alignment: Alignment,
+    ) -> Option<std::io::Result<Probed>> {
+        let Call::Umat(call) = &mut self.call else { return None };
+        call.celent = self.length;
+        call.drot = self.rotation;
+        call.dtime = self.time_increment;
+        prepare_umat(call, from, step);
+        Some(call.probe(alignment))
     }
 
     /// Arguments that the last call changed although they are inputs.

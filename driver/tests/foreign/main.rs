@@ -1,7 +1,9 @@
 //! Anybody's UMAT: sources of different make (tests/umats) built by `pullout plugin build` and run by the program,
 //! against closed forms.
 
+mod arguments;
 mod build;
+mod check;
 mod finite_strain;
 mod parts;
 #[path = "../program/mod.rs"]

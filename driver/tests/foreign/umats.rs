@@ -2,6 +2,7 @@
 
 use super::{built, close, point, run};
 use crate::program::Desk;
+use end_to_end_tests::{Tool, find};
 use serde_json::{Value, json};
 
 const E: f64 = 30_000.0;
@@ -191,13 +192,36 @@ fn flush_to_zero_is_neutralised_and_named() {
     // a stress of 3e-310 MPa: below the normal numbers, and not 0
     let material = json!({ "plugin": library, "props": [3.0, 0.0], "nstatv": 1 });
     let steps = json!([{ "increments": 1, "target": { "e11": 1e-310, "e22": 0.0, "e33": 0.0 } }]);
-    let mut case = point(material, "3d", steps);
-    case["output"] = json!({ "plots": false });
-    let run = run(&desk, "fast", &case);
+    let run = run(&desk, "fast", &point(material, "3d", steps));
     assert_eq!(run.history.last("s11"), 3e-310);
     let warned = |text: &str| text.contains("libelastic.so") && text.contains("flush to zero");
     assert!(warned(&run.outcome.stderr), "{}", run.outcome.stderr);
     assert!(run.summary["warnings"].as_array().expect("a list").iter().any(|text| text.as_str().is_some_and(warned)));
+}
+
+/// A call that leaves the processor rounding towards zero: what comes after it rounds to nearest.
+#[cfg(target_arch = "x86_64")]
+#[test]
+fn modes_that_a_call_leaves_behind_are_restored_and_named() {
+    if find(Tool::C).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write(
+        "towards_zero.c",
+        "#include <xmmintrin.h>\nvoid umat_(double *s, double *v, double *d) {\n    (void)v;\n    s[0] = 1.0;\n    \
+         for (int i = 0; i < 36; i++) d[i] = i % 7 == 0;\n    _mm_setcsr(_mm_getcsr() | 0x6000);\n}\n",
+    );
+    desk.pullout(["plugin", "build", "towards_zero.c"]).expect(0);
+    let material = json!({ "plugin": "./libtowards_zero.so", "props": [], "nstatv": 0 });
+    let end = json!({ "e11": 1e-3, "e22": 0, "e33": 0, "g12": 0, "g13": 0, "g23": 0 });
+    let steps = json!([{ "increments": 10, "target": end }]);
+    let run = run(&desk, "modes", &point(material, "3d", steps));
+    // k/10 of the end, as rounding to nearest has it
+    let expected: Vec<f64> = (0..=10).map(|k| if k == 10 { 1e-3 } else { f64::from(k) / 10.0 * 1e-3 }).collect();
+    assert_eq!(run.history.column("e11"), expected);
+    let words = &run.outcome.stderr;
+    assert!(words.contains("libtowards_zero.so") && words.contains("floating-point modes"), "{words}");
 }
 
 #[test]

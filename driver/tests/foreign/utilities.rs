@@ -2,7 +2,9 @@
 
 use super::{built, point, run};
 use crate::program::Desk;
+use end_to_end_tests::plugin;
 use serde_json::json;
+use std::process::Command;
 
 /// S and E of the source, 11, 22, 33, 12, 13, 23; E = S · 1e-4 with engineering shear.
 const S: [f64; 6] = [60.0, -20.0, 10.0, 15.0, -25.0, 5.0];
@@ -66,4 +68,36 @@ fn every_routine_answers_as_its_manual_says() {
     ] {
         assert!(run.outcome.stderr.lines().any(|found| found == line), "no '{line}' in {}", run.outcome.stderr);
     }
+}
+
+/// `<prefix>/bin/pullout` finds them in `<prefix>/lib/pullout`, and says so if they are not there.
+#[test]
+fn they_are_found_in_an_installation() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "calls_utilities.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [30e3, 0.2], "nstatv": 45 });
+    let steps = json!([{ "increments": 1, "target": { "e11": 1e-3 } }]);
+    let case = desk.case("case.json", &point(material, "3d", steps));
+    let utilities = plugin("pullout_utilities");
+    let installed = desk.write("prefix/lib/pullout/place", "").with_file_name(utilities.file_name().expect("a name"));
+    std::fs::copy(&utilities, &installed).expect("a copy");
+    let program = desk.write("prefix/bin/place", "").with_file_name("pullout");
+    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    let run = || {
+        let mut command = Command::new(&program);
+        command.env_remove("PULLOUT_PLUGIN_PATH").current_dir(desk.path(".")).args(["run", "--quiet"]).arg(&case);
+        command.output().expect("the program starts")
+    };
+    let found = run();
+    assert_eq!(found.status.code(), Some(0), "{}", String::from_utf8_lossy(&found.stderr));
+    std::fs::remove_file(&installed).expect("it was there");
+    let missing = run();
+    let words = String::from_utf8_lossy(&missing.stderr);
+    assert_eq!(missing.status.code(), Some(3), "{words}");
+    assert!(
+        words.contains("libcalls_utilities.so: cannot be loaded: undefined symbol: ")
+            && words.contains("pullout_utilities"),
+        "{words}"
+    );
+    assert!(words.contains("prefix/lib/pullout"), "where it was looked for: {words}");
 }

@@ -245,7 +245,12 @@ impl UmatCall {
         Ok(self.outcome())
     }
 
-    fn arguments(&mut self, stress_only: bool) -> UmatArguments {
+    /// The plugin's function.
+    pub(super) fn function(&self) -> UmatFunction {
+        self.function
+    }
+
+    pub(super) fn arguments(&mut self, stress_only: bool) -> UmatArguments {
         // The counts are read through pointers that must live as long as the call: constants do.
         const COUNTS: [[i32; 3]; 3] = [[6, 3, 3], [4, 3, 1], [3, 2, 1]];
         let [ntens, ndi, nshr] = match self.stress_state {

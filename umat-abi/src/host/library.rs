@@ -80,8 +80,11 @@ impl Library {
         let changed = floating_point::modes(floating_point::control()) != floating_point::modes(control);
         floating_point::set_control(control);
         let handle = opened.map_err(|error| {
-            let unavailable = utilities.err().map_or_else(String::new, |reason| format!("; {reason}"));
-            LoadError::Open { path: path.into(), message: format!("{error}{unavailable}") }
+            let words = loaders_words(path, &error);
+            // what is undefined may be one of the utility routines
+            let unavailable = utilities.err().filter(|_| words.contains("undefined symbol"));
+            let unavailable = unavailable.map_or_else(String::new, |reason| format!("; {reason}"));
+            LoadError::Open { path: path.into(), message: words + &unavailable }
         })?;
         let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
         // SAFETY: the symbol, if there is one, is the function that abi.md §2 defines.
@@ -185,6 +188,13 @@ impl Library {
         // SAFETY: forwarded to the caller.
         spellings(name).iter().find_map(|symbol| unsafe { self.handle.get::<F>(symbol.as_str()) }.ok().map(|f| *f))
     }
+}
+
+/// Why the loader refused a file; without the file's name, which the reader knows.
+pub(super) fn loaders_words(path: &Path, error: &libloading::Error) -> String {
+    // the error itself only tells which call failed
+    let words = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
+    words.strip_prefix(&format!("{}: ", path.display())).map_or_else(|| words.clone(), str::to_owned)
 }
 
 /// As gfortran, C and upper-casing compilers spell a routine.

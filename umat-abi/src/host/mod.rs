@@ -2,21 +2,27 @@
 
 mod altered;
 mod call;
+mod data;
 mod description;
 mod discovery;
 mod guard;
 mod interface_call;
 mod library;
 mod memory;
+#[cfg(unix)]
+mod probe;
 mod routines;
 mod utilities;
 
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};
+pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{Found, library_file_name, library_path, names_a_file, search_paths};
 pub use interface_call::{ContactArrays, FricCall, UinterCall};
 pub use library::{Library, LoadError};
 pub use memory::Overrun;
+#[cfg(unix)]
+pub use probe::{Alignment, Probed, Trespass};
 pub use routines::{Clock, ExternalDatabases, InitialStates};
 pub use utilities::{UnavailableUtilities, announce_job, utilities_path};

@@ -1,6 +1,7 @@
 //! The utility routines that third-party UMATs call, in a library of their own (`umat-abi/utilities`).
 
 use super::discovery::{Found, search_paths};
+use super::library::loaders_words;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
@@ -56,7 +57,8 @@ pub(super) fn load() -> Result<&'static libloading::Library, &'static Unavailabl
     LIBRARY_OR_REASON
         .get_or_init(|| {
             let path = utilities_path()?;
-            open_globally(&path).map_err(|error| UnavailableUtilities::Refused { message: error.to_string() })
+            open_globally(&path)
+                .map_err(|error| UnavailableUtilities::Refused { message: loaders_words(&path, &error) })
         })
         .as_ref()
 }

@@ -1,0 +1,42 @@
+//! Arrays of a plain UMAT beside pages that cannot be touched: wrong use of NSTATV, NPROPS, NTENS is seen when it happens.
+
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::Subject;
+use std::collections::BTreeSet;
+use umat_abi::host::{Alignment, Probed};
+
+const CHECK: &str = "outside arrays";
+/// States tried: each costs two processes.
+const STATES: usize = 8;
+
+/// Reads and writes outside the arrays.
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    if subject.described() {
+        return;
+    }
+    let mut findings = BTreeSet::new();
+    let mut calls = 0;
+    for state in sample.iter().rev().take(STATES) {
+        for alignment in [Alignment::End, Alignment::Start] {
+            match subject.probe(&state.from, &state.step, alignment) {
+                None => return ledger.skip(CHECK, "not looked for in contact laws"),
+                Some(Err(error)) => return ledger.skip(CHECK, &format!("no process could be started: {error}")),
+                Some(Ok(Probed::Clean)) => {}
+                Some(Ok(Probed::Trespass(trespass))) => {
+                    let argument = trespass.argument.to_uppercase();
+                    findings.insert(trespass.to_string().replace(trespass.argument, &argument));
+                }
+                Some(Ok(Probed::Ended(how))) => {
+                    findings.insert(format!("state {}: {how}", state.number));
+                }
+            }
+            calls += 1;
+        }
+    }
+    let figure = format!("{calls} calls");
+    if findings.is_empty() {
+        return ledger.add(CHECK, Verdict::Pass, figure, "");
+    }
+    ledger.add(CHECK, Verdict::Fail, figure, findings.into_iter().collect::<Vec<_>>().join("; "));
+}

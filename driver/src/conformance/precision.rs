@@ -1,0 +1,78 @@
+//! Single precision (REAL*4) where double is meant.
+//!
+//! A response in double precision follows a change of the strain by 2e-8 of itself; rounded to 24 bits anywhere on the
+//! way, it stands still and then jumps by 6e-8 or more. And a number that has passed through REAL*4 ends with 29 zeros.
+
+use super::report::{Ledger, Verdict};
+use super::sample::State;
+use super::subject::{Subject, distance, largest};
+use umat_abi::host::Alteration;
+
+/// Relative changes of the strain: a third of the distance of neighbours in REAL*4, or less.
+const STEP: f64 = 2e-8;
+/// Strains tried around each state's: several such distances.
+const NEIGHBOURS: usize = 12;
+/// Second differences of a response in double precision are rounding and STEP²; in REAL*4 they are 6e-8 to 1.2e-7.
+const NOISE: f64 = 5e-9;
+/// A kink or jump may lie at some states; single precision shows at most.
+const SHARE: f64 = 0.5;
+/// Bits of a double's mantissa that REAL*4 has not.
+const LOST_BITS: u64 = (1 << 29) - 1;
+/// Of the bits that REAL*4 has, the last: numbers like 0.5 or 31800 have none of them.
+const LAST_BITS: u64 = 0xff << 29;
+
+/// The row "double precision" of a plain UMAT.
+pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "double precision";
+    if subject.described() {
+        return;
+    }
+    let noises: Vec<f64> = sample.iter().filter_map(|state| noise(subject, state)).collect();
+    let noisy = noises.iter().filter(|noise| **noise > NOISE).count();
+    let worst = noises.iter().copied().fold(0.0, f64::max);
+    let mut findings = Vec::new();
+    if noisy as f64 > SHARE * noises.len() as f64 {
+        findings.push(format!("stresses jump by {worst:.0e} where the strain changes by {STEP:.0e}"));
+    }
+    findings.extend(rounded(subject, sample).into_iter().map(|array| format!("{array} has 24 bits")));
+    let figure = format!("{worst:.1e}");
+    if findings.is_empty() {
+        return ledger.add(CHECK, Verdict::Pass, figure, "");
+    }
+    ledger.add(CHECK, Verdict::Fail, figure, format!("single precision (REAL*4): {}", findings.join("; ")));
+}
+
+/// The largest second difference of the stress at strains that differ by [`STEP`], relative to the stress.
+fn noise(subject: &mut Subject<'_>, state: &State) -> Option<f64> {
+    let outputs: Vec<Vec<f64>> = (0..NEIGHBOURS)
+        .map_while(|k| {
+            let farther = STEP * k as f64;
+            let step: Vec<f64> = state.step.iter().zip(&state.from.input).map(|(d, x)| d + farther * (x + d)).collect();
+            subject.evaluate(&state.from, &step).ok().map(|answer| answer.output)
+        })
+        .collect();
+    let size = outputs.iter().map(|output| largest(output)).fold(0.0, f64::max).max(largest(&state.from.output));
+    if outputs.len() < NEIGHBOURS || size == 0.0 {
+        return None;
+    }
+    let second = |w: &[Vec<f64>]| {
+        let middle: Vec<f64> = w[1].iter().map(|x| 2.0 * x).collect();
+        let ends: Vec<f64> = w[0].iter().zip(&w[2]).map(|(a, b)| a + b).collect();
+        distance(&ends, &middle)
+    };
+    Some(outputs.windows(3).map(second).fold(0.0, f64::max) / size)
+}
+
+/// Arrays most of whose entries have the precision of REAL*4.
+fn rounded(subject: &mut Subject<'_>, sample: &[State]) -> Vec<&'static str> {
+    let mut counts = [("STRESS", 0, 0), ("DDSDDE", 0, 0), ("STATEV", 0, 0)];
+    for state in sample {
+        let answer = subject.call(&state.from, &state.step, 0.0, Alteration::None);
+        for ((_, single, all), values) in counts.iter_mut().zip([&answer.output, &answer.tangent, &answer.statev]) {
+            let written = values.iter().filter(|x| x.is_finite() && **x != 0.0);
+            *all += written.clone().count();
+            *single += written.filter(|x| x.to_bits() & LOST_BITS == 0 && x.to_bits() & LAST_BITS != 0).count();
+        }
+    }
+    counts.into_iter().filter(|(_, single, all)| *single > 0 && 2 * single > *all).map(|(array, ..)| array).collect()
+}

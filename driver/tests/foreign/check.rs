@@ -1,0 +1,79 @@
+//! `pullout plugin check` on libraries without metadata: errors planted in Fortran are found and named.
+
+use super::{built, point};
+use crate::program::{Desk, Outcome};
+use serde_json::json;
+
+/// The report of one planted error (tests/umats/planted.f), in 3-D or another mode.
+fn checked(desk: &Desk, library: &serde_json::Value, error: u32, mode: &str, code: i32) -> Outcome {
+    let material = json!({ "plugin": library, "props": [30e3, 0.2, 2e5, error], "nstatv": 1 });
+    let steps = json!([{ "increments": 1, "target": { "e11": 1e-3 } }]);
+    let case = desk.case("case.json", &point(material, mode, steps));
+    let path = library.as_str().expect("a path");
+    let case = case.to_str().expect("UTF-8");
+    let outcome = desk.pullout(["plugin", "check", path, "--case", case, "--states", "40"]).expect(code);
+    println!("error {error}, {mode}:\n{}", outcome.stdout);
+    outcome
+}
+
+/// The row of a check.
+fn row<'o>(outcome: &'o Outcome, check: &str) -> &'o str {
+    let mut rows = outcome.stdout.lines().filter(|line| line.get(6..).is_some_and(|rest| rest.starts_with(check)));
+    rows.next().unwrap_or_else(|| panic!("no row '{check}' in\n{}", outcome.stdout))
+}
+
+#[test]
+fn a_sound_umat_passes() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "planted.f", &[]) else { return };
+    for mode in ["3d", "plane_strain", "plane_stress"] {
+        let outcome = checked(&desk, &library, 0, mode, 0);
+        for check in ["outside arrays", "data between calls", "double precision", "repeated call", "array bounds"] {
+            assert!(row(&outcome, check).starts_with("pass"), "{}", row(&outcome, check));
+        }
+        assert!(row(&outcome, "consistent tangent").contains("consistent;"), "{}", row(&outcome, "consistent tangent"));
+    }
+}
+
+/// Error number, mode, check, verdict, words.
+const PLANTED: [(u32, &str, &str, &str, &str); 17] = [
+    (1, "3d", "repeated call", "FAIL", "stress"),
+    (1, "3d", "data between calls", "warn", "variable count"),
+    (2, "3d", "order of calls", "FAIL", "hidden memory"),
+    (2, "3d", "data between calls", "warn", "COMMON /KHIDE/"),
+    (3, "3d", "data between calls", "warn", "COMMON /KHIDE/"),
+    (4, "3d", "outside arrays", "FAIL", "reads PROPS(5), which has 4 elements"),
+    (5, "3d", "outside arrays", "FAIL", "writes STATEV(2), which has 1 elements"),
+    (5, "3d", "array bounds", "FAIL", "STATEV"),
+    (6, "3d", "outside arrays", "FAIL", "reads STATEV(0), which has 1 elements"),
+    (7, "3d", "outside arrays", "FAIL", "writes DDSDDE(37), which has 36 elements"),
+    (8, "3d", "consistent tangent", "FAIL", "wrong"),
+    (9, "3d", "consistent tangent", "warn", "secant-like"),
+    (10, "3d", "consistent tangent", "warn", "elastic"),
+    (11, "3d", "tangent entries set", "FAIL", "(2,1)"),
+    (12, "3d", "double precision", "FAIL", "REAL*4"),
+    (15, "3d", "double precision", "FAIL", "stresses jump by"),
+    (14, "plane_strain", "outside arrays", "FAIL", "STRESS(6), which has 4 elements"),
+];
+
+#[test]
+fn every_planted_error_is_found_and_named() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "planted.f", &[]) else { return };
+    for (error, mode, check, verdict, words) in PLANTED {
+        let fails = PLANTED.iter().any(|other| other.0 == error && other.3 == "FAIL");
+        let outcome = checked(&desk, &library, error, mode, i32::from(fails));
+        let row = row(&outcome, check);
+        assert!(row.starts_with(verdict) && row.contains(words), "error {error}: {row}");
+    }
+}
+
+/// Stresses are right, the tangent went through REAL*4: the error is 1e-8 or so of it, too little for the differences.
+#[test]
+fn a_tangent_in_single_precision_is_found() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "planted.f", &[]) else { return };
+    let outcome = checked(&desk, &library, 13, "3d", 1);
+    let row = row(&outcome, "double precision");
+    assert!(row.starts_with("FAIL") && row.contains("DDSDDE has 24 bits") && !row.contains("STRESS"), "{row}");
+}

@@ -1,0 +1,139 @@
+//! The child process, and what it tells of its end.
+
+use super::pages::Fenced;
+use super::{Probed, Trespass};
+use std::fs::File;
+use std::io::{self, Read};
+use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
+use std::ptr;
+use std::sync::atomic::{AtomicI32, Ordering};
+
+/// A call that takes longer does not come back, s.
+const TIME_LIMIT: u32 = 10;
+/// Bytes that the child writes: an address and whether it was written.
+const MESSAGE: usize = 9;
+/// The second byte group of a call that came back.
+const RETURNED: u8 = 3;
+/// Stack of the handler.
+const HANDLER_STACK: usize = 1 << 16;
+
+/// Where the child's handler writes to.
+static CHANNEL: AtomicI32 = AtomicI32::new(-1);
+
+/// Runs a call in a child process.
+pub(super) fn run(fenced: &[Fenced], call: impl FnOnce()) -> io::Result<Probed> {
+    let (reader, writer) = pipe()?;
+    // SAFETY: the child makes the call and ends; it returns to no code of this process.
+    match unsafe { libc::fork() } {
+        -1 => Err(io::Error::last_os_error()),
+        0 => {
+            CHANNEL.store(writer.as_raw_fd(), Ordering::SeqCst);
+            prepare();
+            call();
+            tell(0, RETURNED);
+            // SAFETY: ends the child without the exit handlers that it shares with its parent.
+            unsafe { libc::_exit(0) }
+        }
+        child => {
+            drop(writer);
+            let mut message = Vec::new();
+            File::from(reader).read_to_end(&mut message)?;
+            let mut status = 0;
+            // SAFETY: waits for the child that was made above.
+            unsafe { libc::waitpid(child, &raw mut status, 0) };
+            Ok(judge(fenced, &message, status))
+        }
+    }
+}
+
+fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
+    let mut ends = [-1; 2];
+    // SAFETY: two descriptors are written, and owned from then on.
+    unsafe {
+        if libc::pipe2(ends.as_mut_ptr(), libc::O_CLOEXEC) != 0 {
+            return Err(io::Error::last_os_error());
+        }
+        Ok((OwnedFd::from_raw_fd(ends[0]), OwnedFd::from_raw_fd(ends[1])))
+    }
+}
+
+/// In the child: a handler for forbidden accesses on a stack of its own, a time limit, no output.
+fn prepare() {
+    // SAFETY: plain system calls with memory that lives as long as the child.
+    unsafe {
+        let stack = libc::stack_t { ss_sp: libc::malloc(HANDLER_STACK), ss_flags: 0, ss_size: HANDLER_STACK };
+        libc::sigaltstack(&raw const stack, ptr::null_mut());
+        let mut action: libc::sigaction = std::mem::zeroed();
+        action.sa_sigaction = handler as *const () as usize;
+        action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
+        for signal in [libc::SIGSEGV, libc::SIGBUS] {
+            libc::sigaction(signal, &raw const action, ptr::null_mut());
+        }
+        libc::signal(libc::SIGALRM, libc::SIG_DFL);
+        libc::alarm(TIME_LIMIT);
+        let nowhere = libc::open(c"/dev/null".as_ptr(), libc::O_WRONLY);
+        libc::dup2(nowhere, libc::STDOUT_FILENO);
+        libc::dup2(nowhere, libc::STDERR_FILENO);
+    }
+}
+
+/// Writes the message. Only what a signal handler may call.
+fn tell(address: usize, access: u8) {
+    let mut message = [access; MESSAGE];
+    message[..MESSAGE - 1].copy_from_slice(&(address as u64).to_ne_bytes());
+    // SAFETY: writes bytes of this frame.
+    unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
+}
+
+extern "C" fn handler(_signal: i32, info: *const libc::siginfo_t, context: *const libc::c_void) {
+    // SAFETY: the kernel passes both.
+    let (address, access) = unsafe { ((*info).si_addr() as usize, access(context)) };
+    tell(address, access);
+    // SAFETY: ends the child.
+    unsafe { libc::_exit(1) }
+}
+
+/// 0: read, 1: written, 2: unknown.
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+unsafe fn access(context: *const libc::c_void) -> u8 {
+    /// Bit of the page fault's error code.
+    const WRITE: i64 = 2;
+    // SAFETY: the third argument of a handler is the context.
+    let error = unsafe { (*context.cast::<libc::ucontext_t>()).uc_mcontext.gregs[libc::REG_ERR as usize] };
+    u8::from(error & WRITE != 0)
+}
+
+#[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
+unsafe fn access(_context: *const libc::c_void) -> u8 {
+    2
+}
+
+/// What the child's message and status say.
+fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
+    let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, access)| (*address, *access));
+    match told {
+        Some((_, RETURNED)) => Probed::Clean,
+        Some((address, access)) => {
+            let address = usize::try_from(u64::from_ne_bytes(address)).unwrap_or(0);
+            let found = fenced.iter().find_map(|array| Some((array, array.element_at(address)?)));
+            match found {
+                Some((array, element)) => Probed::Trespass(Trespass {
+                    argument: array.argument,
+                    element,
+                    length: array.length,
+                    writes: match access {
+                        0 => Some(false),
+                        1 => Some(true),
+                        _ => None,
+                    },
+                }),
+                None => Probed::Ended("it touches memory that is not its own (a segmentation fault)".into()),
+            }
+        }
+        None if libc::WIFSIGNALED(status) && libc::WTERMSIG(status) == libc::SIGALRM => {
+            Probed::Ended(format!("it takes longer than {TIME_LIMIT} s"))
+        }
+        None if libc::WIFSIGNALED(status) => Probed::Ended(format!("signal {}", libc::WTERMSIG(status))),
+        None => Probed::Ended(format!("it ends the process (exit code {})", libc::WEXITSTATUS(status))),
+    }
+}
