@@ -1,8 +1,8 @@
 //! What it costs to note the arguments of a call for a supervisor: calls of the same law in the same state through call
 //! objects that were made before and after the recorder was installed.
 //!
-//! `cargo bench -p end-to-end-tests --bench recorder_cost`. The ways alternate in short repeats, and medians are
-//! compared: what else the machine does then meets both alike.
+//! `cargo bench -p end-to-end-tests --bench recorder_cost`. The ways alternate in repeats shorter than a time slice, and
+//! those are compared that were hardly disturbed by what else the machine does.
 
 use end_to_end_tests::{plugin, sample, strain_path};
 use std::hint::black_box;
@@ -12,7 +12,8 @@ use umat_abi::law::{Request, StressState};
 
 /// Calls of each way in all.
 const CALLS: usize = 10_000_000;
-const REPEATS: usize = 50;
+/// So many that each takes less than a time slice.
+const REPEATS: usize = 1000;
 /// Largest accepted surcharge (abi.md §4).
 const ACCEPTED_NANOSECONDS: f64 = 300.0;
 /// States of a large law.
@@ -41,7 +42,13 @@ fn uinter() -> Maker {
     Box::new(|| {
         let library = Library::open(&plugin("bond_slip")).expect("a plugin that Cargo built");
         let law = library.laws()[0].clone();
-        let props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
+        let mut props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
+        if let Some(group) = &law.group {
+            props.truncate(law.parameters.len() - group.size);
+        }
+        if let Some(k) = law.parameters.iter().position(|parameter| parameter.role == "normal_penalty") {
+            props[k] = 1e5;
+        }
         let mut call = UinterCall::new(&library, None, "bond_slip", 2, law.states.len(), &props).expect("uinter_");
         call.rdisp = [0.0, 0.01, 0.0];
         call.drdisp = call.rdisp;
@@ -62,14 +69,16 @@ fn time(calls: usize, body: &mut dyn FnMut()) -> f64 {
     start.elapsed().as_secs_f64() * 1e9 / calls as f64
 }
 
-fn median(mut values: Vec<f64>) -> f64 {
+/// What one repeat in ten stays below: the others were disturbed.
+fn undisturbed(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
+    values[values.len() / 10]
 }
 
 fn main() {
     // `cargo test --benches` runs this too, without `--bench`: then it only shows that it works.
-    let calls = if std::env::args().any(|argument| argument == "--bench") { CALLS / REPEATS } else { 10 };
+    let is_bench = std::env::args().any(|argument| argument == "--bench");
+    let calls = if is_bench { CALLS / REPEATS } else { 1 };
     let laws = [
         ("linear_elastic", umat("linear_elastic", 0)),
         ("j2_plasticity", umat("j2_plasticity", 0)),
@@ -82,7 +91,7 @@ fn main() {
     let recording = recorder::Recording::create(&file).expect("room");
     recorder::install(&file).expect("the first recorder of this process");
     let mut recorded: Vec<_> = laws.iter().map(|(_, maker)| maker()).collect();
-    println!("ns a call, medians of {REPEATS} repeats of {calls} calls; accepted: +{ACCEPTED_NANOSECONDS} ns");
+    println!("ns a call, lowest decile of {REPEATS} repeats of {calls} calls; accepted: +{ACCEPTED_NANOSECONDS} ns");
     println!("{:<30} {:>10} {:>10} {:>10}", "law", "plain", "recorded", "surcharge");
     let mut worst = 0.0_f64;
     for (k, (name, _)) in laws.iter().enumerate() {
@@ -91,12 +100,12 @@ fn main() {
             nanoseconds[0].push(time(calls, &mut plain[k]));
             nanoseconds[1].push(time(calls, &mut recorded[k]));
         }
-        let [without, with] = nanoseconds.map(median);
+        let [without, with] = nanoseconds.map(undisturbed);
         worst = worst.max(with - without);
         println!("{name:<30} {without:>10.1} {with:>10.1} {:>+10.1}", with - without);
     }
     assert_eq!(recording.calls(), (laws.len() * REPEATS * calls) as u64, "every call was counted");
-    if calls > 10 && worst > ACCEPTED_NANOSECONDS {
+    if is_bench && worst > ACCEPTED_NANOSECONDS {
         println!("TOO MUCH");
         std::process::exit(1);
     }

@@ -5,7 +5,7 @@ use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
 use crate::path::Statistics;
 use std::io;
-use std::os::unix::process::ExitStatusExt;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
@@ -102,6 +102,7 @@ impl Job<'_> {
 
 fn command(job: &Job<'_>, recorder: &Path) -> Command {
     let mut command = Command::new(system::program());
+    command.arg0("pullout");
     command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
     command.arg("--recorder").arg(recorder).arg("--case").arg(job.case);
     if let Some(out) = job.out {

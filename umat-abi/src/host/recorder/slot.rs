@@ -4,7 +4,7 @@ use super::map::{CAPACITY, LONGEST_PATH, WORD, word};
 use super::{Recorder, installed};
 use crate::host::Library;
 use std::path::Path;
-use std::sync::atomic::{Ordering, fence};
+use std::sync::atomic::Ordering;
 
 /// Words in which a slot begins: its size and its sequence.
 pub(super) const SEQUENCE: usize = WORD;
@@ -66,6 +66,9 @@ impl Slot {
         }
         self.sequence |= 1;
         self.beat();
+        if let Some(place) = self.place {
+            self.recorder.map.word(word::LAST).store(place.slot as u64, Ordering::Relaxed);
+        }
     }
 
     /// The plugin gave the control back.
@@ -78,9 +81,7 @@ impl Slot {
     #[inline]
     fn beat(&self) {
         if let Some(place) = self.place {
-            // the arguments are written before the call, whatever a compiler thinks of memory that nobody reads
-            fence(Ordering::SeqCst);
-            self.recorder.map.word(word::LAST).store(place.slot as u64, Ordering::Relaxed);
+            // Release: the arguments are written before. The plugin, of which a compiler knows nothing, is called after.
             self.recorder.map.word(place.slot + SEQUENCE).store(self.sequence, Ordering::Release);
         }
     }
