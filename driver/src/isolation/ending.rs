@@ -16,8 +16,8 @@ pub(super) enum Cause {
     Signal(i32),
     /// The supervisor: a call took longer than this, s.
     TimeLimit(f64),
-    /// Itself: a plugin had closed this stream.
-    ClosedStream(&'static str),
+    /// Itself: a plugin had closed the standard output.
+    ClosedOutput,
 }
 
 /// What is known of a worker's end.
@@ -71,7 +71,7 @@ impl Report {
         }
         let unfinished = recording.unfinished_call();
         let happened = match (unfinished.is_some(), cause) {
-            (_, Cause::ClosedStream(_)) | (true, _) => cause.within_a_call(),
+            (_, Cause::ClosedOutput) | (true, _) => cause.within_a_call(),
             (false, _) => format!("after this call, outside any other, {}", cause.outside_a_call()),
         };
         let call = unfinished.or_else(|| recording.last_call());
@@ -121,8 +121,8 @@ impl Cause {
             Self::TimeLimit(limit) => {
                 format!("it did not return within {limit} s and was ended (material.call_time_limit_s)")
             }
-            Self::ClosedStream(stream) => {
-                format!("it closed the {stream}; the run was ended before a file of results takes its place")
+            Self::ClosedOutput => {
+                "it closed the standard output; the run was ended before a file of results takes its place".into()
             }
         }
     }
@@ -132,7 +132,7 @@ impl Cause {
             Self::Exit(code) => format!("the process ended with exit code {code}"),
             Self::Signal(signal) => format!("the process was ended by {}", signal_in_words(signal)),
             Self::TimeLimit(limit) => format!("the process did not end within {limit} s"),
-            Self::ClosedStream(stream) => format!("the {stream} was closed"),
+            Self::ClosedOutput => "the standard output was closed".into(),
         }
     }
 

@@ -31,8 +31,8 @@
 //! - the worker's end: exit code or signal;
 //! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
 //!   supervisor was stopped itself does not count; what the host computes between calls takes as long as it takes;
-//! - the standard streams, by the worker after each increment: if a plugin closes one, the next file that is opened
-//!   takes its number, and what is printed goes there.
+//! - the standard output, by the worker after each increment: if a plugin closes it, the next file that is opened takes
+//!   its number, and what is printed goes there.
 //!
 //! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
 //! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of

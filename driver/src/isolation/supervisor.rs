@@ -181,11 +181,9 @@ impl Heartbeat {
 }
 
 fn cause_of(status: ExitStatus, recording: &Recording) -> Cause {
-    let closed = recording.note(Note::ClosedStream as usize);
-    let closed = usize::try_from(closed).ok().and_then(|closed| system::STREAMS.get(closed.checked_sub(1)?));
-    match (closed, status.signal()) {
-        (Some(stream), _) => Cause::ClosedStream(stream),
-        (None, Some(signal)) => Cause::Signal(signal),
-        (None, None) => Cause::Exit(status.code().unwrap_or_default()),
+    match status.signal() {
+        _ if recording.note(Note::ClosedOutput as usize) == 1 => Cause::ClosedOutput,
+        Some(signal) => Cause::Signal(signal),
+        None => Cause::Exit(status.code().unwrap_or_default()),
     }
 }

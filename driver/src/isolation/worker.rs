@@ -66,8 +66,8 @@ pub(super) enum Note {
     Increments,
     Iterations,
     Cutbacks,
-    /// 1 + index of the standard stream that was closed.
-    ClosedStream,
+    /// 1: the standard output was closed.
+    ClosedOutput,
 }
 
 /// Ties this process to its supervisor, and does the work; the exit code goes into the done-mark.
@@ -96,16 +96,15 @@ pub fn note_start() {
     }
 }
 
-/// An increment is done. A plugin that closed a standard stream ends the worker here: the next file to be opened would
-/// take the stream's number, and what is printed would go into it.
+/// An increment is done. A plugin that closed the standard output ends the worker here: the next file to be opened would
+/// take its number, and what is printed would go into it.
 pub fn note_increment(so_far: &Statistics) {
     let Some(recorder) = recorder::installed() else { return };
     recorder.note(Note::Increments as usize, so_far.increments);
     recorder.note(Note::Iterations as usize, so_far.iterations);
     recorder.note(Note::Cutbacks as usize, so_far.cutbacks);
-    if let Some(stream) = system::closed_stream() {
-        let index = system::STREAMS.iter().position(|name| *name == stream).unwrap_or_default();
-        recorder.note(Note::ClosedStream as usize, 1 + index as u64);
+    if !system::standard_output_is_open() {
+        recorder.note(Note::ClosedOutput as usize, 1);
         std::process::exit(1);
     }
 }

@@ -6,7 +6,7 @@ use std::io;
 use std::sync::atomic::AtomicU64;
 
 /// Room of a recorder. The file is sparse: only pages that were written take memory.
-pub(super) const CAPACITY: usize = 1 << 30;
+pub(super) const CAPACITY: usize = 1 << 28;
 /// The first word of a prepared file: "pullout", version 1.
 pub(super) const MAGIC: u64 = 0x0170_756c_6c6f_7574;
 /// Bytes of a word.
