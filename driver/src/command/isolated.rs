@@ -61,10 +61,16 @@ fn conclude(
         let _ = fs::remove_file(folder.join("history.csv"));
     }
     let mut message = failure.report.message.clone();
-    if let Some(case) = &failure.replay {
-        let replay = folder.join("replay.json");
-        fs::write(&replay, format!("{case:#}\n"))?;
-        message += &format!(" (replay case: {})", replay.display());
+    match &failure.replay {
+        Some(case) => {
+            let replay = folder.join("replay.json");
+            fs::write(&replay, format!("{case:#}\n"))?;
+            message += &format!(" (replay case: {})", replay.display());
+        }
+        None if failure.report.call.is_some() => {
+            message += " (no replay case: an argument was NaN or infinite)";
+        }
+        None => {}
     }
     let aftermath = Aftermath::new(message, failure.statistics, wall_time_s);
     if failure.has_rows {

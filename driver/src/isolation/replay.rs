@@ -6,8 +6,8 @@ use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
 use serde_json::{Map, Value, json};
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
 
-/// A case that makes this call, and no other before it.
-pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Value {
+/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell.
+pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
     const PREFIX: &str = "Replay of a call: ";
     let title = format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title));
     let mut case = match &call.arguments {
@@ -17,7 +17,17 @@ pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Value {
     };
     case["title"] = json!(title);
     case["material"] = material(call, need);
-    case
+    (!has_null(&case)).then_some(case)
+}
+
+/// Whether a number is missing: NaN and infinity become null.
+fn has_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Array(values) => values.iter().any(has_null),
+        Value::Object(entries) => entries.values().any(has_null),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+    }
 }
 
 fn material(call: &CallRecord, need: &Need) -> Value {

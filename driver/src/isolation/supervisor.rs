@@ -79,7 +79,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let report = Report::new(cause, &recording, need);
     let note = |note: Note| recording.note(note as usize);
     Ok(End::Failed(Box::new(Failure {
-        replay: report.call.as_ref().map(|call| replay::of(call, &job.title(), need)),
+        replay: report.call.as_ref().and_then(|call| replay::of(call, &job.title(), need)),
         report,
         has_rows: note(Note::Running) == 1,
         statistics: Statistics {

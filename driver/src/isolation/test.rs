@@ -1,6 +1,8 @@
 use super::need::{Need, need};
+use super::replay;
 use serde_json::{Value, json};
 use std::path::PathBuf;
+use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
 
 /// What a case with these materials needs: a point's, or a specimen's parts and contact. `foreign.so` is a library
 /// without metadata, `linear_elastic` a plugin of ours.
@@ -58,4 +60,26 @@ fn what_cannot_be_read_is_not_isolated() {
     }
     assert_eq!(point(json!({ "plugin": "./nowhere.so" })), None);
     assert_eq!(point(json!({ "plugin": "nowhere" })), None);
+}
+
+#[test]
+fn a_replay_has_numbers_only() {
+    let call = |state: f64| CallRecord {
+        name: "foreign".into(),
+        library: "/somewhere/libforeign.so".into(),
+        symbol: None,
+        cmname: "FOREIGN".into(),
+        wants_tangent: true,
+        arguments: Arguments::Umat(UmatRecord {
+            stran: vec![0.0, 1e-3, 0.0, 0.0],
+            statev: vec![1.0, state],
+            ..UmatRecord::default()
+        }),
+    };
+    let replay = replay::of(&call(2.0), "title", &Need::default()).expect("a case");
+    assert_eq!((&replay["mode"], &replay["initial"]["statev"]), (&json!("plane_strain"), &json!([1.0, 2.0])));
+    assert_eq!((&replay["material"]["nstatv"], replay["material"].get("isolate")), (&json!(2), None));
+    for state in [f64::NAN, f64::INFINITY] {
+        assert_eq!(replay::of(&call(state), "title", &Need::default()), None);
+    }
 }
