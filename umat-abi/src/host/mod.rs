@@ -11,6 +11,7 @@ mod library;
 mod memory;
 #[cfg(unix)]
 mod probe;
+pub mod recorder;
 mod routines;
 mod utilities;
 
