@@ -26,6 +26,23 @@ fn a_walk_finds_what_a_full_search_finds() {
     }
 }
 
+/// To the last bit: a law may ask whether a slip is the largest so far.
+#[test]
+fn a_committed_state_that_is_evaluated_again_has_the_same_slips() {
+    for kind in [Q4, Q8] {
+        let scene = Scene::rows(kind, parabola, PlaneModel::PlaneStrain);
+        let mut contact = scene.contact(scene.pair(uinter(&[("mu", 0.2)])));
+        for step in 1..40 {
+            let displacements = scene.shaken([0.013 * f64::from(step), -0.02], 0.01);
+            forces(&mut contact, &displacements);
+            contact.commit();
+            let slips: Vec<f64> = contact.points().map(|point| point.slip).collect();
+            forces(&mut contact, &displacements);
+            assert!(contact.points().map(|point| point.slip).eq(slips), "{kind}, step {step}");
+        }
+    }
+}
+
 #[test]
 fn searches_are_counted_only_where_they_happen() {
     let scene = Scene::straight(Q8);
