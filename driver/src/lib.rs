@@ -7,6 +7,10 @@
 pub mod case;
 pub mod command;
 pub mod conformance;
+mod isolation;
 pub mod output;
 pub mod path;
 pub mod pullout;
+
+/// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.
+pub const PLUGIN_STACK: usize = 64 << 20;

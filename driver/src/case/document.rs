@@ -10,6 +10,8 @@ use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
+mod arguments;
+pub use arguments::*;
 mod point;
 pub use point::*;
 mod interface;
@@ -150,13 +152,15 @@ pub struct Material {
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
     pub entry: Option<Entry>,
-    /// Run the plugin in a process of its own.
+    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: for
+    /// a library without metadata.
+    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
     /// A library without metadata may be called by several threads at once.
     #[expect(dead_code, reason = "laws are called by one thread")]
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
-    #[expect(dead_code, reason = "plugins are not isolated as yet")]
+    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub call_time_limit_s: Option<Positive>,
 }
 

@@ -72,6 +72,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         reader.problem(&place.key("gap"), GAP_OF_FRIC);
     }
     let initial_statev = statev(reader, material, given.statev.as_deref(), plugin.as_ref());
+    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments")).map(super::arguments::contact);
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };
@@ -88,6 +89,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         tangential_directions: directions,
         initial_statev,
         initial_time: given.time.unwrap_or(0.0),
+        arguments: arguments.unwrap_or_default(),
         initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
         steps: close(open, entry),
     });

@@ -14,6 +14,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use umat_abi::host::Library;
 
+mod arguments;
 mod constraints;
 mod document;
 mod history;
@@ -160,29 +161,39 @@ pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Resu
     }
 }
 
-fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Case> {
+/// A case file as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
+pub fn document(path: &Path, overrides: &[String]) -> Option<Value> {
+    text_with(path, overrides, &mut Vec::new())
+}
+
+fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> Option<Value> {
     let text = match std::fs::read_to_string(path) {
         Ok(text) => text,
         Err(error) => {
-            reader.problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
+            problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
             return None;
         }
     };
     let mut document = match json::parse(&text) {
         Ok((document, repeated)) => {
-            reader.problems.extend(repeated);
+            problems.extend(repeated);
             document
         }
         Err(problem) => {
-            reader.problems.push(problem);
+            problems.push(problem);
             return None;
         }
     };
     for text in overrides {
         if let Err(problem) = json::set(&mut document, text) {
-            reader.problems.push(problem);
+            problems.push(problem);
         }
     }
+    Some(document)
+}
+
+fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Case> {
+    let document = text_with(path, overrides, &mut reader.problems)?;
     let kind = match structure::kind_of(&document) {
         Ok(kind) => kind.to_owned(),
         Err(problem) => {

@@ -52,11 +52,6 @@ pub enum Length {
 
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
 pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: Use) -> Option<Plugin> {
-    if material.isolate == Some(true) {
-        let place = place.key("isolate");
-        let place = place.in_words();
-        reader.warnings.push(format!("{place}: plugins run in this process as yet; isolation is not available"));
-    }
     let place_of_plugin = place.key("plugin");
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
     let library = open(reader, &path, place_of_plugin.clone())?;

@@ -48,6 +48,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     });
     let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
     let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
+    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments")).map(super::arguments::umat);
     let setting = Setting {
         mode: mode.unwrap_or(Mode::ThreeD),
         nlgeom,
@@ -59,7 +60,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     let mut resolve =
         |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
     let steps = steps::expand(reader, documents, &place, &mut resolve);
-    let kind = mode.map(|mode| Kind::Point(PointProgram { mode, nlgeom, initial, steps }));
+    let kind = mode.map(|mode| {
+        Kind::Point(PointProgram { mode, nlgeom, initial, arguments: arguments.unwrap_or_default(), steps })
+    });
     Resolved { plugin, kind, columns, characteristic_length }
 }
 

@@ -1,14 +1,17 @@
 //! The command line (cli-and-cases.md): what each command does, and the exit codes.
 
+mod isolated;
 mod plot;
 mod plugin;
 mod props;
 mod run;
 
+use crate::PLUGIN_STACK;
 use crate::case::CaseErrors;
+use crate::isolation;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 /// Done.
@@ -68,6 +71,14 @@ enum Command {
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
     },
+    /// One case in a process of its own; started by the program itself.
+    #[command(name = isolation::worker::COMMAND, hide = true)]
+    Worker {
+        #[command(flatten)]
+        task: isolation::Task,
+        #[command(flatten)]
+        reading: Reading,
+    },
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
@@ -86,6 +97,13 @@ struct Reading {
     plugin_paths: Vec<PathBuf>,
 }
 
+impl Reading {
+    /// Why and how a case runs in a process of its own, if it does.
+    fn need(&self, file: &Path) -> Option<isolation::Need> {
+        isolation::need(file, &self.overrides, &self.plugin_paths)
+    }
+}
+
 /// Runs the program with these arguments; the result is its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -97,14 +115,30 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(code);
         }
     };
-    ExitCode::from(match arguments.command {
+    // Plugins with automatic arrays need more stack than the main thread has.
+    let act = move || act(arguments.command);
+    let thread = std::thread::Builder::new().name("pullout".into()).stack_size(PLUGIN_STACK).spawn(act);
+    match thread.map(std::thread::JoinHandle::join) {
+        Ok(Ok(code)) => ExitCode::from(code),
+        Ok(Err(panic)) => std::panic::resume_unwind(panic),
+        Err(error) => {
+            complain(format!("no thread with a stack of {PLUGIN_STACK} bytes can be started: {error}"));
+            ExitCode::from(FAILED)
+        }
+    }
+}
+
+/// Does what a command says; the result is the exit code.
+fn act(command: Command) -> u8 {
+    match command {
         Command::Run { cases, out, reading, quiet } => run::run(&cases, out.as_deref(), &reading, quiet),
         Command::Check { cases, reading } => run::check(&cases, &reading),
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
         Command::Plot { results, out } => plot::plot(&results, out.as_deref()),
         Command::Props { law } => props::print(&law),
-    })
+        Command::Worker { task, reading } => isolated::work(&task, &reading),
+    }
 }
 
 fn schema() -> u8 {

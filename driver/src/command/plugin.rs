@@ -3,13 +3,13 @@
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
 use crate::case::{self, Case};
 use crate::conformance::{self, Options};
+use crate::isolation::describes_laws;
 use crate::path::program::{Kind, Plugin};
 use clap::Subcommand;
-use memchr::memmem;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
-use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
+use umat_abi::metadata::{flags, kinds, stress_states};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
@@ -75,15 +75,11 @@ fn open(name: &str, plugin_paths: &[PathBuf]) -> Result<Library, u8> {
     })
 }
 
-/// Whether a file mentions our metadata: other libraries (compiler plugins beside the executable) are not even loaded.
-fn is_plugin(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|content| memmem::find(&content, PLUGIN_SYMBOL.as_bytes()).is_some())
-}
-
 fn list(plugin_paths: &[PathBuf]) -> u8 {
     let paths = search_paths(plugin_paths);
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
-    for found in Found::all(&paths).into_iter().filter(|found| is_plugin(&found.path)) {
+    // other libraries (compiler plugins beside the executable) are not even loaded
+    for found in Found::all(&paths).into_iter().filter(|found| describes_laws(&found.path)) {
         match Library::open(&found.path) {
             Ok(library) => rows.extend(library.laws().iter().map(|law| {
                 [law.name.clone(), law.version.clone(), entry_points(law).join(" "), found.path.display().to_string()]

@@ -1,7 +1,8 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, refuse, say};
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say};
 use crate::case::{self, Case};
+use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::compare;
 use crate::output::history::{History, HistoryWriter};
 use crate::output::plots::{self, Spec};
@@ -20,17 +21,30 @@ use umat_abi::host::{Law, Library};
 
 /// Validates cases.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
-    let mut code = DONE;
-    for file in cases {
-        match case::read(file, &reading.overrides, &reading.plugin_paths) {
-            Ok(case) => {
-                say(&format!("{}: no errors\n", file.display()));
-                case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
-            }
-            Err(errors) => code = code.max(refuse(&errors)),
+    let check = |file: &PathBuf| match reading.need(file) {
+        Some(need) => isolated::check(file, reading, &need, false),
+        None => check_here(file, reading, false),
+    };
+    cases.iter().map(check).max().unwrap_or(DONE)
+}
+
+/// Validates a case in this process. `quiet`: says nothing but errors.
+pub(super) fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
+    match case::read(file, &reading.overrides, &reading.plugin_paths) {
+        Ok(_) if quiet => DONE,
+        Ok(case) => {
+            say(&format!("{}: no errors\n", file.display()));
+            case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
+            DONE
         }
+        Err(errors) => refuse(&errors),
     }
-    code
+}
+
+/// A case that is to be run.
+enum Job<'f> {
+    Here(Box<Case>),
+    Isolated { file: &'f Path, need: Need },
 }
 
 /// Runs cases, after all of them were read without an error.
@@ -49,20 +63,52 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
             complain(format!("{}: another case has the same name, and so the same result directory", file.display()));
             code = code.max(BAD_INPUT);
         }
-        match case::read(file, &reading.overrides, &reading.plugin_paths) {
-            Ok(case) => jobs.push((case, folder)),
-            Err(errors) => code = code.max(refuse(&errors)),
+        match reading.need(file) {
+            Some(need) => {
+                // nothing is run before all cases were read; a single one is read by the worker that runs it
+                if cases.len() > 1 {
+                    code = code.max(isolated::check(file, reading, &need, true));
+                }
+                jobs.push((Job::Isolated { file, need }, folder));
+            }
+            None => match case::read(file, &reading.overrides, &reading.plugin_paths) {
+                Ok(case) => jobs.push((Job::Here(Box::new(case)), folder)),
+                Err(errors) => code = code.max(refuse(&errors)),
+            },
         }
     }
     if code != DONE {
         return code;
     }
-    jobs.iter().map(|(case, folder)| run_one(case, folder, quiet)).max().unwrap_or(DONE)
+    let run = |(job, folder): &(Job<'_>, PathBuf)| match job {
+        Job::Here(case) => tell(case, folder, quiet, run_into(case, folder, quiet)),
+        Job::Isolated { file, need } => isolated::run(file, folder, reading, need, quiet),
+    };
+    jobs.iter().map(run).max().unwrap_or(DONE)
 }
 
-/// Runs one case and says what came out.
-fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
-    match run_into(case, folder, quiet) {
+/// Reads and runs a case in this process.
+pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, quiet: bool) -> u8 {
+    match case::read(file, &reading.overrides, &reading.plugin_paths) {
+        Ok(case) => tell(&case, folder, quiet, run_into(&case, folder, quiet)),
+        Err(errors) => refuse(&errors),
+    }
+}
+
+/// Makes results of the rows that a run left which was ended from outside.
+pub(super) fn conclude_here(file: &Path, folder: &Path, reading: &Reading, aftermath: &Aftermath, quiet: bool) -> u8 {
+    match case::read(file, &reading.overrides, &reading.plugin_paths) {
+        Ok(case) => {
+            let end = RunEnd::of(&case, folder, aftermath);
+            tell(&case, folder, quiet, end.and_then(|end| conclude(&case, folder, end, None)))
+        }
+        Err(errors) => refuse(&errors),
+    }
+}
+
+/// Says what came out of a run; the result is its exit code.
+fn tell(case: &Case, folder: &Path, quiet: bool, summary: io::Result<Summary>) -> u8 {
+    match summary {
         Ok(summary) => {
             if !quiet {
                 say(&outcome(&summary, case, folder));
@@ -86,7 +132,7 @@ fn run_one(case: &Case, folder: &Path, quiet: bool) -> u8 {
 }
 
 /// Files that an earlier run may have left and this one may not write.
-fn remove_leftovers(folder: &Path) -> io::Result<()> {
+pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
     let files = |folder: PathBuf, wanted: &'static str| {
         let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
         files.filter(move |path| path.extension().is_some_and(|extension| extension == wanted))
@@ -121,9 +167,10 @@ impl Observer for Record {
         self.writer.write(&row)
     }
 
-    fn increment_done(&mut self, row: Row<'_>) {
+    fn increment_done(&mut self, row: Row<'_>, so_far: Statistics) {
         self.peaks.observe(&row);
         self.done += 1;
+        worker::note_increment(&so_far);
         self.progress.advance(self.done, &row);
     }
 }
@@ -135,13 +182,14 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     let start = Instant::now();
+    worker::note_start();
     let mut record = Record {
         writer: HistoryWriter::create(&history_file, &columns)?,
         peaks: PeakRecorder::new(&columns),
         progress: Progress::new(&title(case), extent(case), shown(case), quiet),
         done: 0,
     };
-    let (statistics, result, mut specimen) = match case {
+    let (statistics, result, specimen) = match case {
         Case::Path(program) => {
             let (statistics, result) = path::run(program, &mut record);
             (statistics, result, None)
@@ -149,7 +197,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
         Case::Pullout(program) => {
             let mut outcome = pullout::run(program, folder, &mut record);
             let result = std::mem::replace(&mut outcome.result, Ok(()));
-            (outcome.statistics, result, Some((program, outcome)))
+            (outcome.statistics, result, Some((&**program, outcome)))
         }
     };
     record.progress.finish();
@@ -163,12 +211,44 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let mut summary = summarise(case, &record.peaks, statistics, message, start.elapsed().as_secs_f64())?;
+    let end = RunEnd { peaks: record.peaks, statistics, message, wall_time_s: start.elapsed().as_secs_f64() };
+    conclude(case, folder, end, specimen)
+}
+
+/// How a run ended.
+struct RunEnd {
+    peaks: PeakRecorder,
+    statistics: Statistics,
+    /// Why it failed.
+    message: Option<String>,
+    wall_time_s: f64,
+}
+
+impl RunEnd {
+    /// Of a run that was ended from outside: its peaks are those of the rows that were written.
+    fn of(case: &Case, folder: &Path, aftermath: &Aftermath) -> io::Result<Self> {
+        let history = History::read(&folder.join("history.csv"))?;
+        let mut peaks = PeakRecorder::new(&case.columns());
+        history.each_row(|row| peaks.observe(&row));
+        let Aftermath { message, wall_time_s, .. } = aftermath;
+        let statistics = aftermath.statistics();
+        Ok(Self { peaks, statistics, message: Some(message.clone()), wall_time_s: *wall_time_s })
+    }
+}
+
+/// Writes summary, plots and report beside a history.
+fn conclude(
+    case: &Case,
+    folder: &Path,
+    end: RunEnd,
+    mut specimen: Option<(&pullout::Program, pullout::Outcome<'_>)>,
+) -> io::Result<Summary> {
+    let mut summary = summarise(case, &end)?;
     summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
     let mut pictures = Vec::new();
     // a long history is read back only if something is made of it
     if case.draws_plots() || !case.compare().is_empty() {
-        let history = History::read(&history_file)?;
+        let history = History::read(&folder.join("history.csv"))?;
         summary.compare = case.compare().iter().map(|curve| compare(&history, curve)).collect();
         if case.draws_plots() {
             pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(case))?;
@@ -182,26 +262,21 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     Ok(summary)
 }
 
-fn summarise(
-    case: &Case,
-    peaks: &PeakRecorder,
-    statistics: Statistics,
-    message: Option<String>,
-    wall_time_s: f64,
-) -> io::Result<Summary> {
+fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
     let (plugin, plugins) = plugins(case)?;
+    let statistics = &end.statistics;
     Ok(Summary {
-        status: if message.is_none() { Status::Done } else { Status::Failed },
-        message,
+        status: if end.message.is_none() { Status::Done } else { Status::Failed },
+        message: end.message.clone(),
         title: case.title().to_owned(),
         plugin,
         plugins,
-        peaks: peaks.peaks(),
+        peaks: end.peaks.peaks(),
         increments: statistics.increments,
         iterations: statistics.iterations,
         plugin_calls: statistics.plugin_calls,
         cutbacks: statistics.cutbacks,
-        wall_time_s,
+        wall_time_s: end.wall_time_s,
         compare: Vec::new(),
         specimen: None,
         warnings: warnings(case),

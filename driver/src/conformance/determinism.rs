@@ -4,6 +4,7 @@ use super::Options;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Answer, Subject, distance, largest};
+use crate::PLUGIN_STACK;
 use umat_abi::host::Alteration;
 use umat_abi::metadata::flags;
 
@@ -11,8 +12,6 @@ use umat_abi::metadata::flags;
 const THREADS: usize = 4;
 /// Times that each thread goes through the sample.
 const ROUNDS: usize = 5;
-/// Plugins in Fortran keep automatic arrays on the stack.
-const STACK: usize = 64 << 20;
 
 fn answer(subject: &mut Subject<'_>, state: &State) -> Answer {
     subject.call(&state.from, &state.step, 0.0, Alteration::None)
@@ -78,7 +77,7 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Opt
             .into_iter()
             .enumerate()
             .filter_map(|(k, twin)| {
-                std::thread::Builder::new().stack_size(STACK).spawn_scoped(scope, move || work(twin, k)).ok()
+                std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, move || work(twin, k)).ok()
             })
             .collect();
         handles.into_iter().map(|handle| handle.join().unwrap_or(Some(0))).collect()

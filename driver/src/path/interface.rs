@@ -4,7 +4,7 @@
 
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
-use super::{Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
+use super::{ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use umat_abi::host::{Derived, FricCall, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -73,6 +73,7 @@ pub(super) struct Goal {
 struct Runner<'p> {
     call: Call,
     directions: usize,
+    arguments: &'p ContactArguments,
     plugin_name: &'p str,
     derived: &'p [Derived],
     max_iterations: u32,
@@ -87,39 +88,52 @@ impl<'p> Runner<'p> {
     fn new(program: &'p Program, interface: &'p InterfaceProgram) -> Result<Self, String> {
         let plugin = &program.plugin;
         let directions = interface.tangential_directions;
+        let arguments = &interface.arguments;
         let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), &plugin.cmname);
         let call = match interface.entry {
             InterfaceEntry::Uinter => {
                 UinterCall::new(library, symbol, name, directions + 1, plugin.nstatv, &plugin.props).map(|mut call| {
                     call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                    arguments.set_uinter(&mut call);
                     Call::Uinter(call)
                 })
             }
             InterfaceEntry::Fric => {
-                FricCall::new(library, symbol, name, directions, plugin.nstatv, &plugin.props).map(Call::Fric)
+                FricCall::new(library, symbol, name, directions, plugin.nstatv, &plugin.props).map(|mut call| {
+                    call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                    arguments.set_fric(&mut call);
+                    Call::Fric(call)
+                })
             }
         }
         .map_err(|error| error.to_string())?;
         let [slip, slip2, gap] = interface.initial_displacement;
+        let [pressure, shear, shear2] = arguments.traction.unwrap_or_default();
         let committed = Committed {
             slip: [slip, slip2],
             gap: if interface.entry == InterfaceEntry::Fric { f64::NAN } else { gap },
-            shear: [0.0; 2],
-            pressure: 0.0,
-            inelastic_slip: [0.0; 2],
+            shear: [shear, shear2],
+            pressure,
+            inelastic_slip: arguments.slip,
             statev: interface.initial_statev.clone(),
             energies: if interface.entry == InterfaceEntry::Fric {
-                [0.0, 0.0, f64::NAN, f64::NAN, f64::NAN]
+                let [stored, dissipated, ..] = arguments.energies;
+                [stored, dissipated, f64::NAN, f64::NAN, f64::NAN]
             } else {
-                [0.0; 5]
+                arguments.energies
             },
-            flags: if interface.entry == InterfaceEntry::Fric { [1, 0] } else { [-1; 2] },
+            flags: if interface.entry == InterfaceEntry::Fric {
+                [arguments.lm.unwrap_or(1), 0]
+            } else {
+                arguments.flags.unwrap_or([-1; 2])
+            },
             step_time: 0.0,
             total_time: interface.initial_time,
         };
         let mut runner = Self {
             call,
             directions,
+            arguments,
             plugin_name: &plugin.name,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
             max_iterations: program.controls.max_iterations,
@@ -140,7 +154,7 @@ impl<'p> Runner<'p> {
 
     /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
     fn find_initial_traction(&mut self) -> Result<(), String> {
-        if matches!(self.call, Call::Uinter(_)) {
+        if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
             self.evaluate(place, 0.0, &mut Statistics::default()).map_err(|trouble| match trouble {
                 Trouble::CutBack { reason, .. } => reason,
@@ -185,10 +199,10 @@ impl<'p> Runner<'p> {
     }
 
     fn set_counters(&mut self, step: u32, increment: u32) {
-        let as_i32 = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
+        let counters = self.arguments.counters(step, increment);
         match &mut self.call {
-            Call::Uinter(call) => call.counters = [as_i32(step), as_i32(increment), 1],
-            Call::Fric(call) => call.counters = [as_i32(step), as_i32(increment)],
+            Call::Uinter(call) => call.counters = counters,
+            Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
         }
     }
 
@@ -234,7 +248,7 @@ impl<'p> Runner<'p> {
                 call.energies = committed.energies;
                 call.flags = committed.flags;
                 call.dtime = time_increment;
-                call.time = [trial.step_time, trial.total_time];
+                call.time = [self.arguments.step_time + trial.step_time, trial.total_time];
                 let outcome = call.call();
                 trial.gap = -place[NORMAL];
                 trial.pressure = call.traction()[0];
@@ -254,7 +268,7 @@ impl<'p> Runner<'p> {
                 call.statev_mut().copy_from_slice(&committed.statev);
                 call.energies = [committed.energies[0], committed.energies[1]];
                 call.dtime = time_increment;
-                call.time = [committed.step_time, committed.total_time];
+                call.time = [self.arguments.step_time + committed.step_time, committed.total_time];
                 let outcome = call.call();
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];

@@ -1,6 +1,7 @@
 //! Driving a point along a path: [`program`] says where to, [`run`] goes there and tells an
 //! [`Observer`] about each increment.
 
+mod arguments;
 mod deformation;
 mod interface;
 mod newton;
@@ -11,6 +12,7 @@ mod subdivision;
 #[cfg(test)]
 mod test;
 
+pub use arguments::{ContactArguments, UmatArguments};
 use program::{Kind, Program, Until};
 use std::io;
 
@@ -35,8 +37,8 @@ pub trait Observer {
     /// Whatever prevented it from being written; the run stops.
     fn row(&mut self, row: Row<'_>) -> io::Result<()>;
 
-    /// An increment is done, whether its row is written or not.
-    fn increment_done(&mut self, row: Row<'_>);
+    /// An increment is done, whether its row is written or not; the run has cost so much by now.
+    fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
 }
 
 /// What a run cost.
@@ -162,6 +164,7 @@ impl<'a> Recorder<'a> {
         &mut self,
         place: Place,
         iterations: u32,
+        so_far: Statistics,
         step_until: Option<&Until>,
         fill: impl FnOnce(&mut [f64]),
     ) -> io::Result<Next> {
@@ -180,7 +183,7 @@ impl<'a> Recorder<'a> {
         if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
             self.observer.row(row)?;
         }
-        self.observer.increment_done(row);
+        self.observer.increment_done(row, so_far);
         Ok(next)
     }
 }

@@ -5,7 +5,7 @@ use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
-use super::{Next, Observer, Place, Recorder, Statistics, Stop, replay};
+use super::{Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
 use nalgebra::Matrix3;
 use umat_abi::host::{Derived, UmatCall};
 use umat_abi::law::Request;
@@ -82,6 +82,7 @@ struct Runner<'p> {
     components: &'static [usize],
     controllable: &'static [usize],
     nlgeom: bool,
+    arguments: &'p UmatArguments,
     plane_stress: bool,
     /// State that tells ε33, if the law has one.
     strain_33: Option<usize>,
@@ -124,6 +125,7 @@ impl<'p> Runner<'p> {
             call.celent = length;
         }
         call.jstep[2] = i32::from(point.nlgeom);
+        point.arguments.set(&mut call);
         let initial = &point.initial;
         if !initial.predef.is_empty() {
             call.predef.clone_from(&initial.predef);
@@ -136,7 +138,7 @@ impl<'p> Runner<'p> {
             strain: initial.strain,
             stress: initial.stress,
             statev: initial.statev.clone(),
-            energies: [0.0; 3],
+            energies: point.arguments.energies,
             step_time: 0.0,
             total_time: initial.time,
             deformation_gradient: gradient,
@@ -158,6 +160,7 @@ impl<'p> Runner<'p> {
             components: stress_state.components(),
             controllable: point.mode.controllable(),
             nlgeom: point.nlgeom,
+            arguments: &point.arguments,
             plane_stress,
             strain_33: states.iter().position(|state| state.name == "strain_33"),
             plugin_name: &plugin.name,
@@ -187,13 +190,12 @@ impl<'p> Runner<'p> {
         statistics: &mut Statistics,
     ) -> Result<Next, Stop> {
         self.committed.step_time = 0.0;
-        self.call.jstep[0] = i32::try_from(number).unwrap_or(i32::MAX);
         self.rest();
         let plan = Plan::new(step, self);
         let count = plan.increments();
         for index in 0..count {
             let increment = to_u32(index + 1);
-            self.call.kinc = i32::try_from(increment).unwrap_or(i32::MAX);
+            [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, increment);
             plan.set_goal(index, self);
             if index == 0 {
                 self.unloading_tangent(statistics);
@@ -209,10 +211,9 @@ impl<'p> Runner<'p> {
 
     /// The kinematics of a point that does not move: what a step without F leaves as it is.
     fn rest(&mut self) {
-        let gradient = columns(&self.committed.deformation_gradient);
-        self.call.drot = columns(&Matrix3::identity());
-        self.call.dfgrd0 = gradient;
-        self.call.dfgrd1 = gradient;
+        let gradient = self.committed.deformation_gradient;
+        let kinematics = self.arguments.kinematics.unwrap_or([Matrix3::identity(), gradient, gradient]);
+        [self.call.drot, self.call.dfgrd0, self.call.dfgrd1] = kinematics.map(|matrix| columns(&matrix));
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
@@ -273,7 +274,7 @@ impl<'p> Runner<'p> {
         let goal = &self.goal;
         let call = &mut self.call;
         let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
-        call.time = [at(from), goal.time_of_step + at(from)];
+        call.time = [self.arguments.step_time + at(from), goal.time_of_step + at(from)];
         call.dtime = at(to) - at(from);
         call.temp = lerp(goal.temperature.0, goal.temperature.1, from);
         call.dtemp = lerp(goal.temperature.0, goal.temperature.1, to) - call.temp;
@@ -378,6 +379,7 @@ impl Divisible for Runner<'_> {
             }
         }
         let components = self.components;
+        let ddsdde = self.arguments.ddsdde;
         let (call, committed, plugin) = (&mut self.call, &self.committed, self.plugin_name);
         let mut run = |increment: &[f64; 6], request: Request| {
             let (strain, stress) = (&committed.strain, &committed.stress);
@@ -385,7 +387,7 @@ impl Divisible for Runner<'_> {
                 .map(|()| evaluation(call, components))
         };
         let iterations = if targets.strain_only() {
-            run(&increment, Request::Stress)?;
+            run(&increment, if ddsdde { Request::StressAndTangent } else { Request::Stress })?;
             self.trial.tangent = None;
             1
         } else {

@@ -1,6 +1,7 @@
 //! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
 //! tables read. [`crate::case`] makes it; [`super`] runs it.
 
+use super::{ContactArguments, UmatArguments};
 use std::path::PathBuf;
 use umat_abi::host::{self, Library};
 use umat_abi::law::StressState;
@@ -123,6 +124,8 @@ pub struct PointProgram {
     pub nlgeom: bool,
     /// The state before the first step.
     pub initial: PointState,
+    /// What the path leaves open.
+    pub arguments: UmatArguments,
     /// Steps in order, cycles expanded.
     pub steps: Vec<PointStep>,
 }
@@ -234,6 +237,8 @@ pub struct InterfaceProgram {
     pub tangential_directions: usize,
     /// STATEV at the start.
     pub initial_statev: Vec<f64>,
+    /// What the path leaves open.
+    pub arguments: ContactArguments,
     /// Total time at the start.
     pub initial_time: f64,
     /// \[slip, slip2, gap\] and p at the start (gap > 0 open).

@@ -75,7 +75,7 @@ pub(super) fn take_increment(
     match advance(point, program.controls, statistics) {
         Ok(iterations) => {
             statistics.increments += 1;
-            Ok(recorder.increment(place, iterations, step_until, |values| point.fill(values))?)
+            Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
         }
         Err(reason) => {
             let Place { step, increment, .. } = place;

@@ -19,7 +19,7 @@ impl Observer for Rows {
         Ok(())
     }
 
-    fn increment_done(&mut self, _row: Row<'_>) {}
+    fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
 }
 
 fn plugin(name: &str, props: &[f64]) -> Plugin {
@@ -50,6 +50,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
         kind: Kind::Point(PointProgram {
             mode,
             nlgeom,
+            arguments: crate::path::UmatArguments::default(),
             initial: PointState {
                 strain: [0.0; 6],
                 stress: [0.0; 6],

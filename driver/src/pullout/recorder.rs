@@ -139,6 +139,8 @@ struct Recorder<'p, 'o> {
     peak: PeakKeeper<'p>,
     present: Present,
     energies: Energies,
+    /// What finished increments cost, but for calls of plugins and attempts that were given up.
+    so_far: Statistics,
     /// The greatest energy error so far.
     energy_error: f64,
     /// Total time at the start of the present step.
@@ -180,6 +182,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             peak,
             present,
             energies: Energies::default(),
+            so_far: Statistics::default(),
             energy_error: 0.0,
             step_start: 0.0,
         }
@@ -244,7 +247,10 @@ impl<'p, 'o> Recorder<'p, 'o> {
             self.present.written = true;
             self.observer.row(self.present.row())?;
         }
-        self.observer.increment_done(self.present.row());
+        self.so_far.increments += 1;
+        self.so_far.iterations += u64::from(self.present.iterations);
+        self.so_far.cutbacks += u64::from(record.cutbacks);
+        self.observer.increment_done(self.present.row(), self.so_far);
         Ok(directive)
     }
 }

@@ -2,6 +2,7 @@
 
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
+use super::recorder::{Arguments, Slot, UmatRecord};
 use crate::floating_point;
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
@@ -83,6 +84,8 @@ pub struct UmatCall {
     pub kinc: i32,
     cmname: [u8; 80],
     pnewdt: f64,
+    /// Where calls are noted, if they are.
+    slot: Option<Slot>,
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -141,12 +144,27 @@ impl UmatCall {
             kinc: 1,
             cmname: fortran_name(name),
             pnewdt: PNEWDT_ON_ENTRY,
+            slot: Slot::new(library, symbol, name),
         })
     }
 
     /// Number of stress components.
     pub fn ntens(&self) -> usize {
         self.stress.as_slice().len()
+    }
+
+    /// NTENS, NDI, NSHR. The plugin reads them through pointers that must live as long as the call: constants do.
+    fn counts(&self) -> &'static [i32; 3] {
+        match self.stress_state {
+            StressState::ThreeD => &[6, 3, 3],
+            StressState::PlaneStrainOrAxisymmetric => &[4, 3, 1],
+            StressState::PlaneStress => &[3, 2, 1],
+        }
+    }
+
+    /// NDI.
+    pub(super) fn ndi(&self) -> i32 {
+        self.counts()[1]
     }
 
     /// The stress state it was made for.
@@ -234,6 +252,9 @@ impl UmatCall {
     ) -> Result<CallOutcome, Overrun> {
         self.ddsdde.as_mut_slice().fill(filling);
         self.pnewdt = PNEWDT_ON_ENTRY;
+        if self.slot.is_some() {
+            self.note(stress_only);
+        }
         let mut arguments = self.arguments(stress_only);
         alter(&mut arguments);
         if self.keeps_floating_point {
@@ -245,6 +266,9 @@ impl UmatCall {
             unsafe { arguments.call(self.function) };
             floating_point::set_control(control);
         }
+        if let Some(slot) = &mut self.slot {
+            slot.leave();
+        }
         self.stress.check()?;
         self.statev.check()?;
         self.ddsdde.check()?;
@@ -252,14 +276,19 @@ impl UmatCall {
         Ok(self.outcome())
     }
 
+    /// Notes the arguments for whoever finds that the plugin ended the process.
+    fn note(&mut self, stress_only: bool) {
+        if let Some(mut slot) = self.slot.take() {
+            slot.enter(|to| {
+                to.put_integers([Arguments::UMAT, i32::from(!stress_only)]);
+                UmatRecord::write(self, to);
+            });
+            self.slot = Some(slot);
+        }
+    }
+
     fn arguments(&mut self, stress_only: bool) -> UmatArguments {
-        // The counts are read through pointers that must live as long as the call: constants do.
-        const COUNTS: [[i32; 3]; 3] = [[6, 3, 3], [4, 3, 1], [3, 2, 1]];
-        let [ntens, ndi, nshr] = match self.stress_state {
-            StressState::ThreeD => &COUNTS[0],
-            StressState::PlaneStrainOrAxisymmetric => &COUNTS[1],
-            StressState::PlaneStress => &COUNTS[2],
-        };
+        let [ntens, ndi, nshr] = self.counts();
         let [sse, spd, scd] = &mut self.energies;
         let thermal = self.thermal.as_mut_ptr();
         let ddsdde = if stress_only { std::ptr::null_mut() } else { self.ddsdde.as_mut_ptr() };

@@ -3,6 +3,7 @@
 use super::call::CallOutcome;
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, Overrun, fortran_name};
+use super::recorder::{Arguments, FricRecord, Slot, UinterRecord};
 use crate::floating_point;
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
@@ -36,11 +37,14 @@ pub struct ContactArrays {
     scratch: [f64; 36],
     pnewdt: f64,
     calls: u64,
+    /// Where calls are noted, if they are.
+    slot: Option<Slot>,
 }
 
 impl ContactArrays {
     fn new(
         library: &Library,
+        symbol: Option<&str>,
         name: &str,
         directions: usize,
         nstatv: usize,
@@ -62,6 +66,7 @@ impl ContactArrays {
             scratch: [0.0; 36],
             pnewdt: PNEWDT_ON_ENTRY,
             calls: 0,
+            slot: Slot::new(library, symbol, name),
         }
     }
 
@@ -113,6 +118,9 @@ impl ContactArrays {
             let control = floating_point::control();
             call();
             floating_point::set_control(control);
+        }
+        if let Some(slot) = &mut self.slot {
+            slot.leave();
         }
         self.traction.check()?;
         self.tangent.check()?;
@@ -169,7 +177,7 @@ impl UinterCall {
     ) -> Result<Self, LoadError> {
         Ok(Self {
             function: library.uinter(symbol)?,
-            common: ContactArrays::new(library, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
+            common: ContactArrays::new(library, symbol, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
             rdisp: [0.0; 3],
             drdisp: [0.0; 3],
             time: [0.0; 2],
@@ -208,11 +216,23 @@ impl UinterCall {
         self.common.scratch.fill(0.0);
         self.common.pnewdt = PNEWDT_ON_ENTRY;
         self.lsdi = 0;
+        self.note();
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         self.common.run(|| unsafe { arguments.call(function) })
+    }
+
+    /// Notes the arguments for whoever finds that the plugin ended the process.
+    fn note(&mut self) {
+        if let Some(mut slot) = self.common.slot.take() {
+            slot.enter(|to| {
+                to.put_integers([Arguments::UINTER, 1]);
+                UinterRecord::write(self, to);
+            });
+            self.common.slot = Some(slot);
+        }
     }
 
     fn arguments(&mut self) -> UinterArguments {
@@ -333,7 +353,7 @@ impl FricCall {
     ) -> Result<Self, LoadError> {
         Ok(Self {
             function: library.fric(symbol)?,
-            common: ContactArrays::new(library, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
+            common: ContactArrays::new(library, symbol, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
             lm: 1,
             dgam: [0.0; 2],
             slip: [0.0; 2],
@@ -374,11 +394,23 @@ impl FricCall {
         self.common.pnewdt = PNEWDT_ON_ENTRY;
         self.dslip = [filling; 2];
         self.pressure_tangent = [filling; 2];
+        self.note();
         let mut arguments = self.arguments();
         alter(&mut arguments);
         let function = self.function;
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         self.common.run(|| unsafe { arguments.call(function) })
+    }
+
+    /// As [`UinterCall`]'s.
+    fn note(&mut self) {
+        if let Some(mut slot) = self.common.slot.take() {
+            slot.enter(|to| {
+                to.put_integers([Arguments::FRIC, 1]);
+                FricRecord::write(self, to);
+            });
+            self.common.slot = Some(slot);
+        }
     }
 
     fn arguments(&mut self) -> FricArguments {

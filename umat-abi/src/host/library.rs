@@ -1,6 +1,7 @@
 //! A loaded plugin library.
 
 use super::description::Law;
+use super::recorder;
 use crate::floating_point;
 use crate::fric::FricFunction;
 use crate::metadata::{PLUGIN_SYMBOL, Plugin};
@@ -72,7 +73,7 @@ impl Library {
     /// The loader's refusal, or metadata that this program cannot read.
     pub fn open(path: &Path) -> Result<Self, LoadError> {
         let control = floating_point::control();
-        let opened = open_locally(path);
+        let opened = recorder::loading(path, || open_locally(path));
         let changed = floating_point::modes(floating_point::control()) != floating_point::modes(control);
         floating_point::set_control(control);
         let handle = opened.map_err(|error| LoadError::Open { path: path.into(), message: error.to_string() })?;
@@ -83,7 +84,12 @@ impl Library {
             Ok(description) => unsafe { Law::read_all(description()) }.map_err(metadata_error)?,
             Err(_) => Vec::new(),
         };
-        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, handle: Arc::new(handle) })
+        let handle = Arc::new(handle);
+        if recorder::installed().is_some() {
+            // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
+            std::mem::forget(Arc::clone(&handle));
+        }
+        Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, handle })
     }
 
     /// The file.
@@ -94,6 +100,15 @@ impl Library {
     /// The laws that its metadata describes; none for a plain UMAT.
     pub fn laws(&self) -> &[Law] {
         &self.laws
+    }
+
+    /// What messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
+    pub(super) fn name_of_law(&self, cmname: &str) -> String {
+        let wanted = cmname.trim().to_lowercase();
+        let named = |law: &&Law| self.laws.len() == 1 || wanted.starts_with(&law.name.to_lowercase());
+        let law = self.laws.iter().filter(named).max_by_key(|law| law.name.len());
+        let stem = self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+        law.map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone())
     }
 
     /// Whether loading it switched floating-point modes (flush-to-zero); they were restored.

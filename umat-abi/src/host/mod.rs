@@ -7,6 +7,7 @@ mod discovery;
 mod interface_call;
 mod library;
 mod memory;
+pub mod recorder;
 
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};

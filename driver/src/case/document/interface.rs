@@ -1,6 +1,8 @@
 //! Kind "interface".
 
-use super::{Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive, Until};
+use super::{
+    Compare, ContactArguments, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive, Until,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -25,6 +27,8 @@ pub struct InterfaceCase {
     pub characteristic_length: Option<Piece<Positive>>,
     /// The state before the first step.
     pub initial: Option<Piece<InterfaceInitial>>,
+    /// Arguments of the plugin that the path leaves open; a replay of a recorded call gives them.
+    pub arguments: Option<Piece<ContactArguments>>,
     /// What is done to the point.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<InterfaceStep>>>,

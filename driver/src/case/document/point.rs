@@ -1,6 +1,9 @@
 //! Kind "point".
 
-use super::{Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, Until};
+use super::{
+    Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, UmatArguments,
+    Until,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -30,6 +33,8 @@ pub struct PointCase {
     pub characteristic_length: Option<Piece<Positive>>,
     /// The state before the first step.
     pub initial: Option<Piece<PointInitial>>,
+    /// Arguments of UMAT that the path leaves open; a replay of a recorded call gives them.
+    pub arguments: Option<Piece<UmatArguments>>,
     /// Initial temperature (default 0).
     pub temperature: Option<Piece<f64>>,
     /// Initial field variables.

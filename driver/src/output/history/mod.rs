@@ -101,6 +101,21 @@ impl History {
         self.data.first().map_or(0, Vec::len)
     }
 
+    /// Hands on every row. Its first two columns are step and increment, the last is the iterations.
+    pub fn each_row(&self, mut row: impl FnMut(Row<'_>)) {
+        let [steps, increments, values @ .., iterations] = self.data.as_slice() else { return };
+        let mut line = vec![0.0; values.len()];
+        for (k, (step, increment)) in steps.iter().zip(increments).enumerate() {
+            line.iter_mut().zip(values).for_each(|(value, column)| *value = column[k]);
+            row(Row {
+                step: *step as u32,
+                increment: *increment as u32,
+                values: &line,
+                iterations: iterations[k] as u32,
+            });
+        }
+    }
+
     /// A column by name.
     pub fn column(&self, name: &str) -> Option<&[f64]> {
         self.column_at(self.columns.iter().position(|column| column == name)?)

@@ -123,6 +123,7 @@ fn program() -> Program {
         kind: Kind::Point(PointProgram {
             mode: Mode::PlaneStress,
             nlgeom: false,
+            arguments: crate::path::UmatArguments::default(),
             initial: PointState {
                 strain: [0.0; 6],
                 stress: [0.0; 6],

@@ -78,7 +78,7 @@ impl path::Observer for Rows {
         Ok(())
     }
 
-    fn increment_done(&mut self, _: Row<'_>) {
+    fn increment_done(&mut self, _: Row<'_>, _: Statistics) {
         self.done += 1;
     }
 }

@@ -1,0 +1,150 @@
+//! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
+
+use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, run};
+use crate::isolation::worker;
+use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Stage, Task};
+use crate::output::summary::{PluginFile, Status, Summary};
+use std::fs;
+use std::io::{self, IsTerminal, Write};
+use std::path::Path;
+use std::time::Instant;
+
+/// Validates a case. `before_run`: what ends the process now will end the run, and be told then.
+pub(super) fn check(file: &Path, reading: &Reading, need: &Need, before_run: bool) -> u8 {
+    let job = job(Stage::Check, file, None, reading, "null", before_run);
+    match isolation::supervise(&job, need) {
+        Ok(End::Done(code)) => code,
+        Ok(End::Failed(failure)) if before_run && !failure.report.at_loading => DONE,
+        Ok(End::Failed(failure)) => fail(file, &failure, &failure.report.message),
+        Err(error) => refuse_to_start(file, &error),
+    }
+}
+
+/// Runs a case.
+pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
+    let start = Instant::now();
+    let failure = match isolation::supervise(&job(Stage::Run, file, Some(folder), reading, "null", quiet), need) {
+        Ok(End::Done(code)) => return code,
+        Ok(End::Failed(failure)) => failure,
+        Err(error) => return refuse_to_start(file, &error),
+    };
+    if !quiet && io::stderr().is_terminal() {
+        // what a progress bar left
+        let _ = write!(io::stderr(), "\r\x1b[2K");
+    }
+    if failure.report.at_loading {
+        return fail(file, &failure, &failure.report.message);
+    }
+    match conclude(file, folder, reading, need, &failure, start.elapsed().as_secs_f64(), quiet) {
+        Ok(code) => code,
+        Err(error) => {
+            complain(format!("{}: {error}", file.display()));
+            fail(file, &failure, &failure.report.message)
+        }
+    }
+}
+
+/// Writes the replay case and the results of a run that was ended.
+fn conclude(
+    file: &Path,
+    folder: &Path,
+    reading: &Reading,
+    need: &Need,
+    failure: &Failure,
+    wall_time_s: f64,
+    quiet: bool,
+) -> io::Result<u8> {
+    fs::create_dir_all(folder)?;
+    if !failure.has_rows {
+        // what is there is another run's
+        run::remove_leftovers(folder)?;
+        let _ = fs::remove_file(folder.join("history.csv"));
+    }
+    let mut message = failure.report.message.clone();
+    match &failure.replay {
+        Some(case) => {
+            let replay = folder.join("replay.json");
+            fs::write(&replay, format!("{case:#}\n"))?;
+            message += &format!(" (replay case: {})", replay.display());
+        }
+        None if failure.report.call.is_some() => {
+            message += " (no replay case: an argument was NaN or infinite)";
+        }
+        None => {}
+    }
+    let aftermath = Aftermath::new(message, failure.statistics, wall_time_s);
+    if failure.has_rows {
+        let text = serde_json::to_string(&aftermath)?;
+        let job = job(Stage::Conclude, file, Some(folder), reading, &text, quiet);
+        if let End::Done(FAILED) = isolation::supervise(&job, need)? {
+            return Ok(FAILED);
+        }
+    }
+    summary(file, failure, &aftermath)?.write(&folder.join("summary.json"))?;
+    Ok(fail(file, failure, &aftermath.message))
+}
+
+/// What can be said of a run without its case.
+fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<Summary> {
+    let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
+    Ok(Summary {
+        status: Status::Failed,
+        message: Some(aftermath.message.clone()),
+        title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
+        plugin: plugin.unwrap_or_default(),
+        plugins: Vec::new(),
+        peaks: Default::default(),
+        increments: aftermath.increments,
+        iterations: aftermath.iterations,
+        plugin_calls: aftermath.plugin_calls,
+        cutbacks: aftermath.cutbacks,
+        wall_time_s: aftermath.wall_time_s,
+        compare: Vec::new(),
+        specimen: None,
+        warnings: Vec::new(),
+    })
+}
+
+fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
+    complain(format!("{}: {message}", file.display()));
+    if failure.report.at_loading { NO_PLUGIN } else { FAILED }
+}
+
+fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
+    let advice = "\"isolate\": false calls the plugin in this process";
+    complain(format!("{}: no process can be started for it: {error}; {advice}", file.display()));
+    FAILED
+}
+
+fn job<'a>(
+    stage: Stage,
+    case: &'a Path,
+    out: Option<&'a Path>,
+    reading: &'a Reading,
+    aftermath: &'a str,
+    quiet: bool,
+) -> Job<'a> {
+    let Reading { overrides, plugin_paths } = reading;
+    Job { stage, case, out, overrides, plugin_paths, aftermath, quiet }
+}
+
+/// What a worker does.
+pub(super) fn work(task: &Task, reading: &Reading) -> u8 {
+    let Task { case, out, quiet, .. } = task;
+    let out = out.as_deref().unwrap_or(Path::new(""));
+    let done = worker::work(task, || match task.stage {
+        Stage::Check => run::check_here(case, reading, *quiet),
+        Stage::Run => run::run_here(case, out, reading, *quiet),
+        Stage::Conclude => match serde_json::from_str(&task.aftermath) {
+            Ok(aftermath) => run::conclude_here(case, out, reading, &aftermath, *quiet),
+            Err(error) => {
+                complain(error);
+                super::BAD_INPUT
+            }
+        },
+    });
+    done.unwrap_or_else(|error| {
+        complain(error);
+        FAILED
+    })
+}

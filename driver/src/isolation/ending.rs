@@ -1,0 +1,165 @@
+//! What ended a worker, and where, in words.
+
+use super::Need;
+use crate::path::Statistics;
+use rustix::process::Signal;
+use serde::{Deserialize, Serialize};
+use std::path::PathBuf;
+use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
+
+/// What ended a worker.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Cause {
+    /// `exit`, or STOP, with a code.
+    Exit(i32),
+    /// A signal.
+    Signal(i32),
+    /// The supervisor: a call took longer than this, s.
+    TimeLimit(f64),
+    /// Itself: a plugin had closed the standard output.
+    ClosedOutput,
+}
+
+/// What is known of a worker's end.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Report {
+    /// What happened, with plugin, step and increment.
+    pub message: String,
+    /// Whether a library could not even be loaded.
+    pub at_loading: bool,
+    /// The call that did not come back, or else the last one.
+    pub call: Option<CallRecord>,
+}
+
+/// What the results of a run that was ended say besides its rows.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Aftermath {
+    /// What happened.
+    pub message: String,
+    /// Increments finished.
+    pub increments: u64,
+    /// Their Newton iterations.
+    pub iterations: u64,
+    /// Calls of plugins.
+    pub plugin_calls: u64,
+    /// Halvings of increments.
+    pub cutbacks: u64,
+    /// Seconds from start to end.
+    pub wall_time_s: f64,
+}
+
+impl Aftermath {
+    /// Of a run.
+    pub fn new(message: String, statistics: Statistics, wall_time_s: f64) -> Self {
+        let Statistics { increments, iterations, plugin_calls, cutbacks } = statistics;
+        Self { message, increments, iterations, plugin_calls, cutbacks, wall_time_s }
+    }
+
+    /// What the run cost.
+    pub fn statistics(&self) -> Statistics {
+        let Self { increments, iterations, plugin_calls, cutbacks, .. } = *self;
+        Statistics { increments, iterations, plugin_calls, cutbacks }
+    }
+}
+
+impl Report {
+    /// From what the worker left.
+    pub(super) fn new(cause: Cause, recording: &Recording, need: &Need) -> Self {
+        if let Some(library) = recording.loading() {
+            let message = format!("{}: cannot be loaded: {}", library.display(), cause.at_loading());
+            return Self { message, at_loading: true, call: None };
+        }
+        let unfinished = recording.unfinished_call();
+        let happened = match (unfinished.is_some(), cause) {
+            (_, Cause::ClosedOutput) | (true, _) => cause.within_a_call(),
+            (false, _) => format!("after this call, outside any other, {}", cause.outside_a_call()),
+        };
+        let call = unfinished.or_else(|| recording.last_call());
+        let message = match &call {
+            Some(call) => format!("{}: {happened}", place(call, need)),
+            None => format!("before any call of a plugin {}", cause.outside_a_call()),
+        };
+        Self { message, at_loading: false, call }
+    }
+
+    /// The library whose call is told.
+    pub fn library(&self) -> Option<&PathBuf> {
+        self.call.as_ref().map(|call| &call.library)
+    }
+}
+
+/// Plugin, step, increment, and in a specimen the point.
+fn place(call: &CallRecord, need: &Need) -> String {
+    let [step, increment] = call.arguments.place();
+    let mut place = format!("plugin '{}', step {step}, increment {increment}", call.name);
+    if need.specimen {
+        place += &match &call.arguments {
+            Arguments::Umat(umat) => match umat.noel_npt[..] {
+                [element, point] => format!(", element {element}, integration point {point}"),
+                _ => String::new(),
+            },
+            Arguments::Uinter(uinter) => contact_point(&uinter.node),
+            Arguments::Fric(fric) => contact_point(&fric.node),
+        };
+    }
+    place
+}
+
+fn contact_point(node: &[f64]) -> String {
+    node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
+}
+
+impl Cause {
+    fn within_a_call(self) -> String {
+        match self {
+            Self::Exit(code) => {
+                format!(
+                    "it ended the process instead of returning, exit code {code} (STOP, EXIT, or an error of its runtime)"
+                )
+            }
+            Self::Signal(signal) => format!("it was ended by {}", signal_in_words(signal)),
+            Self::TimeLimit(limit) => {
+                format!("it did not return within {limit} s and was ended (material.call_time_limit_s)")
+            }
+            Self::ClosedOutput => {
+                "it closed the standard output; the run was ended before a file of results takes its place".into()
+            }
+        }
+    }
+
+    fn outside_a_call(self) -> String {
+        match self {
+            Self::Exit(code) => format!("the process ended with exit code {code}"),
+            Self::Signal(signal) => format!("the process was ended by {}", signal_in_words(signal)),
+            Self::TimeLimit(limit) => format!("the process did not end within {limit} s"),
+            Self::ClosedOutput => "the standard output was closed".into(),
+        }
+    }
+
+    fn at_loading(self) -> String {
+        match self {
+            Self::TimeLimit(limit) => format!("that took longer than {limit} s (material.call_time_limit_s)"),
+            other => format!("{} at that moment", other.outside_a_call()),
+        }
+    }
+}
+
+/// Name of a signal, and what it means where a plugin causes it.
+fn signal_in_words(signal: i32) -> String {
+    const KNOWN: [(Signal, &str, &str); 10] = [
+        (Signal::SEGV, "SIGSEGV", "an address that is not its own, or automatic arrays beyond the stack"),
+        (Signal::BUS, "SIGBUS", "an address without memory"),
+        (Signal::FPE, "SIGFPE", "a floating-point exception with traps on, or an integer division by zero"),
+        (Signal::ILL, "SIGILL", "an instruction that this processor does not have, or a trap of the compiler"),
+        (Signal::ABORT, "SIGABRT", "abort, by itself or by a runtime that found an error such as a stack overflow"),
+        (Signal::KILL, "SIGKILL", "from outside; perhaps memory ran out"),
+        (Signal::TERM, "SIGTERM", "from outside"),
+        (Signal::INT, "SIGINT", "from outside"),
+        (Signal::TRAP, "SIGTRAP", "a breakpoint"),
+        (Signal::XCPU, "SIGXCPU", "the limit of CPU time"),
+    ];
+    match KNOWN.iter().find(|(known, ..)| known.as_raw() == signal) {
+        Some((_, name, words)) => format!("signal {name} ({words})"),
+        None => format!("signal {signal}"),
+    }
+}

@@ -1,0 +1,53 @@
+//! A case in a process of its own, because its plugins may end the process that calls them.
+//!
+//! A UMAT that nobody here wrote may execute STOP, call `exit`, write through a wild pointer, divide by zero with traps
+//! on, use the stack up, or never come back. The job is isolated, not the call: a round trip per call would cost more
+//! than most laws, and COMMON blocks would be split between processes.
+//!
+//! # Who does what
+//!
+//! ```text
+//! supervisor   which cases need it? ── start worker ── watch ─────────────── message, replay, results ── exit code
+//!                 (need)                 (supervisor)     │ exit, signal, time     (ending, replay)
+//!                                                         │
+//! worker                    read the case, run it: rows, fields, plots; before each call its arguments … done-mark
+//!                           (worker)                       in shared memory (umat_abi::host::recorder)
+//! ```
+//!
+//! The **supervisor** is the program that the user started. It does not even load a library that has no metadata: its
+//! initialisers run at that moment. It starts itself again, by `exec` and not by `fork` alone, so that nothing of it is
+//! shared but the recorder's file, which has no name and so leaves nothing behind.
+//!
+//! The **worker** does what the program does without isolation, and on the same terminal: rows, progress and messages
+//! are its own. Its done-mark carries the exit code. Its end without the mark is a failure, with any exit code (Fortran's
+//! STOP gives 0). It dies with the supervisor.
+//!
+//! After a failure a second worker reads the case again, without running it, and makes summary, plots and report of the
+//! rows that are there, as for any other run that failed. If that fails as well (a library that cannot be loaded any
+//! more), the supervisor writes a summary with what it knows.
+//!
+//! # What is watched
+//!
+//! - the worker's end: exit code or signal;
+//! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
+//!   supervisor was stopped itself does not count; what the host computes between calls takes as long as it takes;
+//! - the standard output, by the worker after each increment: if a plugin closes it, the next file that is opened takes
+//!   its number, and what is printed goes there.
+//!
+//! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
+//! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of
+//! one call does not have.
+
+mod ending;
+mod need;
+mod replay;
+mod supervisor;
+mod system;
+#[cfg(test)]
+mod test;
+pub mod worker;
+
+pub use ending::Aftermath;
+pub use need::{Need, describes_laws, need};
+pub use supervisor::{End, Failure, Job, supervise};
+pub use worker::{Stage, Task};

@@ -1,0 +1,208 @@
+//! The replay case of a recorded call: one increment with the arguments of that call.
+
+use super::Need;
+use super::need::CALL_TIME_LIMIT;
+use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
+use serde_json::{Map, Value, json};
+use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
+
+/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell.
+pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
+    const PREFIX: &str = "Replay of a call: ";
+    let title = format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title));
+    let mut case = match &call.arguments {
+        Arguments::Umat(umat) => point(umat, call.wants_tangent),
+        Arguments::Uinter(uinter) => uinter_case(uinter),
+        Arguments::Fric(fric) => fric_case(fric),
+    };
+    case["title"] = json!(title);
+    case["material"] = material(call, need);
+    (!has_null(&case)).then_some(case)
+}
+
+/// Whether a number is missing: NaN and infinity become null.
+fn has_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Array(values) => values.iter().any(has_null),
+        Value::Object(entries) => entries.values().any(has_null),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+    }
+}
+
+fn material(call: &CallRecord, need: &Need) -> Value {
+    let (props, statev, entry) = match &call.arguments {
+        Arguments::Umat(umat) => (&umat.props, &umat.statev, "umat"),
+        Arguments::Uinter(uinter) => (&uinter.props, &uinter.statev, "uinter"),
+        Arguments::Fric(fric) => (&fric.props, &fric.statev, "fric"),
+    };
+    let mut material = json!({
+        "plugin": call.library.to_string_lossy(),
+        "cmname": call.cmname,
+        "entry": entry,
+        "props": props,
+        "nstatv": statev.len(),
+    });
+    if let Some(symbol) = &call.symbol {
+        material["symbol"] = json!(symbol);
+    }
+    let terms = need.terms(&call.library);
+    if terms.asked_for {
+        material["isolate"] = json!(true);
+    }
+    if terms.time_limit != CALL_TIME_LIMIT {
+        material["call_time_limit_s"] = json!(terms.time_limit);
+    }
+    material
+}
+
+/// Entry `k`; a record that a plugin has destroyed may have fewer.
+fn at(values: &[f64], k: usize) -> f64 {
+    values.get(k).copied().unwrap_or_default()
+}
+
+fn integer(values: &[f64], k: usize) -> i32 {
+    at(values, k) as i32
+}
+
+fn integers<const N: usize>(values: &[f64]) -> [i32; N] {
+    std::array::from_fn(|k| integer(values, k))
+}
+
+/// A duration; a call may take none, a step takes some.
+fn duration(dtime: &[f64]) -> f64 {
+    Some(at(dtime, 0)).filter(|time| *time > 0.0).unwrap_or(1.0)
+}
+
+fn array<const N: usize>(values: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| at(values, k))
+}
+
+/// Row by row, from a matrix column by column.
+fn rows(matrix: &[f64]) -> Value {
+    json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
+}
+
+fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
+    // Strains 33 in NTENS 4 are those of the axisymmetric mode, which has the same NTENS and NDI.
+    let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
+    let (mode, components, driven): (_, &[usize], &[usize]) = match call.stran.len() {
+        6 => ("3d", &[0, 1, 2, 3, 4, 5], &[0, 1, 2, 3, 4, 5]),
+        3 => ("plane_stress", &[0, 1, 3], &[0, 1, 3]),
+        _ if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
+        _ => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
+    };
+    let named = |names: &[&str; 6], which: &[usize], value: &dyn Fn(usize) -> f64| -> Value {
+        let entries = components.iter().enumerate().filter(|(_, component)| which.contains(component));
+        entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
+    };
+    let end = |k: usize| at(&call.stran, k) + at(&call.dstran, k);
+    let mut step = json!({
+        "increments": 1,
+        "time": duration(&call.dtime),
+        "target": named(&STRAIN_NAMES, driven, &end),
+        "temperature": at(&call.temp, 0) + at(&call.temp, 1),
+    });
+    let mut case = json!({
+        "kind": "point",
+        "mode": mode,
+        "initial": {
+            "strain": named(&STRAIN_NAMES, components, &|k| at(&call.stran, k)),
+            "stress": named(&STRESS_NAMES, components, &|k| at(&call.stress, k)),
+            "statev": call.statev,
+            "time": at(&call.time, 1).max(0.0),
+        },
+        "arguments": {
+            "energies": array::<3>(&call.energies),
+            "step_time": at(&call.time, 0),
+            "coords": array::<3>(&call.coords),
+            "drot": rows(&call.drot),
+            "dfgrd0": rows(&call.dfgrd0),
+            "dfgrd1": rows(&call.dfgrd1),
+            "noel": integer(&call.noel_npt, 0),
+            "npt": integer(&call.noel_npt, 1),
+            "jstep": integers::<4>(&call.jstep),
+            "kinc": integer(&call.kinc, 0),
+            "ddsdde": wants_tangent,
+        },
+        "temperature": at(&call.temp, 0),
+    });
+    set_length(&mut case, &call.celent);
+    // the host's one field variable of 0 is that of a case without any
+    if call.predef != [0.0] || call.dpred != [0.0] {
+        case["predef"] = json!(call.predef);
+        step["predef"] = call.predef.iter().zip(&call.dpred).map(|(start, increment)| start + increment).collect();
+    }
+    case["steps"] = json!([step]);
+    case
+}
+
+fn set_length(case: &mut Value, length: &[f64]) {
+    if at(length, 0) > 0.0 {
+        case["characteristic_length"] = json!(at(length, 0));
+    }
+}
+
+/// A case of kind "interface" whose time is at the start of the increment.
+fn interface(time: [f64; 2], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
+    arguments["step_time"] = json!(time[0]);
+    arguments["kstep"] = json!(integer(counters, 0));
+    arguments["kinc"] = json!(integer(counters, 1));
+    json!({
+        "kind": "interface",
+        "initial": { "statev": statev, "time": time[1].max(0.0) },
+        "arguments": arguments,
+        "steps": [{ "increments": 1, "time": duration(dtime), "target": {} }],
+    })
+}
+
+/// Sets the slips at both ends.
+fn set_slips(case: &mut Value, ends: &[[f64; 2]]) {
+    for (name, [start, end]) in ["slip", "slip2"].into_iter().zip(ends) {
+        case["initial"][name] = json!(start);
+        case["steps"][0]["target"][name] = json!(end);
+    }
+}
+
+fn uinter_case(call: &UinterRecord) -> Value {
+    // TIME is at the end here
+    let start = [0, 1].map(|k| at(&call.time, k) - at(&call.dtime, 0));
+    let arguments = json!({
+        "traction": array::<3>(&call.stress),
+        "energies": array::<5>(&call.energies),
+        "flags": integers::<2>(&call.flags),
+        "coords": array::<3>(&call.coords),
+        "alocaldir": array::<9>(&call.alocaldir),
+        "area": at(&call.area, 0),
+        "node": integer(&call.node, 0),
+        "kit": integer(&call.counters, 2),
+    });
+    let mut case = interface(start, &call.dtime, &call.statev, arguments, &call.counters);
+    let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(&call.drdisp).map(|(end, by)| [end - by, *end]).collect();
+    let [normal, slips @ ..] = ends.as_slice() else { return case };
+    // RDISP(1) > 0 is penetration
+    [case["initial"]["gap"], case["steps"][0]["target"]["gap"]] = normal.map(|penetration| json!(-penetration));
+    set_slips(&mut case, slips);
+    set_length(&mut case, &call.chrlngth);
+    case
+}
+
+fn fric_case(call: &FricRecord) -> Value {
+    let [pressure, increment] = array(&call.press);
+    let arguments = json!({
+        "traction": [pressure - increment, at(&call.tau, 0), at(&call.tau, 1)],
+        "energies": [at(&call.energies, 0), at(&call.energies, 1), 0.0, 0.0, 0.0],
+        "lm": integer(&call.lm, 0),
+        "slip": array::<2>(&call.slip),
+        "coords": array::<3>(&call.coords),
+        "rcoord": array::<3>(&call.rcoord),
+        "node": integer(&call.node, 0),
+    });
+    let mut case = interface(array(&call.time), &call.dtime, &call.statev, arguments, &call.counters);
+    // only the increment of the slip is an argument
+    let slips: Vec<[f64; 2]> = call.dgam.iter().map(|by| [0.0, *by]).collect();
+    set_slips(&mut case, &slips);
+    case["steps"][0]["target"]["p"] = json!(pressure);
+    set_length(&mut case, &call.chrlngth);
+    case
+}

@@ -1,0 +1,189 @@
+//! Starts a worker and watches it.
+
+use super::ending::{Cause, Report};
+use super::worker::{COMMAND, Note};
+use super::{Need, Stage, replay, system};
+use crate::path::Statistics;
+use std::io;
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus};
+use std::time::{Duration, Instant};
+use umat_abi::host::recorder::{Beat, Recording};
+use wait_timeout::ChildExt;
+
+/// Time between two looks at the heartbeat.
+const POLL: Duration = Duration::from_millis(20);
+
+/// What a worker is started for.
+#[derive(Clone, Copy, Debug)]
+pub struct Job<'a> {
+    /// What it does.
+    pub stage: Stage,
+    /// The case file.
+    pub case: &'a Path,
+    /// Result directory; none to check a case.
+    pub out: Option<&'a Path>,
+    /// The texts of `--set`.
+    pub overrides: &'a [String],
+    /// Folders of plugins.
+    pub plugin_paths: &'a [PathBuf],
+    /// What came of the run, as JSON.
+    pub aftermath: &'a str,
+    /// Say nothing but errors.
+    pub quiet: bool,
+}
+
+/// How a worker ended.
+#[derive(Debug)]
+pub enum End {
+    /// All is done, with this exit code.
+    Done(u8),
+    /// Something ended it.
+    Failed(Box<Failure>),
+}
+
+/// A worker that was ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// What ended it, and where.
+    pub report: Report,
+    /// A case that repeats the call.
+    pub replay: Option<serde_json::Value>,
+    /// Whether the history in the result directory is this run's.
+    pub has_rows: bool,
+    /// What the finished increments cost.
+    pub statistics: Statistics,
+}
+
+/// Runs a worker to its end.
+///
+/// # Errors
+/// It cannot be started or watched.
+pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
+    let (file, path) = system::shared_file()?;
+    let recording = Recording::create(&file)?;
+    let mut child = command(job, &path).spawn()?;
+    let ended = watch(&mut child, &recording, need);
+    if ended.is_err() {
+        // nothing watches it any more
+        let _ = child.kill();
+    }
+    let cause = match ended? {
+        Watched::Ended(_) | Watched::Killed(_) if recording.done().is_some() => {
+            return Ok(End::Done(recording.done().unwrap_or_default()));
+        }
+        Watched::Ended(status) => cause_of(status, &recording),
+        Watched::Killed(limit) => Cause::TimeLimit(limit),
+    };
+    let report = Report::new(cause, &recording, need);
+    let note = |note: Note| recording.note(note as usize);
+    Ok(End::Failed(Box::new(Failure {
+        replay: report.call.as_ref().and_then(|call| replay::of(call, &job.title(), need)),
+        report,
+        has_rows: note(Note::Running) == 1,
+        statistics: Statistics {
+            increments: note(Note::Increments),
+            iterations: note(Note::Iterations),
+            plugin_calls: recording.calls(),
+            cutbacks: note(Note::Cutbacks),
+        },
+    })))
+}
+
+impl Job<'_> {
+    /// The case's title, or the file's name.
+    fn title(&self) -> String {
+        let document = crate::case::document(self.case, self.overrides);
+        let title = document.and_then(|document| document["title"].as_str().map(str::to_owned));
+        title.unwrap_or_else(|| self.case.file_stem().unwrap_or_default().to_string_lossy().into_owned())
+    }
+}
+
+fn command(job: &Job<'_>, recorder: &Path) -> Command {
+    let mut command = Command::new(system::program());
+    command.arg0("pullout");
+    command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
+    command.arg("--recorder").arg(recorder).arg("--case").arg(job.case);
+    if let Some(out) = job.out {
+        command.arg("--out").arg(out);
+    }
+    command.arg(format!("--aftermath={}", job.aftermath));
+    for entry in job.overrides {
+        command.arg(format!("--set={entry}"));
+    }
+    for folder in job.plugin_paths {
+        command.arg("--plugin-path").arg(folder);
+    }
+    if job.quiet {
+        command.arg("--quiet");
+    }
+    command
+}
+
+/// What came of watching.
+enum Watched {
+    /// It ended.
+    Ended(ExitStatus),
+    /// It was ended because one call took longer than this, s.
+    Killed(f64),
+}
+
+fn watch(child: &mut Child, recording: &Recording, need: &Need) -> io::Result<Watched> {
+    let mut heartbeat = Heartbeat::default();
+    let mut last = Instant::now();
+    loop {
+        if let Some(status) = child.wait_timeout(POLL)? {
+            return Ok(Watched::Ended(status));
+        }
+        // Where this process was stopped (Ctrl-Z), so was the worker.
+        let passed = last.elapsed().min(2 * POLL);
+        last = Instant::now();
+        if let Some(limit) = heartbeat.overdue(recording, need, passed) {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Watched::Killed(limit));
+        }
+    }
+}
+
+/// For how long each pending call has been pending.
+#[derive(Default)]
+struct Heartbeat {
+    pending: Vec<(Beat, Duration)>,
+    /// Since the done-mark: exit handlers of a library are a call as well.
+    leaving: Duration,
+}
+
+impl Heartbeat {
+    /// The limit that is passed, s; `passed`: since the last look.
+    fn overdue(&mut self, recording: &Recording, need: &Need, passed: Duration) -> Option<f64> {
+        if recording.done().is_some() {
+            self.leaving += passed;
+            return Some(need.longest_time()).filter(|limit| self.leaving.as_secs_f64() > *limit);
+        }
+        let before = |beat: Beat| self.pending.iter().find(|(other, _)| *other == beat).map(|(_, time)| *time + passed);
+        let pending: Vec<_> = recording.pending().map(|beat| (beat, before(beat).unwrap_or_default())).collect();
+        self.pending = pending;
+        self.pending.iter().find_map(|(beat, time)| {
+            // what a call is of is read only when it lasts
+            let least = need.libraries.values().map(|terms| terms.time_limit).fold(f64::INFINITY, f64::min);
+            if time.as_secs_f64() <= least {
+                return None;
+            }
+            let limit = match recording.call(*beat) {
+                Some(call) => need.terms(&call.library).time_limit,
+                None => need.longest_time(),
+            };
+            (time.as_secs_f64() > limit).then_some(limit)
+        })
+    }
+}
+
+fn cause_of(status: ExitStatus, recording: &Recording) -> Cause {
+    match status.signal() {
+        _ if recording.note(Note::ClosedOutput as usize) == 1 => Cause::ClosedOutput,
+        Some(signal) => Cause::Signal(signal),
+        None => Cause::Exit(status.code().unwrap_or_default()),
+    }
+}

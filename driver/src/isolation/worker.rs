@@ -1,0 +1,110 @@
+//! The process that calls the plugins.
+
+use super::system;
+use crate::path::Statistics;
+use clap::ValueEnum;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+use umat_abi::host::recorder::{self, Recorder};
+
+/// What a worker does with a case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Stage {
+    /// Reads it.
+    Check,
+    /// Reads and runs it.
+    Run,
+    /// Reads it, and makes results of the rows that a run left which was ended.
+    Conclude,
+}
+
+impl Stage {
+    /// As an argument.
+    pub(super) fn name(self) -> &'static str {
+        match self {
+            Self::Check => "check",
+            Self::Run => "run",
+            Self::Conclude => "conclude",
+        }
+    }
+}
+
+/// Name of the hidden command.
+pub const COMMAND: &str = "worker";
+
+/// The command line of a worker. Only the program itself writes it.
+#[derive(Clone, Debug, clap::Args)]
+pub struct Task {
+    /// What to do.
+    #[arg(long)]
+    pub stage: Stage,
+    /// The recorder's file.
+    #[arg(long)]
+    pub recorder: PathBuf,
+    /// The process that supervises this one.
+    #[arg(long)]
+    pub supervisor: u32,
+    /// The case file.
+    #[arg(long)]
+    pub case: PathBuf,
+    /// Result directory; none to check a case.
+    #[arg(long)]
+    pub out: Option<PathBuf>,
+    /// What came of the run, as JSON.
+    #[arg(long, default_value = "null")]
+    pub aftermath: String,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub quiet: bool,
+}
+
+/// Numbers that a worker leaves for its supervisor.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Note {
+    /// 1: the result directory is this run's, its history has begun.
+    Running,
+    Increments,
+    Iterations,
+    Cutbacks,
+    /// 1: the standard output was closed.
+    ClosedOutput,
+}
+
+/// Ties this process to its supervisor, and does the work; the exit code goes into the done-mark.
+///
+/// # Errors
+/// Why there is no worker, in words.
+pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
+    let alive = system::die_with(task.supervisor).map_err(|error| error.to_string())?;
+    if !alive {
+        return Err("the process that started this one is gone".into());
+    }
+    let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
+    let code = work();
+    recorder.done(code);
+    Ok(code)
+}
+
+fn open(path: &Path) -> std::io::Result<&'static Recorder> {
+    recorder::install(&File::options().read(true).write(true).open(path)?)
+}
+
+/// The history of a run has begun.
+pub fn note_start() {
+    if let Some(recorder) = recorder::installed() {
+        recorder.note(Note::Running as usize, 1);
+    }
+}
+
+/// An increment is done. A plugin that closed the standard output ends the worker here: the next file to be opened would
+/// take its number, and what is printed would go into it.
+pub fn note_increment(so_far: &Statistics) {
+    let Some(recorder) = recorder::installed() else { return };
+    recorder.note(Note::Increments as usize, so_far.increments);
+    recorder.note(Note::Iterations as usize, so_far.iterations);
+    recorder.note(Note::Cutbacks as usize, so_far.cutbacks);
+    if !system::standard_output_is_open() {
+        recorder.note(Note::ClosedOutput as usize, 1);
+        std::process::exit(1);
+    }
+}

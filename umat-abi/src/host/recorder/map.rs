@@ -1,0 +1,86 @@
+//! The mapped file: words that both processes read and write, and bytes.
+
+use memmap2::{MmapOptions, MmapRaw};
+use std::fs::File;
+use std::io;
+use std::sync::atomic::AtomicU64;
+
+/// Room of a recorder. The file is sparse: only pages that were written take memory.
+pub(super) const CAPACITY: usize = 1 << 28;
+/// The first word of a prepared file: "pullout", version 1.
+pub(super) const MAGIC: u64 = 0x0170_756c_6c6f_7574;
+/// Bytes of a word.
+pub(super) const WORD: usize = 8;
+/// Where the slots begin.
+pub(super) const HEADER: usize = 8192;
+/// Longest path that is noted, in bytes.
+pub(super) const LONGEST_PATH: usize = HEADER - word::PATH - WORD;
+
+/// Offsets in the header.
+pub(super) mod word {
+    pub(in super::super) const MAGIC: usize = 0;
+    /// 0, or 1 + exit code.
+    pub(in super::super) const DONE: usize = 8;
+    /// Offset behind the last slot.
+    pub(in super::super) const END: usize = 16;
+    /// Offset of the slot that was entered last; 0: none.
+    pub(in super::super) const LAST: usize = 24;
+    /// A sequence, odd while a library is loaded.
+    pub(in super::super) const LOADING: usize = 32;
+    pub(in super::super) const NOTES: usize = 64;
+    /// The library's path: its length, its bytes.
+    pub(in super::super) const PATH: usize = NOTES + 8 * super::super::NOTES;
+}
+
+/// A file of [`CAPACITY`] bytes, shared with another process.
+#[derive(Debug)]
+pub(super) struct Map {
+    raw: MmapRaw,
+}
+
+impl Map {
+    /// Maps a file.
+    pub(super) fn open(file: &File) -> io::Result<Self> {
+        if file.metadata()?.len() != CAPACITY as u64 {
+            return Err(io::Error::other("the file of a recorder has another size"));
+        }
+        Ok(Self { raw: MmapOptions::new().len(CAPACITY).map_raw(file)? })
+    }
+
+    /// The word at an offset.
+    ///
+    /// # Panics
+    /// If there is none.
+    pub(super) fn word(&self, offset: usize) -> &AtomicU64 {
+        assert!(offset.is_multiple_of(WORD) && offset < CAPACITY, "no word at {offset}");
+        // SAFETY: within the mapping, which begins on a page; all access to this word is atomic.
+        unsafe { AtomicU64::from_ptr(self.raw.as_mut_ptr().add(offset).cast()) }
+    }
+
+    /// Copies bytes to an offset; says whether there is room.
+    pub(super) fn write(&self, offset: usize, bytes: &[u8]) -> bool {
+        let fits = offset.checked_add(bytes.len()).is_some_and(|end| end <= CAPACITY);
+        if fits {
+            // SAFETY: within the mapping. Rust never refers to these bytes, and only the owner of a slot (or of the
+            // path, which one thread writes at a time) writes there.
+            unsafe { std::ptr::copy(bytes.as_ptr(), self.raw.as_mut_ptr().add(offset), bytes.len()) };
+        }
+        fits
+    }
+
+    /// Bytes at an offset; `None` if they are not in the file. While the worker writes there they are any bytes.
+    pub(super) fn read(&self, offset: usize, length: usize) -> Option<Vec<u8>> {
+        offset.checked_add(length).filter(|end| *end <= CAPACITY)?;
+        let mut bytes = vec![0; length];
+        // SAFETY: within the mapping; any bytes are valid.
+        unsafe { std::ptr::copy(self.raw.as_ptr().add(offset), bytes.as_mut_ptr(), length) };
+        Some(bytes)
+    }
+
+    /// Where doubles may be written: the address of a word, and how many words follow before `end`.
+    pub(super) fn doubles(&self, offset: usize, end: usize) -> (*mut f64, usize) {
+        assert!(offset.is_multiple_of(WORD) && offset <= end && end <= CAPACITY, "no room at {offset}");
+        // SAFETY: within the mapping or one behind its end.
+        (unsafe { self.raw.as_mut_ptr().add(offset).cast() }, (end - offset) / WORD)
+    }
+}

@@ -1,0 +1,87 @@
+//! What a plugin was last called with, in memory that outlives the process.
+//!
+//! A plugin may end the process that calls it: Fortran's STOP, a segmentation fault, an endless loop. So the process
+//! that calls plugins, the *worker*, maps a file that its parent, the *supervisor*, maps as well ([`install`],
+//! [`Recording`]), and every call of [`super::UmatCall`], [`super::UinterCall`] and [`super::FricCall`] made
+//! afterwards notes its arguments there before it is made. The kernel owns the pages: whatever ends the worker, the
+//! supervisor reads what was noted last.
+//!
+//! # The file
+//!
+//! A header of 64-bit words, then slots one behind the other. Each call object takes a slot at its first call, so that
+//! threads never share one:
+//!
+//! ```text
+//! header   done | end of slots | last slot | loading | notes … | path being loaded
+//! slot     size | sequence | name, path, symbol, CMNAME | entry point, tangent wanted, arguments …
+//! ```
+//!
+//! `sequence` is odd while the plugin has the control and grows by one at each end of a call: it tells the supervisor
+//! which call did not come back, is the heartbeat (a call that lasts has an odd sequence that stays), and counts the
+//! calls. `done` is written once, at the true end: a worker that is gone without it was ended by somebody else.
+//!
+//! Arguments are stored as doubles, which hold 32-bit integers exactly, each behind its length. The cost of a call is
+//! that of copying them (`cargo bench -p end-to-end-tests --bench recorder_cost`). Without [`install`] a call costs
+//! one comparison more.
+
+mod arguments;
+mod map;
+mod recording;
+mod slot;
+#[cfg(test)]
+mod test;
+
+pub use arguments::{Arguments, FricRecord, UinterRecord, UmatRecord};
+pub use recording::{Beat, CallRecord, Recording};
+pub(super) use slot::{Slot, loading};
+
+use map::{Map, word};
+use std::fs::File;
+use std::io;
+use std::sync::OnceLock;
+use std::sync::atomic::Ordering;
+
+/// Words of the header that the program may use as it likes.
+pub const NOTES: usize = 8;
+
+/// The recorder of this process, if it is a worker.
+static RECORDER: OnceLock<Recorder> = OnceLock::new();
+
+/// The worker's side of the file.
+#[derive(Debug)]
+pub struct Recorder {
+    map: Map,
+}
+
+/// Records all calls of this process from now on, in a file that a [`Recording`] has prepared. Call objects that were
+/// made before are not recorded.
+///
+/// # Errors
+/// The file cannot be mapped, is not prepared, or there is a recorder already.
+pub fn install(file: &File) -> io::Result<&'static Recorder> {
+    let map = Map::open(file)?;
+    if map.word(word::MAGIC).load(Ordering::Acquire) != map::MAGIC {
+        return Err(io::Error::other("not the file of a recorder"));
+    }
+    RECORDER.set(Recorder { map }).map_err(|_| io::Error::other("this process has a recorder"))?;
+    installed().ok_or_else(|| io::Error::other("no recorder"))
+}
+
+/// The recorder of this process, if it is a worker.
+pub fn installed() -> Option<&'static Recorder> {
+    RECORDER.get()
+}
+
+impl Recorder {
+    /// Says that all is done, with the exit code.
+    pub fn done(&self, code: u8) {
+        self.map.word(word::DONE).store(1 + u64::from(code), Ordering::Release);
+    }
+
+    /// Leaves a number for the supervisor; `index` < [`NOTES`], others are ignored.
+    pub fn note(&self, index: usize, value: u64) {
+        if index < NOTES {
+            self.map.word(word::NOTES + 8 * index).store(value, Ordering::Release);
+        }
+    }
+}

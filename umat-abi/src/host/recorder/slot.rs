@@ -1,0 +1,164 @@
+//! The worker's side: a call object's slot, and what is written into it.
+
+use super::map::{CAPACITY, LONGEST_PATH, WORD, word};
+use super::{Recorder, installed};
+use crate::host::Library;
+use std::path::Path;
+use std::sync::atomic::Ordering;
+
+/// Words in which a slot begins: its size and its sequence.
+pub(super) const SEQUENCE: usize = WORD;
+/// Where its texts begin.
+pub(super) const TEXTS: usize = 2 * WORD;
+/// Room for arguments in a first slot, in words; a call that needs more takes another slot.
+const FIRST_ROOM: usize = 256;
+
+/// A call object's place in the recorder.
+#[derive(Debug)]
+pub(in crate::host) struct Slot {
+    recorder: &'static Recorder,
+    /// Name, path, symbol and CMNAME, each behind its length.
+    texts: Vec<u8>,
+    place: Option<Place>,
+    sequence: u64,
+}
+
+/// Offsets of a slot, of its arguments, and of its end.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    slot: usize,
+    arguments: usize,
+    end: usize,
+}
+
+impl Slot {
+    /// For calls of a library, if this process records its calls.
+    pub(in crate::host) fn new(library: &Library, symbol: Option<&str>, cmname: &str) -> Option<Self> {
+        let recorder = installed()?;
+        let path = std::path::absolute(library.path()).unwrap_or_else(|_| library.path().to_owned());
+        Some(Self::of(recorder, &library.name_of_law(cmname), &path, symbol, cmname))
+    }
+
+    pub(super) fn of(recorder: &'static Recorder, name: &str, path: &Path, symbol: Option<&str>, cmname: &str) -> Self {
+        let mut texts = Vec::new();
+        let path = path.as_os_str().as_encoded_bytes();
+        for text in [name.as_bytes(), path, symbol.unwrap_or_default().as_bytes(), cmname.as_bytes()] {
+            texts.extend((text.len() as u64).to_ne_bytes());
+            texts.extend(text);
+        }
+        Self { recorder, texts, place: None, sequence: 0 }
+    }
+
+    /// The plugin gets the control, with the arguments that `write` writes.
+    pub(in crate::host) fn enter(&mut self, write: impl Fn(&mut Writer)) {
+        loop {
+            let Some(place) = self.place.or_else(|| self.take(FIRST_ROOM)) else { return };
+            let (next, room) = self.recorder.map.doubles(place.arguments, place.end);
+            let mut writer = Writer { next, room, wanted: 0 };
+            write(&mut writer);
+            if writer.wanted <= room {
+                break;
+            }
+            // An object whose arguments grew (PREDEF may) leaves its slot behind, outside a call.
+            if self.take(2 * writer.wanted).is_none() {
+                return;
+            }
+        }
+        self.sequence |= 1;
+        self.beat();
+        if let Some(place) = self.place {
+            self.recorder.map.word(word::LAST).store(place.slot as u64, Ordering::Relaxed);
+        }
+    }
+
+    /// The plugin gave the control back.
+    #[inline]
+    pub(in crate::host) fn leave(&mut self) {
+        self.sequence += self.sequence & 1;
+        self.beat();
+    }
+
+    #[inline]
+    fn beat(&self) {
+        if let Some(place) = self.place {
+            // Release: the arguments are written before. The plugin, of which a compiler knows nothing, is called after.
+            self.recorder.map.word(place.slot + SEQUENCE).store(self.sequence, Ordering::Release);
+        }
+    }
+
+    /// Takes a new slot with room for so many words. `None`: the file is full; calls are then not recorded.
+    fn take(&mut self, room: usize) -> Option<Place> {
+        let map = &self.recorder.map;
+        let before = TEXTS + self.texts.len().next_multiple_of(WORD);
+        let size = before + room * WORD;
+        let end = map.word(word::END);
+        let slot = end.fetch_update(Ordering::AcqRel, Ordering::Acquire, |end| {
+            Some(end + size as u64).filter(|end| *end <= CAPACITY as u64)
+        });
+        let slot = usize::try_from(slot.ok()?).ok()?;
+        map.write(slot + TEXTS, &self.texts);
+        // The old slot keeps the calls that it counted.
+        self.sequence = 0;
+        map.word(slot).store(size as u64, Ordering::Release);
+        self.place = Some(Place { slot, arguments: slot + before, end: slot + size });
+        self.place
+    }
+}
+
+/// Writes arguments, each behind its length.
+#[derive(Debug)]
+pub(in crate::host) struct Writer {
+    next: *mut f64,
+    /// Words that are left.
+    room: usize,
+    /// Words that all arguments need.
+    wanted: usize,
+}
+
+impl Writer {
+    /// One argument.
+    #[inline]
+    pub(in crate::host) fn put(&mut self, values: &[f64]) {
+        self.put_all(values.len(), |target| {
+            // SAFETY: `put_all` gives the address of as many words in this slot, which nobody refers to.
+            unsafe { std::ptr::copy_nonoverlapping(values.as_ptr(), target, values.len()) }
+        });
+    }
+
+    /// One argument of integers.
+    #[inline]
+    pub(in crate::host) fn put_integers<const N: usize>(&mut self, values: [i32; N]) {
+        self.put(&values.map(f64::from));
+    }
+
+    #[inline]
+    fn put_all(&mut self, length: usize, copy: impl FnOnce(*mut f64)) {
+        let words = 1 + length;
+        self.wanted += words;
+        if words <= self.room {
+            // SAFETY: as many words are left in the slot.
+            unsafe {
+                self.next.write(length as f64);
+                copy(self.next.add(1));
+                self.next = self.next.add(words);
+            }
+            self.room -= words;
+        } else {
+            self.room = 0;
+        }
+    }
+}
+
+/// Runs `body`, which loads a library: its initialisers may end the process as well as a call.
+pub(in crate::host) fn loading<R>(path: &Path, body: impl FnOnce() -> R) -> R {
+    let Some(recorder) = installed() else { return body() };
+    let map = &recorder.map;
+    let bytes = path.as_os_str().as_encoded_bytes();
+    let bytes = &bytes[..bytes.len().min(LONGEST_PATH)];
+    map.write(word::PATH, &(bytes.len() as u64).to_ne_bytes());
+    map.write(word::PATH + WORD, bytes);
+    map.word(word::LOADING).fetch_add(1, Ordering::SeqCst);
+    let result = body();
+    map.word(word::LOADING).fetch_add(1, Ordering::SeqCst);
+    result
+}
