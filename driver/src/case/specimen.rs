@@ -142,7 +142,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
         max_cutbacks: given.max_cutbacks.map_or(default.max_cutbacks, |n| n.0 as usize),
         line_search: given.line_search.unwrap_or(default.line_search),
         locate_peak: given.locate_peak.unwrap_or(default.locate_peak),
-        viscosity: given.viscosity.unwrap_or(default.viscosity),
+        relaxation_time: given.relaxation_time.unwrap_or(default.relaxation_time),
     }
 }
 

@@ -1,5 +1,5 @@
 //! Problems with known solutions (closed forms of `end_to_end_tests::analytical`), each from its case file in
-//! `cases/verification` through the reader and the FE core.
+//! `cases/verification` through the reader and the FE core; and one model of the fibre against the other.
 
 mod beam;
 mod capstan;
@@ -8,6 +8,7 @@ mod cook;
 mod cylinder;
 mod drag_out;
 mod hertz;
+mod plane_and_axisymmetric;
 mod pull_out;
 
 use driver::case::{self, Case};
@@ -18,7 +19,12 @@ use std::io;
 
 /// The model of a case of `cases/verification`, with the texts of `--set`.
 fn model(case: &str, overrides: &[&str]) -> Model {
-    let file = workspace("cases/verification").join(format!("{case}.json"));
+    model_of("verification", case, overrides)
+}
+
+/// The model of a case in a folder of `cases`.
+fn model_of(folder: &str, case: &str, overrides: &[&str]) -> Model {
+    let file = workspace("cases").join(folder).join(format!("{case}.json"));
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
     match case::read(&file, &overrides, &[plugin_folder()]) {
         Ok(Case::Pullout(program)) => program.model,

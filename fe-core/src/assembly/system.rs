@@ -197,13 +197,6 @@ impl System {
         }
     }
 
-    /// Adds a number to the diagonal: a dashpot or spring at every row.
-    pub fn add_to_diagonal(&mut self, value: f64) {
-        for &place in &self.diagonal {
-            self.matrix.values[place] += value;
-        }
-    }
-
     /// The largest stiffness of a freedom against itself, N/mm.
     pub fn largest_diagonal(&self) -> f64 {
         let elements = self.diagonal.iter().map(|&place| self.matrix.values[place].abs()).fold(0.0, f64::max);

@@ -20,6 +20,7 @@ pub use settle::Settlement;
 use crate::assembly::{Blocks, IncrementContext, Trouble};
 use crate::mesh::Mesh;
 use crate::model::{ContactPair, Freedom};
+use kinematics::Kinematics;
 use pair::{Output, Pair};
 use umat_abi::law::Request;
 
@@ -95,6 +96,15 @@ pub struct PointRecord<'a> {
     pub latched: bool,
     /// STATEV.
     pub statev: &'a [f64],
+}
+
+/// A contact point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PointIndex {
+    /// Index of its pair.
+    pub pair: usize,
+    /// Index in the pair.
+    pub point: usize,
 }
 
 /// The point whose slip grows most for its history.
@@ -299,19 +309,46 @@ impl Contact {
         slips.sum::<f64>() / self.area()
     }
 
-    /// Adds the derivatives of [`Self::mean_slip`] by all displacements.
-    pub fn add_mean_slip_gradient(&self, row: &mut [f64]) {
-        let total = self.area();
-        for pair in &self.pairs {
-            let direction = sliding_direction(pair);
-            for (point, kinematics) in pair.points.iter().zip(&pair.kinematics) {
-                let Some(kinematics) = kinematics else { continue };
-                let freedoms = kinematics.freedoms();
-                for i in 0..kinematics.freedom_count() {
-                    row[freedoms[i]] += direction * point.area / total * kinematics.slip_gradient[i];
-                }
-            }
-        }
+    /// The slip of a point, mm, in the direction in which its pair slid so far.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such point.
+    pub fn slip_of(&self, point: PointIndex) -> f64 {
+        let pair = &self.pairs[point.pair];
+        sliding_direction(pair) * pair.trial.points[point.point].slip
+    }
+
+    /// The derivative of [`Self::slip_of`] along a change of all displacements; 0 of a point without contact.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such point.
+    pub fn slip_along(&self, point: PointIndex, change: &[f64]) -> f64 {
+        let pair = &self.pairs[point.pair];
+        let kinematics = pair.kinematics[point.point].as_ref();
+        kinematics.map_or(0.0, |kinematics| sliding_direction(pair) * slip_along(kinematics, change))
+    }
+
+    /// The point in contact whose slip changes most along a change of all displacements.
+    pub fn fastest_point(&self, change: &[f64]) -> Option<PointIndex> {
+        let in_contact =
+            self.points_in_contact().map(|(point, kinematics)| (slip_along(kinematics, change).abs(), point));
+        in_contact.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, point)| point)
+    }
+
+    /// The point in contact whose shear falls most steeply with its slip, if any falls: the one that breaks.
+    pub fn breaking_point(&self) -> Option<PointIndex> {
+        let stiffness = |point: PointIndex| self.pairs[point.pair].shear_stiffness[point.point];
+        let in_contact = self.points_in_contact().map(|(point, _)| point).filter(|point| stiffness(*point) < 0.0);
+        in_contact.min_by(|a, b| stiffness(*a).total_cmp(&stiffness(*b)))
+    }
+
+    fn points_in_contact(&self) -> impl Iterator<Item = (PointIndex, &Kinematics)> {
+        self.pairs.iter().enumerate().flat_map(|(pair, of_pair)| {
+            let points = of_pair.kinematics.iter().enumerate();
+            points.filter_map(move |(point, of_point)| Some((PointIndex { pair, point }, of_point.as_ref()?)))
+        })
     }
 
     /// Contact area of all pairs.
@@ -349,4 +386,10 @@ fn sliding_direction(pair: &Pair) -> f64 {
         committed if committed < 0.0 => -1.0,
         _ => 1.0,
     }
+}
+
+/// The change of a slip along a change of all displacements.
+fn slip_along(kinematics: &Kinematics, change: &[f64]) -> f64 {
+    let freedoms = kinematics.freedoms();
+    (0..kinematics.freedom_count()).map(|i| kinematics.slip_gradient[i] * change[freedoms[i]]).sum()
 }

@@ -56,6 +56,8 @@ pub(super) struct Pair {
     pub trial: History,
     /// Of the last evaluation; `None`: never evaluated, or released.
     pub kinematics: Vec<Option<Kinematics>>,
+    /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
+    pub shear_stiffness: Vec<f64>,
     /// Whether all blocks of the last evaluation that made any were symmetric.
     pub symmetric: bool,
     pub release: bool,
@@ -185,6 +187,9 @@ impl Pair {
     ) {
         let PointState { pressure, shear, weight, .. } = self.trial.points[index];
         let silent = pressure == 0.0 && shear == 0.0 && tangent.iter().flatten().all(|entry| *entry == 0.0);
+        if output.request.wants_tangent() {
+            self.shear_stiffness[index] = weight * self.points[index].area * tangent[1][1];
+        }
         if weight == 0.0 || silent {
             return;
         }

@@ -11,6 +11,9 @@ const MOST_ITERATIONS: usize = 60;
 
 /// Newton without a bracket.
 const FEW_ITERATIONS: usize = 5;
+/// Positions are known to a few units of their last place. A foot within it stays where it is: a converged state that is
+/// evaluated again gives the same slip, and its law the tangent of the loading that led there.
+const POSITION_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Of ξ: its square is rounding.
 const SMALL_STEP: f64 = 1e-9;
 
@@ -133,8 +136,12 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     /// The foot on one edge by a few steps of Newton alone, which do where the last foot was near.
     fn close_by(&self, point: [f64; 2], edge: i64, from: f64) -> Option<f64> {
         let mut at = from;
+        let rounding = POSITION_ROUNDING * point[0].hypot(point[1]);
         for _ in 0..FEW_ITERATIONS {
-            let Slope { value, derivative, .. } = self.slope(point, edge, at);
+            let Slope { value, derivative, stretch_squared } = self.slope(point, edge, at);
+            if value.abs() <= rounding * stretch_squared.sqrt() && derivative < 0.0 && at.abs() < 1.0 {
+                return Some(at);
+            }
             let step = -value / derivative;
             at += step;
             if derivative >= 0.0 || step.abs() > 1.0 || at.abs() >= 1.0 {

@@ -49,6 +49,7 @@ impl Pair {
             committed: empty.clone(),
             trial: empty,
             kinematics: vec![None; points.len()],
+            shear_stiffness: vec![0.0; points.len()],
             symmetric: true,
             release: pair.release,
             walks,

@@ -45,8 +45,9 @@ pub struct Controls {
     pub line_search: bool,
     /// Whether slips of bonded points limit the increments until the load has peaked, and the peak is located.
     pub locate_peak: bool,
-    /// Viscous stabilisation, N·s/mm per freedom; 0: none.
-    pub viscosity: f64,
+    /// Viscous stabilisation of the solids: their stress gets η/Δt C Δε, with the virgin moduli C, the time increment Δt and
+    /// this relaxation time η, s. Elements that fail at once do so within a few η. 0: none.
+    pub relaxation_time: f64,
 }
 
 impl Default for Controls {
@@ -58,7 +59,7 @@ impl Default for Controls {
             max_cutbacks: 30,
             line_search: true,
             locate_peak: true,
-            viscosity: 0.0,
+            relaxation_time: 0.0,
         }
     }
 }

@@ -1,29 +1,45 @@
 //! Where the next increment leads, and what becomes of it.
 //!
 //! A step goes from progress 0 to 1 on the line between the drives' values at its start and its end. Increments follow
-//! the drives; where these would have to turn back (snap-back), the mean contact slip leads and the drives follow,
-//! until they advance again.
+//! the drives; where these would have to turn back (snap-back), the contact point that slides fastest leads and the drives
+//! follow, until they advance again. Where that does not help (an element that fails unloads all else), the dissipation of
+//! the solids leads.
 //!
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
-use super::newton::{Committed, Converged, Target};
+use super::newton::{Committed, Converged, Leader, Target};
 use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::{Place, Trouble};
 use crate::model::{Model, Step};
 
 /// The load of neighbours of the peak differs by less than this part of it.
 const PEAK_RESOLUTION: f64 = 2e-3;
-/// After as many failures in a row the mean slip leads.
-const FAILURES_BEFORE_SLIP_CONTROL: u32 = 4;
-/// The first increment under slip control, as part of the last under the drives.
-const FIRST_SLIP: f64 = 0.5;
-/// Slip increments shrink to this part of the first.
-const LEAST_SLIP: f64 = 1e-6;
-/// After as many increments in a row under slip control in which the drives advanced, they lead again,
+/// After as many failures in a row something else leads,
+const FAILURES_BEFORE_CHANGE: u32 = 4;
+/// or when increments under the drives are cut to this part of the usual: they creep towards a limit point.
+const CREEPING: f64 = 1e-2;
+/// What is usual fades by this factor with each increment.
+const FADING: f64 = 0.8;
+/// The first increment of what leads now, as part of the usual one.
+const FIRST: f64 = 0.5;
+/// Its increments shrink to this part of the first.
+const LEAST: f64 = 1e-6;
+/// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
+/// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
+const LOAD_CHANGE: f64 = 0.02;
+/// After as many increments in a row under another lead in which the drives advanced, they lead again,
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
 const RECOVERED: f64 = 0.5;
+/// The drives move at most so many times as far as in the last increment where dissipation leads: elastic unloading needs
+/// next to none of it, and would be taken for the path.
+const LARGEST_TURN: f64 = 2.0;
+/// A load that falls by more than this part of the greatest in one increment, while the drive pulls on, has jumped over a
+/// snap-back, which another lead can follow.
+const LARGEST_FALL: f64 = 0.05;
+/// An increment that jumped is repeated with this part of it.
+const JUMP_CUT: f64 = 0.3;
 /// Aim a little below the greatest admissible slip.
 const SLIP_MARGIN: f64 = 0.9;
 /// No single judgement makes an increment smaller than this part.
@@ -33,7 +49,31 @@ const LEAST_FRACTION: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Lead {
     Drives,
-    Slip { increment: f64, first: f64, advances: u32, easy: bool },
+    /// Drives follow.
+    Other(Led),
+}
+
+/// Increments of what leads instead of the drives.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Led {
+    by: Leader,
+    increment: f64,
+    first: f64,
+    /// Increments in a row in which the drives advanced.
+    advances: u32,
+    /// Whether the last increment was easy.
+    easy: bool,
+}
+
+impl Led {
+    fn new(by: Leader, usual: f64) -> Self {
+        let first = FIRST * usual;
+        Self { by, increment: first, first, advances: 0, easy: false }
+    }
+
+    fn least(&self) -> f64 {
+        LEAST * self.first
+    }
 }
 
 /// What a rejected increment means for the run.
@@ -49,6 +89,7 @@ pub(super) enum Advance {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct LoadHistory {
     pub(super) greatest: f64,
+    pub(super) last: f64,
     pub(super) peaked: bool,
 }
 
@@ -59,6 +100,16 @@ pub(super) struct Findings {
     pub(super) load: f64,
     /// The largest growth of a contact point's slip, as a multiple of what is admissible.
     pub(super) slip_growth: f64,
+    /// Whether the drive of the slip went where the load pulls.
+    pub(super) pulls_on: bool,
+}
+
+/// Why an increment that converged may not stand.
+#[derive(Debug)]
+pub(super) struct Judgement {
+    pub(super) trouble: Trouble,
+    /// Whether it is worth no more than one that did not converge.
+    pub(super) has_failed: bool,
 }
 
 /// A step under way.
@@ -74,10 +125,16 @@ pub(super) struct StepRun {
     attempted: f64,
     failures: u32,
     last_progress: f64,
-    last_slip: f64,
+    /// Growths in the last increments: of the drives, of the mean slip, of the solids' dissipation.
+    usual_progress: f64,
+    usual_slip: f64,
+    usual_dissipation: f64,
+    /// What led through the last snap-back.
+    helped: Leader,
     /// The largest increment of the mean slip under the drives.
     largest_slip: f64,
     follows_slip: bool,
+    stabilised: bool,
     locates_peak: bool,
 }
 
@@ -95,9 +152,13 @@ impl StepRun {
             attempted: size.next(1.0),
             failures: 0,
             last_progress: 0.0,
-            last_slip: 0.0,
+            usual_progress: 0.0,
+            usual_slip: 0.0,
+            usual_dissipation: 0.0,
+            helped: Leader::PointSlip,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
+            stabilised: model.controls.relaxation_time > 0.0,
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
         }
     }
@@ -112,7 +173,7 @@ impl StepRun {
     }
 
     /// Where the next attempt leads.
-    pub(super) fn target(&mut self, committed: &Committed) -> Target {
+    pub(super) fn target(&mut self) -> Target {
         match self.lead {
             Lead::Drives => {
                 let left = 1.0 - self.progress;
@@ -123,17 +184,17 @@ impl StepRun {
                     self.progress + self.attempted
                 }))
             }
-            Lead::Slip { increment, .. } => {
-                Target::MeanSlip { mean_slip: committed.mean_slip + increment, direction: self.direction() }
+            Lead::Other(Led { by, increment, .. }) => {
+                Target::Led { by, growth: increment, direction: self.direction() }
             }
         }
     }
 
-    /// Time that the next attempt takes; under slip control as long as the last increment.
+    /// Time that the next attempt takes; under another lead as long as the last increment.
     pub(super) fn time_increment(&self) -> f64 {
         let part = match self.lead {
             Lead::Drives => self.attempted,
-            Lead::Slip { .. } => self.last_progress.abs().max(self.size.minimum()),
+            Lead::Other(_) => self.last_progress.abs().max(self.size.minimum()),
         };
         part * self.duration
     }
@@ -162,14 +223,28 @@ impl StepRun {
         converged: &Converged,
         load: LoadHistory,
         findings: Findings,
-    ) -> Result<(), Trouble> {
-        if let Lead::Slip { .. } = self.lead
+    ) -> Result<(), Judgement> {
+        if let Lead::Other(_) = self.lead
             && self.progress_of(&converged.end.drives) >= 1.0
         {
             // the step's end lies within: go there
             self.lead = Lead::Drives;
             self.size.restart(1.0 - self.progress);
             return Err(repeat("the increment passes the end of the step", 1.0));
+        }
+        if let Lead::Other(Led { by: Leader::Dissipation, .. }) = self.lead {
+            let moved = (self.progress_of(&converged.end.drives) - self.progress).abs();
+            if moved > LARGEST_TURN * self.last_progress.abs() && !self.is_least() {
+                return Err(failed("the drives leave the path of the last increments"));
+            }
+        }
+        let fall = (load.last - findings.load) / load.greatest;
+        let jumps = match self.lead {
+            Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
+            Lead::Other(_) => fall.abs() > LARGEST_FALL,
+        };
+        if jumps && !self.is_least() {
+            return Err(failed("the load jumps"));
         }
         if !self.locates_peak || load.peaked || self.is_least() {
             return Ok(());
@@ -188,80 +263,130 @@ impl StepRun {
     fn is_least(&self) -> bool {
         match self.lead {
             Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
-            Lead::Slip { increment, first, .. } => increment * 0.5 < first * LEAST_SLIP,
+            Lead::Other(led) => led.increment * 0.5 < led.least(),
         }
     }
 
     /// Takes note of an accepted increment; its time.
-    pub(super) fn accept(&mut self, start: &Committed, converged: &Converged, findings: Findings, peaked: bool) -> f64 {
+    pub(super) fn accept(
+        &mut self,
+        start: &Committed,
+        converged: &Converged,
+        findings: Findings,
+        load: LoadHistory,
+    ) -> f64 {
         let time = self.time_increment();
         let iterations = converged.iterations.len();
         self.failures = 0;
-        self.last_slip = converged.end.mean_slip - start.mean_slip;
+        let slip = converged.end.mean_slip - start.mean_slip;
+        self.usual_slip = slip.max(FADING * self.usual_slip);
+        self.usual_dissipation = (converged.end.dissipation - start.dissipation).max(FADING * self.usual_dissipation);
         let before = self.progress;
         match &mut self.lead {
             Lead::Drives => {
-                self.largest_slip = self.largest_slip.max(self.last_slip);
+                self.largest_slip = self.largest_slip.max(slip);
                 let left = 1.0 - self.progress;
                 self.progress = if self.attempted == left { 1.0 } else { self.progress + self.attempted };
                 self.size.accepted(iterations);
-                if self.locates_peak && !peaked && findings.slip_growth > 0.0 {
+                if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
                     self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);
                 }
                 self.last_progress = self.progress - before;
+                self.usual_progress = self.last_progress.max(FADING * self.usual_progress);
             }
-            Lead::Slip { .. } => {
+            Lead::Other(led) => {
+                self.helped = led.by;
                 self.progress = self.progress_of(&converged.end.drives);
                 self.last_progress = self.progress - before;
-                self.after_slip_increment(iterations);
+                self.after_led_increment(iterations, (findings.load - load.last).abs() / load.greatest);
             }
         }
         time
     }
 
-    fn after_slip_increment(&mut self, iterations: usize) {
-        let largest = self.largest_slip;
-        let Lead::Slip { increment, advances, easy, .. } = &mut self.lead else { return };
-        let was_easy = iterations <= EASY;
-        if was_easy && *easy {
-            *increment = (*increment * GROWTH).min(largest);
+    fn after_led_increment(&mut self, iterations: usize, load_change: f64) {
+        let largest_slip = self.largest_slip;
+        let Lead::Other(led) = &mut self.lead else { return };
+        let (was_easy, largest, recovered) = match led.by {
+            Leader::PointSlip => (iterations <= EASY, largest_slip, led.increment >= RECOVERED * largest_slip),
+            Leader::Dissipation => {
+                if load_change > 2.0 * LOAD_CHANGE {
+                    led.increment *= LOAD_CHANGE / load_change;
+                }
+                (iterations <= EASY && load_change < LOAD_CHANGE, f64::INFINITY, true)
+            }
+        };
+        if was_easy && led.easy {
+            led.increment = (led.increment * GROWTH).min(largest);
         }
-        *easy = was_easy;
-        *advances = if self.last_progress > 0.0 { *advances + 1 } else { 0 };
-        if *advances >= ADVANCES_BEFORE_DRIVE_CONTROL && *increment >= RECOVERED * largest {
+        led.easy = was_easy;
+        led.advances = if self.last_progress > 0.0 { led.advances + 1 } else { 0 };
+        if led.advances >= ADVANCES_BEFORE_DRIVE_CONTROL && recovered {
             self.lead = Lead::Drives;
             self.size.restart(self.last_progress);
         }
     }
 
     /// An attempt failed or was judged too large.
-    pub(super) fn reject(&mut self, trouble: &Trouble, converged: bool) -> Advance {
+    pub(super) fn reject(&mut self, trouble: &Trouble, has_failed: bool) -> Advance {
         let Some(fraction) = trouble.fraction else { return Advance::Failed };
         if fraction >= 1.0 {
             return Advance::Repeated;
         }
-        self.failures = if converged { 0 } else { self.failures + 1 };
-        match &mut self.lead {
+        self.failures = if has_failed { self.failures + 1 } else { 0 };
+        let (possible, creeps) = match &mut self.lead {
             Lead::Drives => {
                 let possible = self.size.cut(self.attempted, fraction);
-                let slip_can_lead = self.follows_slip && self.last_slip > 0.0;
-                if slip_can_lead && (self.failures >= FAILURES_BEFORE_SLIP_CONTROL || !possible) {
-                    let first = FIRST_SLIP * self.last_slip;
-                    self.lead = Lead::Slip { increment: first, first, advances: 0, easy: false };
-                    self.failures = 0;
-                    return Advance::Repeated;
+                let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
+                (possible, is_small && has_failed)
+            }
+            Lead::Other(led) => {
+                led.increment *= fraction;
+                led.easy = false;
+                (led.increment >= led.least(), false)
+            }
+        };
+        if self.failures < FAILURES_BEFORE_CHANGE && possible && !creeps {
+            return Advance::Repeated;
+        }
+        match self.next_lead() {
+            Some(next) => {
+                if next == Lead::Drives {
+                    self.size.restart(self.last_progress);
                 }
-                if possible { Advance::Repeated } else { Advance::Failed }
+                self.lead = next;
+                self.failures = 0;
+                Advance::Repeated
             }
-            Lead::Slip { increment, first, easy, .. } => {
-                *increment *= fraction;
-                *easy = false;
-                if *increment >= *first * LEAST_SLIP { Advance::Repeated } else { Advance::Failed }
-            }
+            None if possible => Advance::Repeated,
+            None => Advance::Failed,
+        }
+    }
+
+    /// What may lead where the present lead fails: what helped last time first. With stabilisation the drives lead: what
+    /// would snap back takes its time instead.
+    fn next_lead(&self) -> Option<Lead> {
+        if self.stabilised {
+            return None;
+        }
+        let led = |by, growth: f64| (growth > 0.0).then(|| Lead::Other(Led::new(by, growth)));
+        let slip = || led(Leader::PointSlip, if self.follows_slip { self.usual_slip } else { 0.0 });
+        let dissipation = || led(Leader::Dissipation, self.usual_dissipation);
+        match self.lead {
+            Lead::Drives if self.helped == Leader::Dissipation => dissipation().or_else(slip),
+            Lead::Drives => slip().or_else(dissipation),
+            Lead::Other(Led { by: Leader::PointSlip, .. }) => dissipation(),
+            // Where all that can fail has failed, nothing dissipates until the drives have advanced.
+            Lead::Other(Led { by: Leader::Dissipation, .. }) => (self.last_progress > 0.0).then_some(Lead::Drives),
         }
     }
 }
 
-fn repeat(reason: &str, fraction: f64) -> Trouble {
-    Trouble { place: Place::System, reason: reason.into(), fraction: Some(fraction) }
+fn repeat(reason: &str, fraction: f64) -> Judgement {
+    let trouble = Trouble { place: Place::System, reason: reason.into(), fraction: Some(fraction) };
+    Judgement { trouble, has_failed: false }
+}
+
+fn failed(reason: &str) -> Judgement {
+    Judgement { has_failed: true, ..repeat(reason, JUMP_CUT) }
 }

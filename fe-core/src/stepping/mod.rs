@@ -20,7 +20,7 @@ pub use snapshot::Snapshot;
 use crate::assembly::{Equations, IncrementContext, Solids};
 use crate::contact::Contact;
 use crate::model::{Model, Step};
-use control::{Advance, Findings, LoadHistory, StepRun};
+use control::{Advance, Findings, Judgement, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
 use umat_abi::host::{Clock, ExternalDatabases};
 
@@ -79,7 +79,7 @@ impl<'m> Analysis<'m> {
             reactions: vec![0.0; freedoms],
             external: vec![0.0; freedoms],
             mean_slip: 0.0,
-            stabilisation: 0.0,
+            dissipation: 0.0,
         };
         Ok(Self {
             model,
@@ -151,7 +151,7 @@ impl<'m> Analysis<'m> {
             .attempt(&self.committed, &target, context, &mut self.statistics)
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         self.commit(converged, 0.0);
-        self.datum = self.equilibrium.energies(&self.committed);
+        self.datum = self.equilibrium.energies();
         self.energies = Energies::default();
         self.greatest_work = 0.0;
         self.statistics.increments = 0;
@@ -163,7 +163,7 @@ impl<'m> Analysis<'m> {
         let mut run = StepRun::new(step, &self.committed.drives, self.model);
         let (mut increment, mut cutbacks, mut step_time) = (0, 0, 0.0);
         while !run.is_done() {
-            let target = run.target(&self.committed);
+            let target = run.target();
             let context = IncrementContext {
                 step: number,
                 increment: increment + 1,
@@ -174,8 +174,7 @@ impl<'m> Analysis<'m> {
             };
             self.databases.increment_starts(clock(&context, 0.0));
             let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
-            let has_converged = attempt.is_ok();
-            let judged = attempt.and_then(|converged| {
+            let judged = attempt.map_err(|trouble| Judgement { trouble, has_failed: true }).and_then(|converged| {
                 let findings = self.findings(&converged);
                 run.judge(&converged, self.load, findings).map(|()| (converged, findings))
             });
@@ -183,7 +182,7 @@ impl<'m> Analysis<'m> {
                 Ok((converged, findings)) => {
                     increment += 1;
                     let iterations = converged.iterations.clone();
-                    let passed = run.accept(&self.committed, &converged, findings, self.load.peaked);
+                    let passed = run.accept(&self.committed, &converged, findings, self.load);
                     step_time += passed;
                     self.commit(converged, passed);
                     self.databases.increment_ends(clock(&context, passed));
@@ -194,12 +193,12 @@ impl<'m> Analysis<'m> {
                         end => return Ok(end),
                     }
                 }
-                Err(trouble) => {
+                Err(Judgement { trouble, has_failed }) => {
                     self.equilibrium.restore();
                     self.statistics.cutbacks += 1;
                     cutbacks += 1;
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
-                    if too_many || run.reject(&trouble, has_converged) == Advance::Failed {
+                    if too_many || run.reject(&trouble, has_failed) == Advance::Failed {
                         let progress = run.progress();
                         return Err(RunError::Failed { step: number, increment: increment + 1, progress, trouble });
                     }
@@ -213,8 +212,11 @@ impl<'m> Analysis<'m> {
     fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
         let trial = Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.total_time);
+        let [load, _] = self.measured_load(&trial);
+        let drive = |state: &Committed| self.model.measured.slip.map_or(0.0, |drive| state.drives[drive]);
         Findings {
-            load: self.measured_load(&trial)[0].abs(),
+            load: load.abs(),
+            pulls_on: (drive(&converged.end) - drive(&self.committed)) * load > 0.0,
             slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
         }
     }
@@ -232,15 +234,16 @@ impl<'m> Analysis<'m> {
     fn commit(&mut self, converged: Converged, time: f64) {
         let end = converged.end;
         let work = Energies::work_between(self.equilibrium.system.equations(), &self.committed, &end);
-        self.equilibrium.commit(&end);
+        self.equilibrium.commit(&self.committed, &end);
         self.committed = end;
         self.total_time += time;
         let external_work = self.energies.external_work + work;
-        self.energies = Energies { external_work, ..self.equilibrium.energies(&self.committed).since(&self.datum) };
+        self.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.datum) };
         self.greatest_work = self.greatest_work.max(external_work.abs());
         let load = self.measured_load(&self.snapshot())[0].abs();
         self.load.peaked |= load < self.load.greatest;
         self.load.greatest = self.load.greatest.max(load);
+        self.load.last = load;
         self.statistics.increments += 1;
     }
 

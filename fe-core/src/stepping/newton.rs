@@ -6,10 +6,10 @@
 //!
 //! The first iteration predicts with the tangent of the last converged state; the drives' change enters there as forces,
 //! so that no element next to a grip is strained by the whole of it. Under indirect control δa = δλ d is unknown as
-//! well, and found from the constraint (mean contact slip) by a second solution with the same factor:
+//! well, and found from the constraint c(u) = c₀ + Δc by a second solution with the same factor:
 //!
 //! ```text
-//! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c_target − c − g·Tδq_r) / g·(Tδq_d + S d)
+//! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c₀ + Δc − c − c,_u·Tδq_r) / c,_u·(Tδq_d + S d)
 //! ```
 
 use super::zone::Zone;
@@ -18,7 +18,7 @@ use crate::assembly::solids::TangentChoice;
 use crate::assembly::{
     Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads, touching,
 };
-use crate::contact::Contact;
+use crate::contact::{Contact, PointIndex};
 use crate::model::Model;
 use crate::solver::{SolverError, Symmetry};
 use umat_abi::law::Request;
@@ -32,8 +32,8 @@ pub(super) struct Committed {
     pub(super) reactions: Vec<f64>,
     pub(super) external: Vec<f64>,
     pub(super) mean_slip: f64,
-    /// Energy spent on stabilisation so far, N mm.
-    pub(super) stabilisation: f64,
+    /// Energy that the solids' laws dissipated so far, N mm.
+    pub(super) dissipation: f64,
 }
 
 /// What the increment shall reach.
@@ -41,8 +41,18 @@ pub(super) struct Committed {
 pub(super) enum Target {
     /// These values of the drives.
     Drives(Vec<f64>),
-    /// This mean contact slip, with the drives on the line from where they are along a direction.
-    MeanSlip { mean_slip: f64, direction: Vec<f64> },
+    /// This growth of what leads, with the drives on the line from where they are along a direction.
+    Led { by: Leader, growth: f64, direction: Vec<f64> },
+}
+
+/// What grows where the drives would have to turn back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leader {
+    /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
+    /// increment. It grows while a fibre is pulled out; the mean slip turns back where one point breaks.
+    PointSlip,
+    /// What the solids' laws have dissipated, N·mm: grows while an element fails.
+    Dissipation,
 }
 
 /// One iteration, as the report tells it.
@@ -81,8 +91,6 @@ pub(super) struct Equilibrium<'m> {
     factorised: bool,
     /// The solids' stiffnesses in the matrix.
     assembled_version: u64,
-    /// The stabilisation in the matrix.
-    assembled_dashpot: f64,
     /// Whether the last evaluation gave tangents.
     has_tangents: bool,
     /// By which the last correction multiplied the residual.
@@ -97,6 +105,12 @@ pub(super) struct Equilibrium<'m> {
     extent: f64,
     /// Forces that rounding of positions makes of the largest stiffness, N.
     rounding: f64,
+    /// The largest change of a displacement in the last increment, mm.
+    last_move: f64,
+    /// The contact point that leads, and its slip at the start of the increment.
+    leading_point: Option<(PointIndex, f64)>,
+    /// A point that broke in this attempt: if the attempt fails it leads the next.
+    breaking_point: Option<PointIndex>,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -124,6 +138,10 @@ const MAX_HALVINGS: usize = 4;
 const DIVERGENCE: usize = 4;
 /// Rounds of multiplier updates and openings in one increment.
 const MAX_SETTLEMENTS: usize = 200;
+/// Derivatives of the dissipation are differences over this part of the last increment.
+const PROBE: f64 = 1e-4;
+/// but not less than this part of the displacements, which are rounded.
+const LEAST_PROBE: f64 = 1e-8;
 /// What an attempt that did not converge is repeated with.
 const CUT: f64 = 0.25;
 
@@ -154,7 +172,6 @@ impl<'m> Equilibrium<'m> {
             blocks: Blocks::default(),
             factorised: false,
             assembled_version: 0,
-            assembled_dashpot: 0.0,
             has_tangents: false,
             last_reduction: 1.0,
             at_committed_state: false,
@@ -162,6 +179,9 @@ impl<'m> Equilibrium<'m> {
             fallen_back: Vec::new(),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
+            last_move: 0.0,
+            leading_point: None,
+            breaking_point: None,
         })
     }
 
@@ -176,7 +196,7 @@ impl<'m> Equilibrium<'m> {
         let mut trial = start.clone();
         let mut iterations: Vec<Iteration> = Vec::new();
         if !self.at_committed_state {
-            self.evaluate(start, &trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
         }
         self.at_committed_state = false;
         let mut settlements = 0;
@@ -195,14 +215,10 @@ impl<'m> Equilibrium<'m> {
                 statistics.expansions += 1;
             }
             let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
-            self.evaluate(start, &trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
         }
-        let dashpot = self.dashpot(context);
-        let moved = |freedom: &usize| trial.displacements[*freedom] - start.displacements[*freedom];
-        let freedoms = self.system.equations().freedoms();
-        let stabilisation = dashpot * freedoms.iter().map(|freedom| moved(freedom).powi(2)).sum::<f64>();
-        trial.stabilisation += stabilisation;
         trial.mean_slip = self.contact.mean_slip();
+        trial.dissipation = self.solids.trial_dissipation();
         trial.external.clone_from(&self.external);
         trial.reactions = self.internal.iter().zip(&self.external).map(|(i, e)| i - e).collect();
         Ok(Converged { end: trial, iterations })
@@ -247,7 +263,9 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// The last attempt becomes the committed state.
-    pub(super) fn commit(&mut self, end: &Committed) {
+    pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
+        self.breaking_point = None;
+        self.last_move = largest_difference(&end.displacements, &start.displacements);
         self.solids.commit(&end.displacements);
         self.contact.commit();
         self.at_committed_state = true;
@@ -262,7 +280,7 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// Energies of the committed state but for the external work.
-    pub(super) fn energies(&self, committed: &Committed) -> Energies {
+    pub(super) fn energies(&self) -> Energies {
         let (solids, contact) = (self.solids.energies(), self.contact.energies());
         let opening = contact.opening + contact.released;
         Energies {
@@ -272,7 +290,7 @@ impl<'m> Equilibrium<'m> {
             damage: solids.damage,
             interface: contact.work - opening,
             opening,
-            stabilisation: committed.stabilisation,
+            stabilisation: solids.viscous,
         }
     }
 
@@ -324,11 +342,10 @@ impl<'m> Equilibrium<'m> {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
-            self.prepare_factor(start, trial, context, statistics)?;
-            let direction = self.direction(start, trial, target, pending, statistics)?;
+            self.prepare_factor(trial, context, statistics)?;
+            let direction = self.direction(start, trial, target, (pending, context), statistics)?;
             let request = if pending { Request::StressAndTangent } else { self.request_after(residual, scale) };
-            let step_length =
-                self.advance(start, trial, &direction, context, (pending, residual, request), statistics)?;
+            let step_length = self.advance(trial, &direction, context, (pending, residual, request), statistics)?;
             let after = largest(&self.residual);
             self.last_reduction = if pending { 1.0 } else { after / residual };
             growing = if !pending && after > residual { growing + 1 } else { 0 };
@@ -375,8 +392,7 @@ impl<'m> Equilibrium<'m> {
     ) -> bool {
         let controls = &self.model.controls;
         let tolerance = (controls.force_tolerance * scale).max(self.rounding);
-        let moved =
-            trial.displacements.iter().zip(&start.displacements).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let moved = largest_difference(&trial.displacements, &start.displacements);
         let moved = moved.max(LEAST_RELATIVE_MOVE * largest(&trial.displacements));
         let small_correction = last.is_none_or(|last| last.correction <= controls.displacement_tolerance * moved);
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.rounding) || (residual <= tolerance && small_correction)
@@ -396,7 +412,6 @@ impl<'m> Equilibrium<'m> {
     /// Forces, residual and, if wanted, tangents at a trial state.
     fn evaluate(
         &mut self,
-        start: &Committed,
         trial: &Committed,
         context: IncrementContext,
         request: Request,
@@ -421,12 +436,6 @@ impl<'m> Equilibrium<'m> {
             loads::external(mesh, *nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
         }
         self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
-        let dashpot = self.dashpot(context);
-        if dashpot > 0.0 {
-            for &freedom in self.system.equations().freedoms() {
-                self.internal[freedom] += dashpot * (trial.displacements[freedom] - start.displacements[freedom]);
-            }
-        }
         let unbalanced = self.unbalanced();
         self.residual = self.system.reduce(&unbalanced);
         match unbalanced.iter().position(|force| !force.is_finite()) {
@@ -437,12 +446,6 @@ impl<'m> Equilibrium<'m> {
                 Err(trouble(place, "the internal force is not a finite number".into(), CUT))
             }
         }
-    }
-
-    /// The stabilisation's force per displacement increment at every equation, N/mm.
-    fn dashpot(&self, context: IncrementContext) -> f64 {
-        let viscosity = self.model.controls.viscosity;
-        if viscosity > 0.0 && context.time_increment > 0.0 { viscosity / context.time_increment } else { 0.0 }
     }
 
     /// External less internal forces.
@@ -462,7 +465,7 @@ impl<'m> Equilibrium<'m> {
         start: &Committed,
         trial: &Committed,
         target: &Target,
-        pending: bool,
+        (pending, context): (bool, IncrementContext),
         statistics: &mut Statistics,
     ) -> Result<Direction, Trouble> {
         let mut correction = self.residual.clone();
@@ -476,25 +479,78 @@ impl<'m> Equilibrium<'m> {
                 self.solve(&mut correction, statistics)?;
                 Ok(self.as_direction(&correction, drives))
             }
-            Target::MeanSlip { mean_slip, direction } => {
+            Target::Led { by, growth, direction } => {
                 let mut along = self.drive_force(start, direction);
                 self.solve(&mut correction, statistics)?;
                 self.solve(&mut along, statistics)?;
                 let zero = vec![0.0; direction.len()];
                 let from_residual = self.as_direction(&correction, zero);
                 let from_drives = self.as_direction(&along, direction.clone());
-                let mut gradient = vec![0.0; trial.displacements.len()];
-                self.contact.add_mean_slip_gradient(&mut gradient);
-                let slope = dot(&gradient, &from_drives.displacements);
-                let missing = mean_slip - self.contact.mean_slip() - dot(&gradient, &from_residual.displacements);
-                let share = missing / slope;
+                let progress = match by {
+                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, pending),
+                    Leader::Dissipation => {
+                        self.dissipation_progress([start, trial], &from_residual, &from_drives, context)?
+                    }
+                };
+                let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
-                    let reason = "the contact slip does not follow the drives".into();
+                    let reason = "what leads does not follow the drives".into();
                     return Err(trouble(Place::System, reason, CUT));
                 }
                 Ok(from_residual.plus(share, &from_drives))
             }
         }
+    }
+
+    /// How far the leading point has slid; chosen where the increment starts.
+    fn slip_progress(&mut self, from_residual: &Direction, from_drives: &Direction, pending: bool) -> Progress {
+        if pending {
+            let breaking = self.contact.breaking_point().or(self.breaking_point.take());
+            let leading = breaking.or_else(|| self.contact.fastest_point(&from_drives.displacements));
+            self.leading_point = leading.map(|point| (point, self.contact.slip_of(point)));
+        } else if let Some(point) = self.contact.breaking_point() {
+            self.breaking_point = Some(point);
+        }
+        self.leading_point.map_or(Progress::default(), |(point, start)| Progress {
+            so_far: self.contact.slip_of(point) - start,
+            along_residual: self.contact.slip_along(point, &from_residual.displacements),
+            along_drives: self.contact.slip_along(point, &from_drives.displacements),
+        })
+    }
+
+    /// The solids' dissipation and its derivatives along two corrections, by differences: a UMAT reports the energy, not
+    /// its derivatives. The points' trial state is lost.
+    fn dissipation_progress(
+        &mut self,
+        [start, trial]: [&Committed; 2],
+        from_residual: &Direction,
+        from_drives: &Direction,
+        context: IncrementContext,
+    ) -> Result<Progress, Trouble> {
+        let now = self.dissipation_at(&trial.displacements, context)?;
+        let probe = (PROBE * self.last_move).max(LEAST_PROBE * largest(&trial.displacements));
+        let mut slope = |along: &Direction| -> Result<f64, Trouble> {
+            let greatest = largest(&along.displacements);
+            if greatest == 0.0 {
+                return Ok(0.0);
+            }
+            let length = probe / greatest;
+            let mut growth = |length: f64| -> Result<f64, Trouble> {
+                let probe = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
+                Ok((self.dissipation_at(&probe.collect::<Vec<f64>>(), context)? - now) / length)
+            };
+            // At the start of an increment dissipation grows to one side only: to where the points load.
+            let (ahead, back) = (growth(length)?, growth(-length)?);
+            Ok(if ahead >= -back { ahead } else { back })
+        };
+        let so_far = now - start.dissipation;
+        Ok(Progress { so_far, along_residual: slope(from_residual)?, along_drives: slope(from_drives)? })
+    }
+
+    fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, Trouble> {
+        let mut forces = vec![0.0; displacements.len()];
+        self.solids.evaluate(displacements, &context, Request::Stress, &mut forces)?;
+        Ok(self.solids.trial_dissipation())
     }
 
     /// Tᵀ(∂f_ext/∂a − K S) d, with loads where the increment starts.
@@ -519,7 +575,6 @@ impl<'m> Equilibrium<'m> {
     /// tangents.
     fn prepare_factor(
         &mut self,
-        start: &Committed,
         trial: &Committed,
         context: IncrementContext,
         statistics: &mut Statistics,
@@ -528,9 +583,9 @@ impl<'m> Equilibrium<'m> {
             return Ok(());
         }
         if !self.has_tangents {
-            self.evaluate(start, trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
         }
-        self.factorise(context, statistics)
+        self.factorise(statistics)
     }
 
     fn may_reuse_factor(&self) -> bool {
@@ -552,15 +607,12 @@ impl<'m> Equilibrium<'m> {
     }
 
     /// Factorises what has changed since the last time.
-    fn factorise(&mut self, context: IncrementContext, statistics: &mut Statistics) -> Result<(), Trouble> {
-        let dashpot = self.dashpot(context);
-        let keep = self.model.skipping.unchanged_elements && self.factorised && self.assembled_dashpot == dashpot;
+    fn factorise(&mut self, statistics: &mut Statistics) -> Result<(), Trouble> {
+        let keep = self.model.skipping.unchanged_elements && self.factorised;
         let elements_changed = !keep || self.solids.latest_version() != self.assembled_version;
         if elements_changed {
             self.assembled_version = self.solids.latest_version();
-            self.assembled_dashpot = dashpot;
             self.system.assemble_elements(&self.solids);
-            self.system.add_to_diagonal(dashpot);
         }
         self.system.set_blocks(&self.blocks);
         let symmetric = self.model.skipping.symmetric_solver && self.solids.symmetric();
@@ -586,7 +638,6 @@ impl<'m> Equilibrium<'m> {
     /// the drives move, the residual before, what to ask of the points.
     fn advance(
         &mut self,
-        start: &Committed,
         trial: &mut Committed,
         direction: &Direction,
         context: IncrementContext,
@@ -604,7 +655,7 @@ impl<'m> Equilibrium<'m> {
             }
         };
         place(1.0, trial);
-        self.evaluate(start, trial, context, request, statistics)?;
+        self.evaluate(trial, context, request, statistics)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.residual);
         if !self.model.controls.line_search || predicting || moves_drives || full <= before {
@@ -620,7 +671,7 @@ impl<'m> Equilibrium<'m> {
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
             place(length, trial);
-            self.evaluate(start, trial, context, Request::Stress, statistics)?;
+            self.evaluate(trial, context, Request::Stress, statistics)?;
             let residual = largest(&self.residual);
             if residual < best.0 {
                 best = (residual, length);
@@ -630,7 +681,7 @@ impl<'m> Equilibrium<'m> {
             }
         }
         place(best.1, trial);
-        self.evaluate(start, trial, context, Request::StressAndTangent, statistics)?;
+        self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
         Ok(best.1)
     }
 
@@ -646,6 +697,14 @@ impl<'m> Equilibrium<'m> {
         );
         trouble(place, reason, CUT)
     }
+}
+
+/// How far what leads has grown in the increment, and its derivatives along the two parts of a correction.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    so_far: f64,
+    along_residual: f64,
+    along_drives: f64,
 }
 
 /// A correction of displacements and drives.
@@ -690,6 +749,10 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |greatest, value| value.abs().max(greatest))
 }
 
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
 pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
@@ -699,12 +762,11 @@ impl Equilibrium<'_> {
     /// The residual at a trial state.
     pub(super) fn residual_at(
         &mut self,
-        start: &Committed,
         trial: &Committed,
         context: IncrementContext,
         request: Request,
     ) -> Result<Vec<f64>, Trouble> {
-        self.evaluate(start, trial, context, request, &mut Statistics::default())?;
+        self.evaluate(trial, context, request, &mut Statistics::default())?;
         Ok(self.residual.clone())
     }
 

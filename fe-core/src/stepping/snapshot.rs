@@ -74,7 +74,7 @@ impl<'a> Snapshot<'a> {
 
     /// The greatest pressure of a contact point, MPa; 0 without contact.
     pub fn greatest_pressure(&self) -> f64 {
-        self.contact.points().map(|point| point.pressure).fold(0.0, f64::max)
+        self.contact.points().map(|point| point.weight * point.pressure).fold(0.0, f64::max)
     }
 
     /// Displacement of a node along a direction, mm.

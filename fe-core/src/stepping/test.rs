@@ -12,6 +12,7 @@ use crate::output::Fields;
 use std::io;
 
 mod patch;
+mod snap_back;
 mod spin;
 
 /// Keeps what it is told.
@@ -27,6 +28,11 @@ impl Observer for Keeper {
 
 /// A strip 4 × 1 of eight Q8, held at x = 0 along x and at its corner along y, pulled along x at the other end.
 fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> Model {
+    chain(vec![law], model, end, control)
+}
+
+/// As [`strip`], its last quarter of the last law.
+fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl) -> Model {
     let (columns, rows) = (4, 2);
     let mut nodes = Vec::new();
     let mut number = std::collections::BTreeMap::new();
@@ -43,14 +49,18 @@ fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> M
         for i in 0..columns {
             let at = |a: usize, b: usize| number[&(2 * i + a, 2 * j + b)];
             let nodes = vec![at(0, 0), at(2, 0), at(2, 2), at(0, 2), at(1, 0), at(2, 1), at(1, 2), at(0, 1)];
-            elements.push(ElementDefinition { kind: ElementKind::Q8, part: 0, nodes });
+            elements.push(ElementDefinition {
+                kind: ElementKind::Q8,
+                part: if i + 1 == columns { laws.len() - 1 } else { 0 },
+                nodes,
+            });
         }
     }
     let on = |x: f64| -> Vec<usize> { (0..nodes.len()).filter(|&n| nodes[n][0] == x).collect() };
     let (left, right) = (on(0.0), on(4.0));
     let mesh = Mesh::new(MeshDefinition {
         nodes: nodes.clone(),
-        parts: vec![Part::new("strip", model, 0.5)],
+        parts: (0..laws.len()).map(|k| Part::new(format!("part {k}"), model, 0.5)).collect(),
         elements,
         ..MeshDefinition::default()
     })
@@ -58,8 +68,8 @@ fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> M
     let support = |name: &str, nodes, direction, drive| Support { name: name.into(), nodes, direction, drive };
     Model {
         mesh,
-        laws: vec![law],
-        average_dilatation: vec![false],
+        average_dilatation: vec![false; laws.len()],
+        laws,
         contacts: Vec::new(),
         drives: vec!["pull".into()],
         supports: vec![

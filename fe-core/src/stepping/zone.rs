@@ -25,7 +25,7 @@ impl Zone {
     pub(super) fn new(model: &Model, equations: &Equations, contact: &[usize]) -> Self {
         let mesh = &model.mesh;
         let mut zone = Self { active: vec![true; mesh.elements().len()], condenses: false };
-        let linear = !model.nlgeom && model.controls.viscosity == 0.0;
+        let linear = !model.nlgeom && model.controls.relaxation_time == 0.0;
         if model.skipping.elastic_far_field && linear && !model.contacts.is_empty() {
             let condensable = may_be_condensed(mesh, equations, &loaded_freedoms(model));
             zone.active = touching(mesh, contact);

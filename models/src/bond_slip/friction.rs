@@ -3,8 +3,8 @@
 
 use super::tangential::{Contribution, Matrix, Slip, Vector, difference, dot, norm, scaled, scaled_identity};
 
-/// Rounding of an elastic traction k |g|: within it of the limit counts as sliding, so that a converged
-/// sliding point keeps its sliding tangent when it is evaluated again.
+/// Rounding of a slip, and of an elastic traction k |g|: within it of the limit counts as sliding, and of κ as loading,
+/// so that a converged sliding point keeps its sliding tangent when it is evaluated again.
 pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// A vector brought back to a disc about the origin.

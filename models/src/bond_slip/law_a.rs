@@ -110,7 +110,7 @@ impl LawA<'_> {
         let now = self.at(state.largest_slip.max(r));
         state.largest_slip = now.largest_slip;
         let direction = if r > 0.0 { scaled(slip, 1.0 / r) } else { [1.0, 0.0] };
-        let loading = r >= now.largest_slip;
+        let loading = r >= now.largest_slip * (1.0 - ROUNDING);
         let bonded = fraction == 1.0 && now.largest_slip <= self.envelope.critical_slip;
         // on the envelope, or below it on the elastic line
         let (bond, bond_slope) =
@@ -151,7 +151,7 @@ impl LawA<'_> {
     fn after_debonding(&self, slip: Vector, fraction: f64, state: &mut State) -> Pulled {
         let n = direction_of(state.side);
         let x = dot(n, slip);
-        let loading = x >= state.largest_slip;
+        let loading = x >= state.largest_slip * (1.0 - ROUNDING);
         let now = self.at(state.largest_slip.max(x));
         state.largest_slip = now.largest_slip;
         let k = now.stiffness;
@@ -171,14 +171,14 @@ impl LawA<'_> {
         let trial = scaled(elastic, k);
         let trial_by_slip = sum(scaled_identity(k), outer(elastic, towards_n(now.stiffness_slope)));
         let along = dot(n, trial);
+        let tolerance = ROUNDING * k * (norm(slip) + norm(state.plastic_slip));
         let (centre, centre_by_slip, centre_by_fraction) = if along <= 0.0 {
             (0.0, [0.0; 2], 0.0)
-        } else if along < stretch {
+        } else if along < stretch - tolerance {
             (along, [0, 1].map(|j| n[0] * trial_by_slip[0][j] + n[1] * trial_by_slip[1][j]), 0.0)
         } else {
             (stretch, stretch_by_slip, stretch_by_fraction)
         };
-        let tolerance = ROUNDING * k * (norm(slip) + norm(state.plastic_slip));
         let returned = return_to_disc(difference(trial, scaled(n, centre)), now.friction, tolerance);
         let centre_tangent = outer(n, centre_by_slip);
         let from_centre = sum(trial_by_slip, centre_tangent.map(|row| scaled(row, -1.0)));

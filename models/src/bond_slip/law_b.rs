@@ -28,7 +28,7 @@ impl LawB<'_> {
         let before = self.energy_and_traction(slip.start, fraction.start, state);
         let g = slip.end;
         let r = norm(g);
-        let loading = r >= state.largest_slip;
+        let loading = r >= state.largest_slip * (1.0 - ROUNDING);
         state.largest_slip = state.largest_slip.max(r);
         let (unopened, unopened_slope) = self.envelope.integrity(state.largest_slip);
         let integrity = fraction.end * unopened;

@@ -1,6 +1,7 @@
 //! The closed forms against the equations that they solve.
 
 use super::beam::Cantilever;
+use super::capstan::Capstan;
 use super::cylinder::Cylinder;
 use super::hertz::LineContact;
 use super::pull_out::{DroppingBond, Fibre};
@@ -92,4 +93,23 @@ fn hertz_pressure_carries_the_force() {
     let n = 200_000;
     let sum: f64 = (0..n).map(|k| contact.pressure(500.0, a * (2.0 * (f64::from(k) + 0.5) / f64::from(n) - 1.0))).sum();
     assert!((sum * 2.0 * a / f64::from(n) / 500.0 - 1.0).abs() < 1e-6);
+}
+
+/// dT/dθ integrated by small steps of the midpoint rule; without bond on the arc the load is amplified as a whole.
+#[test]
+fn the_capstan_solves_its_differential_equation() {
+    for (friction, bond) in [(0.3, 0.1), (0.3, 0.0), (0.0, 0.1)] {
+        let capstan = Capstan { radius: 10.0, line_radius: 10.1, angle: 1.5, friction, bond };
+        let steps = 100_000;
+        let step = capstan.angle / f64::from(steps);
+        let slope = |force: f64| 10.0 / 10.1 * (friction * force + 10.0 * bond);
+        let mut force = 7.0;
+        for _ in 0..steps {
+            force += step * slope(force + 0.5 * step * slope(force));
+        }
+        assert!((capstan.pull(7.0) / force - 1.0).abs() < 1e-9);
+    }
+    let thin = Capstan { radius: 10.0, line_radius: 10.0, angle: 1.5, friction: 0.3, bond: 0.0 };
+    assert!((thin.pull(7.0) / thin.amplified_pull(7.0) - 1.0).abs() < 1e-14);
+    assert!(Capstan { bond: 0.1, ..thin }.pull(7.0) < Capstan { bond: 0.1, ..thin }.amplified_pull(7.0));
 }

@@ -215,9 +215,9 @@ pub struct PulloutControls {
     pub line_search: Option<bool>,
     /// Limit slips until the load has peaked, and locate the peak (default true).
     pub locate_peak: Option<bool>,
-    /// Viscous stabilisation, N·s/mm per freedom (default 0: none).
+    /// Viscous stabilisation of the solids: relaxation time, s (default 0: none).
     #[schemars(range(min = 0.0))]
-    pub viscosity: Option<f64>,
+    pub relaxation_time: Option<f64>,
 }
 
 /// What is skipped: everything, nothing, or everything but what is set to false.

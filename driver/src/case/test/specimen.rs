@@ -319,14 +319,14 @@ fn every_specimen_has_a_smallest_case() {
 #[test]
 fn controls_skipping_and_output() {
     let program = program(&[
-        "controls={\"force_tolerance\": 1e-8, \"max_iterations\": 9, \"line_search\": false, \"viscosity\": 2}",
+        "controls={\"force_tolerance\": 1e-8, \"max_iterations\": 9, \"line_search\": false, \"relaxation_time\": 2}",
         "skip={\"elastic_far_field\": false}",
         "output={\"every\": 5, \"vtu\": 3, \"plots\": false}",
         "nlgeom=true",
     ]);
     let controls = program.model.controls;
     assert_eq!((controls.force_tolerance, controls.max_iterations, controls.line_search), (1e-8, 9, false));
-    assert_eq!((controls.viscosity, controls.max_cutbacks), (2.0, 30));
+    assert_eq!((controls.relaxation_time, controls.max_cutbacks), (2.0, 30));
     assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
     assert_eq!((program.output.every, program.output.fields_every, program.output.plots), (5, Some(3), false));
     assert!(program.model.nlgeom);
@@ -411,7 +411,7 @@ const MALFORMED: &[Sample] = &[
         BySchema,
     ),
     (&["controls={\"force_tolerance\": 0}"], "$.controls.force_tolerance", "must be > 0", BySchema),
-    (&["controls={\"viscosity\": -1}"], "$.controls.viscosity", "must be >= 0", BySchema),
+    (&["controls={\"relaxation_time\": -1}"], "$.controls.relaxation_time", "must be >= 0", BySchema),
     (&["skip=some"], "$.skip", "expected \"all\", \"none\" or an object", BySchema),
     (&["skip={\"far_field\": true}"], "$.skip.far_field", "unknown key", BySchema),
     (&["output.vtu=often"], "$.output.vtu", "expected true or false or a whole number", BySchema),

@@ -91,7 +91,7 @@ pub(super) fn advance_small<const N: usize>(
     let pressure = mean_stress(shape, points, |_| 1.0);
     *forces = [[0.0; 2]; N];
     for point in shape.points() {
-        let stress = shared_stress(&points.trial.stress[shape.first_point + point], pressure);
+        let stress = shared_stress(&points.acting[shape.first_point + point], pressure);
         shape.at(point).add_conjugate(&symmetric_gradient(&stress), shape.volumes[point], forces);
     }
     Ok(())
@@ -105,7 +105,7 @@ fn number_of(point: usize) -> i32 {
 /// p̄ of an element with averaged dilatation.
 fn mean_stress<const N: usize>(shape: &Shape<'_, N>, points: &Points, ratio: impl Fn(usize) -> f64) -> Option<f64> {
     shape.average.then(|| {
-        let pressure = |point: usize| mean(&points.trial.stress[shape.first_point + point]);
+        let pressure = |point: usize| mean(&points.acting[shape.first_point + point]);
         shape.integral(|point| pressure(point) * ratio(point)) / shape.integral(&ratio)
     })
 }
@@ -193,7 +193,7 @@ pub(super) fn advance_finite<const N: usize>(
     let pressure = mean_stress(shape, points, |point| motions[point].volume_ratio);
     *forces = [[0.0; 2]; N];
     for point in shape.points() {
-        let stress = shared_stress(&points.trial.stress[shape.first_point + point], pressure);
+        let stress = shared_stress(&points.acting[shape.first_point + point], pressure);
         shape.at(point).add_conjugate(&motions[point].nominal_stress(&stress), shape.volumes[point], forces);
     }
     Ok(motions)
@@ -243,7 +243,7 @@ pub(super) fn stiffness_finite<const N: usize>(
         average.start(shape, motions, form, points);
     }
     for point in shape.points() {
-        let (stress, moduli) = (&points.trial.stress[first + point], &points.moduli[first + point]);
+        let (stress, moduli) = (&points.acting[first + point], &points.moduli[first + point]);
         let (at, volume) = (shape.at(point), shape.volumes[point]);
         let tangent = match (&mut average, form) {
             (None, TangentForm::Exact) => nominal_tangent(&motions[point], stress, moduli),

@@ -73,6 +73,8 @@ pub enum TangentChoice {
 #[derive(Debug)]
 pub struct Solids {
     nlgeom: bool,
+    /// Of the stabilisation, s.
+    relaxation_time: f64,
     skip_unchanged: bool,
     tangent_form: TangentForm,
     bodies: Vec<Body>,
@@ -102,6 +104,7 @@ impl Solids {
         let entries = records.last().map_or(0, |record| record.stiffness.end);
         Ok(Self {
             nlgeom: model.nlgeom,
+            relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
             tangent_form: TangentForm::default(),
             active: vec![true; records.len()],
@@ -196,7 +199,10 @@ impl Solids {
         }
         self.context = *context;
         let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
+        let duration = context.time_increment;
+        let viscosity = if duration > 0.0 { self.relaxation_time / duration } else { 0.0 };
         for body in &mut self.bodies {
+            body.points.viscosity = viscosity;
             let call = &mut body.points.call;
             call.time = [context.step_time, context.total_time];
             call.dtime = context.time_increment;

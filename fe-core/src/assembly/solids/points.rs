@@ -29,6 +29,10 @@ pub(super) struct States {
     pub(super) strain: Vec<Components>,
     pub(super) statev: Vec<f64>,
     pub(super) energies: Vec<[f64; 3]>,
+    /// Of the stabilisation.
+    viscous_stress: Vec<Components>,
+    /// Dissipated by the viscous stress, N·mm/mm³: trapezoidal, like the external work that it is compared with.
+    pub(super) viscous: Vec<f64>,
 }
 
 impl States {
@@ -38,6 +42,8 @@ impl States {
             strain: vec![[0.0; MAX_COMPONENTS]; points],
             statev: vec![0.0; points * nstatv],
             energies: vec![[0.0; 3]; points],
+            viscous_stress: vec![[0.0; MAX_COMPONENTS]; points],
+            viscous: vec![0.0; points],
         }
     }
 }
@@ -58,7 +64,11 @@ pub(super) struct Points {
     nstatv: usize,
     pub(super) committed: States,
     pub(super) trial: States,
-    /// DDSDDE of the last evaluation that asked for it.
+    /// Relaxation time per time increment, η/Δt: the viscous stress is η/Δt C Δε with the virgin moduli C.
+    pub(super) viscosity: f64,
+    /// The stress of the trial state that forces see: the law's and the viscous one.
+    pub(super) acting: Vec<Components>,
+    /// DDSDDE of the last evaluation that asked for it, and the viscous moduli.
     pub(super) moduli: Vec<Moduli>,
     /// DDSDDE at zero strain with the initial states.
     pub(super) elastic: Moduli,
@@ -82,6 +92,8 @@ impl Points {
             nstatv: law.nstatv,
             committed: states.clone(),
             trial: states,
+            viscosity: 0.0,
+            acting: vec![[0.0; MAX_COMPONENTS]; count],
             moduli: vec![zero; count],
             elastic: zero,
             calls: 0,
@@ -158,17 +170,35 @@ impl Points {
         }
         self.trial.statev[statev].copy_from_slice(self.call.statev());
         self.trial.energies[point] = self.call.energies;
+        self.acting[point] = self.trial.stress[point];
+        if self.viscosity > 0.0 {
+            self.add_viscous_stress(point, &increment.strain);
+        }
         if request == Request::Stress {
             return Ok(false);
         }
-        let moduli = match choice {
+        let mut moduli = match choice {
             TangentChoice::Consistent => self.returned_moduli(),
             TangentChoice::Frozen => self.frozen(point)?,
             TangentChoice::Elastic => self.elastic,
         };
+        if self.viscosity > 0.0 {
+            let viscous = self.elastic.as_flattened().iter().map(|modulus| self.viscosity * modulus);
+            moduli.as_flattened_mut().iter_mut().zip(viscous).for_each(|(sum, modulus)| *sum += modulus);
+        }
         let changed = !same_bits(self.moduli[point].as_flattened(), moduli.as_flattened());
         self.moduli[point] = moduli;
         Ok(changed)
+    }
+
+    /// η/Δt C Δε.
+    fn add_viscous_stress(&mut self, point: usize, strain_increment: &Components) {
+        let start = self.committed.viscous_stress[point];
+        let end = self.elastic.map(|row| self.viscosity * dot(&row, strain_increment));
+        self.acting[point].iter_mut().zip(&end).for_each(|(sum, viscous)| *sum += viscous);
+        let spent = 0.5 * (dot(&start, strain_increment) + dot(&end, strain_increment));
+        self.trial.viscous[point] = self.committed.viscous[point] + spent;
+        self.trial.viscous_stress[point] = end;
     }
 
     /// The tangent of the trial state where nothing grows: of an increment of zero from it.
@@ -248,6 +278,8 @@ impl Points {
         committed.stress[points.clone()].copy_from_slice(&trial.stress[points.clone()]);
         committed.strain[points.clone()].copy_from_slice(&trial.strain[points.clone()]);
         committed.energies[points.clone()].copy_from_slice(&trial.energies[points.clone()]);
+        committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
+        committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);
         let statev = points.start * self.nstatv..points.end * self.nstatv;
         committed.statev[statev.clone()].copy_from_slice(&trial.statev[statev]);
     }
@@ -261,6 +293,10 @@ fn remove_rounding(moduli: &mut Moduli) {
     if below_diagonal().all(|place| asymmetry(place) <= SYMMETRY_ROUNDING * greatest) {
         below_diagonal().for_each(|(row, column)| moduli[row][column] = moduli[column][row]);
     }
+}
+
+fn dot(a: &Components, b: &Components) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// Whether numbers are the same to the last bit.

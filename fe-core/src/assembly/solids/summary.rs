@@ -12,6 +12,8 @@ pub struct SolidEnergies {
     pub plastic: f64,
     /// Dissipated by laws with a damage: SPD + SCD.
     pub damage: f64,
+    /// Dissipated by the viscous stress of the stabilisation.
+    pub viscous: f64,
 }
 
 impl std::ops::AddAssign for SolidEnergies {
@@ -19,6 +21,7 @@ impl std::ops::AddAssign for SolidEnergies {
         self.stored += other.stored;
         self.plastic += other.plastic;
         self.damage += other.damage;
+        self.viscous += other.viscous;
     }
 }
 
@@ -107,7 +110,8 @@ impl Solids {
     /// Energies of each part.
     pub fn part_energies(&self) -> Vec<SolidEnergies> {
         let of_body = |body: &Body| {
-            let mut sum = SolidEnergies::default();
+            let viscous = body.points.committed.viscous.iter().zip(&body.volumes).map(|(w, volume)| w * volume).sum();
+            let mut sum = SolidEnergies { viscous, ..SolidEnergies::default() };
             for ([stored, plastic, creep], volume) in body.points.committed.energies.iter().zip(&body.volumes) {
                 sum.stored += stored * volume;
                 let dissipated = if body.damages { &mut sum.damage } else { &mut sum.plastic };
@@ -123,6 +127,15 @@ impl Solids {
         let mut sum = SolidEnergies::default();
         self.part_energies().into_iter().for_each(|part| sum += part);
         sum
+    }
+
+    /// What all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
+    pub fn trial_dissipation(&self) -> f64 {
+        let of_body = |body: &Body| -> f64 {
+            let energies = body.points.trial.energies.iter().zip(&body.volumes);
+            energies.map(|([_, plastic, creep], volume)| (plastic + creep) * volume).sum()
+        };
+        self.bodies.iter().map(of_body).sum()
     }
 
     /// How many points have dissipated anything.

@@ -2,8 +2,8 @@
 
 use super::*;
 use crate::assembly::Place;
-use crate::contact::NormalDrive;
 use crate::contact::law::PointLaw;
+use crate::contact::{NormalDrive, PointIndex};
 use crate::element::ElementKind::{Q4, Q8};
 
 #[test]
@@ -22,6 +22,23 @@ fn a_walk_finds_what_a_full_search_finds() {
             });
             let difference: Vec<f64> = walked.iter().zip(&searched).map(|(a, b)| a - b).collect();
             assert!(largest(&difference) < 1e-9 * largest(&searched), "step {step}");
+        }
+    }
+}
+
+/// To the last bit: a law may ask whether a slip is the largest so far.
+#[test]
+fn a_committed_state_that_is_evaluated_again_has_the_same_slips() {
+    for kind in [Q4, Q8] {
+        let scene = Scene::rows(kind, parabola, PlaneModel::PlaneStrain);
+        let mut contact = scene.contact(scene.pair(uinter(&[("mu", 0.2)])));
+        for step in 1..40 {
+            let displacements = scene.shaken([0.013 * f64::from(step), -0.02], 0.01);
+            forces(&mut contact, &displacements);
+            contact.commit();
+            let slips: Vec<f64> = contact.points().map(|point| point.slip).collect();
+            forces(&mut contact, &displacements);
+            assert!(contact.points().map(|point| point.slip).eq(slips), "{kind}, step {step}");
         }
     }
 }
@@ -134,7 +151,7 @@ fn cycles_dissipate_and_energies_balance() {
 }
 
 #[test]
-fn the_gradient_of_the_mean_slip_is_its_derivative() {
+fn a_slip_along_a_change_is_its_derivative() {
     const STEP: f64 = 1e-6;
     let scene = Scene::rows(Q8, parabola, PlaneModel::PlaneStrain);
     let mut contact = scene.contact(scene.pair(uinter(&[])));
@@ -143,18 +160,29 @@ fn the_gradient_of_the_mean_slip_is_its_derivative() {
     contact.commit();
     let displacements = scene.shaken([0.3, -0.02], 0.01);
     forces(&mut contact, &displacements);
-    let mut gradient = vec![0.0; displacements.len()];
-    contact.add_mean_slip_gradient(&mut gradient);
+    let point = PointIndex { pair: 0, point: 1 };
+    let along = |contact: &Contact, freedom: usize| {
+        let mut change = vec![0.0; displacements.len()];
+        change[freedom] = 1.0;
+        contact.slip_along(point, &change)
+    };
+    let gradient: Vec<f64> = (0..displacements.len()).map(|freedom| along(&contact, freedom)).collect();
     for freedom in 0..displacements.len() {
         let mut slip = |side: f64| {
             let mut moved = displacements.clone();
             moved[freedom] += side * STEP;
             forces(&mut contact, &moved);
-            contact.mean_slip()
+            contact.slip_of(point)
         };
         let difference = (slip(1.0) - slip(-1.0)) / (2.0 * STEP);
         assert!((difference - gradient[freedom]).abs() < 1e-8);
         assert!(gradient[freedom] == 0.0 || contact.freedoms().contains(&freedom));
+    }
+    let fastest = contact.fastest_point(&gradient).unwrap();
+    let others = contact.points().count();
+    for index in 0..others {
+        let other = PointIndex { pair: 0, point: index };
+        assert!(contact.slip_along(other, &gradient).abs() <= contact.slip_along(fastest, &gradient).abs());
     }
 }
 

@@ -209,7 +209,7 @@ fn tangent_error(model: &Model) -> f64 {
         state
     };
     let residual = |equilibrium: &mut Equilibrium<'_>, state: &Committed| {
-        equilibrium.residual_at(&start, state, context, Request::StressAndTangent).unwrap()
+        equilibrium.residual_at(state, context, Request::StressAndTangent).unwrap()
     };
     let h = 2e-9;
     let (plus, minus) = (at(equilibrium, h), at(equilibrium, -h));

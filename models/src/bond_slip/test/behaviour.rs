@@ -71,6 +71,30 @@ fn a_zero_increment_keeps_the_loading_tangent() {
     }
 }
 
+/// The same along a path, without residual friction too, and where the slip that comes again is lower in its last place:
+/// what a host that asks for the tangent at a converged state gives.
+#[test]
+fn a_point_that_is_evaluated_again_is_still_loading() {
+    let mut random = Random(11);
+    for (law, residual) in [(0.0, 0.0), (0.0, 0.5), (1.0, 0.0), (1.0, 0.5)] {
+        let props = glued(&[(LAW, law), (TAU_RES, residual)]);
+        let envelope = Envelope::powers(950.0, [1.5921, 0.0832], [0.87, -0.2678], residual).expect("chapter 8");
+        for _ in 0..200 {
+            let mut point = ContactPoint::<BondSlip>::virgin(&props, 2);
+            let (mut slip, side) = (0.0, if random.signed() < 0.0 { -1.0 } else { 1.0 });
+            for _ in 0..8 {
+                slip += side * random.unit();
+                point.advance(&[0.0, slip, 0.0]);
+                let slope = envelope.strength(f64::abs(slip)).slope;
+                for again in [slip, slip * (1.0 - f64::EPSILON)] {
+                    let tangent = point.trial(&[0.0, again, 0.0]).0.tangent[1][1];
+                    approx::assert_relative_eq!(tangent, slope, max_relative = 1e-9, epsilon = 1e-9);
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn pull_out_force_is_bounded() {
     let bound = PI * 32.0 * 350.0 * chapter_8().strength(chapter_8().peak_slip).traction;

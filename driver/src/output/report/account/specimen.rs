@@ -99,8 +99,8 @@ fn controls(controls: &Controls) -> String {
     );
     let switches = [(controls.line_search, "line search"), (controls.locate_peak, "peak located")];
     switches.into_iter().filter(|(on, _)| *on).for_each(|(_, name)| text.push_str(&format!(", {name}")));
-    if controls.viscosity > 0.0 {
-        text.push_str(&format!(", viscosity {} N·s/mm", rounded(controls.viscosity)));
+    if controls.relaxation_time > 0.0 {
+        text.push_str(&format!(", relaxation time {} s", rounded(controls.relaxation_time)));
     }
     text
 }

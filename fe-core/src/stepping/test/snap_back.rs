@@ -1,0 +1,90 @@
+//! A bar whose last quarter softens so fast that the rest, unloading, must turn back: the equilibrium path is
+//!
+//! ```text
+//! u = ε L_s + σ L_e/E_e      σ = E ε/(1 + η)      η = [A (E ε²/2 − Y_0)]^B        (model I, ν = 0)
+//! ```
+
+use super::*;
+
+/// The softening quarter.
+const MODULUS: f64 = 31800.0;
+const SCALE: f64 = 5000.0;
+const EXPONENT: f64 = 1.3;
+const THRESHOLD: f64 = 2e-4;
+/// The rest: soft, so that it stores much.
+const REST: f64 = 5000.0;
+/// Section, mm².
+const AREA: f64 = 0.5;
+/// Length of the rest and of the softening quarter, mm.
+const LENGTHS: [f64; 2] = [3.0, 1.0];
+/// Pulled so far, mm.
+const END: f64 = 0.003;
+
+fn bar() -> Model {
+    let rest = PluginLaw::shipped("linear_elastic", &[("E", REST), ("nu", 0.0)]);
+    let properties = [("E", MODULUS), ("nu", 0.0), ("A", SCALE), ("B", EXPONENT), ("Y_0", THRESHOLD)];
+    let softening = PluginLaw::shipped("pure_damage", &properties);
+    let control = StepControl::Automatic { initial: 0.02, maximum: 0.05, minimum: 1e-8 };
+    chain(vec![rest, softening], PlaneModel::PlaneStress, END, control)
+}
+
+/// σ of the softening quarter.
+fn stress(strain: f64) -> f64 {
+    let excess = (0.5 * MODULUS * strain * strain - THRESHOLD).max(0.0);
+    MODULUS * strain / (1.0 + (SCALE * excess).powf(EXPONENT))
+}
+
+#[test]
+fn dissipation_leads_through_a_snap_back_without_contact() {
+    let (records, _) = run(&bar());
+    let mut turned_back: f64 = 0.0;
+    for pair in records.windows(2) {
+        let (before, record) = (&pair[0], &pair[1]);
+        let strain = (record.slip - record.load / AREA * LENGTHS[0] / REST) / LENGTHS[1];
+        approx::assert_relative_eq!(record.load / AREA, stress(strain), max_relative = 1e-5);
+        assert!(record.energies.damage >= before.energies.damage);
+        assert!(record.energy_error.abs() < 1e-3, "{}: {:e}", record.increment, record.energy_error);
+        turned_back = turned_back.max(before.slip - record.slip);
+    }
+    assert!(turned_back > 0.0, "the drive had to turn back");
+    let greatest = records.iter().map(|record| record.load).fold(0.0, f64::max);
+    let peak = (1..4000).map(|k| AREA * stress(1e-7 * f64::from(k))).fold(0.0, f64::max);
+    approx::assert_relative_eq!(greatest, peak, max_relative = 5e-3);
+    assert_eq!(records.last().unwrap().slip, END);
+}
+
+#[test]
+fn stabilisation_passes_a_snap_back_without_turning_and_books_what_it_takes() {
+    let mut model = bar();
+    model.controls.relaxation_time = 1e-4;
+    let (records, _) = run(&model);
+    assert!(records.windows(2).all(|pair| pair[1].slip > pair[0].slip));
+    let last = records.last().unwrap();
+    assert!(last.energies.stabilisation > 0.0);
+    assert!(records.iter().all(|record| record.energy_error.abs() < 1e-2));
+    // Where nothing moves fast any more, nothing is left of it.
+    let strain = (last.slip - last.load / AREA * LENGTHS[0] / REST) / LENGTHS[1];
+    approx::assert_abs_diff_eq!(last.load / AREA, stress(strain), epsilon = 0.02);
+}
+
+#[test]
+fn stabilisation_adds_the_stress_of_a_dashpot_beside_an_elastic_strip() {
+    let (modulus, relaxation_time, end) = (1000.0, 0.25, 0.004);
+    let law = PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", 0.0)]);
+    for nlgeom in [false, true] {
+        let mut model = strip(law.clone(), PlaneModel::PlaneStress, end, StepControl::Fixed { increments: 5 });
+        model.controls.relaxation_time = relaxation_time;
+        model.nlgeom = nlgeom;
+        let (records, _) = run(&model);
+        let rate = end / 4.0;
+        let tolerance = if nlgeom { 5e-3 } else { 1e-9 };
+        for record in &records[1..] {
+            let expected = AREA * modulus * (record.slip / 4.0 + relaxation_time * rate);
+            approx::assert_relative_eq!(record.load, expected, max_relative = tolerance);
+            // The stress appears within the first increment: half of it on the mean.
+            let spent = relaxation_time * modulus * rate * rate * (record.time - 0.1) * AREA * 4.0;
+            assert!(record.energy_error.abs() < 1e-3, "{:e}", record.energy_error);
+            approx::assert_relative_eq!(record.energies.stabilisation, spent, max_relative = tolerance);
+        }
+    }
+}
