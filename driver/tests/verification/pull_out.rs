@@ -29,11 +29,12 @@ fn the_linear_bond_gives_the_load_of_shear_lag() {
 
 #[test]
 fn the_dropping_bond_is_followed_through_the_snap_back() {
-    let bond = DroppingBond { stiffness: 100.0, strength: 2.0, friction: 1.0 };
+    let bond = DroppingBond { stiffness: 200.0, strength: 2.0, friction: 1.6 };
     let model = model("fibre-dropping-bond", &[]);
     let (peak, peak_slip) = FIBRE.debonding(&bond, FIBRE.debonded_at_peak(&bond));
     let branch: Vec<(f64, f64)> =
         (0..=4000).map(|k| FIBRE.debonding(&bond, FIBRE.length * f64::from(k) / 4000.0)).collect();
+    let turning_slip = branch.iter().map(|(_, u)| *u).fold(0.0, f64::max);
     // distances from the branch, relative to the peak; slips that turn back
     let (mut worst, mut debonded, mut turned, mut last) = (0.0_f64, 0, 0, 0.0);
     let mut greatest = 0.0_f64;
@@ -49,7 +50,8 @@ fn the_dropping_bond_is_followed_through_the_snap_back() {
             turned += u32::from(record.slip_exit < last);
             worst = worst.max(off);
             debonded += 1;
-        } else if record.load > 0.0 {
+        } else if record.load > 0.0 && (debonded == 0 || record.slip_exit > turning_slip) {
+            // friction that slid back is on its unloading line until the slip is what it was
             let friction = FIBRE.friction_load(bond.friction, record.slip_tail) / peak;
             worst = worst.max((elastic - load).abs().min((friction - load).abs()));
         }
