@@ -120,7 +120,8 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 /// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
 /// after many cuts needs no finer ones than the state that it starts from.
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
-/// After how many iterations the stiffness of elements out of balance becomes safer (fe.md §5).
+/// After how many iterations the stiffness of damaging elements out of balance becomes safer (fe.md §5). That of plastic
+/// ones is safe, and the elastic one far too stiff where flow spreads.
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// A residual that falls faster than this needs no safer stiffness.
 const SLOW_REDUCTION: f64 = 0.5;
@@ -373,7 +374,7 @@ impl<'m> Equilibrium<'m> {
         let freedoms: Vec<usize> = unbalanced.map(|row| 2 * self.system.node_of_row(row)).collect();
         let both: Vec<usize> = freedoms.iter().flat_map(|&freedom| [freedom, freedom + 1]).collect();
         for (element, is_unbalanced) in touching(&self.model.mesh, &both).into_iter().enumerate() {
-            if is_unbalanced {
+            if is_unbalanced && self.solids.softens(element) {
                 self.solids.set_tangent_choice(element, choice);
                 self.fallen_back.push(element);
                 self.has_tangents = false;

@@ -135,6 +135,11 @@ impl Solids {
         &self.active
     }
 
+    /// Whether the tangent of an element may be negative: its law damages, or does not say.
+    pub fn softens(&self, element: usize) -> bool {
+        self.bodies[self.records[element].part].softens
+    }
+
     /// Which tangent an element's stiffness is made of from the next evaluation on.
     pub fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
         let record = &mut self.records[element];

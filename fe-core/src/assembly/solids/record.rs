@@ -58,6 +58,8 @@ pub(super) struct Body {
     average: bool,
     /// The dissipation of its law is damage, not plastic flow.
     pub(super) damages: bool,
+    /// Its tangent may be negative: the law damages, or does not say.
+    pub(super) softens: bool,
     gradients: Vec<[f64; 2]>,
     /// Shape functions at the points of each kind of element.
     values: [Vec<[f64; MAX_NODES]>; ElementKind::ALL.len()],
@@ -126,6 +128,7 @@ fn body(mesh: &Mesh, part: usize, law: &PluginLaw, average: bool, count: usize) 
         // In plane stress nothing locks.
         average: average && definition.model != PlaneModel::PlaneStress,
         damages: law.law.as_ref().is_some_and(has_damage),
+        softens: law.law.as_ref().is_none_or(has_damage),
         gradients: Vec::new(),
         values: std::array::from_fn(|kind| {
             let kind = ElementKind::ALL[kind];
