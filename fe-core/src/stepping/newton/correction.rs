@@ -1,0 +1,212 @@
+//! The correction of an iteration, under direct and indirect control, and how much of it is applied.
+
+use super::{CUT, Committed, Equilibrium, Leader, Target, largest, trouble};
+use crate::assembly::{IncrementContext, Place, Trouble, loads};
+use crate::model::Model;
+use crate::stepping::Statistics;
+use umat_abi::law::Request;
+
+/// A correction that makes the largest residual grow is kept if it leaves no more than this part of the work of the
+/// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths. Not with
+/// contact: at the kinks of its laws such steps go to and fro.
+const WORK_REDUCTION: f64 = 0.8;
+/// Halvings of a correction.
+const MAX_HALVINGS: usize = 4;
+/// Derivatives of the dissipation are differences over this part of the last increment.
+const PROBE: f64 = 1e-4;
+/// but not less than this part of the displacements, which are rounded.
+const LEAST_PROBE: f64 = 1e-8;
+
+/// How far what leads has grown in the increment, and its derivatives along the two parts of a correction.
+#[derive(Clone, Copy, Debug, Default)]
+struct Progress {
+    so_far: f64,
+    along_residual: f64,
+    along_drives: f64,
+}
+
+/// A correction of displacements and drives.
+#[derive(Clone, Debug)]
+pub(super) struct Direction {
+    pub(super) displacements: Vec<f64>,
+    pub(super) drives: Vec<f64>,
+}
+
+impl Direction {
+    fn plus(mut self, factor: f64, other: &Self) -> Self {
+        self.displacements.iter_mut().zip(&other.displacements).for_each(|(a, b)| *a += factor * b);
+        self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
+        self
+    }
+}
+
+impl Equilibrium<'_> {
+    /// The correction of this iteration.
+    pub(super) fn direction(
+        &mut self,
+        start: &Committed,
+        trial: &Committed,
+        target: &Target,
+        (pending, context): (bool, IncrementContext),
+        statistics: &mut Statistics,
+    ) -> Result<Direction, Trouble> {
+        let mut correction = self.residual.clone();
+        match target {
+            Target::Drives(goal) => {
+                let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
+                if pending {
+                    let change = self.drive_force(start, &drives);
+                    correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
+                }
+                self.solve(&mut correction, statistics)?;
+                Ok(self.as_direction(&correction, drives))
+            }
+            Target::Led { by, growth, direction } => {
+                let mut along = self.drive_force(start, direction);
+                self.solve(&mut correction, statistics)?;
+                self.solve(&mut along, statistics)?;
+                let zero = vec![0.0; direction.len()];
+                let from_residual = self.as_direction(&correction, zero);
+                let from_drives = self.as_direction(&along, direction.clone());
+                let progress = match by {
+                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, pending),
+                    Leader::Dissipation => {
+                        self.dissipation_progress([start, trial], &from_residual, &from_drives, context)?
+                    }
+                };
+                let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
+                if !share.is_finite() {
+                    let reason = "what leads does not follow the drives".into();
+                    return Err(trouble(Place::System, reason, CUT));
+                }
+                Ok(from_residual.plus(share, &from_drives))
+            }
+        }
+    }
+
+    /// How far the leading point has slid; chosen where the increment starts.
+    fn slip_progress(&mut self, from_residual: &Direction, from_drives: &Direction, pending: bool) -> Progress {
+        if pending {
+            let breaking = self.contact.breaking_point().or(self.breaking_point.take());
+            let leading = breaking.or_else(|| self.contact.fastest_point(&from_drives.displacements));
+            self.leading_point = leading.map(|point| (point, self.contact.slip_of(point)));
+        } else if let Some(point) = self.contact.breaking_point() {
+            self.breaking_point = Some(point);
+        }
+        self.leading_point.map_or(Progress::default(), |(point, start)| Progress {
+            so_far: self.contact.slip_of(point) - start,
+            along_residual: self.contact.slip_along(point, &from_residual.displacements),
+            along_drives: self.contact.slip_along(point, &from_drives.displacements),
+        })
+    }
+
+    /// The solids' dissipation and its derivatives along two corrections, by differences: a UMAT reports the energy, not
+    /// its derivatives. The points' trial state is lost.
+    fn dissipation_progress(
+        &mut self,
+        [start, trial]: [&Committed; 2],
+        from_residual: &Direction,
+        from_drives: &Direction,
+        context: IncrementContext,
+    ) -> Result<Progress, Trouble> {
+        let now = self.dissipation_at(&trial.displacements, context)?;
+        let probe = (PROBE * self.last_move).max(LEAST_PROBE * largest(&trial.displacements));
+        let mut slope = |along: &Direction| -> Result<f64, Trouble> {
+            let greatest = largest(&along.displacements);
+            if greatest == 0.0 {
+                return Ok(0.0);
+            }
+            let length = probe / greatest;
+            let mut growth = |length: f64| -> Result<f64, Trouble> {
+                let probe = trial.displacements.iter().zip(&along.displacements).map(|(u, du)| u + length * du);
+                Ok((self.dissipation_at(&probe.collect::<Vec<f64>>(), context)? - now) / length)
+            };
+            // At the start of an increment dissipation grows to one side only: to where the points load.
+            let (ahead, back) = (growth(length)?, growth(-length)?);
+            Ok(if ahead >= -back { ahead } else { back })
+        };
+        let so_far = now - start.dissipation;
+        Ok(Progress { so_far, along_residual: slope(from_residual)?, along_drives: slope(from_drives)? })
+    }
+
+    fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, Trouble> {
+        let mut forces = vec![0.0; displacements.len()];
+        self.solids.evaluate(displacements, &context, Request::Stress, &mut forces)?;
+        Ok(self.solids.trial_dissipation())
+    }
+
+    /// Tᵀ(∂f_ext/∂a − K S) d, with loads where the increment starts.
+    pub(super) fn drive_force(&self, start: &Committed, drives: &[f64]) -> Vec<f64> {
+        let mut forces = self.system.drive_stiffness(&self.solids, drives);
+        forces.iter_mut().for_each(|force| *force = -*force);
+        let mut external = vec![0.0; start.displacements.len()];
+        for load in &self.model.loads {
+            let Model { mesh, nlgeom, .. } = self.model;
+            loads::external(mesh, *nlgeom, &load.kind, drives[load.drive], &start.displacements, &mut external, None);
+        }
+        let reduced = self.system.reduce(&external);
+        forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);
+        forces
+    }
+
+    fn as_direction(&self, unknowns: &[f64], drives: Vec<f64>) -> Direction {
+        Direction { displacements: self.system.displacements(unknowns, &drives), drives }
+    }
+
+    /// Applies a correction and evaluates; a shorter one if the residual grows. `(predicting, before, request)`: whether
+    /// the drives move, the residual before, what to ask of the points.
+    pub(super) fn advance(
+        &mut self,
+        trial: &mut Committed,
+        direction: &Direction,
+        context: IncrementContext,
+        (predicting, before, request): (bool, f64, Request),
+        statistics: &mut Statistics,
+    ) -> Result<f64, Trouble> {
+        let from = trial.displacements.clone();
+        let work_before = self.work_along(direction);
+        for (drive, change) in trial.drives.iter_mut().zip(&direction.drives) {
+            *drive += change;
+        }
+        let place = |length: f64, trial: &mut Committed| {
+            for ((u, from), change) in trial.displacements.iter_mut().zip(&from).zip(&direction.displacements) {
+                *u = from + length * change;
+            }
+        };
+        place(1.0, trial);
+        self.evaluate(trial, context, request, statistics)?;
+        let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
+        let full = largest(&self.residual);
+        if !self.model.controls.line_search || predicting || moves_drives || full <= before {
+            return Ok(1.0);
+        }
+        let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };
+        let limit = spreads * work_before.abs();
+        if self.work_along(direction).abs() <= limit {
+            return Ok(1.0);
+        }
+        let mut best = (full, 1.0);
+        let mut length = 1.0;
+        for _ in 0..MAX_HALVINGS {
+            length *= 0.5;
+            place(length, trial);
+            self.evaluate(trial, context, Request::Stress, statistics)?;
+            let residual = largest(&self.residual);
+            if residual < best.0 {
+                best = (residual, length);
+            }
+            if residual <= before || self.work_along(direction).abs() <= limit {
+                break;
+            }
+        }
+        place(best.1, trial);
+        self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        Ok(best.1)
+    }
+
+    /// The work of the unbalanced forces along a correction, N mm: 0 where a shorter or longer one gains nothing.
+    fn work_along(&self, direction: &Direction) -> f64 {
+        let forces = self.external.iter().zip(&self.internal);
+        forces.zip(&direction.displacements).map(|((external, internal), change)| (external - internal) * change).sum()
+    }
+}

@@ -1,0 +1,192 @@
+//! The iterations: when they end, which factor and which tangents serve.
+
+use super::{
+    CUT, Committed, Equilibrium, Iteration, Target, iteration_number, largest, largest_difference, trouble, unsolvable,
+};
+use crate::assembly::solids::TangentChoice;
+use crate::assembly::{IncrementContext, Place, Trouble, touching};
+use crate::solver::Symmetry;
+use crate::stepping::Statistics;
+use umat_abi::law::Request;
+
+/// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
+const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
+/// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
+/// after many cuts needs no finer ones than the state that it starts from.
+const LEAST_RELATIVE_MOVE: f64 = 1e-2;
+/// After how many iterations the stiffness of damaging elements out of balance becomes safer (fe.md §5). That of plastic
+/// ones is safe, and the elastic one far too stiff where flow spreads.
+const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
+/// A residual that falls faster than this needs no safer stiffness.
+const SLOW_REDUCTION: f64 = 0.5;
+/// A factor that made the residual smaller by this serves again.
+const FAST_REDUCTION: f64 = 0.05;
+/// Positions are known to a few units of their last place.
+const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// Residuals that grow as often in a row, after as many iterations, diverge.
+const DIVERGENCE: usize = 4;
+
+impl Equilibrium<'_> {
+    /// Newton's iterations until the residual is small, from the present evaluation.
+    pub(super) fn newton(
+        &mut self,
+        start: &Committed,
+        trial: &mut Committed,
+        target: &Target,
+        context: IncrementContext,
+        done: usize,
+        statistics: &mut Statistics,
+    ) -> Result<Vec<Iteration>, Trouble> {
+        let controls = &self.model.controls;
+        let mut history: Vec<Iteration> = Vec::new();
+        // After a settlement the drives are where they should be, and the increment may be in equilibrium already.
+        let mut pending = done == 0;
+        let mut growing = 0;
+        self.choose_tangents(TangentChoice::Consistent);
+        loop {
+            let residual = largest(&self.residual);
+            let scale = self.force_scale();
+            if !pending && self.is_converged(residual, scale, history.last(), start, trial) {
+                return Ok(history);
+            }
+            if history.len() >= controls.max_iterations || growing >= DIVERGENCE {
+                return Err(self.not_converged(residual, scale, history.len()));
+            }
+            statistics.iterations += 1;
+            let is_slow = self.last_reduction > SLOW_REDUCTION;
+            if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| is_slow && *after == history.len()) {
+                self.choose_tangents(*choice);
+            }
+            let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
+            self.prepare_factor(trial, context, statistics)?;
+            let direction = self.direction(start, trial, target, (pending, context), statistics)?;
+            let request = if pending { Request::StressAndTangent } else { self.request_after(residual, scale) };
+            let step_length = self.advance(trial, &direction, context, (pending, residual, request), statistics)?;
+            let after = largest(&self.residual);
+            self.last_reduction = if pending { 1.0 } else { after / residual };
+            growing = if !pending && after > residual { growing + 1 } else { 0 };
+            pending = false;
+            history.push(Iteration {
+                residual: after,
+                scale: self.force_scale(),
+                correction: step_length * largest(&direction.displacements),
+                step_length,
+            });
+        }
+    }
+
+    /// Makes the stiffness of elements that are out of balance safer: of all elements, back to the consistent one.
+    fn choose_tangents(&mut self, choice: TangentChoice) {
+        if choice == TangentChoice::Consistent {
+            for element in std::mem::take(&mut self.fallen_back) {
+                self.solids.set_tangent_choice(element, choice);
+                self.has_tangents = false;
+            }
+            return;
+        }
+        let limit = self.model.controls.force_tolerance * self.force_scale();
+        let unbalanced = (0..self.residual.len()).filter(|&row| self.residual[row].abs() > limit);
+        let freedoms: Vec<usize> = unbalanced.map(|row| 2 * self.system.node_of_row(row)).collect();
+        let both: Vec<usize> = freedoms.iter().flat_map(|&freedom| [freedom, freedom + 1]).collect();
+        for (element, is_unbalanced) in touching(&self.model.mesh, &both).into_iter().enumerate() {
+            if is_unbalanced && self.solids.softens(element) {
+                self.solids.set_tangent_choice(element, choice);
+                self.fallen_back.push(element);
+                self.has_tangents = false;
+                self.last_reduction = 1.0;
+            }
+        }
+    }
+
+    fn is_converged(
+        &self,
+        residual: f64,
+        scale: f64,
+        last: Option<&Iteration>,
+        start: &Committed,
+        trial: &Committed,
+    ) -> bool {
+        let controls = &self.model.controls;
+        let tolerance = (controls.force_tolerance * scale).max(self.rounding);
+        let moved = largest_difference(&trial.displacements, &start.displacements);
+        let moved = moved.max(LEAST_RELATIVE_MOVE * largest(&trial.displacements));
+        let small_correction = last.is_none_or(|last| last.correction <= controls.displacement_tolerance * moved);
+        residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.rounding) || (residual <= tolerance && small_correction)
+    }
+
+    /// Names the node with the largest residual.
+    fn not_converged(&self, residual: f64, scale: f64, iterations: usize) -> Trouble {
+        let row = (0..self.residual.len()).max_by(|a, b| self.residual[*a].abs().total_cmp(&self.residual[*b].abs()));
+        let place = row.map_or(Place::System, |row| {
+            let node = self.system.node_of_row(row);
+            Place::Node { node, position: self.model.mesh.nodes()[node] }
+        });
+        let reason = format!(
+            "no equilibrium after {iterations} iterations: residual {residual:.3e} N against a force scale of {scale:.3e} N"
+        );
+        trouble(place, reason, CUT)
+    }
+
+    /// Makes sure of a factor that is good enough: the last one while it converges fast, otherwise one of the present
+    /// tangents.
+    fn prepare_factor(
+        &mut self,
+        trial: &Committed,
+        context: IncrementContext,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        if self.may_reuse_factor() {
+            return Ok(());
+        }
+        if !self.has_tangents {
+            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        }
+        self.factorise(statistics)
+    }
+
+    fn may_reuse_factor(&self) -> bool {
+        self.model.skipping.factor_reuse && self.factorised && self.last_reduction < FAST_REDUCTION
+    }
+
+    /// What to ask of the points after a correction: no tangents if the next iteration will not use them.
+    fn request_after(&self, residual: f64, scale: f64) -> Request {
+        let expected = self.last_reduction * residual;
+        let converges = expected < NEGLIGIBLE_RESIDUAL * self.model.controls.force_tolerance * scale;
+        if self.model.skipping.unused_tangents
+            && self.last_reduction < FAST_REDUCTION
+            && (converges || self.may_reuse_factor())
+        {
+            Request::Stress
+        } else {
+            Request::StressAndTangent
+        }
+    }
+
+    /// Factorises what has changed since the last time.
+    fn factorise(&mut self, statistics: &mut Statistics) -> Result<(), Trouble> {
+        let keep = self.model.skipping.unchanged_elements && self.factorised;
+        let elements_changed = !keep || self.solids.latest_version() != self.assembled_version;
+        if elements_changed {
+            self.assembled_version = self.solids.latest_version();
+            self.system.assemble_elements(&self.solids);
+        }
+        self.system.set_blocks(&self.blocks);
+        let symmetric = self.model.skipping.symmetric_solver && self.solids.symmetric();
+        let symmetry = if symmetric { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
+        let result = if elements_changed {
+            statistics.factorisations += 1;
+            self.system.factorise(symmetry)
+        } else {
+            statistics.block_factorisations += 1;
+            self.system.factorise_blocks()
+        };
+        self.rounding = POSITION_ROUNDING * self.extent * self.system.largest_diagonal();
+        self.factorised = result.is_ok();
+        result.map(|_| ()).map_err(|error| unsolvable(&error))
+    }
+
+    pub(super) fn solve(&mut self, right_side: &mut [f64], statistics: &mut Statistics) -> Result<(), Trouble> {
+        statistics.solutions += 1;
+        self.system.solve(right_side).map_err(|error| unsolvable(&error))
+    }
+}

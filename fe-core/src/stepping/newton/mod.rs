@@ -1,0 +1,399 @@
+//! Equilibrium at the end of an increment by Newton's method.
+//!
+//! ```text
+//! r = Tᵀ(f_ext − f_int)          Tᵀ K T δq = r − Tᵀ K S δa          δu = T δq + S δa
+//! ```
+//!
+//! The first iteration predicts with the tangent of the last converged state; the drives' change enters there as forces,
+//! so that no element next to a grip is strained by the whole of it. Under indirect control δa = δλ d is unknown as
+//! well, and found from the constraint c(u) = c₀ + Δc by a second solution with the same factor:
+//!
+//! ```text
+//! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c₀ + Δc − c − c,_u·Tδq_r) / c,_u·(Tδq_d + S d)
+//! ```
+
+mod correction;
+mod iteration;
+
+use super::zone::Zone;
+use super::{Counts, Energies, ModelError, Statistics};
+use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::contact::{Contact, PointIndex};
+use crate::model::Model;
+use crate::solver::SolverError;
+use umat_abi::law::Request;
+
+/// The state at the end of the last accepted increment.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Committed {
+    pub(super) displacements: Vec<f64>,
+    pub(super) drives: Vec<f64>,
+    /// Internal less external forces: reactions at held freedoms, nothing elsewhere.
+    pub(super) reactions: Vec<f64>,
+    pub(super) external: Vec<f64>,
+    pub(super) mean_slip: f64,
+    /// Energy that the solids' laws dissipated so far, N mm.
+    pub(super) dissipation: f64,
+}
+
+/// What the increment shall reach.
+#[derive(Clone, Debug)]
+pub(super) enum Target {
+    /// These values of the drives.
+    Drives(Vec<f64>),
+    /// This growth of what leads, with the drives on the line from where they are along a direction.
+    Led { by: Leader, growth: f64, direction: Vec<f64> },
+}
+
+/// What grows where the drives would have to turn back.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Leader {
+    /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
+    /// increment. It grows while a fibre is pulled out; the mean slip turns back where one point breaks.
+    PointSlip,
+    /// What the solids' laws have dissipated, N·mm: grows while an element fails.
+    Dissipation,
+}
+
+/// One iteration, as the report tells it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Iteration {
+    /// Largest residual force after it, N.
+    pub residual: f64,
+    /// The force that it is compared with, N.
+    pub scale: f64,
+    /// Largest correction of a displacement, mm.
+    pub correction: f64,
+    /// Which part of the correction was applied (line search).
+    pub step_length: f64,
+}
+
+/// An attempt that converged.
+#[derive(Clone, Debug)]
+pub(super) struct Converged {
+    pub(super) end: Committed,
+    pub(super) iterations: Vec<Iteration>,
+}
+
+/// Solids, contact and equations with the memory of an iteration.
+pub(super) struct Equilibrium<'m> {
+    pub(super) model: &'m Model,
+    pub(super) solids: Solids,
+    pub(super) contact: Contact,
+    pub(super) system: System,
+    zone: Zone,
+    internal: Vec<f64>,
+    contact_forces: Vec<f64>,
+    external: Vec<f64>,
+    residual: Vec<f64>,
+    blocks: Blocks,
+    /// Whether a factor of the present pattern exists.
+    factorised: bool,
+    /// The solids' stiffnesses in the matrix.
+    assembled_version: u64,
+    /// Whether the last evaluation gave tangents.
+    has_tangents: bool,
+    /// By which the last correction multiplied the residual.
+    last_reduction: f64,
+    /// Whether the last evaluation is of the committed state, with the tangents that led there.
+    at_committed_state: bool,
+    /// The largest force scale so far.
+    greatest_scale: f64,
+    /// Elements whose stiffness is not the consistent one.
+    fallen_back: Vec<usize>,
+    /// The largest coordinate, mm.
+    extent: f64,
+    /// Forces that rounding of positions makes of the largest stiffness, N.
+    rounding: f64,
+    /// The largest change of a displacement in the last increment, mm.
+    last_move: f64,
+    /// The contact point that leads, and its slip at the start of the increment.
+    leading_point: Option<(PointIndex, f64)>,
+    /// A point that broke in this attempt: if the attempt fails it leads the next.
+    breaking_point: Option<PointIndex>,
+}
+
+/// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
+const LEAST_RELATIVE_SCALE: f64 = 1e-4;
+/// Rounds of multiplier updates and openings in one increment.
+const MAX_SETTLEMENTS: usize = 200;
+/// What an attempt that did not converge is repeated with.
+const CUT: f64 = 0.25;
+
+impl<'m> Equilibrium<'m> {
+    /// Evaluates the virgin state and finds the equations.
+    pub(super) fn new(model: &'m Model, equations: Equations) -> Result<Self, ModelError> {
+        let mut solids = Solids::new(model)?;
+        let contact =
+            Contact::new(&model.mesh, &model.contacts, &solids.elastic_moduli(), model.skipping.contact_search)?;
+        let freedoms = equations.freedom_count();
+        let coupled = coupled_freedoms(model, &contact);
+        let zone = Zone::new(model, &equations, &coupled);
+        let virgin = vec![0.0; freedoms];
+        let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+        solids.evaluate(&virgin, &context, Request::StressAndTangent, &mut vec![0.0; freedoms])?;
+        let system = zone.system(model, equations, &coupled, &solids)?;
+        solids.set_active(zone.active());
+        Ok(Self {
+            model,
+            solids,
+            contact,
+            system,
+            zone,
+            internal: vec![0.0; freedoms],
+            contact_forces: vec![0.0; freedoms],
+            external: vec![0.0; freedoms],
+            residual: Vec::new(),
+            blocks: Blocks::default(),
+            factorised: false,
+            assembled_version: 0,
+            has_tangents: false,
+            last_reduction: 1.0,
+            at_committed_state: false,
+            greatest_scale: 0.0,
+            fallen_back: Vec::new(),
+            extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
+            rounding: 0.0,
+            last_move: 0.0,
+            leading_point: None,
+            breaking_point: None,
+        })
+    }
+
+    /// Finds equilibrium for a target from the committed state.
+    pub(super) fn attempt(
+        &mut self,
+        start: &Committed,
+        target: &Target,
+        context: IncrementContext,
+        statistics: &mut Statistics,
+    ) -> Result<Converged, Trouble> {
+        let mut trial = start.clone();
+        let mut iterations: Vec<Iteration> = Vec::new();
+        if !self.at_committed_state {
+            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+        }
+        self.at_committed_state = false;
+        let mut settlements = 0;
+        loop {
+            let round = self.newton(start, &mut trial, target, context, iterations.len(), statistics)?;
+            iterations.extend(round);
+            if self.contact.settle().again {
+                settlements += 1;
+                if settlements > MAX_SETTLEMENTS {
+                    return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
+                }
+                statistics.settlements += 1;
+            } else if self.far_field_holds(&mut trial, context)? {
+                break;
+            } else {
+                statistics.expansions += 1;
+            }
+            let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
+            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+        }
+        trial.mean_slip = self.contact.mean_slip();
+        trial.dissipation = self.solids.trial_dissipation();
+        trial.external.clone_from(&self.external);
+        trial.reactions = self.internal.iter().zip(&self.external).map(|(i, e)| i - e).collect();
+        Ok(Converged { end: trial, iterations })
+    }
+
+    /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
+    /// that are no longer elastic iterate from now on.
+    fn far_field_holds(&mut self, trial: &mut Committed, context: IncrementContext) -> Result<bool, Trouble> {
+        if !self.zone.condenses() {
+            return Ok(true);
+        }
+        self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
+        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
+        let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
+        self.solids.set_active(&far);
+        let called = self.solids.evaluate(&trial.displacements, &context, Request::Stress, &mut self.internal);
+        self.solids.set_active(self.zone.active());
+        called?;
+        let equations = self.system.equations();
+        let mut residual = vec![0.0; equations.count()];
+        equations.reduce(&self.unbalanced(), &mut residual);
+        let limit = (self.model.controls.force_tolerance * self.force_scale()).max(self.rounding);
+        let unbalanced: Vec<bool> = residual.iter().map(|force| force.abs() > limit).collect();
+        if !unbalanced.contains(&true) {
+            return Ok(true);
+        }
+        let equations = self.system.equations();
+        let at_fault = |freedom: &usize| equations.equations_of(*freedom).iter().any(|(e, _)| unbalanced[*e]);
+        let freedoms: Vec<usize> = (0..equations.freedom_count()).filter(at_fault).collect();
+        let equations = equations.clone();
+        if !self.zone.take_in(&self.model.mesh, &freedoms) {
+            let reason = "equilibrium is lost between the far field and the zone".into();
+            return Err(trouble(Place::System, reason, CUT));
+        }
+        self.system = self
+            .zone
+            .system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)
+            .map_err(|error| unsolvable(&error))?;
+        self.solids.set_active(self.zone.active());
+        self.factorised = false;
+        Ok(false)
+    }
+
+    /// The last attempt becomes the committed state.
+    pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
+        self.breaking_point = None;
+        self.last_move = largest_difference(&end.displacements, &start.displacements);
+        self.solids.commit(&end.displacements);
+        self.contact.commit();
+        self.at_committed_state = true;
+    }
+
+    /// The last attempt is forgotten.
+    pub(super) fn restore(&mut self) {
+        self.last_reduction = 1.0;
+        self.solids.restore();
+        self.contact.restore();
+        self.at_committed_state = false;
+    }
+
+    /// Energies of the committed state but for the external work.
+    pub(super) fn energies(&self) -> Energies {
+        let (solids, contact) = (self.solids.energies(), self.contact.energies());
+        let opening = contact.opening + contact.released;
+        Energies {
+            external_work: 0.0,
+            elastic: solids.stored,
+            plastic: solids.plastic,
+            damage: solids.damage,
+            interface: contact.work - opening,
+            opening,
+            stabilisation: solids.viscous,
+        }
+    }
+
+    /// Forces that rounding makes, N.
+    pub(super) fn rounding(&self) -> f64 {
+        self.rounding
+    }
+
+    pub(super) fn counts(&self) -> Counts {
+        let (solids, contact) = (self.solids.counts(), self.contact.counts());
+        Counts {
+            damaged: solids.damaged,
+            yielding: solids.plastic,
+            sticking: contact.sticking,
+            slipping: contact.slipping,
+            open: contact.open,
+            released: contact.released,
+        }
+    }
+
+    /// What the residual is compared with: the largest of reactions, loads and contact forces.
+    fn force_scale(&mut self) -> f64 {
+        let equations = self.system.equations();
+        let held = |freedom: usize| equations.equations_of(freedom).is_empty();
+        let reactions = self.internal.iter().zip(&self.external).enumerate();
+        let reaction = reactions.filter(|(f, _)| held(*f)).map(|(_, (i, e))| (i - e).abs()).fold(0.0, f64::max);
+        let scale = reaction.max(largest(&self.external)).max(largest(&self.contact_forces));
+        self.greatest_scale = self.greatest_scale.max(scale);
+        scale.max(LEAST_RELATIVE_SCALE * self.greatest_scale)
+    }
+
+    /// Forces, residual and, if wanted, tangents at a trial state.
+    fn evaluate(
+        &mut self,
+        trial: &Committed,
+        context: IncrementContext,
+        request: Request,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        statistics.evaluations += 1;
+        self.has_tangents = request.wants_tangent();
+        self.internal.fill(0.0);
+        self.solids.evaluate(&trial.displacements, &context, request, &mut self.internal)?;
+        if self.has_tangents {
+            self.blocks.clear();
+        }
+        self.contact_forces.fill(0.0);
+        let Self { contact, contact_forces, blocks, .. } = self;
+        contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)?;
+        self.internal.iter_mut().zip(&self.contact_forces).for_each(|(sum, force)| *sum += force);
+        self.external.fill(0.0);
+        for load in &self.model.loads {
+            let factor = trial.drives[load.drive];
+            let blocks = request.wants_tangent().then_some(&mut self.blocks);
+            let Model { mesh, nlgeom, .. } = self.model;
+            loads::external(mesh, *nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
+        }
+        self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
+        let unbalanced = self.unbalanced();
+        self.residual = self.system.reduce(&unbalanced);
+        match unbalanced.iter().position(|force| !force.is_finite()) {
+            None => Ok(()),
+            Some(freedom) => {
+                let node = freedom / 2;
+                let place = Place::Node { node, position: self.model.mesh.nodes()[node] };
+                Err(trouble(place, "the internal force is not a finite number".into(), CUT))
+            }
+        }
+    }
+
+    /// External less internal forces.
+    fn unbalanced(&self) -> Vec<f64> {
+        self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
+    }
+}
+
+/// The freedoms that blocks may couple, ascending: those of contact, and of loads that follow the body.
+fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
+    let mut freedoms = contact.freedoms().to_vec();
+    if model.nlgeom {
+        freedoms.extend(loaded_freedoms(model));
+        freedoms.sort_unstable();
+        freedoms.dedup();
+    }
+    freedoms
+}
+
+fn unsolvable(error: &SolverError) -> Trouble {
+    trouble(Place::System, error.to_string(), CUT)
+}
+
+fn trouble(place: Place, reason: String, fraction: f64) -> Trouble {
+    Trouble { place, reason, fraction: Some(fraction) }
+}
+
+fn iteration_number(done: usize) -> u32 {
+    u32::try_from(done + 1).unwrap_or(u32::MAX)
+}
+
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |greatest, value| value.abs().max(greatest))
+}
+
+fn largest_difference(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max)
+}
+
+pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+#[cfg(test)]
+impl Equilibrium<'_> {
+    /// The residual at a trial state.
+    pub(super) fn residual_at(
+        &mut self,
+        trial: &Committed,
+        context: IncrementContext,
+        request: Request,
+    ) -> Result<Vec<f64>, Trouble> {
+        self.evaluate(trial, context, request, &mut Statistics::default())?;
+        Ok(self.residual.clone())
+    }
+
+    /// K times unknowns by rows, with the tangents of the last evaluation.
+    pub(super) fn tangent_times(&mut self, unknowns: &[f64]) -> Vec<f64> {
+        self.system.assemble_elements(&self.solids);
+        self.system.set_blocks(&self.blocks);
+        self.system.multiply(unknowns)
+    }
+}
