@@ -38,6 +38,8 @@ const LARGEST_TURN: f64 = 2.0;
 /// A load that falls by more than this part of the greatest in one increment, while the drive pulls on, has jumped over a
 /// snap-back, which another lead can follow.
 const LARGEST_FALL: f64 = 0.05;
+/// After so many refusals a jump stands: no lead follows it.
+const MAX_REFUSALS: u32 = 12;
 /// An increment that jumped is repeated with this part of it.
 const JUMP_CUT: f64 = 0.3;
 /// Aim a little below the greatest admissible slip.
@@ -90,6 +92,8 @@ pub(super) enum Advance {
 pub(super) struct LoadHistory {
     pub(super) greatest: f64,
     pub(super) last: f64,
+    /// What rounding makes of a load of 0, N.
+    pub(super) noise: f64,
     pub(super) peaked: bool,
 }
 
@@ -131,6 +135,8 @@ pub(super) struct StepRun {
     usual_dissipation: f64,
     /// What led through the last snap-back.
     helped: Leader,
+    /// Attempts at the present increment that were refused because the load jumps.
+    jumps_refused: u32,
     /// The largest increment of the mean slip under the drives.
     largest_slip: f64,
     follows_slip: bool,
@@ -156,6 +162,7 @@ impl StepRun {
             usual_slip: 0.0,
             usual_dissipation: 0.0,
             helped: Leader::PointSlip,
+            jumps_refused: 0,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0,
@@ -243,7 +250,8 @@ impl StepRun {
             Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
             Lead::Other(_) => fall.abs() > LARGEST_FALL,
         };
-        if jumps && !self.is_least() {
+        if jumps && load.greatest > load.noise && self.jumps_refused < MAX_REFUSALS && !self.is_least() {
+            self.jumps_refused += 1;
             return Err(failed("the load jumps"));
         }
         if !self.locates_peak || load.peaked || self.is_least() {
@@ -276,6 +284,7 @@ impl StepRun {
         load: LoadHistory,
     ) -> f64 {
         let time = self.time_increment();
+        self.jumps_refused = 0;
         let iterations = converged.iterations.len();
         self.failures = 0;
         let slip = converged.end.mean_slip - start.mean_slip;

@@ -244,6 +244,7 @@ impl<'m> Analysis<'m> {
         self.load.peaked |= load < self.load.greatest;
         self.load.greatest = self.load.greatest.max(load);
         self.load.last = load;
+        self.load.noise = self.equilibrium.rounding();
         self.statistics.increments += 1;
     }
 
