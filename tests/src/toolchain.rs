@@ -2,6 +2,7 @@
 //! `PULLOUT_REQUIRE_CLIENTS=1` makes that a failure.
 
 use std::io::Write;
+use std::path::PathBuf;
 use std::process::{Command, Output};
 
 /// A program that the tests of clients need.
@@ -15,6 +16,10 @@ pub enum Tool {
     Fortran,
     /// valgrind.
     Valgrind,
+    /// cmake.
+    CMake,
+    /// pkg-config.
+    PkgConfig,
     /// nm, which lists the symbols of a library.
     Nm,
 }
@@ -27,6 +32,8 @@ impl Tool {
             Self::Cpp => "g++",
             Self::Fortran => "gfortran",
             Self::Valgrind => "valgrind",
+            Self::CMake => "cmake",
+            Self::PkgConfig => "pkg-config",
             Self::Nm => "nm",
         }
     }
@@ -41,11 +48,28 @@ pub fn find(tool: Tool) -> Option<Command> {
     if Command::new(program).arg("--version").output().is_ok_and(|output| output.status.success()) {
         return Some(Command::new(program));
     }
-    let required = std::env::var_os("PULLOUT_REQUIRE_CLIENTS").is_some_and(|value| value == "1");
-    assert!(!required, "{program} is missing, and PULLOUT_REQUIRE_CLIENTS=1");
-    // Not `println!`, which the test harness shows only for failures; a closed stderr is no failure.
-    let _ = writeln!(std::io::stderr(), "NOTICE: {program} is not installed: this check is skipped");
+    skip(&format!("{program} is not installed"));
     None
+}
+
+/// The file or folder that an environment variable names; `None`, after a notice, where it is not set.
+///
+/// # Panics
+/// If it is not set and `PULLOUT_REQUIRE_CLIENTS` is 1.
+pub fn named_by(variable: &str) -> Option<PathBuf> {
+    let path = std::env::var_os(variable).map(PathBuf::from);
+    if path.is_none() {
+        skip(&format!("{variable} is not set"));
+    }
+    path
+}
+
+/// Says that a check is skipped and why.
+fn skip(reason: &str) {
+    let required = std::env::var_os("PULLOUT_REQUIRE_CLIENTS").is_some_and(|value| value == "1");
+    assert!(!required, "{reason}, and PULLOUT_REQUIRE_CLIENTS=1");
+    // Not `println!`, which the test harness shows only for failures; a closed stderr is no failure.
+    let _ = writeln!(std::io::stderr(), "NOTICE: {reason}: this check is skipped");
 }
 
 /// Runs a command that must succeed.

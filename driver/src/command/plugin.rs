@@ -1,5 +1,6 @@
 //! `pullout plugin list | info | check | build`.
 
+mod abaqus;
 mod build;
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
@@ -26,6 +27,9 @@ pub(super) enum Action {
         /// A law's name, or a shared library.
         #[arg(value_name = "NAME|FILE.so")]
         plugin: String,
+        /// As ABAQUS input: keywords, constants in order, state variables.
+        #[arg(long)]
+        abaqus: bool,
         /// Look here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
@@ -52,7 +56,8 @@ pub(super) enum Action {
 pub(super) fn act(action: &Action) -> u8 {
     match action {
         Action::List { plugin_paths } => list(plugin_paths),
-        Action::Info { plugin, plugin_paths } => match open(plugin, plugin_paths) {
+        Action::Info { plugin, abaqus, plugin_paths } => match open(plugin, plugin_paths) {
+            Ok(library) if *abaqus => abaqus_input(&library),
             Ok(library) => info(&library),
             Err(code) => code,
         },
@@ -137,6 +142,23 @@ fn info(library: &Library) -> u8 {
         say(&describe(law, library.path()));
     }
     DONE
+}
+
+fn abaqus_input(library: &Library) -> u8 {
+    if library.laws().is_empty() {
+        complain(format!("{}: has no metadata: the order of its constants is not known", library.path().display()));
+        return BAD_INPUT;
+    }
+    match library.laws().iter().map(abaqus::input).collect::<Result<Vec<_>, _>>() {
+        Ok(laws) => {
+            say(&laws.join("**\n"));
+            DONE
+        }
+        Err(message) => {
+            complain(message);
+            BAD_INPUT
+        }
+    }
 }
 
 fn describe(law: &Law, path: &Path) -> String {

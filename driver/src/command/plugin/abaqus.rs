@@ -1,0 +1,100 @@
+//! A law as ABAQUS input: keywords, constants and state variables in the order of PROPS and STATEV.
+
+use super::entry_points;
+use crate::case;
+use serde_json::{Value, json};
+use std::fmt::Write;
+use umat_abi::host::Law;
+use umat_abi::metadata::{flags, kinds};
+
+/// Values on a data line of `*USER MATERIAL`, `*FRICTION, USER` and `*SURFACE INTERACTION, USER`.
+const VALUES_A_LINE: usize = 8;
+
+/// The keywords that give a law with its default parameters to ABAQUS, one block for each entry point.
+///
+/// # Errors
+/// In words, if the defaults of its metadata make no PROPS.
+pub(super) fn input(law: &Law) -> Result<String, String> {
+    let props = defaults(law)?;
+    let mut text = format!(
+        "** {} {}: {}\n** Units N, mm, MPa. Default values: put in your own.\n",
+        law.name, law.version, law.description
+    );
+    if law.has(flags::USES_CELENT) {
+        text.push_str("** Reads CELENT, the characteristic element length.\n");
+    }
+    if let Some(group) = &law.group {
+        let _ = writeln!(
+            text,
+            "** The last {} constants may be given several times (at least {}).",
+            group.size, group.minimum
+        );
+    }
+    let (name, depvar, properties) = (law.name.to_uppercase(), law.states.len(), props.len());
+    let unsymmetric = if law.has(flags::SYMMETRIC_TANGENT) { "" } else { ", UNSYMM" };
+    let blocks = [kinds::UMAT, kinds::FRIC, kinds::UINTER].into_iter().filter(|kind| law.kinds & kind != 0);
+    for (index, kind) in blocks.enumerate() {
+        let _ = match kind {
+            kinds::UMAT => {
+                writeln!(text, "*MATERIAL, NAME={name}\n*USER MATERIAL, CONSTANTS={properties}{unsymmetric}")
+            }
+            kinds::FRIC => writeln!(
+                text,
+                "** tangential law; FRIC needs *STEP, UNSYMM=YES where the tangent is unsymmetric\n*SURFACE INTERACTION, \
+                 NAME={name}_TANGENTIAL\n1.0,\n*FRICTION, USER, DEPVAR={depvar}, PROPERTIES={properties}"
+            ),
+            // the first data line is the out-of-plane thickness
+            _ => writeln!(
+                text,
+                "** normal and tangential law\n*SURFACE INTERACTION, NAME={name}, USER, DEPVAR={depvar}, \
+                 PROPERTIES={properties}{unsymmetric}\n1.0,"
+            ),
+        };
+        constants(&mut text, law, &props);
+        if kind == kinds::UMAT && depvar > 0 {
+            let _ = writeln!(text, "*DEPVAR\n{depvar},");
+        }
+        if index == 0 {
+            for (index, state) in law.states.iter().enumerate() {
+                let _ = writeln!(text, "** SDV{}: {} ({}): {}", index + 1, state.name, state.unit, state.doc);
+            }
+        }
+    }
+    let _ = writeln!(text, "** entry points: {}", entry_points(law).join(", "));
+    Ok(text)
+}
+
+/// PROPS of the defaults, with the fewest occurrences of the repeating group.
+fn defaults(law: &Law) -> Result<Vec<f64>, String> {
+    let named = match &law.group {
+        Some(group) if group.minimum > 0 => {
+            let repeated = &law.parameters[law.parameters.len() - group.size..];
+            let occurrence: Vec<f64> = repeated.iter().map(|parameter| parameter.default_value).collect();
+            json!({ &group.name: vec![occurrence; group.minimum] })
+        }
+        _ => Value::Null,
+    };
+    case::props_from_json(law, &named).map_err(|problems| {
+        let problems: Vec<_> = problems.iter().map(ToString::to_string).collect();
+        format!("{}: its defaults make no PROPS: {}", law.name, problems.join("; "))
+    })
+}
+
+/// Data lines, each below the names of its values.
+fn constants(text: &mut String, law: &Law, props: &[f64]) {
+    for (line, values) in props.chunks(VALUES_A_LINE).enumerate() {
+        let names: Vec<_> =
+            (line * VALUES_A_LINE..).take(values.len()).map(|index| parameter_name(law, index)).collect();
+        let values: Vec<_> = values.iter().map(|value| format!("{value:?}")).collect();
+        let _ = writeln!(text, "** {}\n{}", names.join(", "), values.join(", "));
+    }
+}
+
+/// The name of an entry of PROPS with its unit; the last parameters repeat.
+fn parameter_name(law: &Law, index: usize) -> String {
+    let size = law.group.as_ref().map_or(0, |group| group.size);
+    let fixed = law.parameters.len() - size;
+    let index = if index < fixed { index } else { fixed + (index - fixed) % size };
+    let parameter = &law.parameters[index];
+    if parameter.unit == "-" { parameter.name.clone() } else { format!("{} [{}]", parameter.name, parameter.unit) }
+}

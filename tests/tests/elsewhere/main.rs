@@ -1,0 +1,71 @@
+//! Our laws in the programs of others, from an installation: `cargo xtask install --prefix P`, then
+//! `PULLOUT_PREFIX=P cargo test -p end-to-end-tests --test elsewhere`. The Python programs need `PULLOUT_PYTHON`, a
+//! Python with oofem, simcoon and NumPy. Without these variables the checks are skipped.
+
+mod abaqus;
+mod compiled;
+mod python;
+
+use end_to_end_tests::{named_by, run, workspace};
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// The installation.
+struct Installation {
+    prefix: PathBuf,
+}
+
+impl Installation {
+    /// Of `PULLOUT_PREFIX`.
+    fn find() -> Option<Self> {
+        named_by("PULLOUT_PREFIX").map(|prefix| Self { prefix })
+    }
+
+    /// The program, with nothing of the caller's plugins.
+    fn program(&self) -> Command {
+        let mut command = Command::new(self.prefix.join("bin/pullout"));
+        command.env_remove("PULLOUT_PLUGIN_PATH");
+        command
+    }
+
+    /// The library of a law.
+    fn library(&self, law: &str) -> PathBuf {
+        self.prefix.join("lib/pullout").join(umat_abi::host::library_file_name(law))
+    }
+
+    /// Runs a case into a folder.
+    fn run_case(&self, case: &Path, overrides: &[String], out: &Path) {
+        let mut command = self.program();
+        command.args(["run", "--quiet", "--out"]).arg(out).arg(case);
+        for entry in overrides {
+            command.args(["--set", entry]);
+        }
+        run(&mut command);
+    }
+}
+
+/// Columns of a `history.csv`, row by row.
+fn history(out: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
+    let file = out.join("history.csv");
+    let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let mut lines = text.lines().filter(|line| !line.starts_with('#'));
+    let header: Vec<_> = lines.next().expect("a header").split(',').collect();
+    let place = |name: &&str| header.iter().position(|column| column == name).unwrap_or_else(|| panic!("{name}"));
+    let places: Vec<_> = columns.iter().map(place).collect();
+    let row = |line: &str| {
+        let fields: Vec<_> = line.split(',').collect();
+        places.iter().map(|&k| fields[k].parse().expect("a number")).collect()
+    };
+    lines.map(row).collect()
+}
+
+/// Lines of numbers.
+fn numbers(output: &[u8]) -> Vec<Vec<f64>> {
+    let line = |line: &str| line.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+    String::from_utf8_lossy(output).lines().map(line).collect()
+}
+
+/// A file of `examples/`.
+fn example(file: &str) -> PathBuf {
+    workspace("examples").join(file)
+}

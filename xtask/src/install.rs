@@ -1,0 +1,137 @@
+//! What goes where under the prefix.
+
+use crate::build::Products;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+/// All laws in one library.
+const ALL_LAWS: &str = "pullout_laws";
+/// The name under which ABAQUS/Standard finds user subroutines in `usub_lib_dir`.
+const ABAQUS_LIBRARY: &str = "libstandardU.so";
+
+/// Files for the programs of others, with the version filled in at `@VERSION@`.
+const TEMPLATES: [(&str, &str); 3] = [
+    ("lib/pkgconfig/pullout.pc", include_str!("../templates/pullout.pc")),
+    ("lib/cmake/pullout/pullout-config.cmake", include_str!("../templates/pullout-config.cmake")),
+    ("lib/cmake/pullout/pullout-config-version.cmake", include_str!("../templates/pullout-config-version.cmake")),
+];
+
+/// Files that are copied as they are, from the workspace.
+const SOURCES: [(&str, &str); 2] = [
+    ("include/pullout_umat.h", "umat-abi/include/pullout_umat.h"),
+    ("include/pullout_umat.f90", "umat-abi/fortran/pullout_umat.f90"),
+];
+
+/// Puts everything under the prefix; the result is the files, in the order in which they were written.
+///
+/// # Errors
+/// In words, with the file.
+pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut files = Vec::new();
+    let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
+    put(&products.program, prefix.join("bin").join(name(&products.program)?))?;
+    let plugins = prefix.join("lib").join("pullout");
+    for library in &products.libraries {
+        put(library, plugins.join(name(library)?))?;
+    }
+    let all_laws = format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
+    let all_laws = products.libraries.iter().find(|library| library.ends_with(&all_laws));
+    let all_laws = all_laws.ok_or_else(|| format!("the build made no {ALL_LAWS}"))?;
+    put(all_laws, plugins.join("abaqus").join(ABAQUS_LIBRARY))?;
+    for (to, from) in SOURCES {
+        put(&workspace.join(from), prefix.join(to))?;
+    }
+    for (to, text) in TEMPLATES {
+        let to = prefix.join(to);
+        write(&to, |unfinished| fs::write(unfinished, text.replace("@VERSION@", env!("CARGO_PKG_VERSION"))))?;
+        files.push(to);
+    }
+    Ok(files)
+}
+
+fn name(file: &Path) -> Result<&std::ffi::OsStr, String> {
+    file.file_name().ok_or_else(|| format!("{}: not a file", file.display()))
+}
+
+fn copy(from: &Path, to: &Path) -> Result<(), String> {
+    if !from.is_file() {
+        return Err(format!("{}: does not exist", from.display()));
+    }
+    write(to, |unfinished| fs::copy(from, unfinished).map(|_| ()))
+}
+
+/// Writes beside the file, then renames: a program that runs from an older installation keeps the library it has
+/// mapped.
+fn write(to: &Path, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<(), String> {
+    let mut unfinished = to.as_os_str().to_owned();
+    unfinished.push(".unfinished");
+    let folder = to.parent().unwrap_or(Path::new("."));
+    let written =
+        fs::create_dir_all(folder).and_then(|()| fill(unfinished.as_ref())).and_then(|()| fs::rename(&unfinished, to));
+    written.map_err(|error| format!("{}: {error}", to.display()))
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    /// Products of a build, as empty as can be.
+    fn products(folder: &Path, libraries: &[&str]) -> Products {
+        let file = |name: &str| {
+            let path = folder.join(name);
+            fs::write(&path, name).expect("a file");
+            path
+        };
+        Products { program: file("pullout"), libraries: libraries.iter().map(|name| file(name)).collect() }
+    }
+
+    fn all_laws() -> String {
+        format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX)
+    }
+
+    #[test]
+    fn everything_is_put_under_the_prefix_and_can_be_put_there_again() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let products = products(folder.path(), &[&all_laws(), "libother.so"]);
+        let prefix = folder.path().join("new/prefix");
+        for _ in 0..2 {
+            let files = install(&crate::workspace(), &products, &prefix).expect("an installation");
+            let mut found: Vec<_> =
+                files.iter().map(|file| file.strip_prefix(&prefix).expect("below").display().to_string()).collect();
+            found.sort();
+            let laws = format!("lib/pullout/{}", all_laws());
+            let mut expected = vec![
+                "bin/pullout",
+                "include/pullout_umat.f90",
+                "include/pullout_umat.h",
+                "lib/cmake/pullout/pullout-config-version.cmake",
+                "lib/cmake/pullout/pullout-config.cmake",
+                "lib/pkgconfig/pullout.pc",
+                "lib/pullout/abaqus/libstandardU.so",
+                "lib/pullout/libother.so",
+                laws.as_str(),
+            ];
+            expected.sort();
+            assert_eq!(found, expected);
+            assert!(files.iter().all(|file| file.is_file()));
+        }
+        let package = fs::read_to_string(prefix.join("lib/pkgconfig/pullout.pc")).expect("a file");
+        assert!(package.contains(&format!("Version: {}\n", env!("CARGO_PKG_VERSION"))));
+        assert!(!package.contains("@VERSION@"));
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let message = |products: &Products, prefix: &Path| {
+            install(&crate::workspace(), products, prefix).expect_err("no installation")
+        };
+        let incomplete = products(folder.path(), &["libother.so"]);
+        assert_eq!(message(&incomplete, &folder.path().join("p")), "the build made no pullout_laws");
+        let complete = products(folder.path(), &[&all_laws()]);
+        let occupied = folder.path().join("pullout");
+        assert!(message(&complete, &occupied).starts_with(&format!("{}/bin", occupied.display())));
+        fs::remove_file(&complete.program).expect("the file is there");
+        assert!(message(&complete, &folder.path().join("p")).ends_with("pullout: does not exist"));
+    }
+}
