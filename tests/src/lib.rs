@@ -16,6 +16,19 @@ pub use toolchain::{Tool, find, named_by, run};
 
 use std::path::{Path, PathBuf};
 
+/// The laws that are shipped.
+pub const SHIPPED_LAWS: [&str; 9] = [
+    "biaxial_damage",
+    "bond_slip",
+    "concrete_damage",
+    "drucker_prager",
+    "inelastic_damage",
+    "j2_plasticity",
+    "linear_elastic",
+    "pure_damage",
+    "reverse_cyclic_damage",
+];
+
 /// The folder into which Cargo builds the plugins: that of the test program itself.
 ///
 /// # Panics

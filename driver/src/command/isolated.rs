@@ -4,6 +4,7 @@ use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, run};
 use crate::isolation::worker;
 use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Stage, Task};
 use crate::output::summary::{PluginFile, Status, Summary};
+use crate::path::Statistics;
 use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -72,7 +73,7 @@ fn conclude(
         }
         None => {}
     }
-    let aftermath = Aftermath::new(message, failure.statistics, wall_time_s);
+    let aftermath = Aftermath { message, statistics: failure.statistics, wall_time_s };
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
         let job = job(Stage::Conclude, file, Some(folder), reading, &text, quiet);
@@ -87,6 +88,7 @@ fn conclude(
 /// What can be said of a run without its case.
 fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
+    let Statistics { increments, iterations, plugin_calls, cutbacks } = aftermath.statistics;
     Ok(Summary {
         status: Status::Failed,
         message: Some(aftermath.message.clone()),
@@ -94,10 +96,10 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
         plugin: plugin.unwrap_or_default(),
         plugins: Vec::new(),
         peaks: Default::default(),
-        increments: aftermath.increments,
-        iterations: aftermath.iterations,
-        plugin_calls: aftermath.plugin_calls,
-        cutbacks: aftermath.cutbacks,
+        increments,
+        iterations,
+        plugin_calls,
+        cutbacks,
         wall_time_s: aftermath.wall_time_s,
         compare: Vec::new(),
         specimen: None,

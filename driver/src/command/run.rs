@@ -231,9 +231,8 @@ impl RunEnd {
         let history = History::read(&folder.join("history.csv"))?;
         let mut peaks = PeakRecorder::new(&case.columns());
         history.each_row(|row| peaks.observe(&row));
-        let Aftermath { message, wall_time_s, .. } = aftermath;
-        let statistics = aftermath.statistics();
-        Ok(Self { peaks, statistics, message: Some(message.clone()), wall_time_s: *wall_time_s })
+        let Aftermath { message, statistics, wall_time_s } = aftermath.clone();
+        Ok(Self { peaks, statistics, message: Some(message), wall_time_s })
     }
 }
 

@@ -36,30 +36,10 @@ pub struct Report {
 pub struct Aftermath {
     /// What happened.
     pub message: String,
-    /// Increments finished.
-    pub increments: u64,
-    /// Their Newton iterations.
-    pub iterations: u64,
-    /// Calls of plugins.
-    pub plugin_calls: u64,
-    /// Halvings of increments.
-    pub cutbacks: u64,
+    /// What the finished increments cost.
+    pub statistics: Statistics,
     /// Seconds from start to end.
     pub wall_time_s: f64,
-}
-
-impl Aftermath {
-    /// Of a run.
-    pub fn new(message: String, statistics: Statistics, wall_time_s: f64) -> Self {
-        let Statistics { increments, iterations, plugin_calls, cutbacks } = statistics;
-        Self { message, increments, iterations, plugin_calls, cutbacks, wall_time_s }
-    }
-
-    /// What the run cost.
-    pub fn statistics(&self) -> Statistics {
-        let Self { increments, iterations, plugin_calls, cutbacks, .. } = *self;
-        Statistics { increments, iterations, plugin_calls, cutbacks }
-    }
 }
 
 impl Report {

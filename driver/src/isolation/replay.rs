@@ -3,8 +3,10 @@
 use super::Need;
 use super::need::CALL_TIME_LIMIT;
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
+use crate::path::replay::{StrainDrive, duration};
 use serde_json::{Map, Value, json};
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
+use umat_abi::law::StressState;
 
 /// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell.
 pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
@@ -69,11 +71,6 @@ fn integers<const N: usize>(values: &[f64]) -> [i32; N] {
     std::array::from_fn(|k| integer(values, k))
 }
 
-/// A duration; a call may take none, a step takes some.
-fn duration(dtime: &[f64]) -> f64 {
-    Some(at(dtime, 0)).filter(|time| *time > 0.0).unwrap_or(1.0)
-}
-
 fn array<const N: usize>(values: &[f64]) -> [f64; N] {
     std::array::from_fn(|k| at(values, k))
 }
@@ -84,14 +81,13 @@ fn rows(matrix: &[f64]) -> Value {
 }
 
 fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
-    // Strains 33 in NTENS 4 are those of the axisymmetric mode, which has the same NTENS and NDI.
-    let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
-    let (mode, components, driven): (_, &[usize], &[usize]) = match call.stran.len() {
-        6 => ("3d", &[0, 1, 2, 3, 4, 5], &[0, 1, 2, 3, 4, 5]),
-        3 => ("plane_stress", &[0, 1, 3], &[0, 1, 3]),
-        _ if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
-        _ => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
+    let stress_state = match call.stran.len() {
+        6 => StressState::ThreeD,
+        3 => StressState::PlaneStress,
+        _ => StressState::PlaneStrainOrAxisymmetric,
     };
+    let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
+    let StrainDrive { mode, components, driven } = StrainDrive::new(stress_state, has_strain_33);
     let named = |names: &[&str; 6], which: &[usize], value: &dyn Fn(usize) -> f64| -> Value {
         let entries = components.iter().enumerate().filter(|(_, component)| which.contains(component));
         entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
@@ -99,7 +95,7 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     let end = |k: usize| at(&call.stran, k) + at(&call.dstran, k);
     let mut step = json!({
         "increments": 1,
-        "time": duration(&call.dtime),
+        "time": duration(at(&call.dtime, 0)),
         "target": named(&STRAIN_NAMES, driven, &end),
         "temperature": at(&call.temp, 0) + at(&call.temp, 1),
     });
@@ -152,7 +148,7 @@ fn interface(time: [f64; 2], dtime: &[f64], statev: &[f64], mut arguments: Value
         "kind": "interface",
         "initial": { "statev": statev, "time": time[1].max(0.0) },
         "arguments": arguments,
-        "steps": [{ "increments": 1, "time": duration(dtime), "target": {} }],
+        "steps": [{ "increments": 1, "time": duration(at(dtime, 0)), "target": {} }],
     })
 }
 

@@ -7,13 +7,14 @@ mod interface;
 mod newton;
 mod point;
 pub mod program;
-mod replay;
+pub mod replay;
 mod subdivision;
 #[cfg(test)]
 mod test;
 
 pub use arguments::{ContactArguments, UmatArguments};
 use program::{Kind, Program, Until};
+use serde::{Deserialize, Serialize};
 use std::io;
 use umat_abi::host::ExternalDatabases;
 
@@ -43,7 +44,7 @@ pub trait Observer {
 }
 
 /// What a run cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Increments finished (sub-increments not counted).
     pub increments: u64,

@@ -2,7 +2,7 @@
 
 use super::deformation::{columns, incremental_motion, matrix, rotated};
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, Plugin, PointDrive, PointProgram, PointState, PointStep, Program};
+use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
@@ -140,7 +140,8 @@ impl<'p> Runner<'p> {
         let committed = Committed {
             strain: initial.strain,
             stress: initial.stress,
-            statev: initial_states(plugin, initial)?,
+            statev: InitialStates::new(&plugin.library, initial.statev.as_deref(), plugin.nstatv)
+                .of_point([0.0; 3], 1, 1)?,
             energies: point.arguments.energies,
             step_time: 0.0,
             total_time: initial.time,
@@ -327,18 +328,6 @@ impl<'p> Runner<'p> {
         statistics.iterations += 1;
         Ok(1)
     }
-}
-
-/// STATEV before the first step.
-fn initial_states(plugin: &Plugin, initial: &PointState) -> Result<Vec<f64>, String> {
-    if let Some(given) = &initial.statev {
-        return Ok(given.clone());
-    }
-    let mut statev = vec![0.0; plugin.nstatv];
-    if let Some(states) = InitialStates::of(&plugin.library) {
-        states.set(&mut statev, [0.0; 3], 1, 1).map_err(|overrun| format!("SDVINI: {overrun}"))?;
-    }
-    Ok(statev)
 }
 
 /// What UEXTERNALDB is told of the increment of a call.

@@ -2,6 +2,7 @@
 
 use super::Program;
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
+use crate::path::replay::{StrainDrive, duration};
 use fe_core::assembly::{Place, Trouble};
 use fe_core::contact::NormalDrive;
 use fe_core::kinematics::PlaneModel;
@@ -31,15 +32,10 @@ fn material_point(
     let mesh = &program.model.mesh;
     let part = mesh.elements()[element].part();
     let law = &program.model.laws[part];
-    // Elements whose dilatation is averaged have strains 33 in plane strain as well: the axisymmetric mode has the same
-    // NTENS and NDI, and drives all four.
-    let has_strain_33 = call.strain[2] != 0.0 || call.strain_increment[2] != 0.0;
-    // the four components of the plane among the six of a case
-    let (mode, components, driven): (_, &[usize], &[usize]) = match mesh.parts()[part].model {
-        PlaneModel::PlaneStress => ("plane_stress", &[0, 1, 3], &[0, 1, 3]),
-        PlaneModel::PlaneStrain if !has_strain_33 => ("plane_strain", &[0, 1, 2, 3], &[0, 1, 3]),
-        PlaneModel::PlaneStrain | PlaneModel::Axisymmetric => ("axisymmetric", &[0, 1, 2, 3], &[0, 1, 2, 3]),
-    };
+    let model = mesh.parts()[part].model;
+    let has_strain_33 = model == PlaneModel::Axisymmetric || call.strain[2] != 0.0 || call.strain_increment[2] != 0.0;
+    // the four components of the plane are the first of the six of a case
+    let StrainDrive { mode, components, driven } = StrainDrive::new(model.stress_state(), has_strain_33);
     let named = |names: &[&str; 6], which: &[usize], values: [f64; 4]| {
         which.iter().map(|&k| (names[k].to_owned(), json!(values[k]))).collect::<Map<_, _>>()
     };
@@ -103,9 +99,4 @@ fn material(law: &PluginLaw, props: &[f64], entry: Option<&str>) -> Value {
         material["nstatv"] = json!(law.nstatv);
     }
     material
-}
-
-/// A step takes some time; equilibrium before the first step takes none.
-fn duration(time_increment: f64) -> f64 {
-    if time_increment > 0.0 { time_increment } else { 1.0 }
 }

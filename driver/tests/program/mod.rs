@@ -197,16 +197,3 @@ pub fn case_files() -> Vec<PathBuf> {
     assert!(files.len() > 40, "{} case files", files.len());
     files
 }
-
-/// The laws that are shipped.
-pub const LAWS: [&str; 9] = [
-    "biaxial_damage",
-    "bond_slip",
-    "concrete_damage",
-    "drucker_prager",
-    "inelastic_damage",
-    "j2_plasticity",
-    "linear_elastic",
-    "pure_damage",
-    "reverse_cyclic_damage",
-];

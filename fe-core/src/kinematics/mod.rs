@@ -3,6 +3,7 @@
 pub mod finite;
 
 use crate::element::{MAX_NODES, MappedPoint};
+use umat_abi::law::StressState;
 
 #[cfg(test)]
 mod test;
@@ -27,6 +28,14 @@ pub enum PlaneModel {
 impl PlaneModel {
     /// All models.
     pub const ALL: [Self; 3] = [Self::PlaneStress, Self::PlaneStrain, Self::Axisymmetric];
+
+    /// The components that a UMAT gets.
+    pub const fn stress_state(self) -> StressState {
+        match self {
+            Self::PlaneStress => StressState::PlaneStress,
+            Self::PlaneStrain | Self::Axisymmetric => StressState::PlaneStrainOrAxisymmetric,
+        }
+    }
 
     /// Components of stress and strain: NTENS.
     pub const fn component_count(self) -> usize {

@@ -2,7 +2,6 @@
 
 use crate::kinematics::PlaneModel;
 use umat_abi::host::{FricCall, InitialStates, Law, Library, LoadError, UinterCall, UmatCall};
-use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
 /// The plugin of a part or of a contact pair. Which law it is nobody here knows.
@@ -42,11 +41,8 @@ impl PluginLaw {
     /// # Errors
     /// The library has no such entry point.
     pub fn umat(&self, model: PlaneModel) -> Result<UmatCall, LawError> {
-        let stress_state = match model {
-            PlaneModel::PlaneStress => StressState::PlaneStress,
-            PlaneModel::PlaneStrain | PlaneModel::Axisymmetric => StressState::PlaneStrainOrAxisymmetric,
-        };
-        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, stress_state, self.nstatv, &self.props)
+        let (symbol, state) = (self.symbol.as_deref(), model.stress_state());
+        UmatCall::new(&self.library, symbol, &self.cmname, state, self.nstatv, &self.props)
             .map_err(|error| self.error(&error))
     }
 
@@ -72,23 +68,20 @@ impl PluginLaw {
     ///
     /// # Errors
     /// SDVINI wrote behind STATEV.
-    pub fn initial_states(
+    pub fn states_of_point(
         &self,
-        routine: Option<&InitialStates>,
-        position: [f64; 2],
+        initial: &InitialStates,
+        [x, y]: [f64; 2],
         element: i32,
         point: i32,
     ) -> Result<Vec<f64>, LawError> {
-        if let Some(given) = &self.statev0 {
-            return Ok(given.clone());
-        }
-        let mut statev = vec![0.0; self.nstatv];
-        if let Some(routine) = routine {
-            let coordinates = [position[0], position[1], 0.0];
-            let set = routine.set(&mut statev, coordinates, element, point);
-            set.map_err(|overrun| LawError { name: self.name.clone(), message: format!("SDVINI: {overrun}") })?;
-        }
-        Ok(statev)
+        let states = initial.of_point([x, y, 0.0], element, point);
+        states.map_err(|message| LawError { name: self.name.clone(), message })
+    }
+
+    /// Where the states of its points start from.
+    pub fn initial_states(&self) -> InitialStates {
+        InitialStates::new(&self.library, self.statev0.as_deref(), self.nstatv)
     }
 
     /// Whether its tangent is symmetric whatever the parameters and the state.

@@ -231,17 +231,16 @@ impl StepRun {
         load: LoadHistory,
         findings: Findings,
     ) -> Result<(), Judgement> {
-        if let Lead::Other(_) = self.lead
-            && self.progress_of(&converged.end.drives) >= 1.0
-        {
-            // the step's end lies within: go there
-            self.lead = Lead::Drives;
-            self.size.restart(1.0 - self.progress);
-            return Err(repeat("the increment passes the end of the step", 1.0));
-        }
-        if let Lead::Other(Led { by: Leader::Dissipation, .. }) = self.lead {
-            let moved = (self.progress_of(&converged.end.drives) - self.progress).abs();
-            if moved > LARGEST_TURN * self.last_progress.abs() && !self.is_least() {
+        if let Lead::Other(Led { by, .. }) = self.lead {
+            let progress = self.progress_of(&converged.end.drives);
+            if progress >= 1.0 {
+                // the step's end lies within: go there
+                self.lead = Lead::Drives;
+                self.size.restart(1.0 - self.progress);
+                return Err(repeat("the increment passes the end of the step", 1.0));
+            }
+            let turns = (progress - self.progress).abs() > LARGEST_TURN * self.last_progress.abs();
+            if by == Leader::Dissipation && turns && !self.is_least() {
                 return Err(failed("the drives leave the path of the last increments"));
             }
         }

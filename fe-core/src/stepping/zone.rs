@@ -77,23 +77,16 @@ impl Zone {
         self.active.iter().filter(|active| **active).count() > before
     }
 
-    /// The system of this partition; the solids' stiffnesses are those of the virgin state, or were.
+    /// The system of this partition, whose blocks couple these freedoms; the solids' stiffnesses are those of the virgin state, or were.
     pub(super) fn system(
         &self,
         model: &Model,
         equations: Equations,
-        contact: &[usize],
+        coupled: &[usize],
         solids: &Solids,
     ) -> Result<System, SolverError> {
         let condensation =
-            self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: contact });
-        let mut coupled = contact.to_vec();
-        if model.nlgeom {
-            // pressures that follow the body have tangents as well
-            coupled.extend(loaded_freedoms(model));
-            coupled.sort_unstable();
-            coupled.dedup();
-        }
-        System::new(&model.mesh, equations, &coupled, condensation, SolverOptions::default())
+            self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: coupled });
+        System::new(&model.mesh, equations, coupled, condensation, SolverOptions::default())
     }
 }

@@ -1,21 +1,8 @@
 //! `pullout plugin info --abaqus`: constants and state variables in the order of the metadata.
 
 use super::{Installation, example};
-use end_to_end_tests::run;
+use end_to_end_tests::{SHIPPED_LAWS, run};
 use umat_abi::host::{Law, Library};
-
-/// The laws with an input file in `examples/abaqus`.
-const LAWS: [&str; 9] = [
-    "biaxial_damage",
-    "bond_slip",
-    "concrete_damage",
-    "drucker_prager",
-    "inelastic_damage",
-    "j2_plasticity",
-    "linear_elastic",
-    "pure_damage",
-    "reverse_cyclic_damage",
-];
 
 fn generated(installation: &Installation, law: &str) -> String {
     let output = run(installation.program().args(["plugin", "info", "--abaqus", law]));
@@ -46,7 +33,7 @@ fn defaults(law: &Law) -> Vec<f64> {
 #[test]
 fn constants_are_in_order() {
     let Some(installation) = Installation::find() else { return };
-    for name in LAWS {
+    for name in SHIPPED_LAWS {
         let text = generated(&installation, name);
         let library = Library::open(&installation.library(name)).expect("an installed plugin");
         let law = &library.laws()[0];
@@ -76,7 +63,7 @@ fn constants_are_in_order() {
 #[test]
 fn the_shipped_input_files_are_current() {
     let Some(installation) = Installation::find() else { return };
-    for law in LAWS {
+    for law in SHIPPED_LAWS {
         let file = example("abaqus").join(format!("{law}.inp"));
         let shipped = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
         assert_eq!(shipped, generated(&installation, law), "pullout plugin info --abaqus {law} > {}", file.display());

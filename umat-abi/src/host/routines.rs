@@ -2,7 +2,7 @@
 
 use super::guard::{Guard, run};
 use super::library::Library;
-use super::memory::{Guarded, Overrun};
+use super::memory::Guarded;
 use std::path::Path;
 
 /// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
@@ -100,37 +100,62 @@ impl Drop for ExternalDatabases {
     }
 }
 
-/// SDVINI of a library.
+/// STATEV of points at the start.
 #[derive(Clone, Debug)]
 pub struct InitialStates {
-    function: InitialStateFunction,
-    guard: Option<Guard>,
-    /// Keeps the function's code loaded.
-    _library: Library,
+    count: usize,
+    source: StateSource,
+}
+
+#[derive(Clone, Debug)]
+enum StateSource {
+    Zero,
+    Given(Vec<f64>),
+    Routine {
+        function: InitialStateFunction,
+        guard: Option<Guard>,
+        /// Keeps the function's code loaded.
+        _library: Library,
+    },
 }
 
 impl InitialStates {
-    /// `None`: the library exports none.
-    pub fn of(library: &Library) -> Option<Self> {
-        // SAFETY: as for UEXTERNALDB.
-        let function = unsafe { library.find("sdvini") }?;
-        Some(Self { function, guard: library.guard(), _library: library.clone() })
+    /// Of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
+    pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
+        let source = match given {
+            Some(given) => StateSource::Given(given.to_vec()),
+            // SAFETY: as for UEXTERNALDB.
+            None => match unsafe { library.find("sdvini") } {
+                Some(function) => StateSource::Routine { function, guard: library.guard(), _library: library.clone() },
+                None => StateSource::Zero,
+            },
+        };
+        Self { count, source }
     }
 
-    /// Sets STATEV of a point: its coordinates, its element and number in it, from 1.
+    /// Whether all are 0 at every point, because nobody says otherwise.
+    pub fn are_zero(&self) -> bool {
+        matches!(self.source, StateSource::Zero)
+    }
+
+    /// STATEV of a point: its coordinates, its element and number in it, from 1.
     ///
     /// # Errors
-    /// [`Overrun`] if it wrote behind STATEV.
-    pub fn set(&self, statev: &mut [f64], coordinates: [f64; 3], element: i32, point: i32) -> Result<(), Overrun> {
-        let mut guarded = Guarded::new("STATEV", statev.len());
+    /// In words, if SDVINI wrote behind STATEV.
+    pub fn of_point(&self, coordinates: [f64; 3], element: i32, point: i32) -> Result<Vec<f64>, String> {
+        let (function, guard) = match &self.source {
+            StateSource::Zero => return Ok(vec![0.0; self.count]),
+            StateSource::Given(given) => return Ok(given.clone()),
+            StateSource::Routine { function, guard, .. } => (function, guard),
+        };
+        let mut guarded = Guarded::new("STATEV", self.count);
         let (dimensions, one) = (3, 1);
         let (states, count) = (guarded.as_mut_ptr(), guarded.count());
         // SAFETY: every pointer is valid for the sizes that the counts tell.
-        run(self.guard.as_ref(), || unsafe {
-            (self.function)(states, coordinates.as_ptr(), count, &dimensions, &element, &point, &one, &one);
+        run(guard.as_ref(), || unsafe {
+            function(states, coordinates.as_ptr(), count, &dimensions, &element, &point, &one, &one);
         });
-        guarded.check()?;
-        statev.copy_from_slice(guarded.as_slice());
-        Ok(())
+        guarded.check().map_err(|overrun| format!("SDVINI: {overrun}"))?;
+        Ok(guarded.as_slice().to_vec())
     }
 }

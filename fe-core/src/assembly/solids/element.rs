@@ -2,6 +2,7 @@
 
 use super::kernel::{Nodal, PointShape, add_product, mirror};
 use super::points::{PointIncrement, PointTrouble, Points, USUAL_FRACTION, is_symmetric};
+use super::record::number_of;
 use super::{LEAST_VOLUME_RATIO, TangentChoice};
 use crate::element::MAX_NODES;
 use crate::kinematics::finite::{
@@ -95,11 +96,6 @@ pub(super) fn advance_small<const N: usize>(
         shape.at(point).add_conjugate(&symmetric_gradient(&stress), shape.volumes[point], forces);
     }
     Ok(())
-}
-
-/// NPT: from 1, at most [`MAX_POINTS`].
-fn number_of(point: usize) -> i32 {
-    point as i32 + 1
 }
 
 /// p̄ of an element with averaged dilatation.

@@ -45,7 +45,7 @@ use crate::model::Model;
 use element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
 use kernel::Nodal;
 use points::same_bits;
-use record::{Body, Record, bodies};
+use record::{Body, Record, bodies, number_of};
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -238,7 +238,7 @@ impl Solids {
         record.forget();
         let (shape, points) = self.bodies[record.part].split::<N>(record);
         points.call.celent = record.characteristic_length;
-        points.call.noel = i32::try_from(element + 1).unwrap_or(i32::MAX);
+        points.call.noel = number_of(element);
         let task = Task { request, choice: record.choice };
         let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
         let changed = &mut record.moduli_changed;

@@ -6,7 +6,7 @@ use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY,
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use umat_abi::host::{CallOutcome, UmatCall};
-use umat_abi::law::{Request, StressState};
+use umat_abi::law::Request;
 
 /// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
 #[derive(Clone, Debug)]
@@ -80,10 +80,7 @@ impl Points {
     /// `count` virgin points.
     pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, SolidsError> {
         let call = law.umat(model).map_err(|source| SolidsError::Umat { part: part.to_owned(), source })?;
-        let components = match call.stress_state() {
-            StressState::PlaneStress => &[0, 1, 3][..],
-            _ => &[0, 1, 2, 3][..],
-        };
+        let components = call.stress_state().components();
         let states = States::virgin(count, law.nstatv);
         let zero = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
         Ok(Self {
@@ -278,8 +275,10 @@ impl Points {
         committed.stress[points.clone()].copy_from_slice(&trial.stress[points.clone()]);
         committed.strain[points.clone()].copy_from_slice(&trial.strain[points.clone()]);
         committed.energies[points.clone()].copy_from_slice(&trial.energies[points.clone()]);
-        committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
-        committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);
+        if self.viscosity > 0.0 {
+            committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
+            committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);
+        }
         let statev = points.start * self.nstatv..points.end * self.nstatv;
         committed.statev[statev.clone()].copy_from_slice(&trial.statev[statev]);
     }

@@ -9,7 +9,7 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::model::{Model, PluginLaw};
 use std::ops::Range;
-use umat_abi::host::{InitialStates, Validation};
+use umat_abi::host::Validation;
 use umat_abi::metadata::stress_states;
 
 /// An element, and what is known of its last evaluation.
@@ -143,16 +143,16 @@ fn body(mesh: &Mesh, part: usize, law: &PluginLaw, average: bool, count: usize) 
 
 /// STATEV of every point: of the case, of the library's SDVINI, or zeros.
 fn set_initial_states(laws: &[PluginLaw], bodies: &mut [Body], records: &[Record]) -> Result<(), SolidsError> {
-    let routines: Vec<_> = laws.iter().map(|law| InitialStates::of(&law.library)).collect();
+    let initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
     for (element, record) in records.iter().enumerate() {
-        let (law, routine) = (&laws[record.part], routines[record.part].as_ref());
-        if law.statev0.is_none() && routine.is_none() {
+        let (law, initial) = (&laws[record.part], &initial[record.part]);
+        if initial.are_zero() {
             continue;
         }
         let body = &mut bodies[record.part];
         for (number, point) in record.points.clone().enumerate() {
             let statev = law
-                .initial_states(routine, body.positions[point], number_of(element), number_of(number))
+                .states_of_point(initial, body.positions[point], number_of(element), number_of(number))
                 .map_err(|source| SolidsError::Umat { part: body.name.clone(), source })?;
             body.points.set_initial_states(point, &statev);
         }
@@ -160,8 +160,8 @@ fn set_initial_states(laws: &[PluginLaw], bodies: &mut [Body], records: &[Record
     Ok(())
 }
 
-/// As a plugin counts.
-fn number_of(index: usize) -> i32 {
+/// NOEL or NPT of an index: a plugin counts from 1.
+pub(super) fn number_of(index: usize) -> i32 {
     i32::try_from(index + 1).unwrap_or(i32::MAX)
 }
 

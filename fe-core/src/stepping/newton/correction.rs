@@ -109,7 +109,8 @@ impl Equilibrium<'_> {
         from_drives: &Direction,
         context: IncrementContext,
     ) -> Result<Progress, Trouble> {
-        let now = self.dissipation_at(&trial.displacements, context)?;
+        // the last evaluation was of this trial state
+        let now = self.solids.trial_dissipation();
         let probe = (PROBE * self.last_move).max(LEAST_PROBE * largest(&trial.displacements));
         let mut slope = |along: &Direction| -> Result<f64, Trouble> {
             let greatest = largest(&along.displacements);

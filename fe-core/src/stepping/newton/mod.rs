@@ -342,7 +342,8 @@ impl<'m> Equilibrium<'m> {
     }
 }
 
-/// The freedoms that blocks may couple, ascending: those of contact, and of loads that follow the body.
+/// The freedoms that blocks may couple, ascending: those of contact, and of pressures that follow the body, which have
+/// tangents as well.
 fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
     let mut freedoms = contact.freedoms().to_vec();
     if model.nlgeom {
