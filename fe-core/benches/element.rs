@@ -105,7 +105,7 @@ fn model(case: &Case, nlgeom: bool) -> Model {
         supports: Vec::new(),
         couplings: Vec::new(),
         loads: Vec::new(),
-        nlgeom,
+        nlgeom: vec![nlgeom],
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls::default(),

@@ -80,7 +80,7 @@ fn supports(model: &Model) -> String {
 
 fn step(model: &Model, index: usize, body: &str) -> String {
     let step = &model.steps[index];
-    let nlgeom = if model.nlgeom { ", NLGEOM" } else { "" };
+    let nlgeom = if model.has_large_displacements() { ", NLGEOM" } else { "" };
     let sizes = match step.control {
         StepControl::Fixed { increments } => {
             format!("*STATIC, DIRECT\n{}, {}\n", step.time / increments as f64, step.time)

@@ -49,17 +49,21 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let controls = controls(reader, case);
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, measured } = boundary;
-    let (laws, average_dilatation) = parts?;
+    let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
+    let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
+    for pair in &mut contacts {
+        pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);
+    }
     let model = Model {
-        mesh: checked?,
-        laws,
-        average_dilatation,
-        contacts: contacts?,
+        mesh,
+        laws: parts.laws,
+        average_dilatation: parts.average_dilatation,
+        nlgeom,
+        contacts,
         drives: drives.names(),
         supports,
         couplings,
         loads,
-        nlgeom,
         measured,
         steps: steps.iter().map(|step| step.step.clone()).collect(),
         controls,

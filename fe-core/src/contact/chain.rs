@@ -79,11 +79,11 @@ impl Shape {
 }
 
 impl Chain {
-    /// Orders the edges of a master surface.
+    /// Orders the edges of a master surface. `bends`: normals are smoothed over nodes where it is straight, too.
     ///
     /// # Errors
     /// They are no single row, open or closed.
-    pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str) -> Result<Self, ContactError> {
+    pub fn new(mesh: &Mesh, edges: &[ElementEdge], pair: &str, bends: bool) -> Result<Self, ContactError> {
         let (order, closed) = order(mesh, edges, pair)?;
         let mut chain = Self::empty(closed);
         for edge in order {
@@ -94,7 +94,8 @@ impl Chain {
             }
             chain.add(&edge, reference);
         }
-        chain.smooth = (0..chain.len() as i64).map(|edge| chain.is_bent_after(edge)).collect();
+        let straight = if bends { 0.0 } else { STRAIGHT };
+        chain.smooth = (0..chain.len() as i64).map(|edge| chain.turns_after(edge, straight..CORNER)).collect();
         Ok(chain)
     }
 
@@ -131,7 +132,8 @@ impl Chain {
 
     /// Whether the directions before and after the end of an edge differ in the reference configuration, but not as
     /// at a corner.
-    fn is_bent_after(&self, edge: i64) -> bool {
+    /// Whether the next edge turns by an angle in this range.
+    fn turns_after(&self, edge: i64, range: std::ops::Range<f64>) -> bool {
         if !self.goes_on(edge, 1) {
             return false;
         }
@@ -141,7 +143,7 @@ impl Chain {
         };
         let ([a, b], [c, d]) = (direction(edge, 1.0), direction(edge + 1, -1.0));
         let angle = (a * d - b * c).atan2(a * c + b * d).abs();
-        (STRAIGHT..CORNER).contains(&angle)
+        range.contains(&angle)
     }
 
     /// How many edges there are.

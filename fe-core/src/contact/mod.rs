@@ -7,6 +7,7 @@ mod kinematics;
 mod law;
 mod normal;
 mod pair;
+mod patch;
 mod projection;
 mod quadrature;
 mod settle;
@@ -192,7 +193,7 @@ impl Contact {
     }
 
     /// From the committed state to the end displacements (two per node). Adds the internal contact forces to `forces`
-    /// and, if a tangent is wanted, one block for each point that transmits anything to `blocks`.
+    /// and, if a tangent is wanted, one block for each patch of points that transmits anything to `blocks`.
     ///
     /// # Errors
     /// A plugin wants a smaller increment or failed, or a point lost its master. Forces and blocks are then incomplete.

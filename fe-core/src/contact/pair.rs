@@ -2,12 +2,14 @@
 
 use super::chain::{Chain, Foot};
 use super::history::{History, PointState, PointStatus};
-use super::kinematics::{Kinematics, MAX_FREEDOMS, NoGap};
+use super::kinematics::{Kinematics, NoGap};
 use super::law::{LawFailure, PointLaw, Situation, Tangent};
+use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
 use crate::assembly::{Blocks, IncrementContext, Place, Trouble};
 use crate::model::Enforcement;
+use std::ops::Range;
 use umat_abi::law::Request;
 
 /// A weight nearer to 1 than this is 1: the last point of a slave edge that ends with the master.
@@ -56,6 +58,12 @@ pub(super) struct Pair {
     pub trial: History,
     /// Of the last evaluation; `None`: never evaluated, or released.
     pub kinematics: Vec<Option<Kinematics>>,
+    /// ∂(p, τ)/∂(u, s) and dw/ds of the points of their last evaluation.
+    pub tangents: Vec<Tangent>,
+    pub weight_slopes: Vec<f64>,
+    /// Points that share a gap, in order.
+    pub patches: Vec<Range<usize>>,
+    pub scratch: Scratch,
     /// ∂t_T/∂s of the points, N/mm, of their last evaluation with tangents.
     pub shear_stiffness: Vec<f64>,
     /// Whether all blocks of the last evaluation that made any were symmetric.
@@ -94,32 +102,51 @@ impl Pair {
     ) -> Result<Evaluation, Trouble> {
         let mut evaluation = Evaluation::default();
         self.symmetric |= output.request.wants_tangent();
-        for index in 0..self.points.len() {
-            if self.committed.points[index].status == PointStatus::Released {
-                self.kinematics[index] = None;
-                continue;
+        for patch in 0..self.patches.len() {
+            let patch = self.patches[patch].clone();
+            for index in patch.clone() {
+                evaluation.searches += usize::from(self.find_foot(index, position)?);
             }
-            evaluation.points += 1;
-            let was_open = self.trial.points[index].status == PointStatus::Open;
-            let at = self.points[index].slave.position(position);
-            let trouble = |(reason, fraction)| Trouble {
-                place: Place::Contact { pair: self.name.clone(), point: index, position: at },
-                reason,
-                fraction,
-            };
-            let (kinematics, foot, searched) = self.project(index, at, position).map_err(trouble)?;
-            evaluation.searches += usize::from(searched);
-            let advanced = self.advance(index, &kinematics, foot, context);
-            let (tangent, weight_slope) = advanced.map_err(|failure| Trouble {
-                place: Place::Contact { pair: self.name.clone(), point: index, position: at },
-                reason: failure.reason,
-                fraction: failure.fraction,
-            })?;
-            evaluation.changes += usize::from(was_open != (self.trial.points[index].status == PointStatus::Open));
-            self.kinematics[index] = Some(kinematics);
-            self.add(index, &kinematics, &tangent, weight_slope, output);
+            let gap = self.mean_gap(patch.clone());
+            for index in patch.clone() {
+                let Some(kinematics) = self.kinematics[index] else { continue };
+                evaluation.points += 1;
+                let was_open = self.trial.points[index].status == PointStatus::Open;
+                self.advance(index, &kinematics, gap, context).map_err(|failure| Trouble {
+                    place: self.place(index, kinematics.position),
+                    reason: failure.reason,
+                    fraction: failure.fraction,
+                })?;
+                evaluation.changes += usize::from(was_open != (self.trial.points[index].status == PointStatus::Open));
+            }
+            self.add(patch, output);
         }
         Ok(evaluation)
+    }
+
+    fn place(&self, index: usize, position: [f64; 2]) -> Place {
+        Place::Contact { pair: self.name.clone(), point: index, position }
+    }
+
+    /// Kinematics, foot, slip and weight of a point on trial; whether its foot was searched for on the whole master.
+    fn find_foot(&mut self, index: usize, position: &impl Fn(usize) -> [f64; 2]) -> Result<bool, Trouble> {
+        if self.committed.points[index].status == PointStatus::Released {
+            self.kinematics[index] = None;
+            return Ok(false);
+        }
+        let at = self.points[index].slave.position(position);
+        let (kinematics, foot, searched) = self.project(index, at, position).map_err(|(reason, fraction)| Trouble {
+            place: self.place(index, at),
+            reason,
+            fraction,
+        })?;
+        let (weight, slope) = self.weight(index, kinematics.arc_length);
+        self.kinematics[index] = Some(kinematics);
+        self.weight_slopes[index] = slope;
+        let (start, end) = (&self.committed.points[index], &mut self.trial.points[index]);
+        (end.foot, end.weight, end.slip) = (foot, weight, kinematics.arc_length - self.data[index].arc_length);
+        end.largest_slip = start.largest_slip.max(end.slip.abs());
+        Ok(searched)
     }
 
     /// Foot, gap and slip of a point, and whether its foot was searched for on the whole master.
@@ -149,77 +176,29 @@ impl Pair {
         if self.chain.is_closed() { edge + count * (last - edge + count / 2).div_euclid(count) } else { edge }
     }
 
-    /// Law and weight of a point, into its trial state; the tangent and dw/ds.
+    /// The law of a point whose foot was found, into its trial state and tangent.
     fn advance(
         &mut self,
         index: usize,
         kinematics: &Kinematics,
-        foot: Foot,
+        gap: f64,
         context: &IncrementContext,
-    ) -> Result<(Tangent, f64), LawFailure> {
-        let (weight, weight_slope) = self.weight(index, kinematics.arc_length);
-        let Self { points, data, law, committed, trial, state_count, .. } = self;
+    ) -> Result<(), LawFailure> {
+        let Self { points, law, committed, trial, tangents, state_count, .. } = self;
         let (start, end) = (&committed.points[index], &mut trial.points[index]);
-        let datum = data[index];
-        (end.foot, end.weight) = (foot, weight);
-        (end.gap, end.slip) = (kinematics.gap - datum.gap, kinematics.arc_length - datum.arc_length);
-        end.largest_slip = start.largest_slip.max(end.slip.abs());
+        end.gap = gap;
         let states = index * *state_count..(index + 1) * *state_count;
         let (start_statev, statev) = (&committed.statev[states.clone()], &mut trial.statev[states]);
-        if weight == 0.0 {
+        if end.weight == 0.0 {
             (end.pressure, end.shear, end.held, end.status) = (0.0, 0.0, false, PointStatus::Released);
             (end.plugin_energies, end.normal_energy) = (start.plugin_energies, start.normal_energy);
             statev.copy_from_slice(start_statev);
-            return Ok(([[0.0; 2]; 2], 0.0));
+            tangents[index] = [[0.0; 2]; 2];
+            return Ok(());
         }
-        let situation = situation(&points[index], kinematics, index, [end.gap, end.slip], start, start_statev, context);
-        Ok((law.advance(&situation, end, statev)?, weight_slope))
-    }
-
-    /// Adds a point's forces and its block.
-    fn add(
-        &mut self,
-        index: usize,
-        kinematics: &Kinematics,
-        tangent: &Tangent,
-        weight_slope: f64,
-        output: &mut Output<'_>,
-    ) {
-        let PointState { pressure, shear, weight, .. } = self.trial.points[index];
-        let silent = pressure == 0.0 && shear == 0.0 && tangent.iter().flatten().all(|entry| *entry == 0.0);
-        if output.request.wants_tangent() {
-            self.shear_stiffness[index] = weight * self.points[index].area * tangent[1][1];
-        }
-        if weight == 0.0 || silent {
-            return;
-        }
-        let (count, freedoms) = (kinematics.freedom_count(), kinematics.freedoms());
-        let area = self.points[index].area;
-        // What p pushes; penetration and slip by positions.
-        let pushed = kinematics.pull.map(|entry| -entry);
-        let pressing = kinematics.gap_gradient.map(|entry| -entry);
-        let sliding = &kinematics.slip_gradient;
-        let force: [f64; MAX_FREEDOMS] = std::array::from_fn(|i| area * (pressure * pushed[i] + shear * sliding[i]));
-        for i in 0..count {
-            output.forces[freedoms[i]] += weight * force[i];
-        }
-        if !output.request.wants_tangent() {
-            return;
-        }
-        let [[c_pp, c_ps], [c_sp, c_ss]] = *tangent;
-        let mut block = [0.0; MAX_FREEDOMS * MAX_FREEDOMS];
-        for i in 0..count {
-            for j in 0..count {
-                let even = c_pp * (pushed[i] * pressing[j]) + c_ss * (sliding[i] * sliding[j]);
-                let coupled = c_ps * pushed[i] * sliding[j] + c_sp * sliding[i] * pressing[j];
-                let geometric = kinematics.second_derivative(-pressure, shear, i, j);
-                block[i * count + j] =
-                    area * weight * (even + coupled + geometric) + weight_slope * force[i] * sliding[j];
-            }
-        }
-        let block = &block[..count * count];
-        self.symmetric &= (0..count).all(|i| (0..i).all(|j| block[i * count + j] == block[j * count + i]));
-        output.blocks.push(&freedoms[..count], block);
+        let situation = situation(&points[index], kinematics, index, [gap, end.slip], start, start_statev, context);
+        tangents[index] = law.advance(&situation, end, statev)?;
+        Ok(())
     }
 }
 

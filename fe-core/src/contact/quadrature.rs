@@ -9,6 +9,7 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
 use crate::model::{ContactPair, Quadrature, Width};
 use std::collections::HashMap;
+use std::ops::Range;
 
 /// The most Gauss points of an edge or a segment.
 const MOST_POINTS: usize = 10;
@@ -35,6 +36,8 @@ pub(super) struct ContactPoint {
     pub edge_length: f64,
     /// Direction of its slave edge there, unit length.
     pub direction: [f64; 2],
+    /// Its slave edge, if the points of that share a gap: those inside a quadratic edge.
+    pub patch: Option<usize>,
 }
 
 /// A slave edge with what its points need.
@@ -45,17 +48,18 @@ struct SlaveEdge {
     width: Width,
     thickness: f64,
     start: f64,
+    index: usize,
 }
 
 impl SlaveEdge {
-    fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64) -> Self {
+    fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64, index: usize) -> Self {
         let part = &mesh.parts()[mesh.elements()[edge.element].part()];
         let edge = mesh.edge_nodes(edge);
         let mut reference = [[0.0; 2]; 3];
         for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
             *position = mesh.nodes()[node];
         }
-        Self { edge, reference, model: part.model, width, thickness: part.thickness, start }
+        Self { edge, reference, model: part.model, width, thickness: part.thickness, start, index }
     }
 
     fn kind(&self) -> EdgeKind {
@@ -88,6 +92,7 @@ impl SlaveEdge {
     /// Gauss points between two ξ. Their shares of the length lie side by side in the order of the points.
     fn add_gauss(&self, rule: &[LinePoint], from: f64, to: f64, points: &mut Vec<ContactPoint>) {
         let half = 0.5 * (to - from);
+        let patch = (self.kind() == EdgeKind::Quadratic).then_some(self.index);
         let edge_length = self.length(-1.0, 1.0);
         let mut share_start = self.length(-1.0, from);
         for LinePoint { coordinate, weight } in rule {
@@ -105,6 +110,7 @@ impl SlaveEdge {
                 coordinate: self.start + along,
                 edge_length,
                 direction: self.direction(at),
+                patch,
             });
             share_start += length;
         }
@@ -130,8 +136,8 @@ pub(super) fn contact_points(
     }
     let mut edges = Vec::with_capacity(pair.slave.len());
     let mut start = 0.0;
-    for &edge in &pair.slave {
-        let edge = SlaveEdge::new(mesh, edge, pair.width, start);
+    for (index, &edge) in pair.slave.iter().enumerate() {
+        let edge = SlaveEdge::new(mesh, edge, pair.width, start, index);
         start += edge.length(-1.0, 1.0);
         edges.push(edge);
     }
@@ -153,6 +159,18 @@ pub(super) fn contact_points(
     // A corner of a quadratic edge on the axis has none.
     points.retain(|point| point.area > 0.0);
     Ok(points)
+}
+
+/// Points in a row that share a gap, in order: those of a patch, any other by itself.
+pub(super) fn patches(points: &[ContactPoint]) -> Vec<Range<usize>> {
+    let mut patches: Vec<Range<usize>> = Vec::new();
+    for (index, point) in points.iter().enumerate() {
+        match patches.last_mut() {
+            Some(last) if point.patch.is_some() && points[last.start].patch == point.patch => last.end = index + 1,
+            _ => patches.push(index..index + 1),
+        }
+    }
+    patches
 }
 
 /// −1, the feet of the master's corner nodes on a slave edge, 1: between them everything is smooth.
@@ -197,6 +215,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                     coordinate: edge.start + edge.length(-1.0, at),
                     edge_length,
                     direction: edge.direction(at),
+                    patch: None,
                 });
                 points.len() - 1
             });

@@ -6,8 +6,9 @@ use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{LawFailure, PointLaw};
 use super::pair::{Datum, Pair, situation};
+use super::patch::Scratch;
 use super::projection::Projection;
-use super::quadrature::{ContactPoint, contact_points};
+use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::IncrementContext;
 use crate::mesh::Mesh;
 use crate::model::{ContactLaw, ContactPair, Enforcement, NormalLaw, Width};
@@ -30,7 +31,7 @@ impl Pair {
     /// Everything in [`ContactError`].
     pub fn new(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], walks: bool) -> Result<Self, ContactError> {
         check_numbers(pair)?;
-        let chain = Chain::new(mesh, &pair.master, &pair.name)?;
+        let chain = Chain::new(mesh, &pair.master, &pair.name, pair.master_bends)?;
         let points = contact_points(mesh, pair, &chain)?;
         let penalty = penalty(mesh, pair, moduli, &points);
         let law = PointLaw::new(pair, penalty)?;
@@ -49,6 +50,10 @@ impl Pair {
             committed: empty.clone(),
             trial: empty,
             kinematics: vec![None; points.len()],
+            tangents: vec![[[0.0; 2]; 2]; points.len()],
+            weight_slopes: vec![0.0; points.len()],
+            patches: patches(&points),
+            scratch: Scratch::default(),
             shear_stiffness: vec![0.0; points.len()],
             symmetric: true,
             release: pair.release,
@@ -60,6 +65,7 @@ impl Pair {
         for index in 0..pair_points.points.len() {
             pair_points.start_point(mesh, pair, index)?;
         }
+        pair_points.share_gaps();
         pair_points.trial.points.clone_from(&pair_points.committed.points);
         if pair_points.critical_slip == 0.0 {
             pair_points.critical_slip = pair_points.elastic_slip(mesh)?;
@@ -108,6 +114,20 @@ impl Pair {
             *(if is_elastic { &mut elastic } else { &mut beyond }) = middle;
         }
         Ok(elastic)
+    }
+
+    /// Gives the points of each patch the mean of the gaps that they start with.
+    fn share_gaps(&mut self) {
+        for patch in &self.patches {
+            let points = &mut self.committed.points[patch.clone()];
+            let areas = self.points[patch.clone()].iter().map(|point| point.area);
+            let shares = || areas.clone().zip(points.iter()).map(|(area, state)| (area * state.weight, state.gap));
+            let area: f64 = shares().map(|(area, _)| area).sum();
+            if area > 0.0 {
+                let mean = shares().map(|(area, gap)| area * gap).sum::<f64>() / area;
+                points.iter_mut().for_each(|state| state.gap = mean);
+            }
+        }
     }
 
     /// Finds where a point starts.

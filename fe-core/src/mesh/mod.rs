@@ -12,7 +12,7 @@
 //!
 //! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] tells them.
 //!
-//! Definitions come from [`gmsh`] files, from [`structured`] blocks or from the parameters of a [`specimen`];
+//! Definitions come from [`gmsh`] files, from [`structured`] blocks and [`triangulation`]s or from the parameters of a [`specimen`];
 //! [`preflight`] finds in a checked mesh what no single element shows.
 //!
 //! # Example
@@ -37,6 +37,7 @@ pub mod preflight;
 pub mod specimen;
 pub mod structured;
 mod topology;
+pub mod triangulation;
 mod validation;
 
 pub use error::{MeshError, SetKind};

@@ -25,6 +25,8 @@ pub struct ContactPair {
     pub enforcement: Enforcement,
     /// Whether a point's contact fades as it passes either end of the master.
     pub release: bool,
+    /// Whether the master will bend: its normals are smoothed over all nodes, not only where it is curved at first.
+    pub master_bends: bool,
     /// Slip up to which the bond is elastic, mm, which limits increments; 0: the law is asked.
     pub critical_slip: f64,
 }

@@ -135,8 +135,9 @@ pub struct Model {
     pub couplings: Vec<Coupling>,
     /// Loads.
     pub loads: Vec<Load>,
-    /// Large displacements: updated Lagrangian, `DROT`, contact on the deformed surfaces. Contact slides far either way.
-    pub nlgeom: bool,
+    /// Large displacements of each part: updated Lagrangian, `DROT`. Contact is on the deformed surfaces and slides far
+    /// either way.
+    pub nlgeom: Vec<bool>,
     /// What the history calls slip and load.
     pub measured: Measured,
     /// Steps, in order.
@@ -148,6 +149,11 @@ pub struct Model {
 }
 
 impl Model {
+    /// Whether any part has large displacements.
+    pub fn has_large_displacements(&self) -> bool {
+        self.nlgeom.contains(&true)
+    }
+
     /// The libraries of its laws, parts first; some may be named several times.
     pub fn libraries(&self) -> impl Iterator<Item = &Library> {
         let of_contact = self.contacts.iter().map(|pair| match &pair.law {

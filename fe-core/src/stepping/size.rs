@@ -6,9 +6,9 @@ use crate::model::StepControl;
 mod test;
 
 /// Increments that need at most so many iterations are easy.
-pub(super) const EASY: usize = 6;
+pub(super) const EASY: usize = 9;
 /// Increments that need more are hard.
-const HARD: usize = 10;
+const HARD: usize = 13;
 /// After as many easy increments in a row the size grows.
 const STREAK: usize = 2;
 /// By this.

@@ -69,6 +69,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
     Model {
         mesh,
         average_dilatation: vec![false; laws.len()],
+        nlgeom: vec![false; laws.len()],
         laws,
         contacts: Vec::new(),
         drives: vec!["pull".into()],
@@ -79,7 +80,6 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
         ],
         couplings: Vec::new(),
         loads: Vec::new(),
-        nlgeom: false,
         measured: Measured { slip: Some(0), support: Some(2), direction: [1.0, 0.0], exit_node: None, tail_node: None },
         steps: vec![Step { time: 1.0, targets: vec![Some(end)], control }],
         controls: Controls::default(),
@@ -164,7 +164,7 @@ fn a_pressure_follows_the_body_without_contact() {
     let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
     let mut model = strip(law, PlaneModel::PlaneStress, 1.0, StepControl::Fixed { increments: 2 });
     let (pressure, length, thickness) = (1.0, 4.0, 0.5);
-    model.nlgeom = true;
+    model.nlgeom.fill(true);
     model.supports.truncate(2);
     let edges = (4..8).map(|element| ElementEdge { element, edge: 2 }).collect();
     model.loads = vec![Load { name: "top".into(), drive: 0, kind: LoadKind::Pressure { edges, pressure } }];

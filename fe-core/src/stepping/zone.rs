@@ -21,15 +21,16 @@ pub(super) struct Zone {
 
 impl Zone {
     /// The elements at contact surfaces, at loads, couplings and moving supports, and a margin; all, if condensing is off
-    /// or does not pay. Large displacements make no element linear, and without contact nothing says where the zone is.
+    /// or does not pay. A part with large displacements has no linear element, and without contact nothing says where the zone is.
     pub(super) fn new(model: &Model, equations: &Equations, contact: &[usize]) -> Self {
         let mesh = &model.mesh;
         let mut zone = Self { active: vec![true; mesh.elements().len()], condenses: false };
-        let linear = !model.nlgeom && model.controls.relaxation_time == 0.0;
-        if model.skipping.elastic_far_field && linear && !model.contacts.is_empty() {
+        if model.skipping.elastic_far_field && !model.contacts.is_empty() {
             let condensable = may_be_condensed(mesh, equations, &loaded_freedoms(model));
             zone.active = touching(mesh, contact);
-            zone.active.iter_mut().zip(condensable).for_each(|(active, may_be)| *active |= !may_be);
+            let linear = mesh.elements().iter().map(|element| !model.nlgeom[element.part()]);
+            let may_be = condensable.into_iter().zip(linear).map(|(condensable, linear)| condensable && linear);
+            zone.active.iter_mut().zip(may_be).for_each(|(active, may_be)| *active |= !may_be);
             zone.grow(mesh, MARGIN);
             zone.condenses = zone.pays();
         }

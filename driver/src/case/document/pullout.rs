@@ -80,6 +80,9 @@ pub struct Part {
     pub thickness: Option<Piece<Thickness>>,
     /// Integration of its elements; default: reduced for Q8, full for the others.
     pub integration: Option<Piece<Integration>>,
+    /// Large displacements of this part; default: the case's. A part that moves little against its size, as a block does
+    /// around a fibre, is cheaper and safer without.
+    pub nlgeom: Option<Piece<bool>>,
     /// Average the dilatation of its Q4 elements against locking (default true).
     pub average_dilatation: Option<Piece<bool>>,
 }
@@ -215,7 +218,7 @@ pub struct PulloutControls {
     pub line_search: Option<bool>,
     /// Limit slips until the load has peaked, and locate the peak (default true).
     pub locate_peak: Option<bool>,
-    /// Viscous stabilisation of the solids: relaxation time, s (default 0: none).
+    /// Viscous stabilisation of the parts whose law may soften: relaxation time, s (default 0: none).
     #[schemars(range(min = 0.0))]
     pub relaxation_time: Option<f64>,
 }

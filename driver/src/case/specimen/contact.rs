@@ -2,14 +2,16 @@
 
 use super::super::Reader;
 use super::super::document::pullout as document;
-use super::super::document::{Entry, PulloutCase};
+use super::super::document::{Entry, PropValue, Props, PulloutCase};
 use super::super::plugin::{self, Length, Subject, Use};
 use super::super::problem::{Place, hint};
 use super::mesh::DefaultPair;
 use super::parts::plugin_law;
 use super::{Scene, chain};
 use fe_core::mesh::ElementEdge;
+use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+use std::collections::BTreeMap;
 
 /// Gauss points on each slave edge.
 const POINTS: usize = 2;
@@ -19,6 +21,8 @@ const PENALTY_FACTOR: f64 = 100.0;
 const UZAWA_TOLERANCE: f64 = 1e-6;
 /// Updates of the multiplier in an increment.
 const UZAWA_UPDATES: usize = 4;
+/// Tension that a bonded surface bears where it separates at the exit, MPa (6.27).
+const SEPARATION_TENSION: f64 = 2.0;
 /// Stiffness of a perturbed multiplier over the penalty.
 const PERTURBATION: f64 = 1e4;
 
@@ -72,12 +76,67 @@ fn all_pairs(
     };
     let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
     let mut pairs = vec![first];
+    let mut laws = Vec::new();
     for default in others {
+        let law = match laws.iter().find(|(role, _)| *role == default.role) {
+            Some((_, law)) => Clone::clone(law),
+            None => {
+                let law = law_of_role(reader, pair, default.role, &pairs[0].law, place)?;
+                laws.push((default.role, law.clone()));
+                law
+            }
+        };
         let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
         let width = width(reader, pair, Some(default), place);
-        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, ..pairs[0].clone() });
+        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, ..pairs[0].clone() });
     }
     Some(pairs)
+}
+
+/// The law of the other surfaces of a specimen: that of the bonded ones with other parameters.
+fn law_of_role(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    role: SurfaceRole,
+    bonded: &ContactLaw,
+    place: &Place,
+) -> Option<ContactLaw> {
+    let (given, key, default) = match role {
+        SurfaceRole::Bonded => return Some(bonded.clone()),
+        SurfaceRole::Exit => (&pair.exit, "exit", ("law", PropValue::Choice("none".into()))),
+        SurfaceRole::Separation => (&pair.separation, "separation", ("p_0", PropValue::Number(SEPARATION_TENSION))),
+    };
+    let other = match given {
+        Some(given) => reader.piece(given, &place.key(key))?.clone(),
+        None if has_default(bonded, &default) => BTreeMap::from([(default.0.to_owned(), default.1)]),
+        None => {
+            let message =
+                "is missing: the specimen has such surfaces; give the parameters of the law that are different there";
+            reader.problem(&place.key(key), message);
+            return None;
+        }
+    };
+    let mut changed = pair.clone();
+    let material = changed.law.0.as_mut().ok()?;
+    match material.props.get_or_insert_with(|| Props::Named(BTreeMap::new())) {
+        Props::Named(props) => props.extend(other),
+        Props::List(_) => {
+            let message = "the law's props are a list: give them by name, or contact pair by pair";
+            reader.problem(&place.key(key), message);
+            return None;
+        }
+    }
+    law(reader, &changed, place)
+}
+
+/// Whether a law has a parameter that takes the value.
+fn has_default(law: &ContactLaw, (name, value): &(&str, PropValue)) -> bool {
+    let (ContactLaw::Uinter(plugin) | ContactLaw::Fric { law: plugin, .. }) = law;
+    let parameters = plugin.law.iter().flat_map(|law| &law.parameters);
+    parameters.filter(|parameter| parameter.name == *name).any(|parameter| match value {
+        PropValue::Choice(choice) => parameter.choices.iter().any(|known| known.name == *choice),
+        _ => parameter.choices.is_empty(),
+    })
 }
 
 fn one_pair(
@@ -107,6 +166,8 @@ fn one_pair(
     let (slave, master) = surfaces?;
     Some(ContactPair {
         critical_slip: critical_slip.map_or(0.0, |slip| slip.0),
+        // the parts say, once they are known
+        master_bends: false,
         name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
         slave,
         master,

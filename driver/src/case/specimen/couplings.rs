@@ -5,16 +5,19 @@ use super::super::document::PulloutCase;
 use super::super::document::pullout as document;
 use super::super::problem::Place;
 use super::Scene;
+use fe_core::mesh::specimen::NodeCoupling;
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{Coupling, Freedom};
 
 /// A node is at a position, and on an edge, within this part of the mesh's size.
 const RELATIVE_TOLERANCE: f64 = 1e-6;
 
-/// All couplings; unusable ones are left out.
+/// All couplings, the specimen's first; unusable ones are left out.
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Vec<Coupling> {
     let root = Place::root().key("couplings");
-    let mut couplings = Vec::new();
+    let own = scene.ground.into_iter().flat_map(|ground| &ground.defaults.couplings);
+    let mut couplings: Vec<Coupling> =
+        own.flat_map(|coupling| [0, 1].map(|component| along(coupling, component))).collect();
     for (k, piece) in reader.optional(case.couplings.as_ref(), &root).into_iter().flatten().enumerate() {
         let place = root.index(k);
         match reader.piece(piece, &place) {
@@ -24,6 +27,15 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         }
     }
     couplings
+}
+
+/// One component of a node that follows others.
+fn along(coupling: &NodeCoupling, component: usize) -> Coupling {
+    let freedom = |node| Freedom { node, component };
+    Coupling {
+        dependent: freedom(coupling.dependent),
+        terms: coupling.terms.iter().map(|&(node, factor)| (freedom(node), factor)).collect(),
+    }
 }
 
 fn from_terms(reader: &mut Reader<'_>, given: &document::Terms, scene: Scene<'_>, place: &Place) -> Option<Coupling> {

@@ -1,20 +1,26 @@
 //! Specimens by their parameters, and what each says where the case says nothing.
 
 use super::super::document::Positive;
-use super::super::document::pullout::{self as document, ElementName, Elements};
+use super::super::document::pullout::{
+    self as document, ElementName, Elements, FibreShape, SeparationLength, SeparationRule,
+};
 use super::boundary::BOTH;
 use super::mesh::{DefaultPair, DefaultSupports, Defaults};
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{
-    self, BodyChoice, Configuration, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip, FibreMesh,
-    PartMesh, PerpendicularFibre, PlateWithHole, SpecimenError, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+    self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
+    FibreMesh, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre, PlateWithHole, SpecimenError,
+    SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
 };
 use fe_core::model::Width;
 
 const X: &[[f64; 2]] = &[[1.0, 0.0]];
 const Y: &[[f64; 2]] = &[[0.0, 1.0]];
+
+/// Length of a bent fibre between its bend and the grip, mm.
+const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
 
 /// A mesh, and what the specimen says of it.
 pub struct Generated {
@@ -34,6 +40,7 @@ pub struct Generated {
 pub fn generate(given: &document::Specimen) -> Result<Generated, SpecimenError> {
     match given {
         document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given),
+        document::Specimen::InclinedFibre(given) => inclined_fibre(given),
         document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
             width: length(given.width, 10.0),
             height: length(given.height, 10.0),
@@ -94,37 +101,92 @@ fn perpendicular_fibre(given: &document::PerpendicularFibre) -> Result<Generated
         },
     };
     let made = specimen::perpendicular_fibre(&parameters)?;
+    let ways: &[&'static str] =
+        if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
+    let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
+    Ok(pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also))
+}
+
+fn inclined_fibre(given: &document::InclinedFibre) -> Result<Generated, SpecimenError> {
+    let default = InclinedFibre::default();
+    let sizes = InclinedMesh::default();
+    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
+    let angle = given.angle_deg.map_or(default.angle, f64::to_radians);
+    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
+    let outside = match given.shape.unwrap_or(FibreShape::Bent) {
+        FibreShape::Bent => Outside::Bent {
+            radius: given.bend_radius.map(|radius| radius.0),
+            length: given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND),
+        },
+        FibreShape::Straight => Outside::Straight { length: given.free_length.unwrap_or(0.0) },
+    };
+    let separation_length = match given.separation_length {
+        None => 0.0,
+        Some(SeparationLength::Given(length)) => length,
+        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(fibre_diameter, angle),
+    };
+    let parameters = InclinedFibre {
+        angle,
+        outside,
+        width: length(given.width, default.width),
+        depth: length(given.depth, default.depth),
+        matrix_thickness: length(given.matrix_thickness, default.matrix_thickness),
+        fibre_diameter,
+        embedded_length: length(given.embedded_length, default.embedded_length),
+        exit_radius: given.exit_radius.map(|radius| radius.0),
+        separation_length,
+        fibre: part(given.fibre_element, ElementName::Q8),
+        matrix: part(given.matrix_element, ElementName::T6),
+        mesh: InclinedMesh {
+            size: length(given.mesh_size, sizes.size),
+            elements_across: number(given.elements_across, sizes.elements_across),
+            exit_size: given.exit_size.map(|size| size.0),
+            fine_length: given.fine_length.map(|length| length.0),
+            largest_fibre_size: length(given.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: length(given.growth_rate, sizes.growth_rate),
+            largest_size: length(given.largest_size, sizes.largest_size),
+        },
+        ..default
+    };
+    let made = specimen::inclined_fibre(&parameters)?;
+    Ok(pulled_fibre("inclined_fibre", made, fibre_diameter, &["sides", "face_near", "face_away", "bottom"], &[]))
+}
+
+/// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
+fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
+    let tangent = angle.tan();
+    if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
+}
+
+/// A specimen that is held by one of some node sets, and by what holds it in any case.
+fn pulled_fibre(
+    name: &'static str,
+    made: specimen::Specimen,
+    diameter: f64,
+    ways: &[&'static str],
+    also: &[(&'static str, &'static [[f64; 2]])],
+) -> Generated {
     let width = made.contact_width.map_or(Width::OfPart, Width::Given);
     let pairs = made.contact_pairs.into_iter();
-    let pairs = pairs.map(|pair| DefaultPair { name: pair.name, slave: pair.slave, master: pair.master, width });
-    let ways: &[(&'static str, &'static str)] = if axisymmetric {
-        &[("outer", "outer"), ("bottom", "bottom")]
-    } else {
-        &[("sides", "sides"), ("face_near", "face_near"), ("face_away", "face_away"), ("bottom", "bottom")]
-    };
-    let held = |set: &'static str| {
-        let mut supports = vec![(set, BOTH)];
-        if axisymmetric {
-            supports.push(("axis", X));
-        }
-        supports
-    };
-    let exists = |set: &str| made.definition.node_sets.contains_key(set);
-    let supports = ways.iter().filter(|(_, set)| exists(set));
-    let supports = supports.map(|&(name, set)| DefaultSupports { name, supports: held(set) }).collect();
-    Ok(Generated {
-        name: "perpendicular_fibre",
+    let pairs =
+        pairs.map(|ContactSurfaces { name, slave, master, role }| DefaultPair { name, slave, master, width, role });
+    let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
+    let held = |set: &'static str| [&[(set, BOTH)], also].concat();
+    let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
+    Generated {
+        name,
         defaults: Defaults {
             pairs: pairs.collect(),
             supports,
             grip: Some(("grip", made.pull_direction)),
             exit: Some("exit"),
             tail: Some("tail"),
+            couplings: made.couplings,
         },
         definition: made.definition,
-        diameter: Some(parameters.fibre_diameter),
+        diameter: Some(diameter),
         notes: made.notes,
-    })
+    }
 }
 
 fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, SpecimenError> {
@@ -233,7 +295,13 @@ fn in_contact(
 ) -> Generated {
     let mut made = one_body(name, definition, supports);
     let (slave, master) = (slave.to_owned(), master.to_owned());
-    made.defaults.pairs = vec![DefaultPair { name: "contact".to_owned(), slave, master, width: Width::OfPart }];
+    made.defaults.pairs = vec![DefaultPair {
+        name: "contact".to_owned(),
+        slave,
+        master,
+        width: Width::OfPart,
+        role: SurfaceRole::Bonded,
+    }];
     made.defaults.grip = grip;
     made
 }

@@ -8,7 +8,7 @@ use super::generated::{Generated, generate};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
-use fe_core::mesh::specimen::SpecimenError;
+use fe_core::mesh::specimen::{NodeCoupling, SpecimenError, SurfaceRole};
 use fe_core::mesh::{Mesh, MeshDefinition};
 use fe_core::model::Width;
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,6 +35,8 @@ pub struct Defaults {
     /// Node sets of one node: where the fibre leaves the matrix, and its inner end.
     pub exit: Option<&'static str>,
     pub tail: Option<&'static str>,
+    /// Nodes that follow others.
+    pub couplings: Vec<NodeCoupling>,
 }
 
 /// A contact pair of a specimen.
@@ -44,6 +46,8 @@ pub struct DefaultPair {
     pub slave: String,
     pub master: String,
     pub width: Width,
+    /// What kind of contact it is.
+    pub role: SurfaceRole,
 }
 
 /// A way in which a specimen is held.

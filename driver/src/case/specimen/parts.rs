@@ -12,8 +12,17 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
 
-/// The laws of the mesh's parts, and whether their Q4 are averaged; `None` if any is missing.
-pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<(Vec<PluginLaw>, Vec<bool>)> {
+/// What the case says of the mesh's parts, in their order.
+pub struct Parts {
+    pub laws: Vec<PluginLaw>,
+    /// Whether their Q4 are averaged.
+    pub average_dilatation: Vec<bool>,
+    /// Large displacements; `None`: as the case says for all.
+    pub nlgeom: Vec<Option<bool>>,
+}
+
+/// `None` if a law is missing.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Parts> {
     let root = Place::root().key("parts");
     let given = reader.piece(&case.parts, &root)?;
     let mut resolved = Vec::new();
@@ -23,13 +32,17 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| part.name == *name));
         let law = law(reader, part, index.zip(scene.mesh), &place);
         let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
-        resolved.push((index, law, average.copied().unwrap_or(true)));
+        let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
+        resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
     }
     let count = scene.mesh?.parts().len();
     let of_part = |part: usize| resolved.iter().find(|(index, ..)| *index == Some(part));
     let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
-    let average = (0..count).map(|part| of_part(part).is_none_or(|(.., average)| *average)).collect();
-    Some((laws?, average))
+    Some(Parts {
+        laws: laws?,
+        average_dilatation: (0..count).map(|part| of_part(part).is_none_or(|(_, _, average, _)| *average)).collect(),
+        nlgeom: (0..count).map(|part| of_part(part).and_then(|(.., nlgeom)| *nlgeom)).collect(),
+    })
 }
 
 fn law(

@@ -30,7 +30,7 @@ fn program(every: usize) -> Program {
             supports: vec![],
             couplings: vec![],
             loads: vec![],
-            nlgeom: false,
+            nlgeom: vec![],
             measured: Measured::default(),
             steps: vec![step(1.0), step(2.0)],
             controls: Controls::default(),

@@ -23,7 +23,7 @@ fn model(supports: Vec<Support>, couplings: Vec<Coupling>) -> Model {
         supports,
         couplings,
         loads: Vec::new(),
-        nlgeom: false,
+        nlgeom: vec![false],
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls::default(),

@@ -24,7 +24,7 @@ const RULE: [(f64, f64); 3] =
 
 /// Adds the nodal forces (N) of `factor` times a load to `forces`.
 ///
-/// `displacements` (two per node, mm) matter to pressures with `nlgeom`. Then, if `blocks` are given, each loaded edge
+/// `displacements` (two per node, mm) matter to pressures on parts with `nlgeom` (one each). Then, if `blocks` are given, each loaded edge
 /// adds one: −∂force/∂displacement, what the load adds to the system's stiffness. It is not symmetric.
 ///
 /// # Panics
@@ -32,7 +32,7 @@ const RULE: [(f64, f64); 3] =
 /// If the load names nodes or edges that the mesh does not have, or the vectors do not hold two per node.
 pub fn external(
     mesh: &Mesh,
-    nlgeom: bool,
+    nlgeom: &[bool],
     load: &LoadKind,
     factor: f64,
     displacements: &[f64],
@@ -56,10 +56,11 @@ pub fn external(
         LoadKind::Pressure { edges, pressure } => {
             let pressure = factor * pressure;
             for &edge in edges {
-                let loaded = LoadedEdge::new(mesh, edge, nlgeom.then_some(displacements));
+                let follows = nlgeom[mesh.elements()[edge.element].part()];
+                let loaded = LoadedEdge::new(mesh, edge, follows.then_some(displacements));
                 loaded.add(forces, |point| [-pressure * point.tangent[1], pressure * point.tangent[0]]);
                 if let Some(blocks) = blocks.as_deref_mut()
-                    && nlgeom
+                    && follows
                 {
                     loaded.add_pressure_stiffness(pressure, blocks);
                 }

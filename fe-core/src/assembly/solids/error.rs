@@ -22,6 +22,14 @@ pub enum SolidsError {
         /// Choices given.
         choices: usize,
     },
+    /// Not one choice of large displacements for each part.
+    #[error("the mesh has {parts} parts, but {choices} choices of large displacements were given")]
+    LargeDisplacementCount {
+        /// Parts of the mesh.
+        parts: usize,
+        /// Choices given.
+        choices: usize,
+    },
     /// Its UMAT cannot be called.
     #[error("part '{part}': {source}")]
     Umat {

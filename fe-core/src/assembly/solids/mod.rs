@@ -72,7 +72,6 @@ pub enum TangentChoice {
 /// Indices of elements and points that the model does not have panic like those of a slice.
 #[derive(Debug)]
 pub struct Solids {
-    nlgeom: bool,
     /// Of the stabilisation, s.
     relaxation_time: f64,
     skip_unchanged: bool,
@@ -103,7 +102,6 @@ impl Solids {
         let nodal = records.last().map_or(0, |record| record.nodal.end);
         let entries = records.last().map_or(0, |record| record.stiffness.end);
         Ok(Self {
-            nlgeom: model.nlgeom,
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
             tangent_form: TangentForm::default(),
@@ -196,6 +194,34 @@ impl Solids {
         Ok(())
     }
 
+    /// As [`Self::evaluate`], without the stabilisation: of elements that are condensed as elastic ones.
+    ///
+    /// # Errors
+    ///
+    /// As [`Self::evaluate`].
+    pub fn evaluate_unstabilised(
+        &mut self,
+        displacements: &[f64],
+        context: &IncrementContext,
+        request: Request,
+        forces: &mut [f64],
+    ) -> Result<(), Trouble> {
+        let relaxation_time = std::mem::take(&mut self.relaxation_time);
+        let result = self.evaluate(displacements, context, request, forces);
+        self.relaxation_time = relaxation_time;
+        self.set_viscosity(relaxation_time);
+        result
+    }
+
+    /// Only parts that may soften need stabilisation.
+    fn set_viscosity(&mut self, relaxation_time: f64) {
+        let duration = self.context.time_increment;
+        let viscosity = if duration > 0.0 { relaxation_time / duration } else { 0.0 };
+        for body in &mut self.bodies {
+            body.points.viscosity = if body.softens { viscosity } else { 0.0 };
+        }
+    }
+
     /// Tells the laws of the increment. Times are arguments of a law: with others no result is kept.
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
@@ -203,16 +229,14 @@ impl Solids {
             self.records.iter_mut().for_each(Record::forget);
         }
         self.context = *context;
+        self.set_viscosity(self.relaxation_time);
         let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
-        let duration = context.time_increment;
-        let viscosity = if duration > 0.0 { self.relaxation_time / duration } else { 0.0 };
         for body in &mut self.bodies {
-            body.points.viscosity = viscosity;
             let call = &mut body.points.call;
             call.time = [context.step_time, context.total_time];
             call.dtime = context.time_increment;
             call.jstep[0] = from_one(context.step);
-            call.jstep[2] = i32::from(self.nlgeom);
+            call.jstep[2] = i32::from(body.nlgeom);
             call.kinc = from_one(context.increment);
         }
     }
@@ -236,13 +260,14 @@ impl Solids {
             return Ok(());
         }
         record.forget();
+        let nlgeom = self.bodies[record.part].nlgeom;
         let (shape, points) = self.bodies[record.part].split::<N>(record);
         points.call.celent = record.characteristic_length;
         points.call.noel = number_of(element);
         let task = Task { request, choice: record.choice };
         let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
         let changed = &mut record.moduli_changed;
-        let motions = if self.nlgeom {
+        let motions = if nlgeom {
             let start = &self.committed[record.nodal.clone()].as_chunks::<N>().0[0];
             advance_finite(&shape, points, [start, &end], task, forces, changed).map(Some)
         } else {
@@ -256,7 +281,7 @@ impl Solids {
         evaluated.copy_from_slice(&end);
         (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
         self.counters.evaluations += 1;
-        if wants_tangent && (record.moduli_changed || self.nlgeom || !self.skip_unchanged) {
+        if wants_tangent && (record.moduli_changed || nlgeom || !self.skip_unchanged) {
             self.build_stiffness::<N>(element, motions.as_ref());
         }
         Ok(())

@@ -28,7 +28,10 @@ pub(super) struct States {
     pub(super) stress: Vec<Components>,
     pub(super) strain: Vec<Components>,
     pub(super) statev: Vec<f64>,
+    /// SSE, SPD, SCD.
     pub(super) energies: Vec<[f64; 3]>,
+    /// The same per reference volume: J SSE, ∫J dSPD, ∫J dSCD.
+    pub(super) reference_energies: Vec<[f64; 3]>,
     /// Of the stabilisation.
     viscous_stress: Vec<Components>,
     /// Dissipated by the viscous stress, N·mm/mm³: trapezoidal, like the external work that it is compared with.
@@ -42,6 +45,7 @@ impl States {
             strain: vec![[0.0; MAX_COMPONENTS]; points],
             statev: vec![0.0; points * nstatv],
             energies: vec![[0.0; 3]; points],
+            reference_energies: vec![[0.0; 3]; points],
             viscous_stress: vec![[0.0; MAX_COMPONENTS]; points],
             viscous: vec![0.0; points],
         }
@@ -166,10 +170,11 @@ impl Points {
             self.trial.stress[point][target] = *source;
         }
         self.trial.statev[statev].copy_from_slice(self.call.statev());
-        self.trial.energies[point] = self.call.energies;
+        self.book_energies(point, increment.motion.map(|(motion, ..)| motion));
         self.acting[point] = self.trial.stress[point];
         if self.viscosity > 0.0 {
-            self.add_viscous_stress(point, &increment.strain);
+            let volume_ratio = increment.motion.map_or(1.0, |(motion, ..)| motion.middle_volume_ratio);
+            self.add_viscous_stress(point, &increment.strain, volume_ratio);
         }
         if request == Request::Stress {
             return Ok(false);
@@ -188,13 +193,27 @@ impl Points {
         Ok(changed)
     }
 
+    /// A UMAT's energies are per present volume.
+    fn book_energies(&mut self, point: usize, motion: Option<&FiniteIncrement>) {
+        let energies = self.call.energies;
+        self.trial.energies[point] = energies;
+        self.trial.reference_energies[point] = match motion {
+            None => energies,
+            Some(motion) => {
+                let (start, sums) = (&self.committed.energies[point], &self.committed.reference_energies[point]);
+                let spent = |k: usize| sums[k] + motion.middle_volume_ratio * (energies[k] - start[k]);
+                [motion.volume_ratio * energies[0], spent(1), spent(2)]
+            }
+        };
+    }
+
     /// η/Δt C Δε.
-    fn add_viscous_stress(&mut self, point: usize, strain_increment: &Components) {
+    fn add_viscous_stress(&mut self, point: usize, strain_increment: &Components, volume_ratio: f64) {
         let start = self.committed.viscous_stress[point];
         let end = self.elastic.map(|row| self.viscosity * dot(&row, strain_increment));
         self.acting[point].iter_mut().zip(&end).for_each(|(sum, viscous)| *sum += viscous);
         let spent = 0.5 * (dot(&start, strain_increment) + dot(&end, strain_increment));
-        self.trial.viscous[point] = self.committed.viscous[point] + spent;
+        self.trial.viscous[point] = self.committed.viscous[point] + volume_ratio * spent;
         self.trial.viscous_stress[point] = end;
     }
 
@@ -275,6 +294,7 @@ impl Points {
         committed.stress[points.clone()].copy_from_slice(&trial.stress[points.clone()]);
         committed.strain[points.clone()].copy_from_slice(&trial.strain[points.clone()]);
         committed.energies[points.clone()].copy_from_slice(&trial.energies[points.clone()]);
+        committed.reference_energies[points.clone()].copy_from_slice(&trial.reference_energies[points.clone()]);
         if self.viscosity > 0.0 {
             committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
             committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);

@@ -60,6 +60,8 @@ pub(super) struct Body {
     pub(super) damages: bool,
     /// Its tangent may be negative: the law damages, or does not say.
     pub(super) softens: bool,
+    /// It has large displacements.
+    pub(super) nlgeom: bool,
     gradients: Vec<[f64; 2]>,
     /// Shape functions at the points of each kind of element.
     values: [Vec<[f64; MAX_NODES]>; ElementKind::ALL.len()],
@@ -90,7 +92,7 @@ impl Body {
 
 /// The parts and the elements of a model.
 pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsError> {
-    let Model { mesh, laws, average_dilatation, .. } = model;
+    let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
     if laws.len() != parts.len() {
         return Err(SolidsError::LawCount { parts: parts.len(), laws: laws.len() });
@@ -98,13 +100,16 @@ pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsEr
     if average_dilatation.len() != parts.len() {
         return Err(SolidsError::AverageDilatationCount { parts: parts.len(), choices: average_dilatation.len() });
     }
+    if nlgeom.len() != parts.len() {
+        return Err(SolidsError::LargeDisplacementCount { parts: parts.len(), choices: nlgeom.len() });
+    }
     let mut counts = vec![0; parts.len()];
     for (element, definition) in mesh.elements().iter().enumerate() {
         counts[definition.part()] += mesh.integration_points(element).len();
     }
     let mut bodies = Vec::with_capacity(parts.len());
     for (part, law) in laws.iter().enumerate() {
-        bodies.push(body(mesh, part, law, average_dilatation[part], counts[part])?);
+        bodies.push(body(mesh, part, law, [average_dilatation[part], nlgeom[part]], counts[part])?);
     }
     let records = records(mesh, &mut bodies);
     set_initial_states(laws, &mut bodies, &records)?;
@@ -114,7 +119,13 @@ pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsEr
     Ok((bodies, records))
 }
 
-fn body(mesh: &Mesh, part: usize, law: &PluginLaw, average: bool, count: usize) -> Result<Body, SolidsError> {
+fn body(
+    mesh: &Mesh,
+    part: usize,
+    law: &PluginLaw,
+    [average, nlgeom]: [bool; 2],
+    count: usize,
+) -> Result<Body, SolidsError> {
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
     let mut points = Points::new(law, definition.model, &definition.name, count)?;
@@ -129,6 +140,7 @@ fn body(mesh: &Mesh, part: usize, law: &PluginLaw, average: bool, count: usize) 
         average: average && definition.model != PlaneModel::PlaneStress,
         damages: law.law.as_ref().is_some_and(has_damage),
         softens: law.law.as_ref().is_none_or(has_damage),
+        nlgeom,
         gradients: Vec::new(),
         values: std::array::from_fn(|kind| {
             let kind = ElementKind::ALL[kind];

@@ -112,7 +112,8 @@ impl Solids {
         let of_body = |body: &Body| {
             let viscous = body.points.committed.viscous.iter().zip(&body.volumes).map(|(w, volume)| w * volume).sum();
             let mut sum = SolidEnergies { viscous, ..SolidEnergies::default() };
-            for ([stored, plastic, creep], volume) in body.points.committed.energies.iter().zip(&body.volumes) {
+            for ([stored, plastic, creep], volume) in body.points.committed.reference_energies.iter().zip(&body.volumes)
+            {
                 sum.stored += stored * volume;
                 let dissipated = if body.damages { &mut sum.damage } else { &mut sum.plastic };
                 *dissipated += (plastic + creep) * volume;
@@ -132,7 +133,7 @@ impl Solids {
     /// What all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
     pub fn trial_dissipation(&self) -> f64 {
         let of_body = |body: &Body| -> f64 {
-            let energies = body.points.trial.energies.iter().zip(&body.volumes);
+            let energies = body.points.trial.reference_energies.iter().zip(&body.volumes);
             energies.map(|([_, plastic, creep], volume)| (plastic + creep) * volume).sum()
         };
         self.bodies.iter().map(of_body).sum()
@@ -161,7 +162,7 @@ impl Solids {
         let body = &self.bodies[record.part];
         let index = record.points.start + point;
         let mut position = body.positions[index];
-        if self.nlgeom {
+        if body.nlgeom {
             let values = body.values(record.kind, point);
             for ([u, v], value) in self.committed[record.nodal.clone()].iter().zip(values) {
                 position[0] += value * u;

@@ -87,7 +87,7 @@ fn a_tenth_of_the_points_over_the_cap_open_at_a_time() {
     assert_eq!((settlement.opened, settlement.again), (2, true));
     forces(&mut contact, &displacements);
     let worst: Vec<_> = contact.points().filter(|point| point.latched).map(|point| point.point).collect();
-    assert_eq!(worst, [28, 29], "the largest tension goes first");
+    assert_eq!(worst, [20, 21], "two points of the last edge: they share the largest tension");
     assert!(contact.points().filter(|point| point.latched).all(|point| point.pressure == 0.0 && point.shear == 0.0));
     let mut rounds = 1;
     while contact.settle().again {

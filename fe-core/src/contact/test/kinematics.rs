@@ -27,7 +27,7 @@ fn a_linear_edge_gives_the_closed_forms_of_the_thesis() {
         |_| 0.0,
         PlaneModel::PlaneStrain,
     );
-    let chain = Chain::new(&scene.mesh, &scene.master, "p").unwrap();
+    let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
     let mut random = Random(3);
     for _ in 0..20 {
         let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.2 * random.next()).collect();
@@ -132,7 +132,7 @@ fn feet_on_random_curves_are_the_nearest_places() {
         |_| 0.0,
         PlaneModel::PlaneStrain,
     );
-    let chain = Chain::new(&scene.mesh, &scene.master, "p").unwrap();
+    let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
     let mut inside = 0;
     for _ in 0..60 {
         // Straight at the start, so that no normal is smoothed.
@@ -182,7 +182,7 @@ fn a_convex_corner_holds_the_foot() {
         |x| -0.5 * (x - 1.0).abs(),
         PlaneModel::PlaneStrain,
     );
-    let chain = Chain::new(&scene.mesh, &scene.master, "p").unwrap();
+    let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
     let corner = chain.nodes(0)[1];
     let slave = SlavePoint { nodes: [scene.mesh.elements()[2].nodes()[3]; 3], values: [1.0, 0.0, 0.0], count: 1 };
     let of = |d: [f64; 2]| {

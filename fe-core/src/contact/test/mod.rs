@@ -81,6 +81,7 @@ impl Scene {
             enforcement: Enforcement::Penalty,
             release: false,
             critical_slip: 0.0,
+            master_bends: false,
         }
     }
 

@@ -1,11 +1,12 @@
 //! Meshes of specimens and of problems with known solutions, by parameters.
 //!
-//! [`perpendicular_fibre`] makes a pull-out specimen with everything that a run must know of it, a [`Specimen`]. The
-//! others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`timoshenko_beam`], [`two_blocks`],
+//! [`perpendicular_fibre`] and [`inclined_fibre`] make a pull-out specimen with everything that a run must know of it, a
+//! [`Specimen`]. The others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`timoshenko_beam`], [`two_blocks`],
 //! [`cylinder_on_plane`], [`drag_out_strip`], [`curved_channel`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
 
 mod bodies_in_contact;
 mod curved_channel;
+mod inclined_fibre;
 mod one_body;
 mod perpendicular_fibre;
 mod requirement;
@@ -15,6 +16,7 @@ mod test;
 
 pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
 pub use curved_channel::{CurvedChannel, curved_channel};
+pub use inclined_fibre::{InclinedFibre, InclinedMesh, Outside, inclined_fibre};
 pub use one_body::{
     CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
     timoshenko_beam,
@@ -38,6 +40,28 @@ pub struct ContactSurfaces {
     pub slave: String,
     /// The edge set that they slide on: the fibre.
     pub master: String,
+    /// What kind of contact it is.
+    pub role: SurfaceRole,
+}
+
+/// What holds two surfaces of a specimen together.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SurfaceRole {
+    /// Bond.
+    Bonded,
+    /// Bond with a small tensile capacity: the fibre separates from the matrix at its exit (6.27).
+    Separation,
+    /// Nothing: a rounded edge that the fibre may come to touch.
+    Exit,
+}
+
+/// A node whose displacement follows those of others, in both directions: u = Σ factor · u_node.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NodeCoupling {
+    /// The node that follows.
+    pub dependent: usize,
+    /// Node and factor.
+    pub terms: Vec<(usize, f64)>,
 }
 
 /// A pull-out specimen.
@@ -56,6 +80,8 @@ pub struct Specimen {
     pub exit_node: usize,
     /// The fibre's node on its axis at its embedded end.
     pub tail_node: usize,
+    /// Nodes that follow others.
+    pub couplings: Vec<NodeCoupling>,
     /// What a report must say about the model: assumptions and their size.
     pub notes: Vec<String>,
 }

@@ -1,6 +1,7 @@
 //! What parameters must be.
 
 use crate::mesh::structured::{GradingError, StructuredError};
+use crate::mesh::triangulation::TriangulationError;
 
 /// A parameter that cannot be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
@@ -34,6 +35,9 @@ pub enum SpecimenError {
     /// A block that cannot be built.
     #[error(transparent)]
     Structured(#[from] StructuredError),
+    /// An outline that cannot be filled.
+    #[error(transparent)]
+    Triangulation(#[from] TriangulationError),
 }
 
 impl SpecimenError {

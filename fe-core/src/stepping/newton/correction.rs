@@ -143,7 +143,7 @@ impl Equilibrium<'_> {
         let mut external = vec![0.0; start.displacements.len()];
         for load in &self.model.loads {
             let Model { mesh, nlgeom, .. } = self.model;
-            loads::external(mesh, *nlgeom, &load.kind, drives[load.drive], &start.displacements, &mut external, None);
+            loads::external(mesh, nlgeom, &load.kind, drives[load.drive], &start.displacements, &mut external, None);
         }
         let reduced = self.system.reduce(&external);
         forces.iter_mut().zip(&reduced).for_each(|(force, load)| *force += load);

@@ -21,6 +21,8 @@ const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12,
 const SLOW_REDUCTION: f64 = 0.5;
 /// A factor that made the residual smaller by this serves again.
 const FAST_REDUCTION: f64 = 0.05;
+/// Only while increments need at most so many iterations.
+const EASY_WITH_OLD_FACTORS: usize = 6;
 /// Positions are known to a few units of their last place.
 const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
@@ -144,8 +146,10 @@ impl Equilibrium<'_> {
         self.factorise(statistics)
     }
 
+    /// Where the last increment was hard an old factor makes the next one harder: cracks turn the stiffness over.
     fn may_reuse_factor(&self) -> bool {
-        self.model.skipping.factor_reuse && self.factorised && self.last_reduction < FAST_REDUCTION
+        let was_easy = self.last_iterations <= EASY_WITH_OLD_FACTORS;
+        self.model.skipping.factor_reuse && was_easy && self.factorised && self.last_reduction < FAST_REDUCTION
     }
 
     /// What to ask of the points after a correction: no tangents if the next iteration will not use them.

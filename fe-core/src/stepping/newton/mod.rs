@@ -95,6 +95,8 @@ pub(super) struct Equilibrium<'m> {
     has_tangents: bool,
     /// By which the last correction multiplied the residual.
     last_reduction: f64,
+    /// Iterations of the last increment.
+    last_iterations: usize,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     at_committed_state: bool,
     /// The largest force scale so far.
@@ -149,6 +151,7 @@ impl<'m> Equilibrium<'m> {
             assembled_version: 0,
             has_tangents: false,
             last_reduction: 1.0,
+            last_iterations: 0,
             at_committed_state: false,
             greatest_scale: 0.0,
             fallen_back: Vec::new(),
@@ -192,6 +195,7 @@ impl<'m> Equilibrium<'m> {
             let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
             self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
         }
+        self.last_iterations = iterations.len();
         trial.mean_slip = self.contact.mean_slip();
         trial.dissipation = self.solids.trial_dissipation();
         trial.external.clone_from(&self.external);
@@ -209,7 +213,8 @@ impl<'m> Equilibrium<'m> {
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
         let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
         self.solids.set_active(&far);
-        let called = self.solids.evaluate(&trial.displacements, &context, Request::Stress, &mut self.internal);
+        let called =
+            self.solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut self.internal);
         self.solids.set_active(self.zone.active());
         called?;
         let equations = self.system.equations();
@@ -321,7 +326,7 @@ impl<'m> Equilibrium<'m> {
             let factor = trial.drives[load.drive];
             let blocks = request.wants_tangent().then_some(&mut self.blocks);
             let Model { mesh, nlgeom, .. } = self.model;
-            loads::external(mesh, *nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
+            loads::external(mesh, nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
         }
         self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
         let unbalanced = self.unbalanced();
@@ -346,7 +351,7 @@ impl<'m> Equilibrium<'m> {
 /// tangents as well.
 fn coupled_freedoms(model: &Model, contact: &Contact) -> Vec<usize> {
     let mut freedoms = contact.freedoms().to_vec();
-    if model.nlgeom {
+    if model.has_large_displacements() {
         freedoms.extend(loaded_freedoms(model));
         freedoms.sort_unstable();
         freedoms.dedup();

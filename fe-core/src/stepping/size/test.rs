@@ -13,7 +13,7 @@ fn easy_increments_grow_up_to_the_greatest_and_hard_ones_shrink() {
         size.accepted(3);
     }
     assert_eq!(size.next(1.0), 0.1);
-    size.accepted(11);
+    size.accepted(14);
     assert_eq!(size.next(1.0), 0.1 * 0.75);
 }
 

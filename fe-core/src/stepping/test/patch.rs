@@ -51,7 +51,7 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
         supports,
         couplings: Vec::new(),
         loads: Vec::new(),
-        nlgeom: false,
+        nlgeom: vec![false],
         measured: Measured::default(),
         steps: Vec::new(),
         controls: Controls { force_tolerance: 1e-12, displacement_tolerance: 1e-11, ..Controls::default() },
@@ -190,7 +190,7 @@ fn every_element_passes_the_patch_test_under_large_displacements() {
     for (kind, plane) in KINDS.into_iter().flat_map(|kind| PlaneModel::ALL.map(|plane| (kind, plane))) {
         let gradient = gradient_of(plane, 0.3);
         let mut model = patch(kind, plane, law());
-        model.nlgeom = true;
+        model.nlgeom.fill(true);
         model.steps = vec![step_to(&model, gradient, INCREMENTS)];
         let [displacement, stress] = errors_at_end(&model, gradient, hypoelastic(plane, gradient));
         assert!(displacement < EXACT && stress < EXACT, "{kind:?} {plane:?}: {displacement:.1e} {stress:.1e}");

@@ -93,6 +93,7 @@ fn fibre(
             enforcement: Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 },
             release: true,
             critical_slip: 0.0,
+            master_bends: false,
         })
         .collect();
     let [fibre, matrix] = laws;
@@ -106,7 +107,7 @@ fn fibre(
         supports,
         couplings: Vec::new(),
         loads: Vec::new(),
-        nlgeom: false,
+        nlgeom: vec![false; mesh.parts().len()],
         measured: Measured {
             slip: Some(0),
             support: Some(0),
@@ -138,7 +139,7 @@ fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
     for (configuration, nlgeom) in [(Configuration::PLANE, false), (Configuration::PLANE, true), (AXISYMMETRIC, false)]
     {
         let mut model = fibre(configuration, [steel(), mortar()], &bond(0.0), 3.2, AUTOMATIC);
-        model.nlgeom = nlgeom;
+        model.nlgeom.fill(nlgeom);
         let (records, _) = run(&model);
         let peak = records.iter().map(|record| record.load).fold(0.0, f64::max);
         let bound = std::f64::consts::PI * 0.406 * 3.0 * 2.0;
@@ -161,7 +162,7 @@ fn the_system_s_tangent_is_the_derivative_of_its_forces() {
             for slip in [0.002, 0.012, 0.2] {
                 let fixed = StepControl::Fixed { increments: 3 };
                 let mut model = fibre(configuration, [steel(), mortar()], &bond(friction), slip, fixed);
-                model.nlgeom = nlgeom;
+                model.nlgeom.fill(nlgeom);
                 let error = tangent_error(&model);
                 assert!(error < 1e-6, "{configuration:?}, nlgeom {nlgeom}, μ {friction}, slip {slip}: {error:e}");
             }

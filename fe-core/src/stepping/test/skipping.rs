@@ -34,7 +34,7 @@ fn plate(nlgeom: bool) -> Model {
     model.controls.force_tolerance = FORCE_TOLERANCE;
     let back = Step { time: 1.0, targets: vec![Some(0.01)], control: StepControl::Fixed { increments: 4 } };
     model.steps.push(back);
-    model.nlgeom = nlgeom;
+    model.nlgeom.fill(nlgeom);
     model
 }
 

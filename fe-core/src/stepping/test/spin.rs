@@ -20,7 +20,7 @@ fn turned([[a, b], [c, d]]: Matrix, angle: f64) -> Matrix {
 fn whole_turn(kind: ElementKind, plane: PlaneModel, law: PluginLaw, [first, stretch]: [Matrix; 2]) {
     let angle = |step: u32| f64::from(step - 2) * TURN.to_radians();
     let mut model = patch(kind, plane, law);
-    model.nlgeom = true;
+    model.nlgeom.fill(true);
     model.steps = vec![step_to(&model, first, 2), step_to(&model, stretch, 1)];
     let steps = (3..=STEPS + 2).map(|step| step_to(&model, turned(stretch, angle(step)), 1));
     let steps: Vec<_> = steps.collect();

@@ -1,8 +1,9 @@
 //! Contact pairs.
 
-use super::super::{Material, Piece, Positive, Whole};
+use super::super::{Material, Piece, Positive, PropValue, Whole};
 use schemars::JsonSchema;
 use serde::Deserialize;
+use std::collections::BTreeMap;
 
 /// One object for all pairs of the specimen, or pair by pair.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -26,6 +27,11 @@ pub struct Pair {
     pub master: Option<String>,
     /// The plugin of the contact law; its entry is uinter (default) or fric.
     pub law: Piece<Material>,
+    /// Parameters in place of the law's where a hole's rounded edges at the exit may come to touch the fibre (default: no
+    /// bond, "law": "none" of bond_slip).
+    pub exit: Option<Piece<OtherProps>>,
+    /// Parameters in place of the law's along the separation length (default: tensile capacity "p_0": 2 of bond_slip).
+    pub separation: Option<Piece<OtherProps>>,
     /// The host's normal law beside a FRIC plugin.
     pub normal: Option<Piece<Normal>>,
     /// Where the contact points sit (default 2 Gauss points on each slave edge).
@@ -42,6 +48,9 @@ pub struct Pair {
     /// Whether contact fades as a point passes either end of the master (default true).
     pub release: Option<Piece<bool>>,
 }
+
+/// Parameters of the pair's law by name; those not named are the law's own.
+pub type OtherProps = BTreeMap<String, PropValue>;
 
 /// The host's normal law.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]

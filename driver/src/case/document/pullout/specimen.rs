@@ -41,6 +41,8 @@ pub type Elements = Whole<1, 100_000>;
 pub enum Specimen {
     /// A fibre perpendicular to the face that it is pulled out of: parts fibre and matrix.
     PerpendicularFibre(PerpendicularFibre),
+    /// A fibre at an angle to the normal of the face that it is pulled out of: parts fibre and matrix.
+    InclinedFibre(InclinedFibre),
     /// A quarter of a plate with a hole: part plate; sets symmetry_x, symmetry_y, right, top, hole.
     PlateWithHole(PlateWithHole),
     /// A thick cylinder: part cylinder; sets inner, outer and bottom, top or symmetry_x, symmetry_y.
@@ -115,6 +117,83 @@ pub struct PerpendicularFibre {
     pub growth: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
+}
+
+/// A fibre at an angle to the normal of the face that it is pulled out of. The defaults are the specimen of chapter 7.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct InclinedFibre {
+    /// Inclination: the embedded fibre's angle from the outward normal of the exit face, degrees (default 45).
+    #[schemars(range(min = 0.0, max = 80.0))]
+    pub angle_deg: Option<f64>,
+    /// What it does outside of the block (default bent).
+    pub shape: Option<FibreShape>,
+    /// Length outside the block, up to the grip (default 3 after the bend; 0 if straight: loading at the exit).
+    #[schemars(range(min = 0.0))]
+    pub free_length: Option<f64>,
+    /// Radius of the bend of the fibre's axis (default 1.5 diameters).
+    pub bend_radius: Option<Positive>,
+    /// Width of the block (default 25.4).
+    pub width: Option<Positive>,
+    /// Depth of the block (default 12.7).
+    pub depth: Option<Positive>,
+    /// Thickness of the block (default 3.26).
+    pub matrix_thickness: Option<Positive>,
+    /// Diameter of the fibre (default 0.406).
+    pub fibre_diameter: Option<Positive>,
+    /// Embedded length along the fibre (default 12.2).
+    pub embedded_length: Option<Positive>,
+    /// Radius of the hole's edges at the exit face (default a quarter of the diameter).
+    pub exit_radius: Option<Positive>,
+    /// Length over which fibre and matrix separate at the exit: mm, or "thesis" for φ (tan θ + 1/(2 tan θ)), 0 below 15°
+    /// (6.27; default 0).
+    pub separation_length: Option<SeparationLength>,
+    /// Elements of the fibre (default Q8).
+    pub fibre_element: Option<ElementName>,
+    /// Elements of the matrix, T6 or T3 (default T6).
+    pub matrix_element: Option<ElementName>,
+    /// Factor on all sizes (default 1).
+    pub mesh_size: Option<Positive>,
+    /// Elements across the fibre (default 2).
+    pub elements_across: Option<Elements>,
+    /// Size along the fibre where it crosses the exit (default a quarter of the diameter).
+    pub exit_size: Option<Positive>,
+    /// So much of the embedded fibre has this size (default 5 diameters).
+    pub fine_length: Option<Positive>,
+    /// Largest size along the fibre (default 0.5).
+    pub largest_fibre_size: Option<Positive>,
+    /// By how much sizes grow per length (default 0.3).
+    pub growth_rate: Option<Positive>,
+    /// Largest size (default 2).
+    pub largest_size: Option<Positive>,
+}
+
+/// What an inclined fibre does outside of the block.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum FibreShape {
+    /// It bends to the normal of the exit face (initially bent).
+    Bent,
+    /// It goes on along its axis (initially straight).
+    Straight,
+}
+
+/// Length of separation at the exit.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum SeparationLength {
+    /// mm.
+    Given(f64),
+    /// By the inclination.
+    Rule(SeparationRule),
+}
+
+/// The word "thesis".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SeparationRule {
+    /// φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27).
+    Thesis,
 }
 
 /// A quarter of a plate with a hole.

@@ -31,7 +31,11 @@ pub fn account(program: &Program) -> Account {
         description: program.description.clone(),
         law: laws.first().map(|law| law.law.clone()).unwrap_or_default(),
         law_description: String::new(),
-        mode: format!("{}, {}", program.mesh, if model.nlgeom { "large displacements" } else { "small displacements" }),
+        mode: format!(
+            "{}, {}",
+            program.mesh,
+            if model.has_large_displacements() { "large displacements" } else { "small displacements" }
+        ),
         settings: settings(program, &columns),
         parameters: Vec::new(),
         laws,

@@ -204,8 +204,24 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
         contact_width,
         exit_node,
         tail_node,
+        couplings: Vec::new(),
         notes,
     })
+}
+
+/// What a report must say about a round fibre in the plane.
+pub(super) fn section_notes(section: FibreSection, phi: f64, matrix_thickness: f64) -> Vec<String> {
+    let thickness = section.thickness(phi);
+    let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
+    vec![
+        format!(
+            "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
+        ),
+        format!(
+            "contact width {:.4} mm per line on a matrix of thickness {matrix_thickness} mm: the pressure of the contact is not the traction of the matrix",
+            PI / 2.0 * phi
+        ),
+    ]
 }
 
 /// Diagonals that are the mirror image of each other on both sides of the axis.
@@ -246,20 +262,7 @@ impl PerpendicularFibre {
     fn notes(&self) -> Vec<String> {
         let phi = self.fibre_diameter;
         match self.configuration {
-            Configuration::Plane { section, .. } => {
-                let thickness = section.thickness(phi);
-                let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
-                vec![
-                    format!(
-                        "fibre: height {phi} mm, thickness {thickness:.4} mm; area {area:.3} and bending inertia {inertia:.3} of the round one"
-                    ),
-                    format!(
-                        "contact width {:.4} mm per line on a matrix of thickness {} mm: the pressure of the contact is not the traction of the matrix",
-                        PI / 2.0 * phi,
-                        self.matrix_thickness
-                    ),
-                ]
-            }
+            Configuration::Plane { section, .. } => section_notes(section, phi, self.matrix_thickness),
             Configuration::Axisymmetric { .. } => vec![format!("outer radius {:.4} mm", self.half_width())],
         }
     }

@@ -3,7 +3,7 @@
 use super::PerpendicularFibre;
 use super::lines::Lines;
 use crate::mesh::ElementEdge;
-use crate::mesh::specimen::ContactSurfaces;
+use crate::mesh::specimen::{ContactSurfaces, SurfaceRole};
 use crate::mesh::structured::{Grid, Side, StructuredMesh};
 
 /// Grip, sides or outer surface and axis, bottom.
@@ -44,7 +44,12 @@ pub(super) fn name_surfaces(
     let mut pair = |name: &str, hole: (&str, Vec<ElementEdge>), surface: (&str, Side)| {
         mesh.edge_set(hole.0, hole.1);
         mesh.edge_set(surface.0, fibre.side_edges(surface.1));
-        ContactSurfaces { name: name.to_owned(), slave: hole.0.to_owned(), master: surface.0.to_owned() }
+        ContactSurfaces {
+            name: name.to_owned(),
+            slave: hole.0.to_owned(),
+            master: surface.0.to_owned(),
+            role: SurfaceRole::Bonded,
+        }
     };
     let right_wall = matrix.column_edges(end, along.clone(), Side::Left);
     if parameters.is_axisymmetric() {

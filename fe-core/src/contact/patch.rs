@@ -1,0 +1,179 @@
+//! Points of one slave edge that share a gap: from their tractions to forces and one block.
+
+use super::kinematics::Kinematics;
+use super::pair::{Output, Pair};
+use std::ops::Range;
+
+/// What a patch's points have in common; the module's page has the equations.
+struct Shared {
+    /// Σ A w, mm².
+    area: f64,
+    /// ḡ, mm.
+    gap: f64,
+    /// p̄, MPa.
+    pressure: f64,
+}
+
+/// The freedoms of a patch, those of its points one after the other, each once.
+#[derive(Debug, Default)]
+pub(super) struct Scratch {
+    nodes: Vec<usize>,
+    freedoms: Vec<usize>,
+    /// Freedoms of each point by their place in `freedoms`, point by point.
+    places: Vec<usize>,
+    /// −v̄, −∂ḡ/∂x and what ∂p̄/∂x has besides c̄ (−∂ḡ/∂x).
+    pushed: Vec<f64>,
+    pressing: Vec<f64>,
+    other: Vec<f64>,
+    block: Vec<f64>,
+}
+
+impl Scratch {
+    fn gather<'k>(&mut self, points: impl Iterator<Item = &'k Kinematics>) {
+        self.nodes.clear();
+        self.places.clear();
+        for kinematics in points {
+            for &node in kinematics.nodes() {
+                let place = self.nodes.iter().position(|&other| other == node).unwrap_or_else(|| {
+                    self.nodes.push(node);
+                    self.nodes.len() - 1
+                });
+                self.places.extend([2 * place, 2 * place + 1]);
+            }
+        }
+        self.freedoms.clear();
+        self.freedoms.extend(self.nodes.iter().flat_map(|node| [2 * node, 2 * node + 1]));
+        let count = self.freedoms.len();
+        for vector in [&mut self.pushed, &mut self.pressing, &mut self.other] {
+            vector.clear();
+            vector.resize(count, 0.0);
+        }
+        self.block.clear();
+        self.block.resize(count * count, 0.0);
+    }
+}
+
+impl Pair {
+    /// ḡ = Σ A w (g − g_start)/Σ A w of a patch, from kinematics and weights on trial; the plain mean where nothing is left.
+    pub(super) fn mean_gap(&self, patch: Range<usize>) -> f64 {
+        let mean = |weight: &dyn Fn(usize) -> f64| {
+            let (mut sum, mut area) = (0.0, 0.0);
+            for index in patch.clone() {
+                let Some(kinematics) = &self.kinematics[index] else { continue };
+                let share = weight(index);
+                sum += share * (kinematics.gap - self.data[index].gap);
+                area += share;
+            }
+            (sum, area)
+        };
+        let weighted = |index: usize| self.points[index].area * self.trial.points[index].weight;
+        match mean(&weighted) {
+            (sum, area) if area > 0.0 => sum / area,
+            _ => {
+                let (sum, area) = mean(&|index| self.points[index].area);
+                if area > 0.0 { sum / area } else { 0.0 }
+            }
+        }
+    }
+
+    /// Adds the forces of a patch and its block.
+    pub(super) fn add(&mut self, patch: Range<usize>, output: &mut Output<'_>) {
+        let wants_tangent = output.request.wants_tangent();
+        for index in patch.clone().filter(|_| wants_tangent) {
+            let point = &self.trial.points[index];
+            self.shear_stiffness[index] = point.weight * self.points[index].area * self.tangents[index][1][1];
+        }
+        let Some(shared) = self.shared(patch.clone()) else { return };
+        let members = |pair: &Self| {
+            let with_kinematics = patch.clone().filter(|&index| pair.trial.points[index].weight > 0.0);
+            with_kinematics.filter_map(|index| Some((index, pair.kinematics[index]?))).collect::<Vec<_>>()
+        };
+        let members = members(self);
+        for (index, kinematics) in &members {
+            let (state, area, freedoms) = (&self.trial.points[*index], self.points[*index].area, kinematics.freedoms());
+            for i in 0..kinematics.freedom_count() {
+                let force = area * (state.shear * kinematics.slip_gradient[i] - shared.pressure * kinematics.pull[i]);
+                output.forces[freedoms[i]] += state.weight * force;
+            }
+        }
+        if wants_tangent {
+            let mut scratch = std::mem::take(&mut self.scratch);
+            scratch.gather(members.iter().map(|(_, kinematics)| kinematics));
+            self.fill(&mut scratch, &members, &shared);
+            let count = scratch.freedoms.len();
+            let block = &scratch.block;
+            self.symmetric &= (0..count).all(|i| (0..i).all(|j| block[i * count + j] == block[j * count + i]));
+            output.blocks.push(&scratch.freedoms, block);
+            self.scratch = scratch;
+        }
+    }
+
+    /// `None`: the patch transmits nothing and would not.
+    fn shared(&self, patch: Range<usize>) -> Option<Shared> {
+        let (mut area, mut force, mut points, mut last) = (0.0, 0.0, 0, 0.0);
+        let mut silent = true;
+        for index in patch.clone().filter(|&index| self.kinematics[index].is_some()) {
+            let state = &self.trial.points[index];
+            if state.weight == 0.0 {
+                continue;
+            }
+            let share = self.points[index].area * state.weight;
+            area += share;
+            force += share * state.pressure;
+            (points, last) = (points + 1, state.pressure);
+            let no_tangent = self.tangents[index].iter().flatten().all(|entry| *entry == 0.0);
+            silent &= state.pressure == 0.0 && state.shear == 0.0 && no_tangent;
+        }
+        // one point has its own pressure, to the bit
+        let pressure = if points == 1 { last } else { force / area };
+        (area > 0.0 && !silent).then(|| Shared { area, gap: self.mean_gap(patch), pressure })
+    }
+
+    fn fill(&self, scratch: &mut Scratch, members: &[(usize, Kinematics)], shared: &Shared) {
+        let Scratch { freedoms, places, pushed, pressing, other, block, .. } = scratch;
+        let count = freedoms.len();
+        let mut stiffness = 0.0;
+        let mut start = 0;
+        for (index, kinematics) in members {
+            let (point, state) = (&self.points[*index], &self.trial.points[*index]);
+            let share = if members.len() == 1 { 1.0 } else { point.area * state.weight / shared.area };
+            let slope = point.area * self.weight_slopes[*index] / shared.area;
+            let [[c_pp, c_ps], _] = self.tangents[*index];
+            let (gap, pressure) = (kinematics.gap - self.data[*index].gap, state.pressure);
+            stiffness += share * c_pp;
+            for i in 0..kinematics.freedom_count() {
+                let (place, sliding) = (places[start + i], kinematics.slip_gradient[i]);
+                pushed[place] -= share * kinematics.pull[i];
+                pressing[place] -= share * kinematics.gap_gradient[i] + slope * (gap - shared.gap) * sliding;
+                other[place] += (share * c_ps + slope * (pressure - shared.pressure)) * sliding;
+            }
+            start += kinematics.freedom_count();
+        }
+        for i in 0..count {
+            for j in 0..count {
+                block[i * count + j] = shared.area * (stiffness * (pushed[i] * pressing[j]) + pushed[i] * other[j]);
+            }
+        }
+        let mut start = 0;
+        for (index, kinematics) in members {
+            let (point, state) = (&self.points[*index], &self.trial.points[*index]);
+            let slope = point.area * self.weight_slopes[*index];
+            let area = point.area * state.weight;
+            let [_, [c_sp, c_ss]] = self.tangents[*index];
+            let own = &places[start..start + kinematics.freedom_count()];
+            let sliding = &kinematics.slip_gradient;
+            for (i, &row) in own.iter().enumerate() {
+                let force = state.shear * sliding[i] - shared.pressure * kinematics.pull[i];
+                for (j, &column) in own.iter().enumerate() {
+                    let geometric = kinematics.second_derivative(-shared.pressure, state.shear, i, j);
+                    block[row * count + column] +=
+                        area * (c_ss * (sliding[i] * sliding[j]) + geometric) + slope * force * sliding[j];
+                }
+                for column in 0..count {
+                    block[row * count + column] += area * c_sp * sliding[i] * pressing[column];
+                }
+            }
+            start += kinematics.freedom_count();
+        }
+    }
+}

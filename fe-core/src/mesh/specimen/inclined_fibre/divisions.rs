@@ -1,0 +1,112 @@
+//! The stations along a fibre and its hole.
+
+use super::{InclinedFibre, Outside};
+use crate::mesh::specimen::SpecimenError;
+use crate::mesh::structured::{GradingError, MOST_DIVISIONS};
+
+/// Stations closer than this × the size there are one.
+const MERGED: f64 = 0.3;
+/// Pieces of a line over which the size is integrated.
+const SAMPLES: usize = 400;
+
+/// The edge of a wall of the hole at the exit face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct ExitEdge {
+    /// Arc length of the axis where the wall ends and the edge begins, mm.
+    pub(super) start: f64,
+    /// Its radius, mm.
+    pub(super) radius: f64,
+}
+
+/// The divisions of fibre and hole, as arc lengths of the axis from the exit.
+#[derive(Debug)]
+pub(super) struct Divisions {
+    /// From the tail to the grip.
+    pub(super) along: Vec<f64>,
+    /// Across the fibre, from its right to its left side.
+    pub(super) across: Vec<f64>,
+    /// The station of the exit in `along`.
+    pub(super) exit_station: usize,
+    /// The exit edges of the left and the right wall.
+    pub(super) exit_edges: [ExitEdge; 2],
+}
+
+impl Divisions {
+    pub(super) fn new(parameters: &InclinedFibre) -> Result<Self, SpecimenError> {
+        let exit_edges = exit_edges(parameters);
+        let (tail, end) = (-parameters.embedded_length, parameters.outer_end());
+        let mut stops = vec![tail, 0.0, end];
+        stops.extend(exit_edges.iter().map(|edge| edge.start).filter(|start| *start < end));
+        stops.sort_by(f64::total_cmp);
+        stops.dedup();
+        let mut along = vec![tail];
+        for ends in stops.windows(2) {
+            let pieces = divided(ends[1] - ends[0], &|distance| parameters.size_along(ends[0] + distance));
+            let pieces = pieces.map_err(SpecimenError::along("mesh sizes along the fibre"))?;
+            let inner = pieces.len() - 2;
+            along.extend(pieces[1..=inner].iter().map(|distance| ends[0] + distance));
+            along.push(ends[1]);
+        }
+        let exit_station = along.iter().position(|&s| s == 0.0).expect("the exit is a stop");
+        Ok(Self { along, across: parameters.positions_across()?, exit_station, exit_edges })
+    }
+
+    /// The stations of a wall from the tail to where it or the fibre ends.
+    pub(super) fn wall(&self, edge: ExitEdge) -> &[f64] {
+        let end = self.along.partition_point(|&s| s <= edge.start);
+        &self.along[..end]
+    }
+}
+
+/// The exit edges of both walls. Where an edge begins close to the exit, to the other one or to the end of the fibre it begins
+/// there, with another radius, so that no element is a sliver.
+fn exit_edges(parameters: &InclinedFibre) -> [ExitEdge; 2] {
+    let (axis, radius) = (parameters.axis(), parameters.exit_radius());
+    let close = MERGED * parameters.exit_size();
+    let half = 0.5 * parameters.fibre_diameter;
+    let [left, right] = [half, -half].map(|offset| axis.exit_start(offset, radius));
+    let (mut left, mut right) = if (left - right).abs() < close {
+        let middle = 0.5 * (left + right);
+        (middle, middle)
+    } else {
+        (left, right)
+    };
+    let end = match parameters.outside {
+        Outside::Straight { length } => length,
+        Outside::Bent { .. } => 0.0,
+    };
+    for start in [&mut left, &mut right] {
+        for stop in [0.0, end] {
+            if (*start - stop).abs() < close {
+                *start = stop;
+            }
+        }
+    }
+    [(left, half), (right, -half)].map(|(start, offset)| ExitEdge { start, radius: axis.exit_radius(offset, start) })
+}
+
+/// Distances from 0 to `length` that divide a line into pieces of a size that changes along it: n is ∫ds/h, rounded, and each
+/// piece has the same share of it.
+pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, GradingError> {
+    let at = |sample: usize| length * sample as f64 / SAMPLES as f64;
+    let mut shares = vec![0.0];
+    for sample in 0..SAMPLES {
+        let share = 0.5 * (at(sample + 1) - at(sample)) * (1.0 / size(at(sample)) + 1.0 / size(at(sample + 1)));
+        shares.push(shares[sample] + share);
+    }
+    let whole = shares[SAMPLES];
+    let count = whole.round().max(1.0);
+    if !(count <= MOST_DIVISIONS as f64) {
+        return Err(GradingError::TooMany { length, count });
+    }
+    let count = count as usize;
+    let mut positions = vec![0.0];
+    for piece in 1..count {
+        let share = whole * piece as f64 / count as f64;
+        let after = shares.partition_point(|&s| s < share);
+        let within = (share - shares[after - 1]) / (shares[after] - shares[after - 1]);
+        positions.push(at(after - 1) + within * (at(after) - at(after - 1)));
+    }
+    positions.push(length);
+    Ok(positions)
+}

@@ -1,0 +1,244 @@
+//! The outline of the block with its hole, and the triangles in it.
+
+use std::collections::{BTreeMap, HashMap};
+
+use super::divisions::{Divisions, ExitEdge, divided};
+use super::{InclinedFibre, sets};
+use crate::element::ElementKind;
+use crate::mesh::specimen::SpecimenError;
+use crate::mesh::triangulation::triangulate;
+use crate::mesh::{ElementDefinition, ElementEdge, MeshDefinition};
+use std::f64::consts::FRAC_PI_2;
+
+/// An edge of a rounded exit turns by at most this.
+const EXIT_TURN: f64 = 0.45;
+/// Edges of a rounded exit at least.
+const EXIT_EDGES: usize = 4;
+
+/// What an edge of the outline belongs to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Surface {
+    Bottom,
+    Sides,
+    Face,
+    HoleEnd,
+    /// Walls along the fibre.
+    HoleLeft,
+    HoleRight,
+    /// Walls along the fibre near the exit, where it separates.
+    SeparationLeft,
+    SeparationRight,
+    /// Rounded edges at the exit.
+    ExitLeft,
+    ExitRight,
+    /// Wall beyond the end of the fibre.
+    Beyond,
+}
+
+#[derive(Debug)]
+struct Piece {
+    start: [f64; 2],
+    middle: [f64; 2],
+    surface: Surface,
+}
+
+/// The edges around the block, the block on their left.
+#[derive(Debug, Default)]
+pub(super) struct Outline {
+    pieces: Vec<Piece>,
+}
+
+/// The element edges of each surface, in the order of the outline.
+pub(super) type SurfaceEdges = BTreeMap<Surface, Vec<ElementEdge>>;
+
+impl Outline {
+    pub(super) fn new(parameters: &InclinedFibre, divisions: &Divisions) -> Result<Self, SpecimenError> {
+        let (half, depth) = (0.5 * parameters.width, parameters.depth);
+        let [left, right] = divisions.exit_edges;
+        let [face_left, face_right] =
+            [(left, 1.0), (right, -1.0)].map(|(edge, side)| arc(parameters, edge, side).centre[0]);
+        // where supports begin between the hole and the side, outwards, not so close to the hole that an edge is a sliver
+        let stops = |hole: f64, limits: [f64; 2], outwards: f64| {
+            let least = hole * outwards + parameters.exit_size();
+            let mut stops = Vec::from(limits.map(|limit| limit * outwards));
+            stops.retain(|&limit| limit > least && limit < half);
+            stops.sort_by(f64::total_cmp);
+            stops.into_iter().map(|limit| limit * outwards).collect::<Vec<_>>()
+        };
+        let [limits_left, limits_right] = sets::support_limits(parameters);
+        let mut outline = Self::default();
+        outline.line(parameters, [-half, -depth], [half, -depth], Surface::Bottom)?;
+        outline.line(parameters, [half, -depth], [half, 0.0], Surface::Sides)?;
+        // the face from the right side to the hole
+        let mut from = half;
+        for &to in stops(face_right, limits_right, 1.0).iter().rev().chain([&face_right]) {
+            outline.line(parameters, [from, 0.0], [to, 0.0], Surface::Face)?;
+            from = to;
+        }
+        outline.exit(parameters, right, -1.0);
+        outline.wall(parameters, divisions, right, -1.0)?;
+        let tail = -parameters.embedded_length;
+        for pair in divisions.across.windows(2) {
+            let point = |left: f64| parameters.axis().point(tail, left);
+            outline.add(point(pair[0]), point(0.5 * (pair[0] + pair[1])), Surface::HoleEnd);
+        }
+        outline.wall(parameters, divisions, left, 1.0)?;
+        outline.exit(parameters, left, 1.0);
+        let mut from = face_left;
+        for &to in stops(face_left, limits_left, -1.0).iter().chain([&-half]) {
+            outline.line(parameters, [from, 0.0], [to, 0.0], Surface::Face)?;
+            from = to;
+        }
+        outline.line(parameters, [-half, 0.0], [-half, -depth], Surface::Sides)?;
+        Ok(outline)
+    }
+
+    fn add(&mut self, start: [f64; 2], middle: [f64; 2], surface: Surface) {
+        self.pieces.push(Piece { start, middle, surface });
+    }
+
+    /// A straight line without its end.
+    fn line(
+        &mut self,
+        parameters: &InclinedFibre,
+        from: [f64; 2],
+        to: [f64; 2],
+        surface: Surface,
+    ) -> Result<(), SpecimenError> {
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let at = |distance: f64| {
+            let share = distance / length;
+            [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
+        };
+        let distances = divided(length, &|distance| parameters.size_at(at(distance)));
+        let distances = distances.map_err(SpecimenError::along("mesh sizes around the block"))?;
+        for pair in distances.windows(2) {
+            self.add(at(pair[0]), at(0.5 * (pair[0] + pair[1])), surface);
+        }
+        Ok(())
+    }
+
+    /// The rounded edge of one wall: upwards on the left (`side` 1), downwards on the right (−1).
+    fn exit(&mut self, parameters: &InclinedFibre, edge: ExitEdge, side: f64) {
+        let Arc { centre, angles, radius } = arc(parameters, edge, side);
+        let turn = angles[1] - angles[0];
+        let by_size = (radius * turn / parameters.exit_size()).ceil() as usize;
+        let count = ((turn / EXIT_TURN).ceil() as usize).max(EXIT_EDGES).max(by_size);
+        let at = |twice: usize| {
+            let (sine, cosine) = (angles[0] + turn * twice as f64 / (2 * count) as f64).sin_cos();
+            [centre[0] + radius * cosine, centre[1] + radius * sine]
+        };
+        let surface = if side > 0.0 { Surface::ExitLeft } else { Surface::ExitRight };
+        // the wall's end is its own point, to the bit, and so is the face's
+        for k in 0..count {
+            let start = match (k, side > 0.0) {
+                (0, true) => parameters.axis().point(edge.start, 0.5 * parameters.fibre_diameter),
+                (0, false) => [centre[0], 0.0],
+                _ => at(2 * k),
+            };
+            self.add(start, at(2 * k + 1), surface);
+        }
+    }
+
+    /// A wall, from the tail upwards on the left, downwards to it on the right.
+    fn wall(
+        &mut self,
+        parameters: &InclinedFibre,
+        divisions: &Divisions,
+        edge: ExitEdge,
+        side: f64,
+    ) -> Result<(), SpecimenError> {
+        let offset = 0.5 * side * parameters.fibre_diameter;
+        let along_fibre = divisions.wall(edge);
+        let last = along_fibre[along_fibre.len() - 1];
+        let mut stations = along_fibre.to_vec();
+        if edge.start > last {
+            let beyond = divided(edge.start - last, &|_| parameters.exit_size());
+            let beyond = beyond.map_err(SpecimenError::along("mesh sizes beyond the fibre"))?;
+            stations.extend(beyond[1..].iter().map(|distance| last + distance));
+            // exactly, whatever the sum rounds to
+            stations.pop();
+            stations.push(edge.start);
+        }
+        let surface = |middle: f64| match (middle > last, middle > -parameters.separation_length, side > 0.0) {
+            (true, ..) => Surface::Beyond,
+            (false, true, true) => Surface::SeparationLeft,
+            (false, true, false) => Surface::SeparationRight,
+            (false, false, true) => Surface::HoleLeft,
+            (false, false, false) => Surface::HoleRight,
+        };
+        // without separation the wall that reaches above the exit is a wall like any other
+        let surface = |middle: f64| match surface(middle) {
+            Surface::SeparationLeft if parameters.separation_length == 0.0 => Surface::HoleLeft,
+            Surface::SeparationRight if parameters.separation_length == 0.0 => Surface::HoleRight,
+            surface => surface,
+        };
+        if side < 0.0 {
+            stations.reverse();
+        }
+        let axis = parameters.axis();
+        for pair in stations.windows(2) {
+            let middle = 0.5 * (pair[0] + pair[1]);
+            self.add(axis.point(pair[0], offset), axis.point(middle, offset), surface(middle));
+        }
+        Ok(())
+    }
+
+    /// Fills the outline with elements of a part; returns the element edges of each surface.
+    pub(super) fn fill(
+        &self,
+        definition: &mut MeshDefinition,
+        part: usize,
+        kind: ElementKind,
+        largest_area: f64,
+    ) -> Result<SurfaceEdges, SpecimenError> {
+        let corners: Vec<[f64; 2]> = self.pieces.iter().map(|piece| piece.start).collect();
+        let made = triangulate(&corners, largest_area)?;
+        let first = definition.nodes.len();
+        definition.nodes.extend(&made.points);
+        let mut middles = HashMap::new();
+        let mut outer_edges = HashMap::new();
+        for corners in &made.triangles {
+            let element = definition.elements.len();
+            let mut nodes: Vec<usize> = corners.iter().map(|corner| first + corner).collect();
+            for edge in 0..3 {
+                let (start, end) = (corners[edge], corners[(edge + 1) % 3]);
+                let is_outer = start < self.pieces.len() && end == (start + 1) % self.pieces.len();
+                if is_outer {
+                    outer_edges.insert(start, ElementEdge { element, edge });
+                }
+                if kind == ElementKind::T6 {
+                    let middle = *middles.entry((start.min(end), start.max(end))).or_insert_with(|| {
+                        let ([a_x, a_y], [b_x, b_y]) = (made.points[start], made.points[end]);
+                        let straight = [0.5 * (a_x + b_x), 0.5 * (a_y + b_y)];
+                        definition.nodes.push(if is_outer { self.pieces[start].middle } else { straight });
+                        definition.nodes.len() - 1
+                    });
+                    nodes.push(middle);
+                }
+            }
+            definition.elements.push(ElementDefinition { kind, part, nodes });
+        }
+        let mut surfaces = SurfaceEdges::new();
+        for (index, piece) in self.pieces.iter().enumerate() {
+            surfaces.entry(piece.surface).or_default().push(outer_edges[&index]);
+        }
+        Ok(surfaces)
+    }
+}
+
+/// A rounded edge: it touches the wall and the face.
+struct Arc {
+    centre: [f64; 2],
+    radius: f64,
+    /// From where to where it turns, counter-clockwise, rad.
+    angles: [f64; 2],
+}
+
+fn arc(parameters: &InclinedFibre, edge: ExitEdge, side: f64) -> Arc {
+    let axis = parameters.axis();
+    let ([x, _], [n_x, _]) = (axis.point(edge.start, 0.5 * side * parameters.fibre_diameter), axis.left(edge.start));
+    let lean = axis.lean(edge.start);
+    let angles = if side > 0.0 { [-lean, FRAC_PI_2] } else { [FRAC_PI_2, 2.0 * FRAC_PI_2 - lean] };
+    Arc { centre: [x + side * edge.radius * n_x, -edge.radius], radius: edge.radius, angles }
+}
