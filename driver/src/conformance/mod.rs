@@ -6,7 +6,7 @@
 //! nothing, gets warnings and information.
 //!
 //! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
-//! takes the process down is the business of the worker around it, which [`crate::isolation`] makes.
+//! takes the process down is the business of the worker around it, which `isolation` makes.
 
 mod bad_input;
 mod bounds;
