@@ -12,7 +12,7 @@ pub use clock::CpuClock;
 pub use memory::PointMemory;
 pub use path::{Random, difference, strain_path};
 pub use sample::{LAWS, Sample, sample};
-pub use toolchain::{Tool, find, named_by, run};
+pub use toolchain::{Tool, find, named_by, notice, run};
 
 use std::path::{Path, PathBuf};
 

@@ -68,6 +68,11 @@ pub fn named_by(variable: &str) -> Option<PathBuf> {
 fn skip(reason: &str) {
     let required = std::env::var_os("PULLOUT_REQUIRE_CLIENTS").is_some_and(|value| value == "1");
     assert!(!required, "{reason}, and PULLOUT_REQUIRE_CLIENTS=1");
+    notice(reason);
+}
+
+/// Says that a check is skipped which nobody has to be able to make, and why.
+pub fn notice(reason: &str) {
     // Not `println!`, which the test harness shows only for failures; a closed stderr is no failure.
     let _ = writeln!(std::io::stderr(), "NOTICE: {reason}: this check is skipped");
 }

@@ -1,5 +1,6 @@
 /* Prints every argument of UMAT, UINTER and FRIC as it comes in: one line per call, NAME=value,value,… NAME=….
-   Elastic, so that a path can be driven: E = PROPS(1), nu = 0. What a host must keep is changed in every call: STATEV(1)
+   Elastic, so that a path can be driven: E = PROPS(1), nu = 0. PROPS(2) of UMAT: how many field variables there are,
+   which no argument tells; 1 without it. What a host must keep is changed in every call: STATEV(1)
    and the energies count, LOPENCLOSE and LSTATE become 1 and 2. */
 #include <stddef.h>
 #include <stdio.h>
@@ -42,11 +43,11 @@ void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *
            const int32_t *npt, const int32_t *layer, const int32_t *kspt, const int32_t *jstep, const int32_t *kinc,
            size_t cmname_length)
 {
-    const int n = *ntens;
+    const int n = *ntens, fields = *nprops > 1 ? (int)props[1] : 1;
     printf("UMAT");
     N(stress, n), N(statev, *nstatv), N(ddsdde, n * n), N(sse, 1), N(spd, 1), N(scd, 1), N(rpl, 1), N(ddsddt, n);
     N(drplde, n), N(drpldt, 1), N(stran, n), N(dstran, n), N(time, 2), N(dtime, 1), N(temp, 1), N(dtemp, 1);
-    N(predef, 2), N(dpred, 2), T(cmname), I(ndi, 1), I(nshr, 1), I(ntens, 1), I(nstatv, 1), N(props, *nprops);
+    N(predef, fields), N(dpred, fields), T(cmname), I(ndi, 1), I(nshr, 1), I(ntens, 1), I(nstatv, 1), N(props, *nprops);
     I(nprops, 1), N(coords, 3), N(drot, 9), N(pnewdt, 1), N(celent, 1), N(dfgrd0, 9), N(dfgrd1, 9), I(noel, 1);
     I(npt, 1), I(layer, 1), I(kspt, 1), I(jstep, 4), I(kinc, 1);
     printf("\n");
@@ -75,8 +76,8 @@ void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructur
     printf("UINTER");
     N(stress, n), N(ddsddr, n * n), N(dviscous, n * n), N(dstructural, n * n), N(flux, 2), N(ddfddt, 4);
     N(ddsddt, 2 * n), N(ddfddr, 2 * n), N(statev, *nstatv), N(sed, 1), N(sfd, 1), N(spd, 1), N(svd, 1), N(scd, 1);
-    N(pnewdt, 1), N(rdisp, n), N(drdisp, n), N(temp, 2), N(dtemp, 2), N(predef, 2), N(dpred, 2), N(time, 2);
-    N(dtime, 1), N(freqr, 1), T(ciname), T(slname), T(msname), N(props, *nprops), N(coords, m);
+    N(pnewdt, 1), N(rdisp, n), N(drdisp, n), N(temp, 2), N(dtemp, 2), N(predef, 2 * *npred), N(dpred, 2 * *npred);
+    N(time, 2), N(dtime, 1), N(freqr, 1), T(ciname), T(slname), T(msname), N(props, *nprops), N(coords, m);
     N(alocaldir, m * m), N(drot, 4), N(area, 1), N(chrlngth, 1), I(node, 1), I(ndir, 1), I(nstatv, 1), I(npred, 1);
     I(nprops, 1), I(mcrd, 1), I(kstep, 1), I(kinc, 1), I(kit, 1), I(linper, 1), I(lopenclose, 1), I(lstate, 1);
     I(lsdi, 1), I(lprint, 1);
@@ -106,7 +107,7 @@ void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dsl
     I(lm, 1), N(tau, n), N(ddtddg, n * n), N(ddtddp, n), N(dslip, n), N(sed, 1), N(sfd, 1), N(ddtddt, 2 * n);
     N(pnewdt, 1), N(statev, *nstatv), N(dgam, n), N(taulm, n), N(press, 1), N(dpress, 1), N(ddpddh, 1), N(slip, n);
     I(kstep, 1), I(kinc, 1), N(time, 2), N(dtime, 1), I(noel, 1), T(ciname), T(slname), T(msname), I(npt, 1);
-    I(node, 1), I(npatch, 1), N(coords, m), N(rcoord, m), N(drot, 4), N(temp, 2), N(predef, 2), I(nfdir, 1);
+    I(node, 1), I(npatch, 1), N(coords, m), N(rcoord, m), N(drot, 4), N(temp, 2), N(predef, 2 * *npred), I(nfdir, 1);
     I(mcrd, 1), I(npred, 1), I(nstatv, 1), N(chrlngth, 1), N(props, *nprops), I(nprops, 1);
     printf("\n");
     fflush(stdout);

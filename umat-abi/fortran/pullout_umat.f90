@@ -88,7 +88,7 @@ module pullout_umat
          real(c_double), intent(in) :: slip(nfdir)  ! inelastic slip at the start.
          integer(c_int32_t), intent(in) :: kstep  ! step number.
          integer(c_int32_t), intent(in) :: kinc  ! increment number.
-         real(c_double), intent(in) :: time(2)  ! step time and total time.
+         real(c_double), intent(in) :: time(2)  ! step time and total time at the end.
          real(c_double), intent(in) :: dtime  ! time increment.
          integer(c_int32_t), intent(in) :: noel  ! element number.
          character(len=80), intent(in) :: ciname  ! name of the interaction property, blank-padded.

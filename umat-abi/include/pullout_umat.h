@@ -534,7 +534,7 @@ void umat_(double *stress,
  - slip(nfdir): inelastic slip at the start.
  - kstep: step number.
  - kinc: increment number.
- - time(2): step time and total time.
+ - time(2): step time and total time at the end.
  - dtime: time increment.
  - noel: element number.
  - ciname(80): name of the interaction property, blank-padded.

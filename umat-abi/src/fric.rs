@@ -44,7 +44,7 @@ entry_point! {
         kstep: *const i32,
         /// increment number.
         kinc: *const i32,
-        /// `(2)` step time and total time.
+        /// `(2)` step time and total time at the end.
         time: *const f64,
         /// time increment.
         dtime: *const f64,

@@ -68,7 +68,7 @@ fn conclude(
             fs::write(&replay, format!("{case:#}\n"))?;
             message += &format!(" (replay case: {})", replay.display());
         }
-        None if failure.report.call.is_some() => {
+        None if failure.report.call.as_ref().is_some_and(|call| !call.arguments.is_routine()) => {
             message += " (no replay case: an argument was NaN or infinite)";
         }
         None => {}
@@ -127,15 +127,16 @@ fn job<'a>(
     quiet: bool,
 ) -> Job<'a> {
     let Reading { overrides, plugin_paths } = reading;
-    Job { stage, case, out, overrides, plugin_paths, aftermath, quiet }
+    Job { stage, case: Some(case), out, overrides, plugin_paths, aftermath, quiet, command: &[] }
 }
 
 /// What a worker does.
 pub(super) fn work(task: &Task, reading: &Reading) -> u8 {
     let Task { case, out, quiet, .. } = task;
-    let out = out.as_deref().unwrap_or(Path::new(""));
+    let [case, out] = [case, out].map(|path| path.as_deref().unwrap_or(Path::new("")));
     let done = worker::work(task, || match task.stage {
         Stage::Check => run::check_here(case, reading, *quiet),
+        Stage::Command => super::act_on(&task.command),
         Stage::Run => run::run_here(case, out, reading, *quiet),
         Stage::Conclude => match serde_json::from_str(&task.aftermath) {
             Ok(aftermath) => run::conclude_here(case, out, reading, &aftermath, *quiet),

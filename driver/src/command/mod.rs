@@ -128,6 +128,17 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     }
 }
 
+/// Does what a command line without the program's name says; the result is the exit code.
+fn act_on(arguments: &[OsString]) -> u8 {
+    match Arguments::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
+        Ok(arguments) => act(arguments.command),
+        Err(message) => {
+            complain(message);
+            BAD_INPUT
+        }
+    }
+}
+
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {

@@ -2,13 +2,15 @@
 
 mod abaqus;
 mod build;
+mod isolated;
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, complain, refuse, say};
 use crate::case::{self, Case};
-use crate::conformance::{self, Options};
+use crate::conformance::{self, Entry, Options};
 use crate::isolation::describes_laws;
-use crate::path::program::{Kind, Plugin};
+use crate::path::program::{InterfaceEntry, Kind, Plugin};
 use clap::Subcommand;
+use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
@@ -56,18 +58,47 @@ pub(super) enum Action {
 pub(super) fn act(action: &Action) -> u8 {
     match action {
         Action::List { plugin_paths } => list(plugin_paths),
-        Action::Info { plugin, abaqus, plugin_paths } => match open(plugin, plugin_paths) {
-            Ok(library) if *abaqus => abaqus_input(&library),
-            Ok(library) => info(&library),
-            Err(code) => code,
-        },
-        Action::Check { plugin, case, states, plugin_paths } => check(plugin, case.as_deref(), *states, plugin_paths),
+        Action::Info { plugin, abaqus, plugin_paths } => with_library(plugin, None, plugin_paths, action, |library| {
+            if *abaqus { abaqus_input(library) } else { info(library) }
+        }),
+        Action::Check { plugin, case, states, plugin_paths } => {
+            let case = case.as_deref();
+            with_library(plugin, case, plugin_paths, action, |library| check(library, case, *states, plugin_paths))
+        }
         Action::Build(arguments) => build::run(arguments),
     }
 }
 
-/// A library by its law's name or by its path.
-fn open(name: &str, plugin_paths: &[PathBuf]) -> Result<Library, u8> {
+impl Action {
+    /// The command line without the program's name.
+    fn command_line(&self) -> Vec<OsString> {
+        let (words, plugin, plugin_paths): (Vec<OsString>, _, _) = match self {
+            Self::Info { plugin, abaqus, plugin_paths } => {
+                let abaqus = abaqus.then(|| "--abaqus".into());
+                (std::iter::once("info".into()).chain(abaqus).collect(), plugin, plugin_paths)
+            }
+            Self::Check { plugin, case, states, plugin_paths } => {
+                let case = case.iter().flat_map(|case| ["--case".into(), case.into()]);
+                let states = format!("--states={states}").into();
+                (["check".into(), states].into_iter().chain(case).collect(), plugin, plugin_paths)
+            }
+            Self::List { .. } | Self::Build(_) => return Vec::new(),
+        };
+        let paths = plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]);
+        let plugin = ["--".into(), plugin.into()];
+        std::iter::once("plugin".into()).chain(words).chain(paths).chain(plugin).collect()
+    }
+}
+
+/// Loads a library, by its law's name or by its path, and does something with it; in a process of its own if nobody
+/// vouches for it.
+fn with_library(
+    name: &str,
+    case: Option<&Path>,
+    plugin_paths: &[PathBuf],
+    action: &Action,
+    work: impl FnOnce(&Library) -> u8,
+) -> u8 {
     let paths = search_paths(plugin_paths);
     let file = if names_a_file(name) {
         Some(library_path(Path::new(""), name))
@@ -77,12 +108,18 @@ fn open(name: &str, plugin_paths: &[PathBuf]) -> Result<Library, u8> {
     let Some(file) = file else {
         let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
         complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));
-        return Err(NO_PLUGIN);
+        return NO_PLUGIN;
     };
-    Library::open(&file).map_err(|error| {
-        complain(error);
-        NO_PLUGIN
-    })
+    if let Some(code) = isolated::supervised(&file, case, &action.command_line(), plugin_paths) {
+        return code;
+    }
+    match Library::open(&file) {
+        Ok(library) => work(&library),
+        Err(error) => {
+            complain(error);
+            NO_PLUGIN
+        }
+    }
 }
 
 fn list(plugin_paths: &[PathBuf]) -> u8 {
@@ -126,17 +163,18 @@ fn table<const N: usize>(rows: &[[String; N]]) -> String {
 
 fn info(library: &Library) -> u8 {
     if library.laws().is_empty() {
+        let entry_points = library.entry_points();
+        if entry_points.is_empty() {
+            complain(format!("{}: has neither metadata nor an entry point", library.path().display()));
+            return NO_PLUGIN;
+        }
         say(&format!(
-            "{}: a library without metadata; a case that uses it gives props, nstatv and, if needed, symbol\n",
-            library.path().display()
+            "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
+             symbol\n",
+            library.path().display(),
+            entry_points.join(", ")
         ));
-        return match library.umat(None) {
-            Ok(_) => DONE,
-            Err(error) => {
-                complain(error);
-                NO_PLUGIN
-            }
-        };
+        return DONE;
     }
     for law in library.laws() {
         say(&describe(law, library.path()));
@@ -226,12 +264,8 @@ fn describe(law: &Law, path: &Path) -> String {
     text
 }
 
-fn check(name: &str, case_file: Option<&Path>, states: usize, plugin_paths: &[PathBuf]) -> u8 {
-    let library = match open(name, plugin_paths) {
-        Ok(library) => library,
-        Err(code) => return code,
-    };
-    let mut options = Options { states, ..Options::default() };
+fn check(library: &Library, case_file: Option<&Path>, states: usize, plugin_paths: &[PathBuf]) -> u8 {
+    let mut options = Options { states, listener: Some(|row| say(&format!("{row}\n"))), ..Options::default() };
     let plugins = match case_file {
         Some(file) => match case::read(file, &[], plugin_paths) {
             Ok(Case::Pullout(_)) => {
@@ -249,9 +283,13 @@ fn check(name: &str, case_file: Option<&Path>, states: usize, plugin_paths: &[Pa
                     return BAD_INPUT;
                 }
                 options.characteristic_length = program.characteristic_length;
-                if let Kind::Point(point) = &program.kind {
-                    options.stress_states = vec![point.mode.stress_state()];
-                }
+                options.plain_entries = vec![match &program.kind {
+                    Kind::Point(point) => Entry::Umat(point.mode.stress_state()),
+                    Kind::Interface(contact) => match contact.entry {
+                        InterfaceEntry::Uinter => Entry::Uinter(1 + contact.tangential_directions),
+                        InterfaceEntry::Fric => Entry::Fric(contact.tangential_directions),
+                    },
+                }];
                 vec![program.plugin]
             }
             Err(errors) => return refuse(&errors),
@@ -260,12 +298,13 @@ fn check(name: &str, case_file: Option<&Path>, states: usize, plugin_paths: &[Pa
             complain(format!("{}: has no metadata; give its props and nstatv by --case", library.path().display()));
             return BAD_INPUT;
         }
-        None => library.laws().iter().map(|law| with_defaults(&library, law)).collect(),
+        None => library.laws().iter().map(|law| with_defaults(library, law)).collect(),
     };
     let mut code = DONE;
     for plugin in plugins {
+        say(&format!("{} ({})\n", plugin.name, plugin.library.path().display()));
         let report = conformance::check(&plugin, &options);
-        say(&format!("{} ({})\n{report}\n", plugin.name, plugin.library.path().display()));
+        say(&format!("{}\n\n", report.conclusion()));
         if !report.passed() {
             code = FAILED;
         }

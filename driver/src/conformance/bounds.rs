@@ -1,4 +1,5 @@
-//! Arrays of a plain UMAT beside pages that cannot be touched: wrong use of NSTATV, NPROPS, NTENS is seen when it happens.
+//! Arrays of a plain UMAT, UINTER or FRIC beside pages that cannot be touched: wrong use of NSTATV, NPROPS, NTENS, NDIR,
+//! NFDIR is seen when it happens.
 
 use super::report::{Ledger, Verdict};
 use super::sample::State;
@@ -20,14 +21,13 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     for state in sample.iter().rev().take(STATES) {
         for alignment in [Alignment::End, Alignment::Start] {
             match subject.probe(&state.from, &state.step, alignment) {
-                None => return ledger.skip(CHECK, "not looked for in contact laws"),
-                Some(Err(error)) => return ledger.skip(CHECK, &format!("no process could be started: {error}")),
-                Some(Ok(Probed::Clean)) => {}
-                Some(Ok(Probed::Trespass(trespass))) => {
+                Err(error) => return ledger.skip(CHECK, &format!("no process could be started: {error}")),
+                Ok(Probed::Clean) => {}
+                Ok(Probed::Trespass(trespass)) => {
                     let argument = trespass.argument.to_uppercase();
                     findings.insert(trespass.to_string().replace(trespass.argument, &argument));
                 }
-                Some(Ok(Probed::Ended(how))) => {
+                Ok(Probed::Ended(how)) => {
                     findings.insert(format!("state {}: {how}", state.number));
                 }
             }

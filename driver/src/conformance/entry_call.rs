@@ -43,13 +43,8 @@ pub(super) fn umat(
     (answer, result)
 }
 
-pub(super) fn uinter(
-    call: &mut UinterCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
+/// The arguments of a UINTER.
+pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f64]) {
     let n = step.len();
     for k in 0..n {
         call.rdisp[k] = from.input[k] + step[k];
@@ -62,6 +57,17 @@ pub(super) fn uinter(
     call.flags = from.flags;
     call.time = [from.time + call.dtime; 2];
     call.counters[1] = from.increment;
+}
+
+pub(super) fn uinter(
+    call: &mut UinterCall,
+    from: &Committed,
+    step: &[f64],
+    filling: f64,
+    alteration: Alteration<'_>,
+) -> Called {
+    let n = step.len();
+    prepare_uinter(call, from, step);
     let result = call.call_altered(filling, alteration).map(|_| ());
     let answer = Answer {
         outcome: call.outcome(),
@@ -76,13 +82,8 @@ pub(super) fn uinter(
     (answer, result)
 }
 
-pub(super) fn fric(
-    call: &mut FricCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
+/// The arguments of a FRIC.
+pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64]) {
     let n = step.len() - 1;
     call.lm = 0;
     call.dgam[..n].copy_from_slice(&step[..n]);
@@ -92,8 +93,19 @@ pub(super) fn fric(
     let states = call.statev().len();
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies.copy_from_slice(&from.energies[..2]);
-    call.time = [from.time; 2];
+    call.time = [from.time + call.dtime; 2];
     call.counters[1] = from.increment;
+}
+
+pub(super) fn fric(
+    call: &mut FricCall,
+    from: &Committed,
+    step: &[f64],
+    filling: f64,
+    alteration: Alteration<'_>,
+) -> Called {
+    let n = step.len() - 1;
+    prepare_fric(call, from, step);
     let result = call.call_altered(filling, alteration).map(|_| ());
     let entry = |row: usize, column: usize| {
         if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }

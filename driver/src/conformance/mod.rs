@@ -6,7 +6,7 @@
 //! nothing, gets warnings and information.
 //!
 //! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
-//! crashes it (a fault that takes the process down) is the business of the worker around it.
+//! takes the process down is the business of the worker around it, which `isolation` makes.
 
 mod bad_input;
 mod bounds;
@@ -30,10 +30,11 @@ mod tolerances;
 mod virgin;
 
 pub use report::{Report, Row, Verdict};
+pub use subject::Entry;
 
 use crate::path::program::Plugin;
 use report::Ledger;
-use subject::{Entry, Subject};
+use subject::Subject;
 use umat_abi::host::Law;
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
@@ -51,10 +52,12 @@ pub struct Options {
     pub states: usize,
     /// Size of the strains (slips, mm); `None`: found from the response.
     pub strain_size: Option<f64>,
-    /// STATEV of a plain UMAT; `None`: the plugin's.
+    /// NSTATV of a library without metadata; `None`: the plugin's.
     pub nstatv: Option<usize>,
-    /// Stress states of a plain UMAT, which cannot tell.
-    pub stress_states: Vec<StressState>,
+    /// What a library without metadata is called by: it cannot tell.
+    pub plain_entries: Vec<Entry>,
+    /// Told of each row as it is found: a plugin may end the process before the last.
+    pub listener: Option<fn(&Row)>,
 }
 
 impl Default for Options {
@@ -66,7 +69,8 @@ impl Default for Options {
             states: 200,
             strain_size: None,
             nstatv: None,
-            stress_states: vec![StressState::ThreeD],
+            plain_entries: vec![Entry::Umat(StressState::ThreeD)],
+            listener: None,
         }
     }
 }
@@ -84,7 +88,7 @@ impl Options {
 
 /// Checks a plugin: its metadata, then every entry point with every stress state.
 pub fn check(plugin: &Plugin, options: &Options) -> Report {
-    let mut report = Report::default();
+    let mut report = Report { listener: options.listener, ..Report::default() };
     let props = options.properties(plugin);
     if let Some(law) = &plugin.law {
         metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
@@ -114,7 +118,7 @@ fn entries(law: Option<&Law>, options: &Options) -> Vec<Entry> {
     const SOLID: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
     let Some(law) = law else {
-        return options.stress_states.iter().map(|&stress_state| Entry::Umat(stress_state)).collect();
+        return options.plain_entries.clone();
     };
     let mut entries = Vec::new();
     if law.kinds & kinds::UMAT != 0 {

@@ -44,11 +44,22 @@ pub struct Row {
     pub detail: String,
 }
 
+impl fmt::Display for Row {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { check, stress_state, verdict, figure, detail } = self;
+        // as wide as the longest names
+        let line = format!("{verdict:4}  {check:19}  {stress_state:21}  {figure:16}  {detail}");
+        f.write_str(line.trim_end())
+    }
+}
+
 /// All rows.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// In the order of the checks.
     pub rows: Vec<Row>,
+    /// Told of each row as it is added.
+    pub(super) listener: Option<fn(&Row)>,
 }
 
 impl Report {
@@ -61,24 +72,20 @@ impl Report {
     pub fn failures(&self) -> impl Iterator<Item = &Row> {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fail)
     }
+
+    /// How many checks failed, in words.
+    pub fn conclusion(&self) -> String {
+        match self.failures().count() {
+            0 => format!("{} checks, none failed", self.rows.len()),
+            failures => format!("{} checks, {failures} failed", self.rows.len()),
+        }
+    }
 }
 
 impl fmt::Display for Report {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let width = |text: fn(&Row) -> &str| self.rows.iter().map(|row| text(row).chars().count()).max().unwrap_or(0);
-        let (check, state, figure) = (width(|r| r.check), width(|r| r.stress_state), width(|r| &r.figure));
-        for row in &self.rows {
-            let line = format!(
-                "{:4}  {:check$}  {:state$}  {:figure$}  {}",
-                row.verdict, row.check, row.stress_state, row.figure, row.detail
-            );
-            writeln!(f, "{}", line.trim_end())?;
-        }
-        let failures = self.failures().count();
-        match failures {
-            0 => writeln!(f, "{} checks, none failed", self.rows.len()),
-            _ => writeln!(f, "{} checks, {failures} failed", self.rows.len()),
-        }
+        self.rows.iter().try_for_each(|row| writeln!(f, "{row}"))?;
+        writeln!(f, "{}", self.conclusion())
     }
 }
 
@@ -101,7 +108,11 @@ impl<'r> Ledger<'r> {
         detail: impl Into<String>,
     ) {
         let (figure, detail) = (figure.into(), detail.into());
-        self.report.rows.push(Row { check, stress_state: self.stress_state, verdict, figure, detail });
+        let row = Row { check, stress_state: self.stress_state, verdict, figure, detail };
+        if let Some(listener) = self.report.listener {
+            listener(&row);
+        }
+        self.report.rows.push(row);
     }
 
     pub(super) fn skip(&mut self, check: &'static str, reason: &str) {

@@ -8,7 +8,7 @@
 //! | FRIC | slips, pressure | shear tractions |
 
 use super::Options;
-use super::entry_call::{fric, prepare_umat, uinter, umat};
+use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
 use crate::path::program::Plugin;
 use std::collections::BTreeMap;
 use std::fmt;
@@ -19,11 +19,12 @@ use umat_abi::law::StressState;
 
 /// Entry point and components.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Entry {
+pub enum Entry {
+    /// UMAT.
     Umat(StressState),
-    /// NDIR.
+    /// UINTER with NDIR directions.
     Uinter(usize),
-    /// NFDIR.
+    /// FRIC with NFDIR directions.
     Fric(usize),
 }
 
@@ -362,19 +363,28 @@ impl<'p> Subject<'p> {
         answer
     }
 
-    /// One call of a UMAT in a child process with its arrays fenced; `None` for contact laws.
-    pub(super) fn probe(
-        &mut self,
-        from: &Committed,
-        step: &[f64],
-        alignment: Alignment,
-    ) -> Option<std::io::Result<Probed>> {
-        let Call::Umat(call) = &mut self.call else { return None };
-        call.celent = self.length;
-        call.drot = self.rotation;
-        call.dtime = self.time_increment;
-        prepare_umat(call, from, step);
-        Some(call.probe(alignment))
+    /// One call in a child process with its arrays fenced.
+    pub(super) fn probe(&mut self, from: &Committed, step: &[f64], alignment: Alignment) -> std::io::Result<Probed> {
+        match &mut self.call {
+            Call::Umat(call) => {
+                call.celent = self.length;
+                call.drot = self.rotation;
+                call.dtime = self.time_increment;
+                prepare_umat(call, from, step);
+                call.probe(alignment)
+            }
+            Call::Uinter(call) => {
+                call.chrlngth = self.length;
+                call.dtime = self.time_increment;
+                prepare_uinter(call, from, step);
+                call.probe(alignment)
+            }
+            Call::Fric(call) => {
+                call.dtime = self.time_increment;
+                prepare_fric(call, from, step);
+                call.probe(alignment)
+            }
+        }
     }
 
     /// Arguments that the last call changed although they are inputs.

@@ -68,21 +68,39 @@ impl Report {
     }
 }
 
-/// Plugin, step, increment, and in a specimen the point.
+/// Plugin, routine if it is not an entry point, step, increment, and in a specimen the point.
 fn place(call: &CallRecord, need: &Need) -> String {
     let [step, increment] = call.arguments.place();
-    let mut place = format!("plugin '{}', step {step}, increment {increment}", call.name);
-    if need.specimen {
-        place += &match &call.arguments {
-            Arguments::Umat(umat) => match umat.noel_npt[..] {
-                [element, point] => format!(", element {element}, integration point {point}"),
-                _ => String::new(),
-            },
-            Arguments::Uinter(uinter) => contact_point(&uinter.node),
-            Arguments::Fric(fric) => contact_point(&fric.node),
-        };
+    let plugin = format!("plugin '{}'", call.name);
+    let place = match &call.arguments {
+        Arguments::InitialState(state) => return format!("{plugin}, SDVINI{}", material_point(&state.noel_npt)),
+        Arguments::ExternalDatabase(database) => {
+            let occasion = occasion(&database.counters);
+            return format!("{plugin}, UEXTERNALDB {occasion}, step {step}, increment {increment}");
+        }
+        _ if !need.specimen => String::new(),
+        Arguments::Umat(umat) => material_point(&umat.noel_npt),
+        Arguments::Uinter(uinter) => contact_point(&uinter.node),
+        Arguments::Fric(fric) => contact_point(&fric.node),
+    };
+    format!("{plugin}, step {step}, increment {increment}{place}")
+}
+
+/// LOP in words.
+fn occasion(counters: &[f64]) -> &'static str {
+    match counters.first().map(|lop| *lop as i32) {
+        Some(0) => "at the start of the analysis (LOP = 0)",
+        Some(1) => "at the start of an increment (LOP = 1)",
+        Some(2) => "at the end of an increment (LOP = 2)",
+        _ => "at the end of the analysis (LOP = 3)",
     }
-    place
+}
+
+fn material_point(noel_npt: &[f64]) -> String {
+    match noel_npt {
+        [element, point] => format!(", element {element}, integration point {point}"),
+        _ => String::new(),
+    }
 }
 
 fn contact_point(node: &[f64]) -> String {

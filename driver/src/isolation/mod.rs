@@ -22,6 +22,9 @@
 //! are its own. Its done-mark carries the exit code. Its end without the mark is a failure, with any exit code (Fortran's
 //! STOP gives 0). It dies with the supervisor.
 //!
+//! `pullout plugin info` and `check` of a library without metadata are run in the same way: the worker gets their command
+//! line.
+//!
 //! After a failure a second worker reads the case again, without running it, and makes summary, plots and report of the
 //! rows that are there, as for any other run that failed. If that fails as well (a library that cannot be loaded any
 //! more), the supervisor writes a summary with what it knows.
@@ -48,6 +51,6 @@ mod test;
 pub mod worker;
 
 pub use ending::Aftermath;
-pub use need::{Need, describes_laws, need};
+pub use need::{Need, describes_laws, need, need_of_library};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use worker::{Stage, Task};

@@ -73,6 +73,23 @@ pub fn need(file: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Opti
     is_needed.then_some(need)
 }
 
+/// Why a command that loads a library needs a process of its own, if it does: it has no metadata, or `case`, which the
+/// command reads, needs one. A case may vouch for its library.
+pub fn need_of_library(library: &Path, case: Option<&Path>, plugin_paths: &[PathBuf]) -> Option<Need> {
+    if !super::system::IS_SUPPORTED {
+        return None;
+    }
+    let document = case.and_then(|case| case::document(case, &[]));
+    if document.is_some_and(|document| document["material"]["isolate"] == false) {
+        return None;
+    }
+    let of_library = || {
+        let path = std::path::absolute(library).unwrap_or_else(|_| library.to_owned());
+        (!describes_laws(&path)).then(|| Need { libraries: [(path, Terms::default())].into(), ..Need::default() })
+    };
+    case.and_then(|case| need(case, &[], plugin_paths)).or_else(of_library)
+}
+
 /// Everything in a case that names a plugin.
 fn materials(case: &Value) -> Vec<&Value> {
     let parts = case["parts"].as_object().into_iter().flat_map(|parts| parts.values()).map(|part| &part["material"]);

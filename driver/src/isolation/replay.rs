@@ -8,7 +8,8 @@ use serde_json::{Map, Value, json};
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
 
-/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell.
+/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell, and
+/// for the routines beside the entry points, which every run calls.
 pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
     const PREFIX: &str = "Replay of a call: ";
     let title = format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title));
@@ -16,9 +17,10 @@ pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
         Arguments::Umat(umat) => point(umat, call.wants_tangent),
         Arguments::Uinter(uinter) => uinter_case(uinter),
         Arguments::Fric(fric) => fric_case(fric),
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) => return None,
     };
     case["title"] = json!(title);
-    case["material"] = material(call, need);
+    case["material"] = material(call, need)?;
     (!has_null(&case)).then_some(case)
 }
 
@@ -32,11 +34,12 @@ fn has_null(value: &Value) -> bool {
     }
 }
 
-fn material(call: &CallRecord, need: &Need) -> Value {
+fn material(call: &CallRecord, need: &Need) -> Option<Value> {
     let (props, statev, entry) = match &call.arguments {
         Arguments::Umat(umat) => (&umat.props, &umat.statev, "umat"),
         Arguments::Uinter(uinter) => (&uinter.props, &uinter.statev, "uinter"),
         Arguments::Fric(fric) => (&fric.props, &fric.statev, "fric"),
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) => return None,
     };
     let mut material = json!({
         "plugin": call.library.to_string_lossy(),
@@ -55,7 +58,7 @@ fn material(call: &CallRecord, need: &Need) -> Value {
     if terms.time_limit != CALL_TIME_LIMIT {
         material["call_time_limit_s"] = json!(terms.time_limit);
     }
-    material
+    Some(material)
 }
 
 /// Entry `k`; a record that a plugin has destroyed may have fewer.
@@ -139,8 +142,9 @@ fn set_length(case: &mut Value, length: &[f64]) {
     }
 }
 
-/// A case of kind "interface" whose time is at the start of the increment.
-fn interface(time: [f64; 2], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
+/// A case of kind "interface". TIME is that of the increment's end, a case's of its start.
+fn interface(time: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
+    let time = [0, 1].map(|k| at(time, k) - at(dtime, 0));
     arguments["step_time"] = json!(time[0]);
     arguments["kstep"] = json!(integer(counters, 0));
     arguments["kinc"] = json!(integer(counters, 1));
@@ -161,8 +165,6 @@ fn set_slips(case: &mut Value, ends: &[[f64; 2]]) {
 }
 
 fn uinter_case(call: &UinterRecord) -> Value {
-    // TIME is at the end here
-    let start = [0, 1].map(|k| at(&call.time, k) - at(&call.dtime, 0));
     let arguments = json!({
         "traction": array::<3>(&call.stress),
         "energies": array::<5>(&call.energies),
@@ -173,7 +175,7 @@ fn uinter_case(call: &UinterRecord) -> Value {
         "node": integer(&call.node, 0),
         "kit": integer(&call.counters, 2),
     });
-    let mut case = interface(start, &call.dtime, &call.statev, arguments, &call.counters);
+    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
     let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(&call.drdisp).map(|(end, by)| [end - by, *end]).collect();
     let [normal, slips @ ..] = ends.as_slice() else { return case };
     // RDISP(1) > 0 is penetration
@@ -194,7 +196,7 @@ fn fric_case(call: &FricRecord) -> Value {
         "rcoord": array::<3>(&call.rcoord),
         "node": integer(&call.node, 0),
     });
-    let mut case = interface(array(&call.time), &call.dtime, &call.statev, arguments, &call.counters);
+    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
     // only the increment of the slip is an argument
     let slips: Vec<[f64; 2]> = call.dgam.iter().map(|by| [0.0, *by]).collect();
     set_slips(&mut case, &slips);

@@ -4,6 +4,7 @@ use super::ending::{Cause, Report};
 use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
 use crate::path::Statistics;
+use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
@@ -20,8 +21,8 @@ const POLL: Duration = Duration::from_millis(20);
 pub struct Job<'a> {
     /// What it does.
     pub stage: Stage,
-    /// The case file.
-    pub case: &'a Path,
+    /// The case file; none of [`Stage::Command`].
+    pub case: Option<&'a Path>,
     /// Result directory; none to check a case.
     pub out: Option<&'a Path>,
     /// The texts of `--set`.
@@ -32,6 +33,8 @@ pub struct Job<'a> {
     pub aftermath: &'a str,
     /// Say nothing but errors.
     pub quiet: bool,
+    /// Of [`Stage::Command`]: the command line without the program's name.
+    pub command: &'a [OsString],
 }
 
 /// How a worker ended.
@@ -94,9 +97,10 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
 impl Job<'_> {
     /// The case's title, or the file's name.
     fn title(&self) -> String {
-        let document = crate::case::document(self.case, self.overrides);
+        let case = self.case.unwrap_or(Path::new(""));
+        let document = crate::case::document(case, self.overrides);
         let title = document.and_then(|document| document["title"].as_str().map(str::to_owned));
-        title.unwrap_or_else(|| self.case.file_stem().unwrap_or_default().to_string_lossy().into_owned())
+        title.unwrap_or_else(|| case.file_stem().unwrap_or_default().to_string_lossy().into_owned())
     }
 }
 
@@ -104,7 +108,10 @@ fn command(job: &Job<'_>, recorder: &Path) -> Command {
     let mut command = Command::new(system::program());
     command.arg0("pullout");
     command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
-    command.arg("--recorder").arg(recorder).arg("--case").arg(job.case);
+    command.arg("--recorder").arg(recorder);
+    if let Some(case) = job.case {
+        command.arg("--case").arg(case);
+    }
     if let Some(out) = job.out {
         command.arg("--out").arg(out);
     }
@@ -117,6 +124,9 @@ fn command(job: &Job<'_>, recorder: &Path) -> Command {
     }
     if job.quiet {
         command.arg("--quiet");
+    }
+    if !job.command.is_empty() {
+        command.arg("--").args(job.command);
     }
     command
 }

@@ -3,6 +3,7 @@
 use super::system;
 use crate::path::Statistics;
 use clap::ValueEnum;
+use std::ffi::OsString;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 use umat_abi::host::recorder::{self, Recorder};
@@ -16,6 +17,8 @@ pub enum Stage {
     Run,
     /// Reads it, and makes results of the rows that a run left which was ended.
     Conclude,
+    /// Another command, which has no case or one of its own.
+    Command,
 }
 
 impl Stage {
@@ -25,6 +28,7 @@ impl Stage {
             Self::Check => "check",
             Self::Run => "run",
             Self::Conclude => "conclude",
+            Self::Command => "command",
         }
     }
 }
@@ -46,7 +50,7 @@ pub struct Task {
     pub supervisor: u32,
     /// The case file.
     #[arg(long)]
-    pub case: PathBuf,
+    pub case: Option<PathBuf>,
     /// Result directory; none to check a case.
     #[arg(long)]
     pub out: Option<PathBuf>,
@@ -56,6 +60,9 @@ pub struct Task {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// The other command, without the program's name.
+    #[arg(last = true)]
+    pub command: Vec<OsString>,
 }
 
 /// Numbers that a worker leaves for its supervisor.
@@ -68,6 +75,11 @@ pub(super) enum Note {
     Cutbacks,
     /// 1: the standard output was closed.
     ClosedOutput,
+}
+
+/// Whether this process is a worker: what it does needs no other one.
+pub fn is_this_process() -> bool {
+    recorder::installed().is_some()
 }
 
 /// Ties this process to its supervisor, and does the work; the exit code goes into the done-mark.

@@ -5,7 +5,7 @@
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
-use umat_abi::host::{Clock, Derived, ExternalDatabases, FricCall, UinterCall};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, FricCall, MOMENT, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -166,7 +166,7 @@ impl<'p> Runner<'p> {
     fn find_initial_traction(&mut self) -> Result<(), String> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
-            self.evaluate(place, 0.0, &mut Statistics::default()).map_err(|trouble| match trouble {
+            self.evaluate(place, MOMENT, &mut Statistics::default()).map_err(|trouble| match trouble {
                 Trouble::CutBack { reason, .. } => reason,
                 Trouble::Fatal(message) => message,
             })?;
@@ -279,7 +279,7 @@ impl<'p> Runner<'p> {
                 call.statev_mut().copy_from_slice(&committed.statev);
                 call.energies = [committed.energies[0], committed.energies[1]];
                 call.dtime = time_increment;
-                call.time = [self.arguments.step_time + committed.step_time, committed.total_time];
+                call.time = [self.arguments.step_time + trial.step_time, trial.total_time];
                 let outcome = call.call();
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];

@@ -77,3 +77,53 @@ fn a_tangent_in_single_precision_is_found() {
     let row = row(&outcome, "double precision");
     assert!(row.starts_with("FAIL") && row.contains("DDSDDE has 24 bits") && !row.contains("STRESS"), "{row}");
 }
+
+/// The report of a contact law (tests/umats/planted_contact.f) with one planted error.
+fn contact_checked(
+    desk: &Desk,
+    library: &serde_json::Value,
+    entry: &str,
+    slips: usize,
+    error: u32,
+    code: i32,
+) -> Outcome {
+    let material = json!({ "plugin": library, "entry": entry, "props": [100.0, 5.0, error], "nstatv": 1 });
+    let normal = if entry == "fric" { "p" } else { "gap" };
+    let mut target = json!({ "slip": 0.1, normal: 0.01 });
+    if slips == 2 {
+        target["slip2"] = json!(0.05);
+    }
+    let case = json!({ "kind": "interface", "material": material, "steps": [{ "increments": 1, "target": target }] });
+    let case = desk.case("contact.json", &case);
+    let arguments = ["plugin", "check", library.as_str().expect("a path"), "--states", "40", "--case"];
+    let outcome = desk.pullout(arguments.iter().map(AsRef::as_ref).chain([case.as_os_str()])).expect(code);
+    println!("{entry}, error {error}:\n{}", outcome.stdout);
+    outcome
+}
+
+/// Of both contact laws: error number and words, with one and with two tangential directions.
+#[test]
+fn contact_laws_that_leave_their_arrays_are_told() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "planted_contact.f", &[]) else { return };
+    for (entry, slips) in [("uinter", 1), ("uinter", 2), ("fric", 1), ("fric", 2)] {
+        let directions = slips + usize::from(entry == "uinter");
+        let (slip, tangent) = if entry == "uinter" { ("RDISP", "DDSDDR") } else { ("DGAM", "DDTDDG") };
+        let (next, entries) = (directions + 1, directions * directions);
+        let sound = contact_checked(&desk, &library, entry, slips, 0, 0);
+        assert!(row(&sound, "outside arrays").starts_with("pass"), "{}", row(&sound, "outside arrays"));
+        assert!(row(&sound, "consistent tangent").contains("consistent;"), "{}", row(&sound, "consistent tangent"));
+        for (error, words) in [
+            (1, "reads PROPS(4), which has 3 elements".to_owned()),
+            (2, "writes STATEV(2), which has 1 elements".to_owned()),
+            (3, "reads STATEV(0), which has 1 elements".to_owned()),
+            (4, format!("reads {slip}({next}), which has {directions} elements")),
+            (5, format!("writes {tangent}({}), which has {entries} elements", entries + 1)),
+            (6, "reads PREDEF(3), which has 2 elements".to_owned()),
+        ] {
+            let outcome = contact_checked(&desk, &library, entry, slips, error, 1);
+            let row = row(&outcome, "outside arrays");
+            assert!(row.starts_with("FAIL") && row.contains(&words), "{entry}, error {error}: {row}");
+        }
+    }
+}

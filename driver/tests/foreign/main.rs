@@ -31,7 +31,8 @@ fn built(desk: &Desk, source: &str, flags: &[&str]) -> Option<Value> {
     let mut arguments = vec!["plugin", "build", path.to_str()?, "-o", library.to_str()?];
     arguments.extend(flags);
     let outcome = desk.pullout(arguments).expect(0);
-    assert!(outcome.stdout.contains(": umat_") || outcome.stdout.contains(": UMAT"), "{}", outcome.stdout);
+    let entries = [": umat_", ": UMAT", ": uinter_"];
+    assert!(entries.iter().any(|entry| outcome.stdout.contains(entry)), "{}", outcome.stdout);
     Some(json!(library))
 }
 

@@ -228,9 +228,11 @@ fn modes_that_a_call_leaves_behind_are_restored_and_named() {
 fn a_plugin_that_ends_the_analysis_fails_the_run() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "stops.f", &[]) else { return };
-    for (how, message) in
-        [(2, "the plugin ended the analysis (it called XIT)"), (3, "DAMAGE IN ELEMENT 1, POINT 1 AT STRAIN 0.0004")]
-    {
+    for (how, message) in [
+        (1, "plugin 'stops', step 1, increment 5: it ended the process instead of returning, exit code 0 (STOP"),
+        (2, "the plugin ended the analysis (it called XIT)"),
+        (3, "DAMAGE IN ELEMENT 1, POINT 1 AT STRAIN 0.0004"),
+    ] {
         let material = json!({ "plugin": library, "props": [E, NU, how, 4.5e-4], "nstatv": 0 });
         let case = desk.case("case.json", &point(material, "3d", tension(10, 1e-3)));
         let out = desk.path("stopped");
@@ -239,6 +241,9 @@ fn a_plugin_that_ends_the_analysis_fails_the_run() {
         assert!(outcome.stderr.contains(message), "{}", outcome.stderr);
         let history = crate::program::Table::read(&out.join("history.csv"));
         assert_eq!(history.rows.len(), 5, "what was finished is kept");
+        let replay = out.join("replay.json");
+        let again = desk.pullout(["run", "--quiet", replay.to_str().expect("UTF-8")]).expect(1);
+        assert!(again.stderr.contains(message.rsplit("it ended").next().expect("words")), "{}", again.stderr);
         close(history.last("s11"), E * 4e-4);
     }
 }

@@ -2,10 +2,12 @@
 //! and where, keeps what was finished, and leaves a case that repeats it.
 
 mod arguments;
+mod libraries;
 mod misbehaviour;
 mod processes;
 #[path = "../program/mod.rs"]
 mod program;
+mod routines;
 mod specimen;
 
 use end_to_end_tests::{Tool, find, run, workspace};

@@ -33,3 +33,10 @@ pub struct IncrementContext {
     /// Time increment, s.
     pub time_increment: f64,
 }
+
+impl IncrementContext {
+    /// DTIME, s. Laws divide by it: what takes no time, as the equilibrium at the start, takes a moment for them.
+    pub(crate) fn dtime(&self) -> f64 {
+        if self.time_increment > 0.0 { self.time_increment } else { umat_abi::host::MOMENT }
+    }
+}

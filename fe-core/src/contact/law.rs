@@ -233,7 +233,7 @@ fn judged(outcome: Result<CallOutcome, Overrun>) -> Result<(), LawFailure> {
 
 /// Step and total time at the end of the increment.
 fn end_times(context: &IncrementContext) -> [f64; 2] {
-    [context.step_time, context.total_time].map(|time| time + context.time_increment)
+    [context.step_time, context.total_time].map(|time| time + context.dtime())
 }
 
 fn counter(number: u32) -> i32 {
@@ -257,7 +257,7 @@ fn uinter(
     call.energies = start.plugin_energies;
     call.flags = start.flags;
     call.time = end_times(context);
-    call.dtime = context.time_increment;
+    call.dtime = context.dtime();
     call.area = situation.area;
     call.chrlngth = situation.length;
     call.coords = [situation.position[0], situation.position[1], 0.0];
@@ -319,7 +319,7 @@ fn fric(
     call.statev_mut().copy_from_slice(situation.start_statev);
     call.energies = [start.plugin_energies[0], start.plugin_energies[1]];
     call.time = end_times(context);
-    call.dtime = context.time_increment;
+    call.dtime = context.dtime();
     call.coords = [situation.position[0], situation.position[1], 0.0];
     call.rcoord = [situation.foot[0], situation.foot[1], 0.0];
     call.chrlngth = situation.length;

@@ -70,7 +70,7 @@ impl PluginLaw {
     /// SDVINI wrote behind STATEV.
     pub fn states_of_point(
         &self,
-        initial: &InitialStates,
+        initial: &mut InitialStates,
         [x, y]: [f64; 2],
         element: i32,
         point: i32,

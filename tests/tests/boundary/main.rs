@@ -1,5 +1,6 @@
 //! What a plugin must stand (abi.md §3), tried through the dynamic loader on every shipped law.
 
+mod calculix;
 mod floating_point;
 mod hosts;
 mod numbers;

@@ -229,7 +229,12 @@ impl UinterCall {
         }
     }
 
-    fn arguments(&mut self) -> UinterArguments {
+    /// The plugin's function.
+    pub(super) fn function(&self) -> UinterFunction {
+        self.function
+    }
+
+    pub(super) fn arguments(&mut self) -> UinterArguments {
         let common = &mut self.common;
         let scratch = common.scratch.as_mut_ptr();
         let [sed, sfd, spd, svd, scd] = &mut self.energies;
@@ -314,7 +319,7 @@ pub struct FricCall {
     pub pressure_tangent: [f64; 2],
     /// Pressure at the end and its increment, MPa.
     pub pressure: [f64; 2],
-    /// Step and total time.
+    /// Step and total time at the end of the increment.
     pub time: [f64; 2],
     /// Time increment.
     pub dtime: f64,
@@ -407,7 +412,12 @@ impl FricCall {
         }
     }
 
-    fn arguments(&mut self) -> FricArguments {
+    /// The plugin's function.
+    pub(super) fn function(&self) -> FricFunction {
+        self.function
+    }
+
+    pub(super) fn arguments(&mut self) -> FricArguments {
         let common = &mut self.common;
         let [sed, sfd] = &mut self.energies;
         let [kstep, kinc] = &self.counters;

@@ -193,6 +193,17 @@ impl Library {
         Err(LoadError::Symbol { path: self.path.clone(), tried })
     }
 
+    /// Which of UMAT, UINTER and FRIC it has, under any of their usual names. One that is called like the library may be
+    /// any of them.
+    pub fn entry_points(&self) -> Vec<&'static str> {
+        let has = |name: &&str| spellings(name).iter().any(|symbol| self.umat(Some(symbol)).is_ok());
+        let mut found: Vec<&'static str> = ["umat", "uinter", "fric"].into_iter().filter(has).collect();
+        if found.is_empty() && self.umat(None).is_ok() {
+            found.push("one called like the library");
+        }
+        found
+    }
+
     /// A routine under one of its usual spellings.
     ///
     /// # Safety

@@ -15,6 +15,9 @@ pub mod recorder;
 mod routines;
 mod utilities;
 
+/// DTIME of a call that takes no time, s: laws divide by it.
+pub const MOMENT: f64 = 1e-12;
+
 pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall};
 pub use data::DataSnapshot;

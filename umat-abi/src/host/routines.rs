@@ -3,6 +3,7 @@
 use super::guard::{Guard, run};
 use super::library::Library;
 use super::memory::Guarded;
+use super::recorder::{Arguments, ExternalDatabaseRecord, InitialStateRecord, Slot};
 use std::path::Path;
 
 /// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
@@ -39,6 +40,7 @@ pub struct Clock {
 struct ExternalDatabase {
     function: ExternalDatabaseFunction,
     guard: Option<Guard>,
+    slot: Option<Slot>,
     library: Library,
 }
 
@@ -62,7 +64,8 @@ impl ExternalDatabases {
             // SAFETY: a function of this name has the signature of the manual; no check is possible. The library is
             // kept.
             if let Some(function) = unsafe { library.find("uexternaldb") } {
-                databases.push(ExternalDatabase { function, guard: library.guard(), library: library.clone() });
+                let (guard, slot) = (library.guard(), Slot::of_routine(library));
+                databases.push(ExternalDatabase { function, guard, slot, library: library.clone() });
             }
         }
         let last = Clock { step: 1, ..Clock::default() };
@@ -85,11 +88,20 @@ impl ExternalDatabases {
         self.last = clock;
         let (lop, restart) = (occasion as i32, 0);
         let Clock { time, time_increment, step, increment } = clock;
-        for database in &self.databases {
+        for ExternalDatabase { function, guard, slot, .. } in &mut self.databases {
+            if let Some(slot) = slot {
+                slot.enter(|to| {
+                    to.put_integers([Arguments::EXTERNAL_DATABASE, 0]);
+                    ExternalDatabaseRecord::write(&[lop, step, increment], to);
+                });
+            }
             // SAFETY: every pointer is valid for what the manual says.
-            run(database.guard.as_ref(), || unsafe {
-                (database.function)(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment);
+            run(guard.as_ref(), || unsafe {
+                function(&lop, &restart, time.as_ptr(), &time_increment, &step, &increment);
             });
+            if let Some(slot) = slot {
+                slot.leave();
+            }
         }
     }
 }
@@ -101,19 +113,20 @@ impl Drop for ExternalDatabases {
 }
 
 /// STATEV of points at the start.
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 pub struct InitialStates {
     count: usize,
     source: StateSource,
 }
 
-#[derive(Clone, Debug)]
+#[derive(Debug)]
 enum StateSource {
     Zero,
     Given(Vec<f64>),
     Routine {
         function: InitialStateFunction,
         guard: Option<Guard>,
+        slot: Option<Slot>,
         /// Keeps the function's code loaded.
         _library: Library,
     },
@@ -126,7 +139,12 @@ impl InitialStates {
             Some(given) => StateSource::Given(given.to_vec()),
             // SAFETY: as for UEXTERNALDB.
             None => match unsafe { library.find("sdvini") } {
-                Some(function) => StateSource::Routine { function, guard: library.guard(), _library: library.clone() },
+                Some(function) => StateSource::Routine {
+                    function,
+                    guard: library.guard(),
+                    slot: Slot::of_routine(library),
+                    _library: library.clone(),
+                },
                 None => StateSource::Zero,
             },
         };
@@ -142,12 +160,18 @@ impl InitialStates {
     ///
     /// # Errors
     /// In words, if SDVINI wrote behind STATEV.
-    pub fn of_point(&self, coordinates: [f64; 3], element: i32, point: i32) -> Result<Vec<f64>, String> {
-        let (function, guard) = match &self.source {
+    pub fn of_point(&mut self, coordinates: [f64; 3], element: i32, point: i32) -> Result<Vec<f64>, String> {
+        let (function, guard, slot) = match &mut self.source {
             StateSource::Zero => return Ok(vec![0.0; self.count]),
             StateSource::Given(given) => return Ok(given.clone()),
-            StateSource::Routine { function, guard, .. } => (function, guard),
+            StateSource::Routine { function, guard, slot, .. } => (function, guard, slot),
         };
+        if let Some(slot) = slot {
+            slot.enter(|to| {
+                to.put_integers([Arguments::INITIAL_STATE, 0]);
+                InitialStateRecord::write(&[element, point], to);
+            });
+        }
         let mut guarded = Guarded::new("STATEV", self.count);
         let (dimensions, one) = (3, 1);
         let (states, count) = (guarded.as_mut_ptr(), guarded.count());
@@ -155,6 +179,9 @@ impl InitialStates {
         run(guard.as_ref(), || unsafe {
             function(states, coordinates.as_ptr(), count, &dimensions, &element, &point, &one, &one);
         });
+        if let Some(slot) = slot {
+            slot.leave();
+        }
         guarded.check().map_err(|overrun| format!("SDVINI: {overrun}"))?;
         Ok(guarded.as_slice().to_vec())
     }

@@ -234,7 +234,7 @@ impl Solids {
         for body in &mut self.bodies {
             let call = &mut body.points.call;
             call.time = [context.step_time, context.total_time];
-            call.dtime = context.time_increment;
+            call.dtime = context.dtime();
             call.jstep[0] = from_one(context.step);
             call.jstep[2] = i32::from(body.nlgeom);
             call.kinc = from_one(context.increment);

@@ -155,9 +155,9 @@ fn body(
 
 /// STATEV of every point: of the case, of the library's SDVINI, or zeros.
 fn set_initial_states(laws: &[PluginLaw], bodies: &mut [Body], records: &[Record]) -> Result<(), SolidsError> {
-    let initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
+    let mut initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
     for (element, record) in records.iter().enumerate() {
-        let (law, initial) = (&laws[record.part], &initial[record.part]);
+        let (law, initial) = (&laws[record.part], &mut initial[record.part]);
         if initial.are_zero() {
             continue;
         }

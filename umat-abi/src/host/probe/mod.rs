@@ -5,13 +5,10 @@
 //! call, and ends; what it prints goes nowhere.
 
 mod child;
+mod fences;
 mod pages;
 
-use super::call::UmatCall;
-use crate::umat::UmatArguments;
-use pages::Fenced;
 use std::fmt;
-use std::io;
 
 /// Where an array lies between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -55,40 +52,4 @@ pub enum Probed {
     Trespass(Trespass),
     /// It did not come back: a signal, an exit, a call that takes too long.
     Ended(String),
-}
-
-impl UmatCall {
-    /// Makes the call, as it is prepared, in a child process.
-    ///
-    /// # Errors
-    /// The system gives no memory or no process.
-    pub fn probe(&mut self, alignment: Alignment) -> io::Result<Probed> {
-        let arguments = self.arguments(false);
-        let (fenced, arguments) = fence(&arguments, self, alignment)?;
-        let function = self.function();
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
-        child::run(&fenced, || unsafe { arguments.call(function) })
-    }
-}
-
-/// Copies of the arrays behind the arguments, each between forbidden pages, and the arguments that point to them.
-fn fence(from: &UmatArguments, call: &UmatCall, alignment: Alignment) -> io::Result<(Vec<Fenced>, UmatArguments)> {
-    let n = call.ntens();
-    let mut to = *from;
-    let mut fenced = Vec::new();
-    // `count` values of the pointer's type.
-    macro_rules! fence {
-        ($($field:ident: $count:expr),+ $(,)?) => {$(
-            // SAFETY: the argument points to as many values.
-            let copy = unsafe { Fenced::copy_of(stringify!($field), from.$field, $count, alignment) }?;
-            to.$field = copy.address().cast();
-            fenced.push(copy);
-        )+};
-    }
-    fence! {
-        stress: n, statev: call.statev().len(), ddsdde: n * n, ddsddt: n, drplde: n, stran: n, dstran: n, time: 2,
-        predef: call.predef.len(), dpred: call.dpred.len(), props: call.props().len(), coords: 3, drot: 9, dfgrd0: 9,
-        dfgrd1: 9, jstep: 4, cmname: 80,
-    }
-    Ok((fenced, to))
 }

@@ -9,7 +9,7 @@ use super::slot::Writer;
 macro_rules! record {
     (
         $(#[$struct_doc:meta])*
-        $name:ident of $call:ident: $object:ident, $writer:ident => $($(#[$doc:meta])* $field:ident $put:expr;)+
+        $name:ident of $call:ty: $object:ident, $writer:ident => $($(#[$doc:meta])* $field:ident $put:expr;)+
     ) => {
         $(#[$struct_doc])*
         #[derive(Clone, Debug, Default, PartialEq)]
@@ -127,7 +127,7 @@ record! {
     press to.put(&call.pressure);
     /// SLIP.
     slip to.put(&call.slip[..call.traction().len()]);
-    /// Step time and total time.
+    /// Step time and total time at the end.
     time to.put(&call.time);
     /// DTIME.
     dtime to.put(&[call.dtime]);
@@ -145,7 +145,21 @@ record! {
     counters to.put_integers(call.counters);
 }
 
-/// The arguments of a call by its entry point.
+record! {
+    /// UEXTERNALDB.
+    ExternalDatabaseRecord of [i32; 3]: call, to =>
+    /// LOP, KSTEP and KINC.
+    counters to.put_integers(*call);
+}
+
+record! {
+    /// SDVINI.
+    InitialStateRecord of [i32; 2]: call, to =>
+    /// NOEL and NPT.
+    noel_npt to.put_integers(*call);
+}
+
+/// The arguments of a call by its entry point or routine.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Arguments {
     /// UMAT.
@@ -154,13 +168,19 @@ pub enum Arguments {
     Uinter(UinterRecord),
     /// FRIC.
     Fric(FricRecord),
+    /// UEXTERNALDB.
+    ExternalDatabase(ExternalDatabaseRecord),
+    /// SDVINI.
+    InitialState(InitialStateRecord),
 }
 
 impl Arguments {
-    /// Numbers of the entry points in a slot.
+    /// Numbers of the entry points and routines in a slot.
     pub(in crate::host) const UMAT: i32 = 1;
     pub(in crate::host) const UINTER: i32 = 2;
     pub(in crate::host) const FRIC: i32 = 3;
+    pub(in crate::host) const EXTERNAL_DATABASE: i32 = 4;
+    pub(in crate::host) const INITIAL_STATE: i32 = 5;
 
     /// Reads the arguments behind an entry point's number.
     pub(super) fn read(entry: f64, reader: &mut Reader<'_>) -> Option<Self> {
@@ -170,18 +190,29 @@ impl Arguments {
             UinterRecord::read(reader).map(Self::Uinter)
         } else if entry == f64::from(Self::FRIC) {
             FricRecord::read(reader).map(Self::Fric)
+        } else if entry == f64::from(Self::EXTERNAL_DATABASE) {
+            ExternalDatabaseRecord::read(reader).map(Self::ExternalDatabase)
+        } else if entry == f64::from(Self::INITIAL_STATE) {
+            InitialStateRecord::read(reader).map(Self::InitialState)
         } else {
             None
         }
     }
 
-    /// Step and increment, from 1.
+    /// Whether this is a routine beside the entry points, which a replay of one call does not have.
+    pub fn is_routine(&self) -> bool {
+        matches!(self, Self::ExternalDatabase(_) | Self::InitialState(_))
+    }
+
+    /// Step and increment, from 1; SDVINI is called before the first.
     pub fn place(&self) -> [u32; 2] {
         let [step, increment] = match self {
             Self::Umat(umat) => [umat.jstep.first(), umat.kinc.first()],
             Self::Uinter(UinterRecord { counters, .. }) | Self::Fric(FricRecord { counters, .. }) => {
                 [counters.first(), counters.get(1)]
             }
+            Self::ExternalDatabase(database) => [database.counters.get(1), database.counters.get(2)],
+            Self::InitialState(_) => [None, None],
         };
         [step, increment].map(|number| number.copied().unwrap_or_default() as u32)
     }

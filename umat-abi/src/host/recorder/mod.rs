@@ -3,7 +3,7 @@
 //! A plugin may end the process that calls it: Fortran's STOP, a segmentation fault, an endless loop. So the process
 //! that calls plugins, the *worker*, maps a file that its parent, the *supervisor*, maps as well ([`install`],
 //! [`Recording`]), and every call of [`super::UmatCall`], [`super::UinterCall`] and [`super::FricCall`] made
-//! afterwards notes its arguments there before it is made. The kernel owns the pages: whatever ends the worker, the
+//! afterwards notes its arguments there before it is made, and so do UEXTERNALDB and SDVINI. The kernel owns the pages: whatever ends the worker, the
 //! supervisor reads what was noted last.
 //!
 //! # The file
@@ -31,7 +31,7 @@ mod slot;
 #[cfg(test)]
 mod test;
 
-pub use arguments::{Arguments, FricRecord, UinterRecord, UmatRecord};
+pub use arguments::{Arguments, ExternalDatabaseRecord, FricRecord, InitialStateRecord, UinterRecord, UmatRecord};
 pub use recording::{Beat, CallRecord, Recording};
 pub(super) use slot::{Slot, loading};
 

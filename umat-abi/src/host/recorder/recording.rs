@@ -67,9 +67,10 @@ impl Recording {
         if index < NOTES { self.map.word(word::NOTES + WORD * index).load(Ordering::Acquire) } else { 0 }
     }
 
-    /// Calls that were begun.
+    /// Calls of entry points that were begun.
     pub fn calls(&self) -> u64 {
-        self.slots().map(|(_, sequence)| sequence.div_ceil(2)).sum()
+        let is_routine = |slot| self.record(slot).is_some_and(|call| call.arguments.is_routine());
+        self.slots().filter(|(slot, _)| !is_routine(*slot)).map(|(_, sequence)| sequence.div_ceil(2)).sum()
     }
 
     /// What has not come back as yet.
@@ -101,7 +102,7 @@ impl Recording {
         beat.slot.and_then(|slot| self.record(slot))
     }
 
-    /// The last call, whether it came back or not.
+    /// The last call of an entry point, whether it came back or not.
     pub fn last_call(&self) -> Option<CallRecord> {
         self.last_slot().and_then(|slot| self.record(slot))
     }

@@ -21,6 +21,8 @@ pub(in crate::host) struct Slot {
     texts: Vec<u8>,
     place: Option<Place>,
     sequence: u64,
+    /// Its calls are those of a routine beside the entry points.
+    is_routine: bool,
 }
 
 /// Offsets of a slot, of its arguments, and of its end.
@@ -39,6 +41,11 @@ impl Slot {
         Some(Self::of(recorder, &library.name_of_law(cmname), &path, symbol, cmname))
     }
 
+    /// For calls of a routine beside the entry points.
+    pub(in crate::host) fn of_routine(library: &Library) -> Option<Self> {
+        Self::new(library, None, "").map(|slot| Self { is_routine: true, ..slot })
+    }
+
     pub(super) fn of(recorder: &'static Recorder, name: &str, path: &Path, symbol: Option<&str>, cmname: &str) -> Self {
         let mut texts = Vec::new();
         let path = path.as_os_str().as_encoded_bytes();
@@ -46,7 +53,7 @@ impl Slot {
             texts.extend((text.len() as u64).to_ne_bytes());
             texts.extend(text);
         }
-        Self { recorder, texts, place: None, sequence: 0 }
+        Self { recorder, texts, place: None, sequence: 0, is_routine: false }
     }
 
     /// The plugin gets the control, with the arguments that `write` writes.
@@ -66,7 +73,7 @@ impl Slot {
         }
         self.sequence |= 1;
         self.beat();
-        if let Some(place) = self.place {
+        if let Some(place) = self.place.filter(|_| !self.is_routine) {
             self.recorder.map.word(word::LAST).store(place.slot as u64, Ordering::Relaxed);
         }
     }

@@ -1,0 +1,183 @@
+//! At a contact point.
+
+use super::{IDENTITY, LARGE, calls, expect};
+use crate::program::Desk;
+use crate::{built, run};
+use serde_json::json;
+
+#[test]
+fn uinter_at_a_point() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let case = json!({
+        "kind": "interface", "characteristic_length": 2.5,
+        "material": { "plugin": library, "props": [100, 6], "nstatv": 1, "cmname": "bond" },
+        "initial": { "slip": 0.01, "gap": 0.02, "time": 5 },
+        "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.05, "gap": -0.02 } }],
+    });
+    let run = run(&desk, "uinter", &case);
+    let calls = calls(&run.outcome.stdout, "UINTER");
+    assert_eq!(calls.len(), 3, "one at the initial place, then one per increment");
+    assert_eq!((&*calls[0]["lopenclose"], &*calls[0]["lstate"]), ("-1", "-1"));
+    // the last call: from gap 0, slip 0.03 to penetration 0.02, slip 0.05; everything at the end of the increment
+    let expected: [(&str, &[f64]); 44] = [
+        ("stress", &[2.0, 2.0]),
+        ("ddsddr", &[0.0; 4]),
+        ("dviscous", &[0.0; 4]),
+        ("dstructural", &[0.0; 4]),
+        ("flux", &[0.0; 2]),
+        ("ddfddt", &[0.0; 4]),
+        ("ddsddt", &[0.0; 4]),
+        ("ddfddr", &[0.0; 4]),
+        ("statev", &[1.0]),
+        ("sed", &[1.0]),
+        ("sfd", &[2.0]),
+        ("spd", &[3.0]),
+        ("svd", &[4.0]),
+        ("scd", &[5.0]),
+        ("pnewdt", &[LARGE]),
+        ("rdisp", &[0.02, 0.05]),
+        ("drdisp", &[0.02, 0.02]),
+        ("temp", &[0.0; 2]),
+        ("dtemp", &[0.0; 2]),
+        ("predef", &[0.0; 2]),
+        ("dpred", &[0.0; 2]),
+        ("time", &[4.0, 9.0]),
+        ("dtime", &[2.0]),
+        ("freqr", &[0.0]),
+        ("props", &[100.0, 6.0]),
+        ("coords", &[0.0; 3]),
+        // column 1 is the normal
+        ("alocaldir", &IDENTITY),
+        ("drot", &[1.0, 0.0, 0.0, 1.0]),
+        ("area", &[1.0]),
+        ("chrlngth", &[2.5]),
+        ("node", &[1.0]),
+        ("ndir", &[2.0]),
+        ("nstatv", &[1.0]),
+        ("npred", &[1.0]),
+        ("nprops", &[2.0]),
+        ("mcrd", &[3.0]),
+        ("kstep", &[1.0]),
+        ("kinc", &[2.0]),
+        ("kit", &[1.0]),
+        ("linper", &[0.0]),
+        // as the plugin left them; LSDI is 0 at each call
+        ("lopenclose", &[1.0]),
+        ("lstate", &[2.0]),
+        ("lsdi", &[0.0]),
+        ("lprint", &[0.0]),
+    ];
+    expect(&calls[2], &expected, &[("ciname", "BOND"), ("slname", "SLAVE"), ("msname", "MASTER")]);
+}
+
+#[test]
+fn fric_at_a_point() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let case = json!({
+        "kind": "interface",
+        "material": { "plugin": library, "entry": "fric", "props": [100], "nstatv": 1 },
+        "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.04, "p": 6 } }],
+    });
+    let run = run(&desk, "fric", &case);
+    let calls = calls(&run.outcome.stdout, "FRIC");
+    assert_eq!(calls.len(), 2);
+    assert_eq!(calls[0]["lm"], "1", "sticking until the plugin says otherwise");
+    let expected: [(&str, &[f64]); 36] = [
+        ("lm", &[0.0]),
+        ("tau", &[2.0]),
+        ("ddtddg", &[0.0]),
+        ("ddtddp", &[0.0]),
+        ("dslip", &[0.0]),
+        ("sed", &[1.0]),
+        ("sfd", &[2.0]),
+        ("ddtddt", &[0.0; 2]),
+        ("pnewdt", &[LARGE]),
+        ("statev", &[1.0]),
+        ("dgam", &[0.02]),
+        ("taulm", &[0.0]),
+        // at the end, and its increment
+        ("press", &[6.0]),
+        ("dpress", &[3.0]),
+        ("ddpddh", &[0.0]),
+        // what the plugin called slip so far: half of it
+        ("slip", &[0.01]),
+        ("kstep", &[1.0]),
+        ("kinc", &[2.0]),
+        // at the end
+        ("time", &[4.0, 4.0]),
+        ("dtime", &[2.0]),
+        ("noel", &[1.0]),
+        ("npt", &[1.0]),
+        ("node", &[1.0]),
+        ("npatch", &[1.0]),
+        ("coords", &[0.0; 3]),
+        ("rcoord", &[0.0; 3]),
+        ("drot", &[1.0, 0.0, 0.0, 1.0]),
+        ("temp", &[0.0; 2]),
+        ("predef", &[0.0; 2]),
+        ("nfdir", &[1.0]),
+        ("mcrd", &[3.0]),
+        ("npred", &[1.0]),
+        ("nstatv", &[1.0]),
+        ("chrlngth", &[1.0]),
+        ("props", &[100.0]),
+        ("nprops", &[1.0]),
+    ];
+    expect(&calls[1], &expected, &[("ciname", "PRINT"), ("slname", "SLAVE"), ("msname", "MASTER")]);
+}
+
+/// Two tangential directions: every array that has them.
+#[test]
+fn contact_in_space() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let last = |entry: &str, target: serde_json::Value| {
+        let case = json!({
+            "kind": "interface", "material": { "plugin": library, "entry": entry, "props": [100], "nstatv": 1 },
+            "steps": [{ "increments": 2, "target": target }],
+        });
+        let run = run(&desk, entry, &case);
+        calls(&run.outcome.stdout, &entry.to_uppercase()).pop().expect("a call")
+    };
+    let check = |call: &super::Printed, expected: &[(&str, &[f64])]| {
+        let some = call.iter().filter(|(name, _)| expected.iter().any(|(wanted, _)| wanted == name));
+        expect(&some.map(|(name, value)| (name.clone(), value.clone())).collect(), expected, &[]);
+    };
+    let uinter = last("uinter", json!({ "slip": 0.04, "slip2": -0.02, "gap": -0.01 }));
+    let half: &[f64] = &[0.005, 0.02, -0.01];
+    check(
+        &uinter,
+        &[
+            ("ndir", &[3.0]),
+            ("rdisp", &[0.01, 0.04, -0.02]),
+            ("drdisp", half),
+            ("stress", &[0.5, 2.0, -1.0]),
+            ("ddsddr", &[0.0; 9]),
+            ("dviscous", &[0.0; 9]),
+            ("dstructural", &[0.0; 9]),
+            ("ddsddt", &[0.0; 6]),
+            ("ddfddr", &[0.0; 6]),
+            // the normal, then both tangents
+            ("alocaldir", &IDENTITY),
+        ],
+    );
+    let fric = last("fric", json!({ "slip": 0.04, "slip2": -0.02, "p": 3 }));
+    check(
+        &fric,
+        &[
+            ("nfdir", &[2.0]),
+            ("dgam", &[0.02, -0.01]),
+            ("tau", &[2.0, -1.0]),
+            ("slip", &[0.01, -0.005]),
+            ("press", &[3.0]),
+            ("dpress", &[1.5]),
+            ("ddtddg", &[0.0; 4]),
+            ("ddtddp", &[0.0; 2]),
+            ("dslip", &[0.0; 2]),
+            ("ddtddt", &[0.0; 4]),
+            ("taulm", &[0.0; 2]),
+        ],
+    );
+}

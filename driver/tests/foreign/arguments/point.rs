@@ -1,0 +1,169 @@
+//! At a material point.
+
+use super::{IDENTITY, LARGE, calls, expect, values};
+use crate::program::Desk;
+use crate::{built, run};
+use serde_json::json;
+
+#[test]
+fn umat_at_a_point() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let target = json!({ "e11": 5e-3, "e22": 1e-3, "e33": 0, "g12": 4e-3, "g13": 0, "g23": -2e-3 });
+    let case = json!({
+        "kind": "point", "mode": "3d", "characteristic_length": 12.5, "temperature": 20, "predef": [1, 2],
+        "material": { "plugin": library, "props": [1000, 2, 8], "nstatv": 2, "cmname": "Steel-1" },
+        "initial": { "strain": { "e11": 1e-3 }, "stress": { "s11": 1, "s22": 3 }, "statev": [4, 5], "time": 10 },
+        "steps": [
+            { "increments": 2, "time": 4, "target": target, "temperature": 30, "predef": [3, 6] },
+            { "increments": 1, "time": 2, "target": target },
+        ],
+    });
+    let run = run(&desk, "point", &case);
+    let calls = calls(&run.outcome.stdout, "UMAT");
+    assert_eq!(calls.len(), 3, "one call per increment where strains are given");
+    // the second increment of the first step
+    let expected: [(&str, &[f64]); 36] = [
+        ("stress", &[1.0 + 2.0, 3.0 + 0.5, 0.0, 1.0, 0.0, -0.5]),
+        ("statev", &[5.0, 5.0]),
+        ("ddsdde", &[0.0; 36]),
+        ("sse", &[1.0]),
+        ("spd", &[2.0]),
+        ("scd", &[3.0]),
+        ("rpl", &[9.0]),
+        ("ddsddt", &[0.0; 6]),
+        ("drplde", &[0.0; 6]),
+        ("drpldt", &[0.0]),
+        ("stran", &[3e-3, 0.5e-3, 0.0, 2e-3, 0.0, -1e-3]),
+        ("dstran", &[2e-3, 0.5e-3, 0.0, 2e-3, 0.0, -1e-3]),
+        // step time and total time at the start
+        ("time", &[2.0, 12.0]),
+        ("dtime", &[2.0]),
+        ("temp", &[25.0]),
+        ("dtemp", &[5.0]),
+        ("predef", &[2.0, 4.0]),
+        ("dpred", &[1.0, 2.0]),
+        ("ndi", &[3.0]),
+        ("nshr", &[3.0]),
+        ("ntens", &[6.0]),
+        ("nstatv", &[2.0]),
+        ("props", &[1000.0, 2.0, 8.0]),
+        ("nprops", &[3.0]),
+        ("coords", &[0.0; 3]),
+        ("drot", &IDENTITY),
+        ("pnewdt", &[LARGE]),
+        ("celent", &[12.5]),
+        ("dfgrd0", &IDENTITY),
+        ("dfgrd1", &IDENTITY),
+        ("noel", &[1.0]),
+        ("npt", &[1.0]),
+        ("layer", &[1.0]),
+        ("kspt", &[1.0]),
+        // step, static procedure, no NLGEOM, no perturbation
+        ("jstep", &[1.0, 1.0, 0.0, 0.0]),
+        ("kinc", &[2.0]),
+    ];
+    expect(&calls[1], &expected, &[("cmname", "STEEL-1")]);
+    // the next step: its own time from 0, increments from 1, what the last one ended with
+    let next = &calls[2];
+    for (name, expected) in [
+        ("time", "0,14"),
+        ("dtime", "2"),
+        ("temp", "30"),
+        ("dtemp", "0"),
+        ("predef", "3,6"),
+        ("dpred", "0,0"),
+        ("jstep", "2,1,0,0"),
+        ("kinc", "1"),
+        ("statev", "6,5"),
+        ("sse", "2"),
+    ] {
+        assert_eq!(next[name], expected, "{name}");
+    }
+    assert!(values(&next["dstran"]).iter().all(|x| *x == 0.0));
+}
+
+#[test]
+fn umat_under_finite_strain() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    // a quarter of the way to a shear: no component of F or DROT is like another
+    let f = [[1.1, 0.4, 0.0], [0.0, 0.9, 0.2], [0.0, 0.0, 1.2]];
+    let case = json!({
+        "kind": "point", "mode": "3d", "nlgeom": true,
+        "material": { "plugin": library, "props": [1000], "nstatv": 1 },
+        "initial": { "stress": { "s11": 10 } },
+        "steps": [{ "increments": 2, "F": f }],
+    });
+    let run = run(&desk, "finite", &case);
+    let calls = calls(&run.outcome.stdout, "UMAT");
+    let columns = |f: [[f64; 3]; 3]| (0..9).map(|k| f[k % 3][k / 3]).collect::<Vec<_>>();
+    let half = [[1.05, 0.2, 0.0], [0.0, 0.95, 0.1], [0.0, 0.0, 1.1]];
+    let close = |found: &str, expected: &[f64]| {
+        let found = values(found);
+        assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?} instead of {expected:?}");
+    };
+    close(&calls[0]["dfgrd0"], &IDENTITY);
+    close(&calls[0]["dfgrd1"], &columns(half));
+    close(&calls[1]["dfgrd0"], &columns(half));
+    close(&calls[1]["dfgrd1"], &columns(f));
+    assert_eq!(calls[0]["jstep"], "1,1,1,0");
+    // DROT is a rotation that turns axis 2 towards 1 (the shear F12 > 0): DROT(1,2) > 0; STRESS comes turned by it
+    let drot = values(&calls[0]["drot"]);
+    let r = |row: usize, column: usize| drot[3 * column + row];
+    assert!(r(0, 1) > 0.05 && r(1, 0) < -0.05);
+    for i in 0..3 {
+        for j in 0..3 {
+            let product: f64 = (0..3).map(|k| r(i, k) * r(j, k)).sum();
+            assert!((product - f64::from(i == j)).abs() < 1e-14);
+        }
+    }
+    let turned = |i: usize, j: usize| 10.0 * r(i, 0) * r(j, 0);
+    close(&calls[0]["stress"], &[turned(0, 0), turned(1, 1), turned(2, 2), turned(0, 1), turned(0, 2), turned(1, 2)]);
+}
+
+/// NTENS, NDI, NSHR and the components of each mode.
+#[test]
+fn umat_in_every_mode() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let target = json!({ "e11": 2e-3, "e22": -1e-3, "e33": 3e-3, "g12": 4e-3, "g13": 5e-3, "g23": 6e-3 });
+    for (mode, counts, strains) in [
+        ("3d", ["6", "3", "3"], &[2e-3, -1e-3, 3e-3, 4e-3, 5e-3, 6e-3][..]),
+        ("axisymmetric", ["4", "3", "1"], &[2e-3, -1e-3, 3e-3, 4e-3]),
+        ("plane_strain", ["4", "3", "1"], &[2e-3, -1e-3, 0.0, 4e-3]),
+        ("plane_stress", ["3", "2", "1"], &[2e-3, -1e-3, 4e-3]),
+    ] {
+        let mut target = target.clone();
+        let named = target.as_object_mut().expect("an object");
+        if mode != "3d" {
+            named.retain(|name, _| !["g13", "g23"].contains(&name.as_str()));
+        }
+        if mode.starts_with("plane") {
+            named.remove("e33");
+        }
+        let case = json!({
+            "kind": "point", "mode": mode, "material": { "plugin": library, "props": [1000], "nstatv": 1 },
+            "steps": [{ "increments": 2, "target": target }],
+        });
+        let run = run(&desk, mode, &case);
+        let last = calls(&run.outcome.stdout, "UMAT").pop().expect("a call");
+        assert_eq!(["ntens", "ndi", "nshr"].map(|name| last[name].as_str()), counts, "{mode}");
+        let n = strains.len();
+        let halves: Vec<_> = strains.iter().map(|strain| 0.5 * strain).collect();
+        let direct = if n == 3 { 2 } else { 3 };
+        let stress = |k: usize| halves[k] * if k < direct { 1000.0 } else { 500.0 };
+        for (name, expected) in [
+            ("stran", halves.clone()),
+            ("dstran", halves.clone()),
+            ("stress", (0..n).map(stress).collect()),
+            ("ddsdde", vec![0.0; n * n]),
+            ("ddsddt", vec![0.0; n]),
+            ("drplde", vec![0.0; n]),
+        ] {
+            let found = values(&last[name]);
+            let close = found.iter().zip(&expected).all(|(a, b)| (a - b).abs() <= 1e-14 * b.abs());
+            assert!(found.len() == n.max(expected.len()) && close, "{mode}, {name}: {found:?}, not {expected:?}");
+        }
+    }
+}

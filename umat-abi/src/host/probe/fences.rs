@@ -1,0 +1,61 @@
+//! The arrays of each entry point behind fences.
+
+use super::super::call::UmatCall;
+use super::super::interface_call::{FricCall, UinterCall};
+use super::pages::Fenced;
+use super::{Alignment, Probed, child};
+use std::io;
+
+/// Implements `probe` for a call: which arguments are arrays, and how many values each has.
+macro_rules! probed {
+    ($call:ident, |$this:ident| $arguments:expr, { $($field:ident: $count:expr),+ $(,)? }) => {
+        impl $call {
+            /// Makes the call, as it is prepared, in a child process.
+            ///
+            /// # Errors
+            /// The system gives no memory or no process.
+            pub fn probe(&mut self, alignment: Alignment) -> io::Result<Probed> {
+                let $this = self;
+                let from = $arguments;
+                let mut to = from;
+                let mut fenced = Vec::new();
+                $(
+                    // SAFETY: the argument points to as many values.
+                    let copy = unsafe { Fenced::copy_of(stringify!($field), from.$field, $count, alignment) }?;
+                    to.$field = copy.address().cast();
+                    fenced.push(copy);
+                )+
+                let function = $this.function();
+                // SAFETY: every pointer is valid for the sizes that the counts tell.
+                child::run(&fenced, || unsafe { to.call(function) })
+            }
+        }
+    };
+}
+
+/// Characters of a name.
+const NAME: usize = 80;
+/// Values of a pair of surfaces: TEMP, or PREDEF with one field variable.
+const SURFACES: usize = 2;
+
+probed!(UmatCall, |call| call.arguments(false), {
+    stress: call.ntens(), statev: call.statev().len(), ddsdde: call.ntens().pow(2), ddsddt: call.ntens(),
+    drplde: call.ntens(), stran: call.ntens(), dstran: call.ntens(), time: 2, predef: call.predef.len(),
+    dpred: call.dpred.len(), props: call.props().len(), coords: 3, drot: 9, dfgrd0: 9, dfgrd1: 9, jstep: 4, cmname: NAME,
+});
+
+probed!(UinterCall, |call| call.arguments(), {
+    stress: call.traction().len(), ddsddr: call.traction().len().pow(2), dviscous: call.traction().len().pow(2),
+    dstructural: call.traction().len().pow(2), flux: 2, ddfddt: 4, ddsddt: 2 * call.traction().len(),
+    ddfddr: 2 * call.traction().len(), statev: call.statev().len(), rdisp: call.traction().len(),
+    drdisp: call.traction().len(), temp: SURFACES, dtemp: SURFACES, predef: SURFACES, dpred: SURFACES, time: 2,
+    ciname: NAME, slname: NAME, msname: NAME, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
+});
+
+probed!(FricCall, |call| call.arguments(), {
+    tau: call.traction().len(), ddtddg: call.traction().len().pow(2), ddtddp: call.traction().len(),
+    dslip: call.traction().len(), ddtddt: 2 * call.traction().len(), statev: call.statev().len(),
+    dgam: call.traction().len(), taulm: call.traction().len(), slip: call.traction().len(), time: 2, ciname: NAME,
+    slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES, predef: SURFACES,
+    props: call.props().len(),
+});
