@@ -50,4 +50,5 @@ pub mod worker;
 pub use ending::Aftermath;
 pub use need::{Need, describes_laws, need};
 pub use supervisor::{End, Failure, Job, supervise};
+pub use system::{die_with, program};
 pub use worker::{Stage, Task};

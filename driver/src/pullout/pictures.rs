@@ -11,7 +11,7 @@ use crate::output::plots::Picture;
 use crate::output::plots::field::{
     FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, deformed_mesh, interface_profiles,
 };
-use crate::output::plots::figure::{Figure, Line, Style};
+use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::quantity::{Quantity, Sort};
 use fe_core::mesh::Mesh;
 use fe_core::model::ContactPair;
@@ -188,6 +188,7 @@ impl<'a> Album<'a> {
                 points,
                 columns,
                 style: Style { color: k, dash: k },
+                marked: false,
             });
         }
         self.keep_figure(&Figure {
@@ -198,6 +199,7 @@ impl<'a> Album<'a> {
             lines,
             marks: Vec::new(),
             equal_units: false,
+            scale: Scale::Linear,
         })
     }
 
