@@ -85,8 +85,8 @@ impl Resolver<'_, '_> {
         }
         let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
         let (runs, columns) = self.runs(&runs, &members, &series, isolated);
-        let curve = given.clone().or_else(|| default_curve(columns.as_deref()));
-        let curve = curve.unwrap_or(Columns { x: "slip".into(), y: "load".into() });
+        let curve =
+            given.clone().unwrap_or_else(|| default_curve(&self.file.parent().unwrap_or(Path::new("")).join(&base)));
         let place = root.key("curve");
         if given.is_some() {
             self.columns(&curve, columns.as_deref(), &place);
@@ -473,11 +473,14 @@ fn columns_of(case: &Case) -> Vec<String> {
 }
 
 /// Load against slip, τ against slip, σ11 against ε11.
-fn default_curve(columns: Option<&[String]>) -> Option<Columns> {
-    let has = |name: &str| columns.is_some_and(|columns| columns.iter().any(|column| column == name));
-    let pairs = [("slip", "load"), ("slip", "tau"), ("e11", "s11")];
-    let (x, y) = pairs.into_iter().find(|(x, y)| has(x) && has(y))?;
-    Some(Columns { x: x.into(), y: y.into() })
+fn default_curve(base: &Path) -> Columns {
+    let kind = case::document(base, &[]).map(|document| document["kind"].clone()).unwrap_or_default();
+    let (x, y) = match kind.as_str() {
+        Some("point") => ("e11", "s11"),
+        Some("interface") => ("slip", "tau"),
+        _ => ("slip", "load"),
+    };
+    Columns { x: x.into(), y: y.into() }
 }
 
 /// "45°", "1000 MPa".

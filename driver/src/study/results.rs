@@ -101,7 +101,7 @@ impl RunResult {
             result.peak = Some(peak.load);
             result.slip_at_peak = Some(peak.slip).filter(|_| study.curve.x == "slip").or(result.slip_at_peak);
         }
-        result.end = finite().last().map(|(_, y)| y);
+        result.end = finite().next_back().map(|(_, y)| y);
         result.reach = finite().map(|(x, _)| x.abs()).reduce(f64::max);
         result
     }
