@@ -1,6 +1,6 @@
 //! A family of runs: a case that is varied, its results side by side, and what is claimed of them.
 //!
-//! A study file ([`document`]) is read and every run's case is checked (`read`) before anything runs. Each run is a process
+//! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
 //! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
 //! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
 //! (`fingerprint`). Then the runs are compared ([`results`]), the claims are tested ([`claims`]), and pictures, tables and
