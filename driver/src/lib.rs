@@ -12,6 +12,7 @@ mod isolation;
 pub mod output;
 pub mod path;
 pub mod pullout;
+pub mod study;
 
 /// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.
 pub const PLUGIN_STACK: usize = 64 << 20;

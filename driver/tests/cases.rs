@@ -12,8 +12,8 @@ fn every_shipped_case_runs() {
     let (desk, files, next) = (Desk::new(), case_files(), AtomicUsize::new(0));
     let work = || {
         while let Some(file) = files.get(next.fetch_add(1, Ordering::Relaxed)) {
-            // a specimen takes minutes: too long for a test
-            if json(file)["kind"] == "pullout" {
+            // a specimen takes minutes, a study of specimens longer: too long for a test
+            if json(file)["kind"] == "pullout" || json(file)["kind"] == "study" {
                 continue;
             }
             let stem = file.file_stem().expect("a stem").to_str().expect("UTF-8");

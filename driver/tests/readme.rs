@@ -146,3 +146,22 @@ fn the_fibre_of_the_readme_is_pulled_out() {
     assert!(load.last().unwrap().abs() < 1e-6 * peak && *slip.last().unwrap() == 12.5);
     assert!(run.history.column("energy_error").iter().all(|error| error.abs() < 1e-3));
 }
+
+/// The study of the README: friction adds to the peak, and twice the length is twice the peak.
+#[test]
+fn the_study_of_the_readme_finds_its_claims() {
+    let desk = Desk::new();
+    let block = |part: &str| blocks("json").into_iter().find(|block| block.contains(part)).expect("a block");
+    desk.write("fibre.json", &block("\"kind\": \"pullout\""));
+    desk.write("friction.json", &block("\"kind\": \"study\""));
+    let coarse = ["mesh.specimen.embedded_elements=12", "steps=[{\"slip\": 1}]"].map(|text| format!("--set={text}"));
+    let arguments = ["study", "friction.json"].into_iter().chain(coarse.iter().map(String::as_str));
+    let told = desk.pullout(arguments).expect(0).stdout;
+    assert!(told.contains("4 of 4 runs done"), "{told}");
+    let study: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(desk.path("out/friction/study.json")).expect("study.json"))
+            .expect("JSON");
+    let claims = study["claims"].as_array().expect("claims");
+    assert!(claims.len() == 3 && claims.iter().all(|claim| claim["verdict"] == "found"), "{told}");
+    assert!(desk.path("out/friction/plots/work_normalised.png").is_file());
+}

@@ -94,6 +94,10 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
             "principal_stress_max_exit_peak",
             "principal_stress_min_peak",
             "principal_stress_min_exit",
+            "principal_directions",
+            "principal_directions_exit_peak",
+            "active_zone",
+            "active_zone_exit_peak",
         ],
     );
     let load = run.history.column("load");

@@ -6,7 +6,7 @@
 
 use crate::path::program::{self, Program};
 use crate::pullout;
-use document::{InterfaceCase, Piece, PointCase, PulloutCase};
+use document::{InterfaceCase, PointCase, PulloutCase};
 use problem::{Place, Problem};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -31,6 +31,8 @@ mod table;
 #[cfg(test)]
 mod test;
 
+pub(crate) use document::{Piece, Positive};
+pub(crate) use problem::hint;
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind};
 pub use props::props_from_json;
 pub use structure::schema;
@@ -95,7 +97,7 @@ impl Case {
 }
 
 /// What the parts of a case are resolved with, and what they find.
-struct Reader<'a> {
+pub(crate) struct Reader<'a> {
     /// The case file's folder, to which paths in it are relative.
     folder: &'a Path,
     plugin_paths: &'a [PathBuf],
@@ -105,13 +107,40 @@ struct Reader<'a> {
     warnings: Vec<String>,
 }
 
-impl Reader<'_> {
-    fn problem(&mut self, place: &Place, message: impl Into<String>) {
+impl<'a> Reader<'a> {
+    /// For a file in this folder.
+    pub(crate) fn new(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
+        Self { folder, plugin_paths, libraries: BTreeMap::new(), problems: Vec::new(), warnings: Vec::new() }
+    }
+
+    /// Everything that is wrong.
+    pub(crate) fn into_problems(self) -> Vec<Problem> {
+        self.problems
+    }
+
+    /// Puts problems of structure before those of meaning, found since there were `before`, and drops what they explain.
+    fn add_structural(&mut self, structural: Vec<Problem>, before: usize) {
+        let meaning = self.problems.split_off(before);
+        let explained = |problem: &Problem| {
+            let place = problem.place.as_ref();
+            structural.iter().any(|s| place.zip(s.place.as_ref()).is_some_and(|(place, within)| place.contains(within)))
+        };
+        let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
+        self.problems.extend(structural);
+        self.problems.extend(meaning);
+    }
+
+    /// Adds what is wrong.
+    pub(crate) fn push(&mut self, problem: Problem) {
+        self.problems.push(problem);
+    }
+
+    pub(crate) fn problem(&mut self, place: &Place, message: impl Into<String>) {
         self.problems.push(Problem::new(place.clone(), message));
     }
 
     /// A piece, if it could be read.
-    fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
+    pub(crate) fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
         match &piece.0 {
             Ok(value) => Some(value),
             Err(message) => {
@@ -122,7 +151,7 @@ impl Reader<'_> {
     }
 
     /// A piece that may be left out, if it is there and could be read.
-    fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
+    pub(crate) fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
         piece.and_then(|piece| self.piece(piece, place))
     }
 }
@@ -153,12 +182,16 @@ struct Resolved {
 /// Everything that is wrong with it.
 pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
     let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reader =
-        Reader { folder, plugin_paths, libraries: BTreeMap::new(), problems: Vec::new(), warnings: Vec::new() };
+    let mut reader = Reader::new(folder, plugin_paths);
     match read_with(&mut reader, path, overrides) {
         Some(program) if reader.problems.is_empty() => Ok(program),
         _ => Err(CaseErrors { file: path.into(), problems: reader.problems }),
     }
+}
+
+/// Whether a file is a study rather than a case.
+pub fn is_study(path: &Path) -> bool {
+    document(path, &[]).is_some_and(|document| document["kind"] == structure::STUDY)
 }
 
 /// A case file as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
@@ -204,6 +237,26 @@ fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Opti
     resolve(reader, path, &kind, document)
 }
 
+/// Resolves a study file; what is wrong with it goes to the reader.
+pub(crate) fn read_study<D: DeserializeOwned, T>(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
+) -> Option<T> {
+    let mut document = text_with(path, &[], &mut reader.problems)?;
+    if document["kind"] != structure::STUDY {
+        let what =
+            document["kind"].as_str().map_or_else(String::new, |kind| format!(", this is a case of kind '{kind}'"));
+        reader.problem(&Place::root().key("kind"), format!("a study has the kind \"{}\"{what}", structure::STUDY));
+        return None;
+    }
+    let structural = structure::check(structure::STUDY, &mut document);
+    let before = reader.problems.len();
+    let study = typed(reader, document).and_then(|document| resolve(reader, document));
+    reader.add_structural(structural, before);
+    study
+}
+
 /// Structure first, then meaning; what the structure explains is not said twice.
 fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Case> {
     let mut readable = document.clone();
@@ -224,14 +277,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
         }),
     };
-    let meaning = reader.problems.split_off(before);
-    let explained = |problem: &Problem| {
-        let place = problem.place.as_ref();
-        structural.iter().any(|s| place.zip(s.place.as_ref()).is_some_and(|(place, within)| place.contains(within)))
-    };
-    let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
-    reader.problems.extend(structural);
-    reader.problems.extend(meaning);
+    reader.add_structural(structural, before);
     program
 }
 

@@ -5,6 +5,7 @@
 
 use super::document::{InterfaceCase, PointCase, PulloutCase};
 use super::problem::{Place, Problem, hint, shown};
+use crate::study::document::StudyFile;
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
 use jsonschema::{JsonType, ValidationError};
@@ -15,6 +16,9 @@ use serde_json::{Value, json};
 /// A kind of case: its name and its part of the schema.
 type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
 
+/// The kind of file that describes a family of runs; it is no case.
+pub const STUDY: &str = "study";
+
 /// The kinds of cases. A new kind: a line here, and an arm in [`super::read`].
 const KINDS: &[KindSchema] = &[
     ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
@@ -22,18 +26,19 @@ const KINDS: &[KindSchema] = &[
     ("pullout", |generator| generator.subschema_for::<PulloutCase>().to_value()),
 ];
 
-/// Names of the kinds.
+/// Names of the kinds of cases.
 pub fn kinds() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|(name, _)| *name)
 }
 
-/// The JSON Schema (draft 2020-12) of the case format.
+/// The JSON Schema (draft 2020-12) of case files and study files.
 pub fn schema() -> Value {
     let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
-    let branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
+    let mut branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
+    branches.push(generator.subschema_for::<StudyFile>().to_value());
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Pullout case",
+        "title": "Pullout case or study",
         "description": "Units: N, mm, MPa, s. Shear strains are engineering shear.",
         "type": "object",
         "oneOf": branches,
@@ -43,7 +48,7 @@ pub fn schema() -> Value {
 
 /// The part of the schema that a case of this kind must obey.
 fn schema_of_kind(kind: &str) -> Option<Value> {
-    let index = kinds().position(|name| name == kind)?;
+    let index = kinds().chain([STUDY]).position(|name| name == kind)?;
     let mut whole = schema();
     let branch = whole["oneOf"][index].take();
     Some(json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() }))
@@ -62,6 +67,9 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
     match members.get("kind") {
         None => Err(Problem::new(place.key("kind"), format!("is missing; valid names: {}", valid.join(", ")))),
         Some(Value::String(name)) if valid.contains(&name.as_str()) => Ok(name),
+        Some(Value::String(name)) if name == STUDY => {
+            Err(Problem::new(place.key("kind"), "this is a study of several runs: `pullout study` runs it"))
+        }
         Some(Value::String(name)) => {
             Err(Problem::new(place.key("kind"), format!("no kind of case is called '{name}'{}", hint(name, valid))))
         }

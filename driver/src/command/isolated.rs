@@ -101,6 +101,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
         plugin_calls,
         cutbacks,
         wall_time_s: aftermath.wall_time_s,
+        cpu_time_s: None,
         compare: Vec::new(),
         specimen: None,
         warnings: Vec::new(),

@@ -5,6 +5,7 @@ mod plot;
 mod plugin;
 mod props;
 mod run;
+mod study;
 
 use crate::PLUGIN_STACK;
 use crate::case::CaseErrors;
@@ -46,10 +47,15 @@ enum Command {
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
+        /// End with this process; a study says so to its runs.
+        #[arg(long, hide = true)]
+        parent: Option<u32>,
     },
-    /// Validate cases: all errors at once, with the JSON path of each.
+    /// Run families of cases on all processors, overlay them, and test what is claimed of them.
+    Study(study::Arguments),
+    /// Validate cases and studies: all errors at once, with the JSON path of each.
     Check {
-        /// Case files.
+        /// Case and study files.
         #[arg(required = true, value_name = "CASE.json")]
         cases: Vec<PathBuf>,
         #[command(flatten)]
@@ -60,7 +66,7 @@ enum Command {
         #[command(subcommand)]
         action: plugin::Action,
     },
-    /// Print the JSON Schema of case files (draft 2020-12).
+    /// Print the JSON Schema of case and study files (draft 2020-12).
     Schema,
     /// Redraw the pictures of one or several runs, overlaid.
     Plot {
@@ -70,6 +76,9 @@ enum Command {
         /// Where to; default: plots/ of the first.
         #[arg(long, value_name = "DIR")]
         out: Option<PathBuf>,
+        /// Make a PNG of every picture there as well.
+        #[arg(long)]
+        png: bool,
     },
     /// One case in a process of its own; started by the program itself.
     #[command(name = isolation::worker::COMMAND, hide = true)]
@@ -142,11 +151,18 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, quiet } => run::run(&cases, out.as_deref(), &reading, quiet),
+        Command::Run { cases, out, reading, quiet, parent } => {
+            if let Some(parent) = parent {
+                // where it cannot be asked for, a run outlives its study
+                let _ = isolation::die_with(parent);
+            }
+            run::run(&cases, out.as_deref(), &reading, quiet)
+        }
+        Command::Study(arguments) => study::run(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
-        Command::Plot { results, out } => plot::plot(&results, out.as_deref()),
+        Command::Plot { results, out, png } => plot::plot(&results, out.as_deref(), png),
         Command::Props { law } => props::print(&law),
         Command::Worker { task, reading } => isolated::work(&task, &reading),
     }

@@ -2,11 +2,12 @@
 
 use super::{BAD_INPUT, DONE, FAILED, complain, say};
 use crate::output::history::History;
-use crate::output::plots::{self, Run, SPEC_FILE, Spec};
+use crate::output::plots::{self, Run, SPEC_FILE, Spec, png};
 use std::io;
 use std::path::{Path, PathBuf};
 
-pub(super) fn plot(results: &[PathBuf], out: Option<&Path>) -> u8 {
+/// `as_png`: every picture of the folder as PNG as well, those of a specimen's fields among them.
+pub(super) fn plot(results: &[PathBuf], out: Option<&Path>, as_png: bool) -> u8 {
     let mut runs = Vec::new();
     for folder in results {
         match read(folder) {
@@ -24,9 +25,13 @@ pub(super) fn plot(results: &[PathBuf], out: Option<&Path>) -> u8 {
         let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
         plots::draw_overlay(&folder, &runs)
     };
+    let drawn = drawn.and_then(|pictures| {
+        let paths = pictures.into_iter().map(|picture| picture.path).collect();
+        if as_png { rasterise(&folder, paths) } else { Ok(paths) }
+    });
     match drawn {
-        Ok(pictures) => {
-            pictures.iter().for_each(|picture| say(&format!("{}\n", picture.path.display())));
+        Ok(paths) => {
+            paths.iter().for_each(|path| say(&format!("{}\n", path.display())));
             DONE
         }
         Err(error) => {
@@ -34,6 +39,20 @@ pub(super) fn plot(results: &[PathBuf], out: Option<&Path>) -> u8 {
             FAILED
         }
     }
+}
+
+/// Adds a PNG to every SVG in a folder.
+fn rasterise(folder: &Path, mut paths: Vec<PathBuf>) -> io::Result<Vec<PathBuf>> {
+    let files = std::fs::read_dir(folder)?.flatten().map(|entry| entry.path());
+    let mut drawings: Vec<PathBuf> =
+        files.filter(|path| path.extension().is_some_and(|extension| extension == "svg")).collect();
+    drawings.sort();
+    for drawing in drawings {
+        let png = drawing.with_extension("png");
+        png::write(&png, &std::fs::read_to_string(&drawing)?)?;
+        paths.push(png);
+    }
+    Ok(paths)
 }
 
 fn read(folder: &Path) -> io::Result<(History, Spec)> {

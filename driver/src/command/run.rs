@@ -1,6 +1,6 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say};
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say, study};
 use crate::case::{self, Case};
 use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::compare;
@@ -16,12 +16,13 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use umat_abi::host::{Law, Library, announce_job};
 
 /// Validates cases.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
+        _ if case::is_study(file) => study::check(file, reading),
         Some(need) => isolated::check(file, reading, &need, false),
         None => check_here(file, reading, false),
     };
@@ -183,6 +184,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     let start = Instant::now();
+    let cpu_start = cpu_time();
     worker::note_start();
     let mut record = Record {
         writer: HistoryWriter::create(&history_file, &columns)?,
@@ -212,7 +214,9 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let end = RunEnd { peaks: record.peaks, statistics, message, wall_time_s: start.elapsed().as_secs_f64() };
+    let cpu_time_s = Some((cpu_time() - cpu_start).as_secs_f64());
+    let end =
+        RunEnd { peaks: record.peaks, statistics, message, wall_time_s: start.elapsed().as_secs_f64(), cpu_time_s };
     conclude(case, folder, end, specimen)
 }
 
@@ -223,6 +227,14 @@ struct RunEnd {
     /// Why it failed.
     message: Option<String>,
     wall_time_s: f64,
+    /// Not known of a process that was ended.
+    cpu_time_s: Option<f64>,
+}
+
+/// CPU time of this process so far.
+fn cpu_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::try_from(time).unwrap_or_default()
 }
 
 impl RunEnd {
@@ -232,7 +244,7 @@ impl RunEnd {
         let mut peaks = PeakRecorder::new(&case.columns());
         history.each_row(|row| peaks.observe(&row));
         let Aftermath { message, statistics, wall_time_s } = aftermath.clone();
-        Ok(Self { peaks, statistics, message: Some(message), wall_time_s })
+        Ok(Self { peaks, statistics, message: Some(message), wall_time_s, cpu_time_s: None })
     }
 }
 
@@ -277,6 +289,7 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
         plugin_calls: statistics.plugin_calls,
         cutbacks: statistics.cutbacks,
         wall_time_s: end.wall_time_s,
+        cpu_time_s: end.cpu_time_s,
         compare: Vec::new(),
         specimen: None,
         warnings: warnings(case),

@@ -53,4 +53,5 @@ pub mod worker;
 pub use ending::Aftermath;
 pub use need::{Need, describes_laws, need, need_of_library};
 pub use supervisor::{End, Failure, Job, supervise};
+pub use system::{die_with, program};
 pub use worker::{Stage, Task};

@@ -86,6 +86,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         plugin_calls: 1112,
         cutbacks: 0,
         wall_time_s: 0.0123,
+        cpu_time_s: Some(0.0121),
         compare: vec![compare(&history, &measured)],
         specimen: None,
         warnings: vec![],

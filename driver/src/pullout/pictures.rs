@@ -1,6 +1,8 @@
 //! The pictures of a specimen's fields, at the greatest load and at the end of the run.
 //!
 //! `deformed_mesh`, `principal_stress_max`, `principal_stress_min` and the damages of the laws show the whole specimen;
+//! `principal_directions` are crosses along the principal stresses, `active_zone` tells which elements are condensed,
+//! computed, damaged, yielded;
 //! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load. `axial_stress`,
 //! `interface_shear` and `interface_pressure` show both states.
 
@@ -9,13 +11,15 @@ use super::{Outcome, Program, State};
 use crate::output::number::significant;
 use crate::output::plots::Picture;
 use crate::output::plots::field::{
-    FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, deformed_mesh, interface_profiles,
+    Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
+    interface_profiles, zones,
 };
-use crate::output::plots::figure::{Figure, Line, Style};
+use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::quantity::{Quantity, Sort};
 use fe_core::mesh::Mesh;
 use fe_core::model::ContactPair;
 use fe_core::output::{FieldsError, Principal, Recovery, axial_stress};
+use plotters::style::RGBColor;
 use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
@@ -26,6 +30,13 @@ const ZOOM: f64 = 3.0;
 const MOST_SECTIONS: usize = 400;
 /// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
 const ROUNDING: f64 = 1e-9;
+/// What elements do, in the order of [`fe_core::output::Activity`].
+const ACTIVITIES: [Class; 4] = [
+    (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
+    (RGBColor(0xbf, 0xdd, 0xf0), "elastic"),
+    (RGBColor(0xd5, 0x5e, 0x00), "damaged"),
+    (RGBColor(0xe6, 0x9f, 0x00), "yielded"),
+];
 const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
@@ -114,7 +125,7 @@ impl<'a> Album<'a> {
         let fields = &moment.state.fields;
         let mesh = PictureMesh::new(fields, &self.recovery);
         let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
-        let principal: Vec<Principal> = stresses.into_iter().map(Principal::new).collect();
+        let principal: Vec<Principal> = stresses.iter().copied().map(Principal::new).collect();
         let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
         self.greatest_stress = magnitudes.fold(self.greatest_stress, f64::max);
         let greatest = self.greatest_stress;
@@ -148,6 +159,17 @@ impl<'a> Album<'a> {
             let mut picture = FieldPicture::new(moment.title("Deformed mesh"), &mesh);
             (picture.window, picture.magnification) = (window.clone(), magnification);
             self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
+            let mut picture = FieldPicture::new(moment.title("Active zone"), &mesh);
+            picture.window = window.clone();
+            let classes: Vec<usize> = fields.activities.iter().map(|activity| *activity as usize).collect();
+            self.keep(&name("active_zone"), zones(&picture, &classes, &ACTIVITIES))?;
+            if self.greatest_stress > 0.0 {
+                let mut picture = FieldPicture::new(moment.title("Principal stresses"), &mesh);
+                picture.window = window.clone();
+                let in_scale = |part: usize| self.matrix.is_empty() || self.matrix.contains(&part);
+                let drawn = crosses(&picture, &stresses, in_scale);
+                self.keep(&name("principal_directions"), drawn)?;
+            }
             // a zoom on nothing says no more than the whole
             let is_worth_it = |shown: &&Contour| place.is_empty() || !shown.is_constant();
             for shown in contours.iter().filter(is_worth_it) {
@@ -188,6 +210,7 @@ impl<'a> Album<'a> {
                 points,
                 columns,
                 style: Style { color: k, dash: k },
+                marked: false,
             });
         }
         self.keep_figure(&Figure {
@@ -198,6 +221,7 @@ impl<'a> Album<'a> {
             lines,
             marks: Vec::new(),
             equal_units: false,
+            scale: Scale::Linear,
         })
     }
 

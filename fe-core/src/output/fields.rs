@@ -24,10 +24,25 @@ pub struct Fields<'a> {
     pub states: Vec<f64>,
     /// Their names, of each part.
     pub state_names: Vec<Vec<String>>,
+    /// What each element does.
+    pub activities: Vec<Activity>,
     /// Names of the contact pairs.
     pub pairs: Vec<String>,
     /// The contact points of all pairs.
     pub contact: Vec<ContactPoint>,
+}
+
+/// What an element does at one time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Activity {
+    /// It is part of the condensed far field: elastic, and not computed.
+    Condensed,
+    /// It is computed, and none of its points has dissipated.
+    Elastic,
+    /// A point of a law with damage has dissipated.
+    Damaged,
+    /// A point of a law without damage has dissipated.
+    Yielded,
 }
 
 /// A contact point at one time.
@@ -103,6 +118,7 @@ impl Fields<'_> {
         let states = mesh.elements().iter().enumerate();
         let states = states.map(|(index, element)| counts(index) * self.state_names[element.part()].len()).sum();
         expect_length("state variables", self.states.len(), states)?;
+        expect_length("activities", self.activities.len(), mesh.elements().len())?;
         let count = self.pairs.len();
         match self.contact.iter().position(|point| point.pair >= count) {
             Some(point) => Err(FieldsError::Pair { point, pair: self.contact[point].pair, count }),

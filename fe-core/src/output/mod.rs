@@ -43,7 +43,7 @@ mod snapshot;
 mod vtu;
 
 pub use axial::axial_stress;
-pub use fields::{ContactPoint, Fields, FieldsError};
+pub use fields::{Activity, ContactPoint, Fields, FieldsError};
 pub use principal::{Principal, von_mises};
 pub use recovery::{PartNodes, Recovery};
 pub use series::{Series, WriteError};

@@ -1,6 +1,7 @@
 //! The fields of a run.
 
-use super::fields::{ContactPoint, Fields};
+use super::fields::{Activity, ContactPoint, Fields};
+use crate::assembly::Solids;
 use crate::contact::PointStatus;
 use crate::kinematics::PlaneModel;
 use crate::model::PluginLaw;
@@ -40,9 +41,24 @@ impl<'a> Fields<'a> {
             strains,
             states,
             state_names: model.laws.iter().map(PluginLaw::state_names).collect(),
+            activities: (0..mesh.elements().len()).map(|element| activity(solids, element)).collect(),
             pairs: model.contacts.iter().map(|pair| pair.name.clone()).collect(),
             contact: contact_points(snapshot),
         }
+    }
+}
+
+fn activity(solids: &Solids, element: usize) -> Activity {
+    let has_dissipated = |point| {
+        let [_, plastic, creep] = solids.point(element, point).energies;
+        plastic + creep > 0.0
+    };
+    if (0..solids.point_count(element)).any(has_dissipated) {
+        if solids.damages(element) { Activity::Damaged } else { Activity::Yielded }
+    } else if solids.active()[element] {
+        Activity::Elastic
+    } else {
+        Activity::Condensed
     }
 }
 

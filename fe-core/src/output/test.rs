@@ -239,6 +239,7 @@ impl Snapshot {
             stresses,
             states: states.concat(),
             state_names: self.names.clone(),
+            activities: vec![Activity::Elastic; mesh.elements().len()],
             pairs: self.pairs.clone(),
             contact: (0..3).map(point).collect(),
         }
@@ -430,6 +431,7 @@ fn the_axial_stress_follows_the_axis_as_it_turns() {
             stresses,
             states: Vec::new(),
             state_names: vec![vec![]],
+            activities: vec![Activity::Elastic; mesh.elements().len()],
             pairs: Vec::new(),
             contact: Vec::new(),
         };

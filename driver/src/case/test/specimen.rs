@@ -164,7 +164,7 @@ fn a_file_and_its_groups_become_a_model() {
     assert_eq!(measured.exit_node.map(|node| mesh.nodes()[node]), Some([0.0, 2.0]));
     assert_eq!(model.steps[0].targets, [Some(0.1)]);
     assert_eq!(model.steps[0].control, StepControl::Automatic { initial: 1e-3, maximum: 0.02, minimum: 1e-8 });
-    assert_eq!((model.skipping, model.nlgeom), (Skipping::ALL, false));
+    assert_eq!((model.skipping, model.nlgeom.clone()), (Skipping::ALL, vec![false; 2]));
     assert!(program.warnings.is_empty(), "{:?}", program.warnings);
 }
 
@@ -329,7 +329,7 @@ fn controls_skipping_and_output() {
     assert_eq!((controls.relaxation_time, controls.max_cutbacks), (2.0, 30));
     assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
     assert_eq!((program.output.every, program.output.fields_every, program.output.plots), (5, Some(3), false));
-    assert!(program.model.nlgeom);
+    assert!(program.model.has_large_displacements());
     let program = self::program(&["skip=none", "output.vtu=false"]);
     assert_eq!((program.model.skipping, program.output.fields_every), (Skipping::NONE, None));
 }

@@ -59,7 +59,7 @@ pub fn compare(history: &History, curve: &Compare) -> Comparison {
 }
 
 /// The first stretch over which x does not turn back; x times `direction` does not decrease.
-struct Branch<'a> {
+pub(crate) struct Branch<'a> {
     direction: f64,
     /// direction · x, noise removed: never decreasing.
     x: Vec<f64>,
@@ -68,7 +68,7 @@ struct Branch<'a> {
 }
 
 impl<'a> Branch<'a> {
-    fn first(x: &[f64], y: &'a [f64]) -> Self {
+    pub(crate) fn first(x: &[f64], y: &'a [f64]) -> Self {
         let end = x.iter().position(|value| !value.is_finite()).unwrap_or(x.len());
         let x = &x[..end];
         let (least, greatest) = x.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
@@ -89,7 +89,7 @@ impl<'a> Branch<'a> {
     }
 
     /// y at x; `None` outside the branch. Where x stands still, the first y counts.
-    fn at(&self, x: f64) -> Option<f64> {
+    pub(crate) fn at(&self, x: f64) -> Option<f64> {
         let (&first, &last) = (self.x.first()?, self.x.last()?);
         let x = self.direction * x;
         // NaN is outside as well

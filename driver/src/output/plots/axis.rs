@@ -1,5 +1,6 @@
 //! Range, scale and ticks of an axis.
 
+use super::super::number::{significant, superscript};
 use super::quantity::Quantity;
 use plotters::coord::ranged1d::{BoldPoints, Ranged};
 use plotters::coord::types::RangedCoordf64;
@@ -16,6 +17,18 @@ pub(super) struct Axis {
     pub scale: f64,
     decimals: usize,
     ticks: usize,
+    kind: Kind,
+}
+
+/// What the numbers of an axis stand for.
+#[derive(Clone, Debug)]
+enum Kind {
+    /// Themselves.
+    Numbers,
+    /// Exponents of ten.
+    Exponents,
+    /// Indices of names.
+    Names(Vec<String>),
 }
 
 impl Axis {
@@ -26,7 +39,24 @@ impl Axis {
         let scale = 10f64.powi(exponent);
         let range = start / scale..end / scale;
         let decimals = decimals(&range, ticks);
-        Self { label: quantity.label(exponent), range, scale, decimals, ticks }
+        Self { label: quantity.label(exponent), range, scale, decimals, ticks, kind: Kind::Numbers }
+    }
+
+    /// Powers of ten around data > 0.
+    pub fn logarithmic(quantity: &Quantity, (least, greatest): (f64, f64)) -> Self {
+        let exponent = |value: f64| value.max(f64::MIN_POSITIVE).log10();
+        let (least, greatest) = (exponent(least), exponent(greatest));
+        let spare = MARGIN * (greatest - least).max(1.0);
+        let range = least - spare..greatest + spare;
+        let ticks = (greatest - least).ceil() as usize + 1;
+        Self { label: quantity.label(0), range, scale: 1.0, decimals: 1, ticks, kind: Kind::Exponents }
+    }
+
+    /// Names side by side; without a quantity's name the names speak for themselves.
+    pub fn named(quantity: &Quantity, names: &[String]) -> Self {
+        let label = if quantity.name.is_empty() { String::new() } else { quantity.label(0) };
+        let range = -0.5..names.len() as f64 - 0.5;
+        Self { label, range, scale: 1.0, decimals: 0, ticks: names.len() + 1, kind: Kind::Names(names.to_vec()) }
     }
 
     /// For just this range, in the quantity's unit.
@@ -35,7 +65,7 @@ impl Axis {
         let scale = 10f64.powi(exponent);
         let range = range.start / scale..range.end / scale;
         let decimals = decimals(&range, ticks);
-        Self { label: quantity.label(exponent), range, scale, decimals, ticks }
+        Self { label: quantity.label(exponent), range, scale, decimals, ticks, kind: Kind::Numbers }
     }
 
     /// Where ticks are.
@@ -47,7 +77,22 @@ impl Axis {
     pub fn text(&self, value: f64) -> String {
         // no "-0.0"
         let value = if value.abs() < 1e-9 * (self.range.end - self.range.start) { 0.0 } else { value };
+        let is_whole = (value - value.round()).abs() < 1e-9;
+        match &self.kind {
+            Kind::Numbers => {}
+            Kind::Exponents if is_whole => return format!("10{}", superscript(value.round() as i32)),
+            Kind::Exponents => return significant(10f64.powf(value), 2),
+            Kind::Names(names) if is_whole && value >= 0.0 => {
+                return names.get(value.round() as usize).cloned().unwrap_or_default();
+            }
+            Kind::Names(_) => return String::new(),
+        }
         format!("{value:.*}", self.decimals).replace('-', "−")
+    }
+
+    /// Whether 0 is a number as any other on this axis.
+    pub fn has_zero(&self) -> bool {
+        matches!(self.kind, Kind::Numbers) && self.range.start < 0.0 && self.range.end > 0.0
     }
 
     /// Number of ticks to ask for.
@@ -57,7 +102,7 @@ impl Axis {
 
     /// A value in the axis's numbers.
     pub fn scaled(&self, value: f64) -> f64 {
-        value / self.scale
+        if matches!(self.kind, Kind::Exponents) { value.log10() } else { value / self.scale }
     }
 
     /// Position of a scaled value from 0 (start) to 1 (end).

@@ -24,6 +24,8 @@ pub(super) const CHARACTER: f64 = 0.56;
 const DASHES: [&[i32]; 4] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[12, 4]];
 
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// The least range of ordinates of marked lines, relative to the greatest one.
+const LEAST_SHARE: f64 = 0.1;
 const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 
@@ -53,6 +55,8 @@ pub struct Figure {
     pub lines: Vec<Line>,
     /// Measured.
     pub marks: Vec<Marks>,
+    /// What the x axis is like.
+    pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
 }
@@ -68,6 +72,20 @@ pub struct Line {
     pub columns: (String, String),
     /// What tells it from the others.
     pub style: Style,
+    /// Whether its points have marks: few points, each a result.
+    pub marked: bool,
+}
+
+/// What the x axis is like.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub enum Scale {
+    /// Numbers.
+    #[default]
+    Linear,
+    /// Powers of ten; numbers must be > 0.
+    Decades,
+    /// Names at 0, 1, 2…
+    Names(Vec<String>),
 }
 
 /// Colour and dashes of a line, counted from 0: the first dash is a full line.
@@ -112,7 +130,17 @@ impl Figure {
         let all = || self.lines.iter().flat_map(|line| &line.points).chain(self.marks.iter().flat_map(|m| &m.points));
         let (across, up) = (bounds(all().map(|p| p.0)), bounds(all().map(|p| p.1)));
         let least = |other: (f64, f64)| if self.equal_units { 0.25 * (other.1 - other.0).max(0.0) } else { 0.0 };
-        (Axis::new(&self.x, across, least(up), 9), Axis::new(&self.y, up, least(across), 8))
+        let x = match &self.scale {
+            Scale::Linear => Axis::new(&self.x, across, least(up), 9),
+            Scale::Decades => Axis::logarithmic(&self.x, across),
+            Scale::Names(names) => Axis::named(&self.x, names),
+        };
+        // what is nearly the same for all of a few results shall look so
+        let least_up = match self.lines.iter().any(|line| line.marked) {
+            true => LEAST_SHARE * up.0.abs().max(up.1.abs()),
+            false => least(across),
+        };
+        (x, Axis::new(&self.y, up, least_up, 8))
     }
 
     /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
@@ -138,7 +166,10 @@ impl Figure {
     }
 
     fn legend_entries(&self) -> Vec<Entry> {
-        let lines = self.lines.iter().map(|line| (Sample::Line(line.style), line.style.color(), &line.label));
+        let sample = |line: &Line| {
+            if line.marked { Sample::MarkedLine(line.style) } else { Sample::Line(line.style) }
+        };
+        let lines = self.lines.iter().map(|line| (sample(line), line.style.color(), &line.label));
         let marks =
             self.marks.iter().enumerate().map(|(k, marks)| (Sample::Mark(k), self.mark_color(marks), &marks.label));
         let entries: Vec<Entry> =
@@ -200,6 +231,12 @@ impl Figure {
                 area.draw(&PathElement::new(points, line.style.pen()))?;
             }
         }
+        for line in self.lines.iter().filter(|line| line.marked) {
+            for &(across, up) in drawable_stretches(&line.points).flatten() {
+                let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
+                draw_mark(root, line.style.color, place, line.style.color())?;
+            }
+        }
         for (k, marks) in self.marks.iter().enumerate() {
             for &(across, up) in drawable_stretches(&marks.points).flatten() {
                 let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
@@ -235,9 +272,8 @@ pub(super) fn wrapped(title: &str, width: i32) -> Vec<String> {
 
 /// Where x or y is zero inside the frame.
 fn zero_lines(x: &Axis, y: &Axis) -> Vec<((f64, f64), (f64, f64))> {
-    let inside = |axis: &Axis| axis.range.start < 0.0 && axis.range.end > 0.0;
-    let horizontal = inside(y).then_some(((x.range.start, 0.0), (x.range.end, 0.0)));
-    let vertical = inside(x).then_some(((0.0, y.range.start), (0.0, y.range.end)));
+    let horizontal = y.has_zero().then_some(((x.range.start, 0.0), (x.range.end, 0.0)));
+    let vertical = x.has_zero().then_some(((0.0, y.range.start), (0.0, y.range.end)));
     horizontal.into_iter().chain(vertical).collect()
 }
 
@@ -279,7 +315,7 @@ pub(super) fn draw_mark<'a>(
 }
 
 impl Style {
-    fn color(self) -> RGBColor {
+    pub(super) fn color(self) -> RGBColor {
         PALETTE[self.color % PALETTE.len()]
     }
 

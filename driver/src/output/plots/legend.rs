@@ -21,6 +21,8 @@ const PLOT: (f64, f64) = (540.0, 370.0);
 pub(super) enum Sample {
     /// A line of this style.
     Line(Style),
+    /// A line of this style with the mark of its colour's number.
+    MarkedLine(Style),
     /// The mark of this number.
     Mark(usize),
 }
@@ -109,6 +111,10 @@ impl Legend {
             match entry.sample {
                 Sample::Line(style) => {
                     root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen()))?;
+                }
+                Sample::MarkedLine(style) => {
+                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen()))?;
+                    draw_mark(root, style.color, (x + SAMPLE * UNIT / 2, y), entry.color)?;
                 }
                 Sample::Mark(shape) => draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?,
             }

@@ -19,6 +19,7 @@ pub mod field;
 pub mod figure;
 mod legend;
 mod markup;
+pub mod png;
 pub mod quantity;
 pub mod selection;
 

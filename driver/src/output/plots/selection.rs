@@ -1,6 +1,6 @@
 //! Which pictures a run gets, and what is in them.
 
-use super::figure::{Figure, Line, Marks, Style};
+use super::figure::{Figure, Line, Marks, Scale, Style};
 use super::quantity::{Quantity, Sort};
 use super::{Curve, Run, Subject};
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
@@ -56,7 +56,7 @@ impl Layout {
                     // one run: a colour a column; several: a colour a run, a dash a column
                     let (color, dash) = if several { (k, pair) } else { (pair, 0) };
                     let style = Style { color, dash };
-                    lines.push(Line { label, points, columns: (x.clone(), y.clone()), style });
+                    lines.push(Line { label, points, columns: (x.clone(), y.clone()), style, marked: false });
                 }
             }
         }
@@ -68,7 +68,16 @@ impl Layout {
         let marks = self.curves.iter().map(mark).collect();
         let (x, y) = (self.axis(first, |pair| &pair.0), self.axis(first, |pair| &pair.1));
         let title = if several { String::new() } else { first.spec.title.clone() };
-        let figure = Figure { name: self.name.clone(), title, x, y, lines, marks, equal_units: self.equal_units };
+        let figure = Figure {
+            name: self.name.clone(),
+            title,
+            x,
+            y,
+            lines,
+            marks,
+            equal_units: self.equal_units,
+            scale: Scale::Linear,
+        };
         (!figure.lines.is_empty()).then_some(figure)
     }
 

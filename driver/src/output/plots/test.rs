@@ -1,17 +1,26 @@
 use super::axis::Axis;
 use super::decimation::{Coordinate, decimate, drawable_stretches};
-use super::figure::{Figure, Line, Marks, Style, UNIT};
+use super::figure::{Figure, Line, Marks, Scale, Style, UNIT};
 use super::quantity::{Quantity, Sort};
 use super::*;
 
 fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
-    Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default() }
+    Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default(), marked: false }
 }
 
 fn figure(lines: Vec<Line>, marks: Vec<Marks>) -> Figure {
     let quantity = |column| Quantity::of(column, &BTreeMap::new());
     let (x, y) = (quantity("e11"), quantity("s11"));
-    Figure { name: "stress_strain".into(), title: "Tension & <more>".into(), x, y, lines, marks, equal_units: false }
+    Figure {
+        name: "stress_strain".into(),
+        title: "Tension & <more>".into(),
+        x,
+        y,
+        lines,
+        marks,
+        equal_units: false,
+        scale: Scale::Linear,
+    }
 }
 
 fn texts(document: &roxmltree::Document<'_>) -> Vec<String> {

@@ -19,11 +19,31 @@ const STYLE: &str = include_str!("style.css");
 
 /// Writes the page.
 pub fn write(path: &Path, account: &Account, summary: &Summary, pictures: &[Picture]) -> io::Result<()> {
-    std::fs::write(path, page(account, summary, pictures).into_string()).map_err(at(path))
+    std::fs::write(path, page_of(account, summary, pictures).into_string()).map_err(at(path))
 }
 
-fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
+fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
     let title = if summary.title.is_empty() { account.law.as_str() } else { summary.title.as_str() };
+    let body = html! {
+        (status(summary))
+        @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
+        @if !account.description.is_empty() { p.description { (account.description) } }
+        (warnings(&summary.warnings))
+        (what_was_run(account, summary))
+        @if !pictures.is_empty() {
+            h2 { "Pictures" }
+            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        }
+        (comparison(summary))
+        @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
+        (effort(summary))
+        (peaks(summary))
+    };
+    page(title, &body)
+}
+
+/// A page with this title as its heading.
+pub(crate) fn page(title: &str, body: &Markup) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -35,19 +55,7 @@ fn page(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
             }
             body {
                 h1 { (title) }
-                (status(summary))
-                @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
-                @if !account.description.is_empty() { p.description { (account.description) } }
-                (warnings(&summary.warnings))
-                (what_was_run(account, summary))
-                @if !pictures.is_empty() {
-                    h2 { "Pictures" }
-                    div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
-                }
-                (comparison(summary))
-                @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
-                (effort(summary))
-                (peaks(summary))
+                (body)
             }
         }
     }

@@ -26,7 +26,7 @@ fn account() -> Account {
 
 fn page_of(summary: &Summary) -> String {
     let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><text>σ</text></svg>".to_string();
-    page(&account(), summary, &[Picture { path: PathBuf::from("plots/a.svg"), svg }]).into_string()
+    super::page_of(&account(), summary, &[Picture { path: PathBuf::from("plots/a.svg"), svg }]).into_string()
 }
 
 #[test]

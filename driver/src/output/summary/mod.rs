@@ -50,6 +50,9 @@ pub struct Summary {
     pub cutbacks: u64,
     /// Seconds from start to end, pictures excluded.
     pub wall_time_s: f64,
+    /// CPU time of the process from start to end, pictures excluded, s; absent where nobody took it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_time_s: Option<f64>,
     /// One entry per `compare` of the case.
     pub compare: Vec<Comparison>,
     /// What only specimens have.

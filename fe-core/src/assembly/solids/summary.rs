@@ -151,6 +151,11 @@ impl Solids {
         counts
     }
 
+    /// Whether what an element's law dissipates is damage.
+    pub fn damages(&self, element: usize) -> bool {
+        self.bodies[self.records[element].part].damages
+    }
+
     /// How many integration points an element has.
     pub fn point_count(&self, element: usize) -> usize {
         self.records[element].points.len()

@@ -10,7 +10,8 @@ use crate::model::{
     ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step,
     StepControl, Support, Width,
 };
-use crate::stepping::Analysis;
+use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
+use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
 use umat_abi::law::Request;
 
 /// The bond of chapter 6 with friction.
@@ -273,6 +274,41 @@ fn skipping_gives_the_same_curve() {
         assert!((a.load - b.load).abs() < 1e-5 * 7.6, "{} against {}", a.load, b.load);
     }
     assert!(all.factorisations < none.factorisations / 2, "{all:?} against {none:?}");
+}
+
+/// Fields tell who is condensed, and whose points the counts of the record are.
+struct ActivityCheck {
+    increments: usize,
+    condensed: usize,
+    damaged: usize,
+}
+
+impl Observer for ActivityCheck {
+    fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> std::io::Result<Directive> {
+        let activities = crate::output::Fields::of(snapshot).activities;
+        let count = |activity| activities.iter().filter(|other| **other == activity).count();
+        let active = snapshot.solids().active().iter().filter(|active| **active).count();
+        assert_eq!(count(Elastic) + count(Damaged) + count(Yielded), active);
+        assert_eq!(count(Damaged) > 0, record.counts.damaged > 0);
+        assert_eq!(count(Yielded) > 0, record.counts.yielding > 0);
+        assert!(count(Damaged) <= record.counts.damaged && count(Yielded) <= record.counts.yielding);
+        self.increments += 1;
+        self.condensed = self.condensed.max(count(Condensed));
+        self.damaged = self.damaged.max(count(Damaged));
+        Ok(Directive::GoOn)
+    }
+}
+
+#[test]
+fn fields_tell_what_elements_do() {
+    // cracks at a third of a megapascal
+    let concrete = PluginLaw::shipped("concrete_damage", &[("E", 23.7e3), ("nu", 0.15), ("Y_t0", 2e-6)]);
+    let control = StepControl::Fixed { increments: 20 };
+    let model = fibre(Configuration::PLANE, [steel(), concrete], &bond(0.1), 0.02, control);
+    let mut check = ActivityCheck { increments: 0, condensed: 0, damaged: 0 };
+    Analysis::new(&model).unwrap().run(&mut check).unwrap();
+    let ActivityCheck { increments, condensed, damaged } = check;
+    assert!(increments > 20 && condensed > 0 && damaged > 0, "{increments} {condensed} {damaged}");
 }
 
 /// The virgin model has its equations whatever is condensed.

@@ -1,4 +1,4 @@
-//! Title, frame, axes and what stands to the right of the plot: a colour bar, or the names of the parts.
+//! Title, frame, axes and what stands to the right of the plot: a colour bar, or what colours mean.
 
 use super::super::axis::Axis;
 use super::super::figure::{
@@ -29,8 +29,8 @@ const LINE: f64 = 15.0;
 pub(super) enum Side<'a> {
     /// A colour bar (none if no element has a value), and whether some elements have none.
     Bar { levels: Option<&'a Levels>, missing: bool },
-    /// Parts by index and name.
-    Parts(&'a [(usize, &'a str)]),
+    /// What colours mean.
+    Names(&'a [(RGBColor, &'a str)]),
 }
 
 /// A picture but for the field itself.
@@ -163,7 +163,7 @@ impl Side<'_> {
                 let numbers = levels.map_or(0, |levels| text_width(TICK_SIZE, levels.widest()));
                 BAR_OFFSET + BAR_WIDTH + BAR_TEXT + numbers.max(52) + 30
             }
-            Self::Parts(parts) => {
+            Self::Names(parts) => {
                 let longest = parts.iter().map(|(_, name)| markup::length(name)).max().unwrap_or(0);
                 BAR_OFFSET + BAR_WIDTH + BAR_TEXT + text_width(TICK_SIZE, longest) + 14
             }
@@ -173,7 +173,7 @@ impl Side<'_> {
     fn description(&self) -> String {
         match self {
             Self::Bar { levels, .. } => levels.map_or_else(String::new, |levels| levels.label.clone()),
-            Self::Parts(parts) => parts.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", "),
+            Self::Names(parts) => parts.iter().map(|(_, name)| *name).collect::<Vec<_>>().join(", "),
         }
     }
 
@@ -181,10 +181,10 @@ impl Side<'_> {
     fn draw<'a>(&self, root: &Root<'a>, (x, y): (i32, i32), height: i32) -> Drawn<'a, ()> {
         let left = x + BAR_OFFSET * UNIT;
         match self {
-            Self::Parts(parts) => {
-                for (k, &(part, name)) in parts.iter().enumerate() {
+            Self::Names(parts) => {
+                for (k, &(color, name)) in parts.iter().enumerate() {
                     let top = y + (4 + 22 * k as i32) * UNIT;
-                    draw_swatch(root, (left, top), part_color(part), name)?;
+                    draw_swatch(root, (left, top), color, name)?;
                 }
             }
             Self::Bar { levels, missing } => {

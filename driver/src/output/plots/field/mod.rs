@@ -22,19 +22,24 @@
 //! ```
 
 mod canvas;
+mod crosses;
 mod levels;
 mod profile;
 mod region;
 mod surface;
 mod view;
+mod zones;
 
+pub use crosses::crosses;
 pub use fe_core::element::ElementKind;
 pub use profile::{INTERFACE_SHEAR, interface_profiles};
+pub use zones::{Class, zones};
 
 use super::quantity::Quantity;
 use canvas::{Canvas, Side, band_color, hexadecimal, part_color};
 use fe_core::output::{Fields, Recovery};
 use levels::Levels;
+use plotters::style::RGBColor;
 use std::fmt::Write as _;
 use std::ops::Range;
 use surface::Surface;
@@ -228,21 +233,17 @@ pub fn deformed_mesh(picture: &FieldPicture<'_>) -> Result<String, PictureError>
     let view = picture.view(&positions)?;
     let mut seen = vec![false; mesh.parts.len()];
     Surface::new(mesh, positions.clone(), &view).elements().for_each(|element| seen[element.part] = true);
-    let names: Vec<(usize, &str)> = mesh
-        .parts
-        .iter()
-        .enumerate()
-        .filter(|(part, _)| seen[*part])
-        .map(|(part, name)| (part, name.as_str()))
-        .collect();
+    let named = mesh.parts.iter().enumerate().filter(|(part, _)| seen[*part]);
+    let parts: Vec<usize> = named.clone().map(|(part, _)| part).collect();
+    let names: Vec<(RGBColor, &str)> = named.map(|(part, name)| (part_color(part), name.as_str())).collect();
     if names.is_empty() {
         return Err(PictureError::Nothing);
     }
-    let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Parts(&names))?;
+    let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Names(&names))?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
-    for (part, _) in names {
-        push_fill(&mut body, &hexadecimal(part_color(part)), &surface.area(|element| element.part == part));
+    for part in parts {
+        push_fill(&mut body, &hexadecimal(part_color(part)), &surface.area(|_, element| element.part == part));
     }
     let [inner, boundary] = surface.edges(canvas.view());
     push_line(&mut body, "#222222", (0.05 * surface.element_size).clamp(0.15, 0.6), &inner, "");
@@ -295,9 +296,13 @@ pub fn contour(
     let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &side)?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
-    push_fill(&mut body, canvas::NO_VALUE, &surface.area(|element| !has_value(element)));
+    push_fill(&mut body, canvas::NO_VALUE, &surface.area(|_, element| !has_value(element)));
     if let Some(levels) = &levels {
-        push_fill(&mut body, &hexadecimal(band_color(0, levels.count())), &surface.area(has_value));
+        push_fill(
+            &mut body,
+            &hexadecimal(band_color(0, levels.count())),
+            &surface.area(|_, element| has_value(element)),
+        );
         for (k, &level) in levels.between.iter().enumerate() {
             push_fill(&mut body, &hexadecimal(band_color(k + 1, levels.count())), &surface.area_above(values, level));
         }

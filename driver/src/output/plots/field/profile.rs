@@ -1,6 +1,6 @@
 //! Fields along lines: the tractions of contact pairs along their surfaces.
 
-use super::super::figure::{Figure, Line, Style};
+use super::super::figure::{Figure, Line, Scale, Style};
 use super::super::quantity::Quantity;
 use fe_core::output::{ContactPoint, Fields};
 
@@ -23,6 +23,7 @@ pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
         lines: (0..fields.pairs.len()).map(|pair| line(fields, pair, name, value)).collect(),
         marks: Vec::new(),
         equal_units: false,
+        scale: Scale::Linear,
     };
     if fields.contact.is_empty() { Vec::new() } else { quantities.into_iter().map(figure).collect() }
 }
@@ -38,5 +39,6 @@ fn line(fields: &Fields<'_>, pair: usize, name: &str, value: impl Fn(&ContactPoi
         points,
         columns: ("arc".into(), name.into()),
         style: Style { color: pair, dash: pair % 2 },
+        marked: false,
     }
 }

@@ -58,10 +58,16 @@ impl<'a> Surface<'a> {
         self.patches.iter().map(|&(index, _)| &self.mesh.elements[index])
     }
 
-    /// The union of some elements.
-    pub fn area(&self, wanted: impl Fn(&PictureElement) -> bool) -> String {
+    /// Their indices.
+    pub fn indices(&self) -> impl Iterator<Item = usize> {
+        self.patches.iter().map(|(index, _)| *index)
+    }
+
+    /// The union of some elements, chosen by index and content.
+    pub fn area(&self, wanted: impl Fn(usize, &PictureElement) -> bool) -> String {
         let mut region = Region::default();
-        for (_, places, lattice) in self.subdivided().filter(|(element, ..)| wanted(element)) {
+        let chosen = self.subdivided().zip(self.indices()).filter(|((element, ..), index)| wanted(*index, element));
+        for ((_, places, lattice), _) in chosen {
             region.add(&lattice.outline.iter().map(|&index| places[index]).collect::<Vec<_>>());
         }
         region.path()

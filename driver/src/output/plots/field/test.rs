@@ -2,6 +2,7 @@ use super::levels::Levels;
 use super::region::Region;
 use super::*;
 use crate::output::plots::figure::UNIT;
+use fe_core::output::Activity;
 use std::f64::consts::FRAC_PI_4;
 
 /// A quarter ring of Q8 elements with curved edges, an inner part and an outer one, nodes of their own where they meet.
@@ -133,8 +134,8 @@ fn fills_cover_the_area_of_the_bodies_and_of_what_lies_above_a_level() {
         let found = area(path);
         assert!((found / exact - 1.0).abs() < 2e-3, "{found} against {exact}");
     };
-    close(&surface.area(|_| true), ring_area(1.0, 6.0));
-    close(&surface.area(|element| element.part == 0), ring_area(1.0, 2.0));
+    close(&surface.area(|_, _| true), ring_area(1.0, 6.0));
+    close(&surface.area(|_, element| element.part == 0), ring_area(1.0, 2.0));
     let radius: Vec<f64> = mesh.nodes.iter().map(|[x, y]| x.hypot(*y)).collect();
     for level in [1.0, 1.37, 2.0, 3.111, 5.9] {
         close(&surface.area_above(&radius, level), ring_area(level, 6.0));
@@ -293,6 +294,7 @@ fn pictures_and_profiles_come_from_computed_fields() {
         strains: vec![[0.0; 4]; 8],
         states: Vec::new(),
         state_names: vec![vec![], vec![]],
+        activities: vec![Activity::Elastic; 2],
         pairs: vec!["upper".to_string(), "lower".to_string()],
         contact: vec![point(1, 0.5, 1.0), point(0, 0.7, 1.0), point(0, 0.2, 0.4), point(0, 0.9, 0.0)],
     };
@@ -322,4 +324,67 @@ fn the_ends_of_the_bar_have_one_digit_more_than_the_levels() {
     assert_eq!(ends((1e-7, 1.0)), ["0", "1"]);
     assert_eq!(ends((-1e-9, 0.983)), ["0", "0.98"]);
     assert_eq!(ends((2.5, 2.5)), ["2.5", "2.5"]);
+}
+
+/// The strokes of a colour: (dx, dy) of each line, drawing units, y upwards.
+fn strokes(svg: &str, color: &str) -> Vec<(f64, f64)> {
+    let document = roxmltree::Document::parse(svg).expect("SVG");
+    let is_drawn = |node: &roxmltree::Node<'_, '_>| node.attribute("stroke") == Some(color);
+    let Some(path) = document.descendants().find(is_drawn).and_then(|node| node.attribute("d")) else {
+        return Vec::new();
+    };
+    let line = |line: &str| {
+        let (dx, dy) = line.split_once('l').expect("a line").1.split_once(' ').expect("two numbers");
+        (dx.parse::<f64>().expect("dx"), -dy.parse::<f64>().expect("dy"))
+    };
+    path.split('M').skip(1).map(line).collect()
+}
+
+#[test]
+fn crosses_lie_along_the_principal_directions_and_are_as_long_as_the_stresses() {
+    let mesh = ring(6, 3);
+    // tension of 4 MPa at 30° from x, compression of 1 MPa across it
+    let (sine, cosine) = (FRAC_PI_4 / 1.5).sin_cos();
+    let [s11, s22] = [4.0 * cosine * cosine - sine * sine, 4.0 * sine * sine - cosine * cosine];
+    let stresses = vec![[s11, s22, 7.0, 5.0 * sine * cosine]; mesh.nodes.len()];
+    let svg = crosses(&FieldPicture::new("Crosses", &mesh), &stresses, |_| true).expect("a picture");
+    let [tension, compression] = ["#d55e00", "#0072b2"].map(|color| strokes(&svg, color));
+    assert!(tension.len() > 50 && compression.len() == tension.len(), "{} {}", tension.len(), compression.len());
+    let length = |(dx, dy): (f64, f64)| dx.hypot(dy);
+    for (along, across) in tension.iter().zip(&compression) {
+        // half lines are rounded to drawing units
+        assert!((along.1 / along.0 - (FRAC_PI_4 / 1.5).tan()).abs() < 0.02, "{along:?}");
+        assert!((along.0 * across.0 + along.1 * across.1).abs() < 0.05 * length(*along) * length(*across));
+        assert!((length(*across) / length(*along) - 0.25).abs() < 0.02, "{across:?}");
+    }
+    assert!(svg.contains("longest line: 4 MPa and more"));
+    // the scale is that of the second part: the first is cut there
+    let inner = |part: usize| if part == 0 { 10.0 } else { 1.0 };
+    let mut uniaxial = vec![[0.0; 4]; mesh.nodes.len()];
+    for element in &mesh.elements {
+        element.nodes.iter().for_each(|&node| uniaxial[node] = [inner(element.part), 0.0, 0.0, 0.0]);
+    }
+    let svg = crosses(&FieldPicture::new("Crosses", &mesh), &uniaxial, |part| part == 1).expect("a picture");
+    let lines = strokes(&svg, "#d55e00");
+    assert!(lines.iter().all(|line| *line == (16.0 * f64::from(UNIT), 0.0)), "{lines:?}");
+    assert!(svg.contains("longest line: 1 MPa") && strokes(&svg, "#0072b2").is_empty());
+    let nothing = vec![[f64::NAN; 4]; mesh.nodes.len()];
+    assert!(crosses(&FieldPicture::new("Crosses", &mesh), &nothing, |_| true).is_ok());
+    assert!(crosses(&FieldPicture::new("Crosses", &mesh), &stresses[1..], |_| true).is_err());
+}
+
+#[test]
+fn zones_have_a_colour_for_each_class_that_is_there() {
+    let mesh = ring(4, 2);
+    let classes: [Class; 3] =
+        [(RGBColor(1, 2, 3), "calm"), (RGBColor(4, 5, 6), "never"), (RGBColor(7, 8, 9), "moving")];
+    let of: Vec<usize> = (0..mesh.elements.len()).map(|index| if index % 2 == 0 { 0 } else { 2 }).collect();
+    let svg = zones(&FieldPicture::new("Zones", &mesh), &of, &classes).expect("a picture");
+    let document = roxmltree::Document::parse(&svg).expect("SVG");
+    let is_filled = |color: &str| {
+        document.descendants().any(|node| node.attribute("fill") == Some(color) && node.has_attribute("d"))
+    };
+    assert!(is_filled("#010203") && is_filled("#070809") && !is_filled("#040506"));
+    assert!(svg.contains("calm") && svg.contains("moving") && !svg.contains("never"));
+    assert!(zones(&FieldPicture::new("Zones", &mesh), &of[1..], &classes).is_err());
 }

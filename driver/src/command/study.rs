@@ -1,0 +1,222 @@
+//! `pullout study`, and what `pullout check` does with a study.
+
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say};
+use crate::output::number::significant;
+use crate::study::claims::{self, Finding, Verdict};
+use crate::study::{self, Execution, Results, RunResult, Study};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::collections::BTreeSet;
+use std::io::{self, IsTerminal};
+use std::path::{Path, PathBuf};
+
+/// How studies are run.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Study files.
+    #[arg(required = true, value_name = "FAMILY.json")]
+    studies: Vec<PathBuf>,
+    /// Directory of the results (of several studies: their parent); default out/<study>/.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    #[command(flatten)]
+    reading: Reading,
+    /// Most runs at a time; default: the number of processors.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// Run only these, in any case (may be repeated; * stands for all of one kind).
+    #[arg(long, value_name = "SERIES/LABEL")]
+    only: Vec<String>,
+    /// Run again what is done and has not changed.
+    #[arg(long)]
+    force: bool,
+    /// Say nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// Runs studies, after all of them were read without an error.
+pub(super) fn run(arguments: &Arguments) -> u8 {
+    let Arguments { studies, out, reading, .. } = arguments;
+    let mut stems = BTreeSet::new();
+    let mut read = Vec::new();
+    let mut code = DONE;
+    for file in studies {
+        let stem = file.file_stem().unwrap_or_default().to_owned();
+        let folder = match out {
+            Some(out) if studies.len() == 1 => out.clone(),
+            Some(out) => out.join(&stem),
+            None => Path::new("out").join(&stem),
+        };
+        if !stems.insert(stem) {
+            complain(format!("{}: another study has the same name, and so the same result directory", file.display()));
+            code = code.max(BAD_INPUT);
+        }
+        match read_study(file, reading) {
+            Ok(study) => read.push((study, folder)),
+            Err(error) => code = code.max(error),
+        }
+    }
+    if code == DONE {
+        code = read.iter().map(|(study, folder)| check_selection(study, folder, arguments)).max().unwrap_or(DONE);
+    }
+    if code != DONE {
+        return code;
+    }
+    let run = |(study, folder): &(Study, PathBuf)| {
+        run_one(study, folder, arguments).unwrap_or_else(|error| {
+            complain(format!("{}: {error}", study.file.display()));
+            FAILED
+        })
+    };
+    read.iter().map(run).max().unwrap_or(DONE)
+}
+
+/// Validates a study and the cases of all its runs.
+pub(super) fn check(file: &Path, reading: &Reading) -> u8 {
+    match read_study(file, reading) {
+        Ok(study) => {
+            let (runs, claims) = (study.runs.len(), study.claims.len());
+            say(&format!("{}: no errors ({runs} runs, {claims} claims)\n", file.display()));
+            DONE
+        }
+        Err(code) => code,
+    }
+}
+
+/// A study whose cases are all in order, or the exit code.
+fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
+    let of_run =
+        |overrides: &[String]| Reading { overrides: overrides.to_vec(), plugin_paths: reading.plugin_paths.clone() };
+    let mut apart = Vec::new();
+    let read = study::read(file, &reading.overrides, &reading.plugin_paths, &mut |base, overrides| {
+        let own = of_run(overrides);
+        let need = own.need(base);
+        let is_isolated = need.is_some();
+        apart.extend(need.map(|need| (base.to_owned(), own, need)));
+        is_isolated
+    });
+    let own = read.as_ref().map_or_else(refuse, |_| DONE);
+    let theirs = apart.iter().map(|(base, reading, need)| isolated::check(base, reading, need, true)).max();
+    match (read, own.max(theirs.unwrap_or(DONE))) {
+        (Ok(study), DONE) => Ok(study),
+        (_, code) => Err(code),
+    }
+}
+
+fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
+    let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    Execution {
+        out: folder,
+        jobs: arguments.jobs.map_or(processors, usize::from),
+        plugin_paths: &arguments.reading.plugin_paths,
+        only: &arguments.only,
+        force: arguments.force,
+    }
+}
+
+/// Something must be left to run where `--only` chooses.
+fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
+    let mut code = DONE;
+    for wanted in &arguments.only {
+        let only = std::slice::from_ref(wanted);
+        let execution = Execution { only, ..execution(folder, arguments) };
+        if !study.runs.iter().any(|run| execution.wants(study, run)) {
+            let names: Vec<String> = study.runs.iter().map(|run| study.name_of(run)).collect();
+            let hint = crate::case::hint(wanted, &names);
+            complain(format!("{}: --only {wanted}: there is no such run{hint}", study.file.display()));
+            code = BAD_INPUT;
+        }
+    }
+    code
+}
+
+fn run_one(study: &Study, folder: &Path, arguments: &Arguments) -> io::Result<u8> {
+    std::fs::create_dir_all(folder)
+        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
+    let progress = Progress::new(study, arguments.quiet);
+    let states = study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
+        let result = RunResult::of_one(run, study, folder);
+        progress.tell(&study.name_of(run), code, &result, count, of);
+    })?;
+    progress.bar.as_ref().inspect(|bar| bar.finish_and_clear());
+    let results = Results::read(study, folder, &states);
+    let findings = claims::test_all(study, &results);
+    study::write_csv(&folder.join("study.csv"), study, &results)?;
+    study::write_json(&folder.join("study.json"), study, &results, &findings)?;
+    let pictures = study::pictures::draw(&folder.join("plots"), study, &results)?;
+    study::write_report(&folder.join("report.html"), study, &results, &findings, &pictures)?;
+    if !arguments.quiet {
+        say(&outcome(study, &results, &findings, folder));
+    }
+    for (run, result) in study.runs.iter().zip(&results.runs) {
+        if let Some(message) = &result.message {
+            complain(format!("{}: {message}", study.name_of(run)));
+        }
+    }
+    let of_kept = results.runs.iter().map(|result| if result.message.is_some() { FAILED } else { DONE });
+    let of_run = states.iter().map(|state| match state {
+        study::State::Ran(code) => *code,
+        study::State::Kept | study::State::NotRun => DONE,
+    });
+    Ok(of_run.chain(of_kept).max().unwrap_or(DONE))
+}
+
+/// Tells of runs as they end.
+struct Progress {
+    bar: Option<ProgressBar>,
+    quiet: bool,
+    end_unit: String,
+}
+
+impl Progress {
+    fn new(study: &Study, quiet: bool) -> Self {
+        let bar = (!quiet && io::stderr().is_terminal()).then(|| {
+            let style = ProgressStyle::with_template("{bar:30} {pos}/{len} runs, {elapsed}");
+            let bar = ProgressBar::new(study.runs.len() as u64);
+            if let Ok(style) = style {
+                bar.set_style(style);
+            }
+            bar.enable_steady_tick(std::time::Duration::from_secs(1));
+            bar
+        });
+        Self { bar, quiet, end_unit: study.units[1].clone() }
+    }
+
+    fn tell(&self, name: &str, code: u8, result: &RunResult, count: usize, of: usize) {
+        if self.quiet {
+            return;
+        }
+        let unit = &self.end_unit;
+        let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
+        let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));
+        let how = if code == DONE { "done" } else { "FAILED" };
+        let line = format!("[{count}/{of}] {name}: {how}{peak}{time}");
+        match &self.bar {
+            Some(bar) => {
+                bar.set_length(of as u64);
+                bar.set_position(count as u64);
+                bar.println(line);
+            }
+            None => say(&(line + "\n")),
+        }
+    }
+}
+
+/// A few lines on standard output.
+fn outcome(study: &Study, results: &Results, findings: &[Finding], folder: &Path) -> String {
+    use std::fmt::Write;
+    let count = |wanted: fn(&RunResult) -> bool| results.runs.iter().filter(|run| wanted(run)).count();
+    let (done, kept) = (count(RunResult::is_done), count(|run| run.is_kept));
+    let kept = if kept > 0 { format!(" ({kept} as they were)") } else { String::new() };
+    let mut text =
+        format!("{}: {done} of {} runs done{kept} -> {}\n", study.title, results.runs.len(), folder.display());
+    for Finding { claim, verdict, figures, .. } in findings {
+        let mark = if *verdict == Verdict::Found { ' ' } else { '!' };
+        // writing to a String cannot fail
+        let _ = writeln!(text, "{mark} {}: {claim}", verdict.words());
+        figures.iter().for_each(|line| {
+            let _ = writeln!(text, "      {line}");
+        });
+    }
+    text
+}

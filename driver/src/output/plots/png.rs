@@ -1,0 +1,76 @@
+//! Pictures as PNG: the SVG, rasterised by resvg with the fonts of the system.
+
+use super::super::at;
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::fontdb::{Database, Family, Query};
+use resvg::usvg::{Options, Tree};
+use std::io;
+use std::path::Path;
+use std::sync::{Arc, OnceLock};
+
+/// Pixels of the file per px of the picture: 640 px become 300 dots per inch at a width of 16 cm.
+const DENSITY: f32 = 3.0;
+/// What "sans-serif" is, the first that is there; the pictures' texts were measured with fonts of this width.
+const SANS_SERIF: [&str; 5] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica"];
+
+/// Writes a picture.
+///
+/// # Errors
+/// No valid SVG, no font, or a file that cannot be written.
+pub fn write(path: &Path, svg: &str) -> io::Result<()> {
+    let png = rasterised(svg).map_err(io::Error::other).map_err(at(path))?;
+    std::fs::write(path, png).map_err(at(path))
+}
+
+fn rasterised(svg: &str) -> Result<Vec<u8>, String> {
+    let fonts = fonts();
+    if fonts.is_empty() {
+        return Err("no font is installed: a picture would have no text".into());
+    }
+    let options = Options { fontdb: fonts, ..Options::default() };
+    let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+    let size = tree.size().to_int_size().scale_by(DENSITY).ok_or("the picture has no size")?;
+    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
+    resvg::render(&tree, Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| error.to_string())
+}
+
+/// The fonts of the system, found once.
+fn fonts() -> Arc<Database> {
+    static FONTS: OnceLock<Arc<Database>> = OnceLock::new();
+    let load = || {
+        let mut fonts = Database::new();
+        fonts.load_system_fonts();
+        let is_there =
+            |name: &&str| fonts.query(&Query { families: &[Family::Name(name)], ..Query::default() }).is_some();
+        let first = || fonts.faces().find_map(|face| Some(face.families.first()?.0.clone()));
+        let family = SANS_SERIF.iter().find(|name| is_there(name)).map(|name| (*name).to_owned()).or_else(first);
+        family.into_iter().for_each(|family| fonts.set_sans_serif_family(family));
+        Arc::new(fonts)
+    };
+    FONTS.get_or_init(load).clone()
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn a_picture_has_its_colours_and_its_text() {
+        let drawing = |text: &str| {
+            format!(
+                "<svg width=\"40\" height=\"20\" viewBox=\"0 0 40 20\" xmlns=\"http://www.w3.org/2000/svg\"><rect \
+                 width=\"20\" height=\"20\" fill=\"#0072b2\"/><text x=\"22\" y=\"15\" font-family=\"sans-serif\" \
+                 font-size=\"14\">{text}</text></svg>"
+            )
+        };
+        let [with, without] = ["W", ""].map(|text| rasterised(&drawing(text)).expect("fonts are installed"));
+        let [with, without] = [with, without].map(|png| Pixmap::decode_png(&png).expect("a PNG"));
+        assert_eq!((with.width(), with.height()), (120, 60));
+        let color = with.pixel(30, 30).expect("inside").demultiply();
+        assert_eq!((color.red(), color.green(), color.blue()), (0x00, 0x72, 0xb2));
+        let inked = |picture: &Pixmap| picture.pixels().iter().filter(|pixel| pixel.alpha() > 128).count();
+        assert!(inked(&with) > inked(&without) + 50, "{} {}", inked(&with), inked(&without));
+        assert!(rasterised("<svg").is_err());
+    }
+}

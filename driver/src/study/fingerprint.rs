@@ -1,0 +1,77 @@
+//! Whether a result is still that of its case: a hash of everything that it depends on.
+//!
+//! That is the case with its overrides, the files that it names, the plugins, and this program.
+
+use super::Run;
+use crate::case::{self, Case};
+use crate::isolation;
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+
+/// Makes fingerprints; every file is read once.
+pub struct Fingerprints {
+    program: [u8; 32],
+    files: HashMap<PathBuf, [u8; 32]>,
+}
+
+impl Fingerprints {
+    pub fn new() -> Self {
+        Self { program: of_file(&isolation::program()), files: HashMap::new() }
+    }
+
+    /// Of a run whose case was read.
+    pub fn of(&mut self, run: &Run, case: &Case) -> String {
+        let libraries: Vec<PathBuf> = match case {
+            Case::Path(program) => vec![program.plugin.library.path().to_owned()],
+            Case::Pullout(program) => {
+                program.laws().into_iter().map(|(_, law)| law.library.path().to_owned()).collect()
+            }
+        };
+        self.with(run, &libraries)
+    }
+
+    /// Of a run whose plugins are not loaded here.
+    pub fn of_isolated(&mut self, run: &Run, plugin_paths: &[PathBuf]) -> String {
+        let need = isolation::need(&run.base, &run.overrides, plugin_paths);
+        let libraries: Vec<PathBuf> = need.map(|need| need.libraries.into_keys().collect()).unwrap_or_default();
+        self.with(run, &libraries)
+    }
+
+    fn with(&mut self, run: &Run, libraries: &[PathBuf]) -> String {
+        let document = case::document(&run.base, &run.overrides).unwrap_or_default();
+        let mut files = libraries.to_vec();
+        named_files(&document, run.base.parent().unwrap_or(Path::new("")), &mut files);
+        files.sort();
+        files.dedup();
+        let mut digest = Sha256::new();
+        digest.update(self.program);
+        // the title and the like are in results as well
+        digest.update(document.to_string());
+        for file in files {
+            digest.update(*self.files.entry(file.clone()).or_insert_with(|| of_file(&file)));
+        }
+        digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+}
+
+/// Files that texts of a case name: meshes, tables, measured curves.
+fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
+    match value {
+        Value::String(text) if !text.is_empty() => {
+            let path = folder.join(text);
+            if path.is_file() {
+                files.push(path);
+            }
+        }
+        Value::Array(entries) => entries.iter().for_each(|entry| named_files(entry, folder, files)),
+        Value::Object(members) => members.values().for_each(|member| named_files(member, folder, files)),
+        _ => {}
+    }
+}
+
+/// Zeros if it cannot be read: the run will say so.
+fn of_file(path: &Path) -> [u8; 32] {
+    std::fs::read(path).map_or([0; 32], |content| Sha256::digest(&content).into())
+}
