@@ -21,6 +21,7 @@ pub use settle::Settlement;
 use crate::assembly::{Blocks, IncrementContext, Trouble};
 use crate::mesh::Mesh;
 use crate::model::{ContactPair, Freedom};
+use history::PointState;
 use kinematics::Kinematics;
 use pair::{Output, Pair};
 use umat_abi::law::Request;
@@ -229,11 +230,8 @@ impl Contact {
     /// The increment that was evaluated last is accepted.
     pub fn commit(&mut self) {
         for pair in &mut self.pairs {
-            for (index, end) in pair.trial.points.iter_mut().enumerate() {
-                let start = &pair.committed.points[index];
-                if start.status != PointStatus::Released {
-                    end.book(start, pair.points[index].area);
-                }
+            for index in 0..pair.points.len() {
+                pair.trial.points[index] = pair.booked(index);
             }
             pair.committed.copy_from(&pair.trial);
         }
@@ -264,9 +262,19 @@ impl Contact {
 
     /// Energies at the last commit.
     pub fn energies(&self) -> Energies {
+        self.energies_of(|pair, index| pair.committed.points[index])
+    }
+
+    /// Energies if the increment that was evaluated last is accepted.
+    pub fn trial_energies(&self) -> Energies {
+        self.energies_of(Pair::booked)
+    }
+
+    fn energies_of(&self, state: fn(&Pair, usize) -> PointState) -> Energies {
         let mut sum = Energies::default();
         for pair in &self.pairs {
-            for (point, state) in pair.points.iter().zip(&pair.committed.points) {
+            for (index, point) in pair.points.iter().enumerate() {
+                let state = state(pair, index);
                 sum.work += state.work;
                 sum.plugin_stored += point.area * state.weight * state.plugin_energies[0];
                 sum.plugin_dissipated += state.dissipated;

@@ -93,6 +93,15 @@ impl Pair {
         (start * end, start_slope * end + start * end_slope)
     }
 
+    /// A point on trial with the energies of the increment.
+    pub fn booked(&self, index: usize) -> PointState {
+        let (start, mut end) = (&self.committed.points[index], self.trial.points[index]);
+        if start.status != PointStatus::Released {
+            end.book(start, self.points[index].area);
+        }
+        end
+    }
+
     /// Evaluates all points; see [`super::Contact::evaluate`].
     pub fn evaluate(
         &mut self,

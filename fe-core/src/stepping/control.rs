@@ -5,6 +5,8 @@
 //! follow, until they advance again. Where that does not help (an element that fails unloads all else), the dissipation of
 //! the solids leads.
 //!
+//! Automatic increments under the drives are repeated with less where their energies do not balance.
+//!
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
@@ -13,6 +15,11 @@ use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::{Place, Trouble};
 use crate::model::{Model, Step};
 
+/// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
+const ENERGY_TOLERANCE: f64 = 3e-4;
+/// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
+const ENERGY_MARGIN: f64 = 0.7;
+const MAX_ENERGY_REFUSALS: u32 = 6;
 /// The load of neighbours of the peak differs by less than this part of it.
 const PEAK_RESOLUTION: f64 = 2e-3;
 /// After as many failures in a row something else leads,
@@ -106,6 +113,8 @@ pub(super) struct Findings {
     pub(super) slip_growth: f64,
     /// Whether the drive of the slip went where the load pulls.
     pub(super) pulls_on: bool,
+    /// What the increment adds to the imbalance of the energies, relative to the work.
+    pub(super) energy_error: f64,
 }
 
 /// Why an increment that converged may not stand.
@@ -137,6 +146,8 @@ pub(super) struct StepRun {
     helped: Leader,
     /// Attempts at the present increment that were refused because the load jumps.
     jumps_refused: u32,
+    /// and because its energies do not balance.
+    energy_refused: u32,
     /// The largest increment of the mean slip under the drives.
     largest_slip: f64,
     follows_slip: bool,
@@ -163,6 +174,7 @@ impl StepRun {
             usual_dissipation: 0.0,
             helped: Leader::PointSlip,
             jumps_refused: 0,
+            energy_refused: 0,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0,
@@ -253,6 +265,16 @@ impl StepRun {
             self.jumps_refused += 1;
             return Err(failed("the load jumps"));
         }
+        if matches!(self.lead, Lead::Drives)
+            && self.size.is_automatic()
+            && findings.energy_error > ENERGY_TOLERANCE
+            && self.energy_refused < MAX_ENERGY_REFUSALS
+            && !self.is_least()
+        {
+            self.energy_refused += 1;
+            let fraction = (ENERGY_TOLERANCE / findings.energy_error).sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+            return Err(repeat("the energies of the increment do not balance", fraction));
+        }
         if !self.locates_peak || load.peaked || self.is_least() {
             return Ok(());
         }
@@ -284,6 +306,7 @@ impl StepRun {
     ) -> f64 {
         let time = self.time_increment();
         self.jumps_refused = 0;
+        self.energy_refused = 0;
         let iterations = converged.iterations.len();
         self.failures = 0;
         let slip = converged.end.mean_slip - start.mean_slip;

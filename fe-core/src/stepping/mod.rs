@@ -218,7 +218,24 @@ impl<'m> Analysis<'m> {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.committed)) * load > 0.0,
             slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
+            energy_error: self.energy_error_of(&converged.end),
         }
+    }
+
+    /// What an increment would add to the imbalance of the energies, relative to the work at its end.
+    fn energy_error_of(&self, end: &Committed) -> f64 {
+        let work = Energies::work_between(self.equilibrium.system.equations(), &self.committed, end);
+        let external_work = self.energies.external_work + work;
+        let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.datum) };
+        let reference = self.work_reference(external_work, end);
+        let added = energies.imbalance() - self.energies.imbalance();
+        if reference > 0.0 { added.abs() / reference } else { 0.0 }
+    }
+
+    /// What an imbalance of the energies is compared with, N mm.
+    fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
+        let rounding = self.equilibrium.rounding() * newton::largest(&state.displacements);
+        external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work).max(rounding)
     }
 
     /// The load and the lateral load, N.
@@ -254,8 +271,7 @@ impl<'m> Analysis<'m> {
         let [load, load_lateral] = self.measured_load(&snapshot);
         let along =
             |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction));
-        let rounding = self.equilibrium.rounding() * newton::largest(&self.committed.displacements);
-        let reference = self.energies.external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work).max(rounding);
+        let reference = self.work_reference(self.energies.external_work, &self.committed);
         Record {
             step,
             increment,

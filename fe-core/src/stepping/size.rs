@@ -76,6 +76,11 @@ impl IncrementSize {
         self.size = self.size.min(size.max(self.minimum));
     }
 
+    /// Whether sizes are free; equal ones stay as they are asked for.
+    pub(super) fn is_automatic(&self) -> bool {
+        !self.fixed
+    }
+
     /// The least increment.
     pub(super) fn minimum(&self) -> f64 {
         self.minimum

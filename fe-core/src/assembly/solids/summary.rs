@@ -1,5 +1,6 @@
 //! What the solids tell: energies, counts, single points.
 
+use super::points::{Points, States};
 use super::{Solids, record::Body};
 use crate::kinematics::finite::{Components, rotated};
 
@@ -85,6 +86,12 @@ pub struct PointCall<'a> {
     pub characteristic_length: f64,
 }
 
+fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
+    let mut sum = SolidEnergies::default();
+    parts.into_iter().for_each(|part| sum += part);
+    sum
+}
+
 impl Solids {
     /// The last call of the law of an element's part, if it was for this point: the one that failed, where a law did.
     pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall<'_>> {
@@ -109,11 +116,20 @@ impl Solids {
 
     /// Energies of each part.
     pub fn part_energies(&self) -> Vec<SolidEnergies> {
+        self.energies_of(|points| &points.committed)
+    }
+
+    /// Energies of all parts at the last evaluation of each point.
+    pub fn trial_energies(&self) -> SolidEnergies {
+        sum(self.energies_of(|points| &points.trial))
+    }
+
+    fn energies_of(&self, states: fn(&Points) -> &States) -> Vec<SolidEnergies> {
         let of_body = |body: &Body| {
-            let viscous = body.points.committed.viscous.iter().zip(&body.volumes).map(|(w, volume)| w * volume).sum();
+            let states = states(&body.points);
+            let viscous = states.viscous.iter().zip(&body.volumes).map(|(w, volume)| w * volume).sum();
             let mut sum = SolidEnergies { viscous, ..SolidEnergies::default() };
-            for ([stored, plastic, creep], volume) in body.points.committed.reference_energies.iter().zip(&body.volumes)
-            {
+            for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(&body.volumes) {
                 sum.stored += stored * volume;
                 let dissipated = if body.damages { &mut sum.damage } else { &mut sum.plastic };
                 *dissipated += (plastic + creep) * volume;
@@ -125,9 +141,7 @@ impl Solids {
 
     /// Energies of all parts.
     pub fn energies(&self) -> SolidEnergies {
-        let mut sum = SolidEnergies::default();
-        self.part_energies().into_iter().for_each(|part| sum += part);
-        sum
+        sum(self.part_energies())
     }
 
     /// What all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.

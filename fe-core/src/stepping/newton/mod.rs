@@ -17,8 +17,9 @@ mod iteration;
 
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Statistics};
+use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads};
-use crate::contact::{Contact, PointIndex};
+use crate::contact::{self, Contact, PointIndex};
 use crate::model::Model;
 use crate::solver::SolverError;
 use umat_abi::law::Request;
@@ -261,17 +262,12 @@ impl<'m> Equilibrium<'m> {
 
     /// Energies of the committed state but for the external work.
     pub(super) fn energies(&self) -> Energies {
-        let (solids, contact) = (self.solids.energies(), self.contact.energies());
-        let opening = contact.opening + contact.released;
-        Energies {
-            external_work: 0.0,
-            elastic: solids.stored,
-            plastic: solids.plastic,
-            damage: solids.damage,
-            interface: contact.work - opening,
-            opening,
-            stabilisation: solids.viscous,
-        }
+        stored_and_spent(self.solids.energies(), self.contact.energies())
+    }
+
+    /// Energies of the state of the last evaluation but for the external work.
+    pub(super) fn trial_energies(&self) -> Energies {
+        stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies())
     }
 
     /// Forces that rounding makes, N.
@@ -401,5 +397,18 @@ impl Equilibrium<'_> {
         self.system.assemble_elements(&self.solids);
         self.system.set_blocks(&self.blocks);
         self.system.multiply(unknowns)
+    }
+}
+
+fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energies {
+    let opening = contact.opening + contact.released;
+    Energies {
+        external_work: 0.0,
+        elastic: solids.stored,
+        plastic: solids.plastic,
+        damage: solids.damage,
+        interface: contact.work - opening,
+        opening,
+        stabilisation: solids.viscous,
     }
 }
