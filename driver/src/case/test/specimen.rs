@@ -294,6 +294,80 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
     assert!(round.mesh.parts().iter().all(|part| part.model == PlaneModel::Axisymmetric));
 }
 
+/// A minimal case of an inclined fibre.
+fn inclined_case() -> Value {
+    let mut case = specimen_case(json!({ "type": "inclined_fibre", "mesh_size": 2 }), &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": { "normal_law": "hard", "p_0": 1000 } } });
+    case["steps"] = json!([{ "slip": 2 }]);
+    case
+}
+
+#[test]
+fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
+    let case = inclined_case();
+    let names = |model: &Model| -> Vec<String> { model.contacts.iter().map(|pair| pair.name.clone()).collect() };
+    let props = |model: &Model, name: &str| -> Vec<f64> {
+        let pair = model.contacts.iter().find(|pair| pair.name == name).expect("the pair");
+        let ContactLaw::Uinter(law) = &pair.law else { panic!("UINTER") };
+        law.props.clone()
+    };
+    let model = accepted(&case, &["nlgeom=true", "parts.matrix.nlgeom=false"]).model;
+    assert_eq!(names(&model), ["interface_left", "interface_right", "exit_left", "exit_right"]);
+    assert_eq!(model.nlgeom, [true, false]);
+    assert!(model.contacts.iter().all(|pair| pair.master_bends), "the fibre is the master");
+    // law and p_0: no bond at the rounded edges
+    assert_eq!([0, 4].map(|k| props(&model, "interface_left")[k]), [0.0, 1000.0]);
+    assert_eq!(props(&model, "exit_left")[0], 2.0);
+    let model =
+        accepted(&case, &["mesh.specimen.separation_length=thesis", "contact.exit={\"law\": \"none\", \"mu\": 0}"])
+            .model;
+    assert_eq!(names(&model)[2..4], ["separation_left", "separation_right"]);
+    assert_eq!([0, 4].map(|k| props(&model, "separation_left")[k]), [0.0, 2.0]);
+    assert_eq!([0, 14].map(|k| props(&model, "exit_right")[k]), [2.0, 0.0]);
+    // φ (tan θ + 1/(2 tan θ)) at 45°: the walls lose 1.5 φ, as far as stations fall on it
+    let length = |name: &str| -> f64 {
+        let edges = model.mesh.edge_set(name).expect("the set").iter().map(|&edge| model.mesh.edge_nodes(edge));
+        let ends = edges.map(|edge| [0, 1].map(|k| model.mesh.nodes()[edge.nodes()[k]]));
+        ends.map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
+    };
+    let start = 0.609 - 0.1015 * (1.0 + 0.5_f64.sqrt()) * 2.0_f64.sqrt() - 0.203;
+    assert!((length("hole_separation_left") - start).abs() < 0.21, "{}", length("hole_separation_left"));
+    // 0 below 15°
+    let model = accepted(&case, &["mesh.specimen.separation_length=thesis", "mesh.specimen.angle_deg=14"]).model;
+    assert_eq!(model.contacts.len(), 4);
+}
+
+#[test]
+fn a_fibre_loaded_at_its_exit_hangs_on_a_node() {
+    let model = accepted(&inclined_case(), &["mesh.specimen.shape=straight"]).model;
+    assert_eq!(model.couplings.len(), 2, "x and y");
+    let grip = &model.supports[0];
+    assert_eq!((grip.name.as_str(), grip.nodes.len()), ("grip", 1));
+    assert_eq!(model.mesh.free_nodes(), grip.nodes);
+    let model = accepted(&inclined_case(), &["mesh.specimen.shape=straight", "mesh.specimen.free_length=1"]).model;
+    assert!(model.couplings.is_empty() && model.supports[0].nodes.len() == 5);
+}
+
+#[test]
+fn impossible_inclined_fibres_are_explained() {
+    for (overrides, place, message) in [
+        (&["mesh.specimen.angle_deg=81"][..], "$.mesh.specimen.angle_deg", "80"),
+        (&["mesh.specimen.width=10"], "$.mesh.specimen.embedded_length", "stays in the block"),
+        (&["mesh.specimen.matrix_element=Q8"], "$.mesh.specimen.matrix_element", "T6 or T3"),
+        (&["mesh.specimen.free_length=0"], "$.mesh.specimen.free_length", "positive"),
+        (&["contact.exit={\"mu_\": 0}"], "$.contact.law.props.mu_", "no parameter 'mu_'"),
+        (
+            &["contact.law.props=[0, 0, 0, 0, 1000, 0, 0, 400, 3.44, 0.13865, 1, -0.1772, 0, 0, 0.1, 0, 0]"],
+            "$.contact.exit",
+            "by name",
+        ),
+    ] {
+        let text = Bench::new().read(&inclined_case(), overrides).map(|_| String::new());
+        let text = text.unwrap_or_else(|errors| errors.to_string());
+        assert!(text.contains(place) && text.contains(message), "{overrides:?}: {text}");
+    }
+}
+
 #[test]
 fn every_specimen_has_a_smallest_case() {
     for (name, parts) in [
