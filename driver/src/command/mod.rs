@@ -1,5 +1,6 @@
 //! The command line (cli-and-cases.md): what each command does, and the exit codes.
 
+mod fit;
 mod isolated;
 mod plot;
 mod plugin;
@@ -88,6 +89,11 @@ enum Command {
         #[command(flatten)]
         reading: Reading,
     },
+    /// Find a law's parameters from an experiment.
+    Fit {
+        #[command(subcommand)]
+        law: fit::Law,
+    },
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
@@ -163,6 +169,7 @@ fn act(command: Command) -> u8 {
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
         Command::Plot { results, out, png } => plot::plot(&results, out.as_deref(), png),
+        Command::Fit { law } => fit::act(&law),
         Command::Props { law } => props::print(&law),
         Command::Worker { task, reading } => isolated::work(&task, &reading),
     }
