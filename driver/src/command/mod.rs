@@ -45,6 +45,8 @@ enum Command {
         out: Option<PathBuf>,
         #[command(flatten)]
         reading: Reading,
+        #[command(flatten)]
+        interruption: run::Interruption,
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
@@ -157,12 +159,12 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, quiet, parent } => {
+        Command::Run { cases, out, reading, interruption, quiet, parent } => {
             if let Some(parent) = parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
-            run::run(&cases, out.as_deref(), &reading, quiet)
+            run::run(&cases, out.as_deref(), &reading, &interruption, quiet)
         }
         Command::Study(arguments) => study::run(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),

@@ -6,6 +6,7 @@ use super::specimen::Specimen;
 use crate::PLUGIN_STACK;
 use crate::case::{self, Case, CaseErrors};
 use crate::path::{Observer, Row, Statistics, Stop};
+use crate::pullout::checkpoint::Checkpoints;
 use crate::pullout::{self, COLUMNS};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -79,7 +80,7 @@ impl Simulator {
         let read = case::read_document(self.specimen.computed(law), &self.specimen.file, &self.plugin_paths);
         let Ok(Case::Pullout(program)) = read else { return None };
         let mut recorder = CurveRecorder::new(self.slip_at);
-        let outcome = pullout::run(&program, Path::new(""), &mut recorder);
+        let outcome = pullout::run(&program, Path::new(""), &Checkpoints::default(), &mut recorder);
         let failure = match outcome.result {
             Ok(()) => None,
             Err(Stop::Failed(failure)) => Some(failure.message),
