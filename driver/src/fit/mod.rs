@@ -208,7 +208,7 @@ fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitErr
         SlipAt::Grip => 0.0,
         SlipAt::Exit => curve.peak().load * fibre.free_length / fibre.axial_stiffness(),
     };
-    Ok(specimen.pulled(end + stretch, (request.slip_at.column(), end)))
+    Ok(specimen.pulled(curve.peak().slip + stretch, end + stretch, (request.slip_at.column(), end)))
 }
 
 /// The law of the regression, and the one that the search begins with: its elastic stiffness is that of a fibre that

@@ -84,10 +84,10 @@ pub fn describe(law: &FittedLaw) -> String {
                 format!(" ± {} ({}{doubt})", significant(estimate.standard_error, 2), percent(estimate.relative()))
             }
         });
-        let unit = if quantity.unit == "-" { "" } else { quantity.unit };
+        let unit = if quantity.unit == "-" { String::new() } else { format!(" {}", quantity.unit) };
         // writing to a String cannot fail
-        let line = format!("  {:<8} {} {unit}{error}", quantity.name, significant(quantity.value, 5));
-        let _ = writeln!(text, "{}", line.trim_end());
+        let line = format!("  {:<8} {}{unit}{error}", quantity.name, significant(quantity.value, 5));
+        let _ = writeln!(text, "{line}");
     }
     text
 }

@@ -33,10 +33,15 @@ const HARDENING: f64 = 0.01;
 /// Strengths, MPa, and fracture energies, N/mm, of the matrix of chapters 6 and 7.
 const STRENGTHS: [f64; 2] = [3.0, 34.8];
 const FRACTURE_ENERGIES: [f64; 2] = [0.06, 15.0];
-/// The steps end at these parts of the greatest slip: each has its share of increments.
-const STEP_ENDS: [f64; 4] = [0.02, 0.1, 0.35, 1.0];
-/// The greatest increment of each, as part of it, and the first.
-const INCREMENTS: [f64; 2] = [0.05, 0.01];
+/// The first step ends at so many times the slip of the peak, and the others lie between there and the end, each the same
+/// factor further.
+const FIRST_STEP: f64 = 1.5;
+const LATER_STEPS: u32 = 3;
+/// The greatest increment as a part of its step: chords of the rising branch, whose knee tells k_e, are shorter.
+const RISING_INCREMENT: f64 = 0.02;
+const FALLING_INCREMENT: f64 = 0.05;
+/// The first increment over the greatest.
+const INITIAL: f64 = 0.2;
 
 /// What the matrix is made of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
@@ -148,14 +153,23 @@ impl Specimen {
         laws_of(&mut document).first().and_then(|(_, law)| law["props"]["tau_res"].as_f64()).unwrap_or(0.0)
     }
 
-    /// Steps to a slip of the grip, in stretches that are short where the curve bends. A case of the user's own keeps its
-    /// steps. `until`: the column that ends the run at a value.
+    /// Steps to a slip of the grip, in stretches that are short where the curve bends: around the slip of its peak. A case
+    /// of the user's own keeps its steps. `until`: the column that ends the run at a value.
     #[must_use]
-    pub fn pulled(mut self, grip_slip: f64, until: (&str, f64)) -> Self {
+    pub fn pulled(mut self, peak_slip: f64, end: f64, until: (&str, f64)) -> Self {
         if !self.is_own {
-            let [maximum, initial] = INCREMENTS;
-            let step = |part: f64| json!({ "slip": part * grip_slip, "increments": { "maximum": maximum, "initial": initial } });
-            self.document["steps"] = STEP_ENDS.into_iter().map(step).collect();
+            // the later steps need a length
+            let first = (FIRST_STEP * peak_slip).min(0.5 * end);
+            let step = |k: u32| {
+                let slip = if k == LATER_STEPS {
+                    end
+                } else {
+                    first * (end / first).powf(f64::from(k) / f64::from(LATER_STEPS))
+                };
+                let maximum = if k == 0 { RISING_INCREMENT } else { FALLING_INCREMENT };
+                json!({ "slip": slip, "increments": { "maximum": maximum, "initial": INITIAL * maximum } })
+            };
+            self.document["steps"] = (0..=LATER_STEPS).map(step).collect();
         }
         if self.document.get("until").is_none() {
             self.document["until"] = json!({ "quantity": until.0, "greater_than": until.1 });
