@@ -8,6 +8,7 @@ pub mod build;
 pub mod case;
 pub mod command;
 pub mod conformance;
+pub mod fit;
 mod isolation;
 pub mod output;
 pub mod path;

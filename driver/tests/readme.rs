@@ -165,3 +165,38 @@ fn the_study_of_the_readme_finds_its_claims() {
     assert!(claims.len() == 3 && claims.iter().all(|claim| claim["verdict"] == "found"), "{told}");
     assert!(desk.path("out/friction/plots/work_normalised.png").is_file());
 }
+
+/// The curve of the README gives its law back, and the case that is written runs.
+#[test]
+fn the_bond_law_of_the_readme_is_found() {
+    let desk = Desk::new();
+    let line = blocks("console").into_iter().find(|block| block.contains("fit bond")).expect("a fit");
+    let words: Vec<&str> = line.trim().trim_start_matches("$ pullout ").split(' ').collect();
+    let curve = workspace(words[2]);
+    let mut arguments = words.clone();
+    let curve = curve.to_string_lossy();
+    arguments[2] = &curve;
+    let said = desk.pullout(arguments.into_iter().chain(["--out", "fit"])).expect(0).stdout;
+    assert!(said.contains("b_2"), "{said}");
+    let found = program::json(&desk.path("fit/fit.json"));
+    let number = |name: &str, key: &str| found["forms"]["powers"]["parameters"][name][key].as_f64().expect("a number");
+    // the law in the head of the file; its joints are intersections
+    for (name, value) in [
+        ("k_e", 400.0),
+        ("a_2", 1.0),
+        ("b_2", -0.1772),
+        ("g_crit", 0.003_999_6),
+        ("tau_crit", 1.59985),
+        ("g_peak", 0.020_008_9),
+        ("tau_peak", 1.99997),
+    ] {
+        assert!((number(name, "value") / value - 1.0).abs() < 0.05, "{name}: {}", number(name, "value"));
+    }
+    for (name, value) in [("a_1", 3.44), ("b_1", 0.13865)] {
+        assert!((number(name, "value") - value).abs() < 3.0 * number(name, "standard_error"), "{name}");
+    }
+    let run = desk.run(&desk.path("fit/powers-case.json"), &["output.plots=false", "output.vtu=false"], "again", 0);
+    // the noise is what is left
+    let rms = run.summary["compare"][0]["rms"].as_f64().expect("a comparison");
+    assert!((0.015..0.025).contains(&(rms / run.peak("load", "max"))), "{rms}");
+}

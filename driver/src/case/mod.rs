@@ -36,6 +36,7 @@ pub(crate) use problem::hint;
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind};
 pub use props::props_from_json;
 pub use structure::schema;
+pub(crate) use table::CsvFile;
 
 /// A case that was read.
 #[derive(Clone, Debug)]
@@ -113,6 +114,14 @@ impl<'a> Reader<'a> {
         Self { folder, plugin_paths, libraries: BTreeMap::new(), problems: Vec::new(), warnings: Vec::new() }
     }
 
+    /// The case, if nothing is wrong with it.
+    fn finish(self, path: &Path, case: Option<Case>) -> Result<Case, CaseErrors> {
+        match case {
+            Some(case) if self.problems.is_empty() => Ok(case),
+            _ => Err(CaseErrors { file: path.into(), problems: self.problems }),
+        }
+    }
+
     /// Everything that is wrong.
     pub(crate) fn into_problems(self) -> Vec<Problem> {
         self.problems
@@ -181,12 +190,24 @@ struct Resolved {
 /// # Errors
 /// Everything that is wrong with it.
 pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    let mut reader = Reader::new(folder, plugin_paths);
-    match read_with(&mut reader, path, overrides) {
-        Some(program) if reader.problems.is_empty() => Ok(program),
-        _ => Err(CaseErrors { file: path.into(), problems: reader.problems }),
-    }
+    let mut reader = Reader::new(folder_of(path), plugin_paths);
+    let case = text_with(path, overrides, &mut reader.problems).and_then(|text| read_with(&mut reader, path, text));
+    reader.finish(path, case)
+}
+
+/// The folder that paths in a case file are relative to.
+fn folder_of(path: &Path) -> &Path {
+    path.parent().unwrap_or(Path::new(""))
+}
+
+/// Reads a case that was made in memory as if it stood in the file `path`.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    let mut reader = Reader::new(folder_of(path), plugin_paths);
+    let case = read_with(&mut reader, path, document);
+    reader.finish(path, case)
 }
 
 /// Whether a file is a study rather than a case.
@@ -225,8 +246,7 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
     Some(document)
 }
 
-fn read_with(reader: &mut Reader<'_>, path: &Path, overrides: &[String]) -> Option<Case> {
-    let document = text_with(path, overrides, &mut reader.problems)?;
+fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Case> {
     let kind = match structure::kind_of(&document) {
         Ok(kind) => kind.to_owned(),
         Err(problem) => {

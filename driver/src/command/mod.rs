@@ -1,5 +1,6 @@
 //! The command line (cli-and-cases.md): what each command does, and the exit codes.
 
+mod fit;
 mod isolated;
 mod plot;
 mod plugin;
@@ -44,6 +45,8 @@ enum Command {
         out: Option<PathBuf>,
         #[command(flatten)]
         reading: Reading,
+        #[command(flatten)]
+        interruption: run::Interruption,
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
@@ -87,6 +90,11 @@ enum Command {
         task: isolation::Task,
         #[command(flatten)]
         reading: Reading,
+    },
+    /// Find a law's parameters from an experiment.
+    Fit {
+        #[command(subcommand)]
+        law: fit::Law,
     },
     /// Print calibrated parameters of a law.
     Props {
@@ -151,18 +159,19 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, quiet, parent } => {
+        Command::Run { cases, out, reading, interruption, quiet, parent } => {
             if let Some(parent) = parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
-            run::run(&cases, out.as_deref(), &reading, quiet)
+            run::run(&cases, out.as_deref(), &reading, &interruption, quiet)
         }
         Command::Study(arguments) => study::run(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
         Command::Plot { results, out, png } => plot::plot(&results, out.as_deref(), png),
+        Command::Fit { law } => fit::act(&law),
         Command::Props { law } => props::print(&law),
         Command::Worker { task, reading } => isolated::work(&task, &reading),
     }

@@ -4,20 +4,27 @@ use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say, s
 use crate::case::{self, Case};
 use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::compare;
-use crate::output::history::{History, HistoryWriter};
+use crate::output::history::History;
 use crate::output::plots::{self, Spec};
 use crate::output::progress::{Extent, Progress};
 use crate::output::report::{self, Account};
 use crate::output::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use crate::path::program::Kind;
-use crate::path::{self, Observer, Row, Statistics, Stop};
+use crate::path::{self, Statistics, Stop};
 use crate::pullout;
+use crate::pullout::checkpoint::{self, Checkpoints};
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use umat_abi::host::{Law, Library, announce_job};
+
+mod interruption;
+mod record;
+
+pub(super) use interruption::Interruption;
+use record::{Kept, Record};
 
 /// Validates cases.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
@@ -44,18 +51,28 @@ pub(super) fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
 
 /// A case that is to be run.
 enum Job<'f> {
-    Here(Box<Case>),
+    Here(Box<Case>, Checkpoints),
     Isolated { file: &'f Path, need: Need },
 }
 
 /// Runs cases, after all of them were read without an error.
-pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quiet: bool) -> u8 {
+pub(super) fn run(
+    cases: &[PathBuf],
+    out: Option<&Path>,
+    reading: &Reading,
+    interruption: &Interruption,
+    quiet: bool,
+) -> u8 {
+    if interruption.restart.is_some() && cases.len() > 1 {
+        complain("--restart goes on with one run: name its case alone");
+        return BAD_INPUT;
+    }
     let mut stems = BTreeSet::new();
     let mut jobs = Vec::new();
     let mut code = DONE;
     for file in cases {
         let stem = file.file_stem().unwrap_or_default().to_owned();
-        let folder = match out {
+        let folder = match out.or(interruption.restart.as_deref()) {
             Some(out) if cases.len() == 1 => out.to_path_buf(),
             Some(out) => out.join(&stem),
             None => Path::new("out").join(&stem),
@@ -65,6 +82,14 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
             code = code.max(BAD_INPUT);
         }
         match reading.need(file) {
+            Some(_) if interruption.is_asked_for() => {
+                complain(format!(
+                    "{}: its plugins run in a process of their own, whose memory no checkpoint holds: leave --checkpoint-every \
+                     and --restart out, or set \"isolate\": false in the material if they keep nothing between calls",
+                    file.display()
+                ));
+                code = code.max(BAD_INPUT);
+            }
             Some(need) => {
                 // nothing is run before all cases were read; a single one is read by the worker that runs it
                 if cases.len() > 1 {
@@ -73,7 +98,13 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
                 jobs.push((Job::Isolated { file, need }, folder));
             }
             None => match case::read(file, &reading.overrides, &reading.plugin_paths) {
-                Ok(case) => jobs.push((Job::Here(Box::new(case)), folder)),
+                Ok(case) => match interruption.checkpoints(&case) {
+                    Ok(checkpoints) => jobs.push((Job::Here(Box::new(case), checkpoints), folder)),
+                    Err(message) => {
+                        complain(format!("{}: {message}", file.display()));
+                        code = code.max(BAD_INPUT);
+                    }
+                },
                 Err(errors) => code = code.max(refuse(&errors)),
             },
         }
@@ -82,7 +113,7 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
         return code;
     }
     let run = |(job, folder): &(Job<'_>, PathBuf)| match job {
-        Job::Here(case) => tell(case, folder, quiet, run_into(case, folder, quiet)),
+        Job::Here(case, checkpoints) => tell(case, folder, quiet, run_into(case, folder, checkpoints, quiet)),
         Job::Isolated { file, need } => isolated::run(file, folder, reading, need, quiet),
     };
     jobs.iter().map(run).max().unwrap_or(DONE)
@@ -91,7 +122,7 @@ pub(super) fn run(cases: &[PathBuf], out: Option<&Path>, reading: &Reading, quie
 /// Reads and runs a case in this process.
 pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, quiet: bool) -> u8 {
     match case::read(file, &reading.overrides, &reading.plugin_paths) {
-        Ok(case) => tell(&case, folder, quiet, run_into(&case, folder, quiet)),
+        Ok(case) => tell(&case, folder, quiet, run_into(&case, folder, &Checkpoints::default(), quiet)),
         Err(errors) => refuse(&errors),
     }
 }
@@ -134,13 +165,24 @@ fn tell(case: &Case, folder: &Path, quiet: bool, summary: io::Result<Summary>) -
 
 /// Files that an earlier run may have left and this one may not write.
 pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
-    let files = |folder: PathBuf, wanted: &'static str| {
-        let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-        files.filter(move |path| path.extension().is_some_and(|extension| extension == wanted))
-    };
-    let leftovers = files(folder.join("plots"), "svg")
-        .chain(files(folder.join("fields"), "vtu"))
-        .chain(["replay.json", "report.html", "summary.json", "fields.pvd"].map(|name| folder.join(name)));
+    remove_conclusions(folder)?;
+    let names = ["fields.pvd", checkpoint::FILE, checkpoint::PARTIAL].map(|name| folder.join(name));
+    remove(files(folder.join("fields"), "vtu").chain(names))
+}
+
+/// What is made when a run is over.
+fn remove_conclusions(folder: &Path) -> io::Result<()> {
+    let names = ["replay.json", "report.html", "summary.json"].map(|name| folder.join(name));
+    remove(files(folder.join("plots"), "svg").chain(names))
+}
+
+/// The files of a folder with an extension.
+fn files(folder: PathBuf, wanted: &'static str) -> impl Iterator<Item = PathBuf> {
+    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    files.filter(move |path| path.extension().is_some_and(|extension| extension == wanted))
+}
+
+fn remove(leftovers: impl Iterator<Item = PathBuf>) -> io::Result<()> {
     for path in leftovers {
         match fs::remove_file(&path) {
             Err(error) if error.kind() != io::ErrorKind::NotFound => {
@@ -152,45 +194,23 @@ pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// Writes the history as the run goes on, and knows the peaks and the progress.
-struct Record {
-    writer: HistoryWriter,
-    peaks: PeakRecorder,
-    progress: Progress,
-    done: u64,
-}
-
-impl Observer for Record {
-    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
-        if row.step == 0 {
-            self.peaks.observe(&row);
-        }
-        self.writer.write(&row)
-    }
-
-    fn increment_done(&mut self, row: Row<'_>, so_far: Statistics) {
-        self.peaks.observe(&row);
-        self.done += 1;
-        worker::note_increment(&so_far);
-        self.progress.advance(self.done, &row);
-    }
-}
-
-fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
+fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, quiet: bool) -> io::Result<Summary> {
     fs::create_dir_all(folder)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
-    remove_leftovers(folder)?;
+    let kept = checkpoints.from.as_deref().and_then(Kept::of);
+    if kept.is_some() {
+        remove_conclusions(folder)?
+    } else {
+        remove_leftovers(folder)?
+    }
     announce_job(&title(case), &std::path::absolute(folder)?);
     let columns = case.columns();
     let history_file = folder.join("history.csv");
-    let start = Instant::now();
-    let cpu_start = cpu_time();
     worker::note_start();
-    let mut record = Record {
-        writer: HistoryWriter::create(&history_file, &columns)?,
-        peaks: PeakRecorder::new(&columns),
-        progress: Progress::new(&title(case), extent(case), shown(case), quiet),
-        done: 0,
+    let progress = Progress::new(&title(case), extent(case), shown(case), quiet);
+    let mut record = match kept {
+        None => Record::new(&history_file, &columns, progress)?,
+        Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
     let (statistics, result, specimen) = match case {
         Case::Path(program) => {
@@ -198,7 +218,7 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
             (statistics, result, None)
         }
         Case::Pullout(program) => {
-            let mut outcome = pullout::run(program, folder, &mut record);
+            let mut outcome = pullout::run(program, folder, checkpoints, &mut record);
             let result = std::mem::replace(&mut outcome.result, Ok(()));
             (outcome.statistics, result, Some((&**program, outcome)))
         }
@@ -214,9 +234,8 @@ fn run_into(case: &Case, folder: &Path, quiet: bool) -> io::Result<Summary> {
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let cpu_time_s = Some((cpu_time() - cpu_start).as_secs_f64());
-    let end =
-        RunEnd { peaks: record.peaks, statistics, message, wall_time_s: start.elapsed().as_secs_f64(), cpu_time_s };
+    let [wall_time_s, cpu_time_s] = record.times();
+    let end = RunEnd { peaks: record.peaks, statistics, message, wall_time_s, cpu_time_s: Some(cpu_time_s) };
     conclude(case, folder, end, specimen)
 }
 

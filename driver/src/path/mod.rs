@@ -41,6 +41,11 @@ pub trait Observer {
 
     /// An increment is done, whether its row is written or not; the run has cost so much by now.
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
+
+    /// What it needs to go on in another process, with a run that is resumed from here.
+    fn state(&self) -> Vec<u8> {
+        Vec::new()
+    }
 }
 
 /// What a run cost.

@@ -1,8 +1,9 @@
 //! Fields of a run for ParaView.
 
 use fe_core::model::Model;
-use fe_core::output::{Fields, Series};
+use fe_core::output::{Fields, Series, SeriesFiles};
 use fe_core::stepping::Snapshot;
+use serde::{Deserialize, Serialize};
 use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -16,7 +17,28 @@ pub struct FieldWriter {
     spent: Duration,
 }
 
+/// What was written.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct WrittenFields {
+    files: SeriesFiles,
+    last: Option<f64>,
+}
+
 impl FieldWriter {
+    /// Goes on after what was written.
+    ///
+    /// # Errors
+    /// A file cannot be written or removed.
+    pub fn resume(folder: &Path, model: &Model, written: &WrittenFields) -> io::Result<Self> {
+        let series = Series::resume(folder, &model.mesh, written.files.clone()).map_err(io::Error::other)?;
+        Ok(Self { series, last: written.last, spent: Duration::ZERO })
+    }
+
+    /// What was written so far.
+    pub fn written(&self) -> WrittenFields {
+        WrittenFields { files: self.series.files().clone(), last: self.last }
+    }
+
     /// Into `fields/` of a folder, indexed by `fields.pvd`.
     ///
     /// # Errors

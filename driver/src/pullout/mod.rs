@@ -1,6 +1,7 @@
 //! Specimens in two dimensions: what a case asks for, checked and resolved, its run, and what it leaves behind besides
 //! the history.
 
+pub mod checkpoint;
 mod fibre;
 mod fields;
 mod findings;

@@ -2,9 +2,10 @@
 
 use super::State;
 use fe_core::mesh::Mesh;
-use fe_core::output::Fields;
+use fe_core::output::{Activity, ContactPoint, Fields};
 use fe_core::stepping::{Record, Snapshot};
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 
 /// The increment with the greatest load so far.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -30,7 +31,63 @@ pub struct PeakKeeper<'p> {
     fields: Option<Fields<'p>>,
 }
 
+/// The peak so far with its fields, without their mesh.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct KeptPeak {
+    peak: Option<PeakLoad>,
+    fields: Option<KeptFields>,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct KeptFields {
+    time: f64,
+    displacements: Vec<f64>,
+    reactions: Vec<f64>,
+    stresses: Vec<[f64; 4]>,
+    strains: Vec<[f64; 4]>,
+    states: Vec<f64>,
+    state_names: Vec<Vec<String>>,
+    pairs: Vec<String>,
+    contact: Vec<ContactPoint>,
+    activities: Vec<Activity>,
+}
+
 impl<'p> PeakKeeper<'p> {
+    /// Goes on from a peak so far.
+    pub fn resumed(mesh: Option<&'p Mesh>, kept: KeptPeak) -> Self {
+        let fields = mesh.zip(kept.fields).map(|(mesh, kept)| Fields {
+            mesh,
+            displacements: Cow::Owned(kept.displacements),
+            time: kept.time,
+            reactions: kept.reactions,
+            stresses: kept.stresses,
+            strains: kept.strains,
+            states: kept.states,
+            state_names: kept.state_names,
+            pairs: kept.pairs,
+            contact: kept.contact,
+            activities: kept.activities,
+        });
+        Self { mesh, peak: kept.peak, fields }
+    }
+
+    /// The peak so far.
+    pub fn kept(&self) -> KeptPeak {
+        let fields = self.fields.clone().map(|fields| KeptFields {
+            displacements: fields.displacements.into_owned(),
+            time: fields.time,
+            reactions: fields.reactions,
+            stresses: fields.stresses,
+            strains: fields.strains,
+            states: fields.states,
+            state_names: fields.state_names,
+            pairs: fields.pairs,
+            contact: fields.contact,
+            activities: fields.activities,
+        });
+        KeptPeak { peak: self.peak, fields }
+    }
+
     /// With a mesh, fields are kept as well.
     pub fn new(mesh: Option<&'p Mesh>) -> Self {
         Self { mesh, peak: None, fields: None }

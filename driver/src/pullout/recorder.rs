@@ -1,16 +1,18 @@
 //! Runs a model, and turns its records into rows of the history.
 
-use super::fields::FieldWriter;
+use super::checkpoint::{Checkpoints, Saved};
+use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings};
-use super::peak::PeakKeeper;
+use super::peak::{KeptPeak, PeakKeeper};
 use super::{COLUMNS, Program, replay};
 use crate::path::program::Until;
 use crate::path::{self, Failure, Row, Statistics, Stop};
 use fe_core::output::Fields;
-use fe_core::stepping::{Analysis, Directive, Energies, Observer, Record, RunError, Snapshot};
+use fe_core::stepping::{Analysis, Checkpoint, Directive, Energies, Observer, Record, RunError, Snapshot};
+use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -61,20 +63,39 @@ pub struct State<'p> {
     pub fields: Fields<'p>,
 }
 
-/// Runs a program to its end, to an `until`, or to a failure; fields go to `folder`.
-pub fn run<'p>(program: &'p Program, folder: &Path, observer: &mut dyn path::Observer) -> Outcome<'p> {
+/// Runs a program to its end, to an `until`, or to a failure; fields and checkpoints go to `folder`.
+pub fn run<'p>(
+    program: &'p Program,
+    folder: &Path,
+    checkpoints: &Checkpoints,
+    observer: &mut dyn path::Observer,
+) -> Outcome<'p> {
     let model = &program.model;
+    let from = checkpoints.from.as_deref();
     let start = Instant::now();
-    let mut analysis = match Analysis::new(model) {
+    let analysis = from.map_or_else(|| Analysis::new(model), |saved| Analysis::resume(model, &saved.analysis));
+    let mut analysis = match analysis {
         Ok(analysis) => analysis,
         Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
     };
+    if let Some(every) = checkpoints.every {
+        analysis.checkpoint_every(every);
+    }
     let set_up = start.elapsed();
-    let fields = match program.output.fields_every.map(|_| FieldWriter::create(folder, model)).transpose() {
+    let written = from.and_then(|saved| saved.recorder.fields.as_ref());
+    let writer = || match written {
+        Some(written) => FieldWriter::resume(folder, model, written),
+        None => FieldWriter::create(folder, model),
+    };
+    let fields = match program.output.fields_every.map(|_| writer()).transpose() {
         Ok(fields) => fields,
         Err(error) => return Outcome::stopped(Stop::Write(error)),
     };
     let mut recorder = Recorder::new(program, observer, fields);
+    recorder.destination = checkpoints.every.map(|_| (folder.to_owned(), checkpoints));
+    if let Some(saved) = from {
+        recorder.resume(saved.recorder.clone());
+    }
     let start = Instant::now();
     let ended = analysis.run(&mut recorder);
     let snapshot = analysis.snapshot();
@@ -145,9 +166,24 @@ struct Recorder<'p, 'o> {
     energy_error: f64,
     /// Total time at the start of the present step.
     step_start: f64,
+    /// Where checkpoints go, and whose they are.
+    destination: Option<(PathBuf, &'o Checkpoints)>,
+}
+
+/// What a recorder needs to go on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RecorderState {
+    fields: Option<WrittenFields>,
+    peak: KeptPeak,
+    present: Present,
+    energies: Energies,
+    so_far: Statistics,
+    energy_error: f64,
+    step_start: f64,
 }
 
 /// The last row, and whether it was written.
+#[derive(Clone, Debug, Serialize, Deserialize)]
 struct Present {
     step: u32,
     increment: u32,
@@ -185,6 +221,27 @@ impl<'p, 'o> Recorder<'p, 'o> {
             so_far: Statistics::default(),
             energy_error: 0.0,
             step_start: 0.0,
+            destination: None,
+        }
+    }
+
+    /// Goes on where another recorder was.
+    fn resume(&mut self, state: RecorderState) {
+        let RecorderState { fields: _, peak, present, energies, so_far, energy_error, step_start } = state;
+        self.peak = PeakKeeper::resumed(self.program.output.plots.then_some(&self.program.model.mesh), peak);
+        (self.present, self.energies, self.so_far) = (present, energies, so_far);
+        (self.energy_error, self.step_start) = (energy_error, step_start);
+    }
+
+    fn state(&self) -> RecorderState {
+        RecorderState {
+            fields: self.fields.as_ref().map(FieldWriter::written),
+            peak: self.peak.kept(),
+            present: self.present.clone(),
+            energies: self.energies,
+            so_far: self.so_far,
+            energy_error: self.energy_error,
+            step_start: self.step_start,
         }
     }
 
@@ -266,6 +323,12 @@ impl Observer for Recorder<'_, '_> {
             fields.write(snapshot)?;
         }
         Ok(directive)
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> io::Result<()> {
+        let Some((folder, checkpoints)) = &self.destination else { return Ok(()) };
+        let saved = Saved { analysis: checkpoint.clone(), recorder: self.state(), observer: self.observer.state() };
+        checkpoints.write(folder, &saved)
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) struct Chain {
 }
 
 /// A place on a chain.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub(super) struct Foot {
     /// The edge, counted without end on closed chains.
     pub edge: i64,

@@ -2,10 +2,11 @@
 
 use super::chain::Foot;
 use super::normal::NormalState;
+use serde::{Deserialize, Serialize};
 
 /// What a point does. UINTER tells no host its status: there, slipping means that the plugin's dissipation grew in the
 /// increment, open that the traction is 0.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Default)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum PointStatus {
     /// Holds without dissipation.
     #[default]
@@ -19,7 +20,7 @@ pub enum PointStatus {
 }
 
 /// The numbers of one point. All energies are accumulated.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct PointState {
     pub foot: Foot,
     /// g_N and g, mm.
@@ -103,7 +104,7 @@ impl PointState {
 }
 
 /// All points of a pair.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct History {
     pub points: Vec<PointState>,
     /// STATEV, point by point.
@@ -111,6 +112,11 @@ pub(super) struct History {
 }
 
 impl History {
+    /// Whether it is of as many points with as many states.
+    pub fn fits(&self, other: &Self) -> bool {
+        self.points.len() == other.points.len() && self.statev.len() == other.statev.len()
+    }
+
     /// Takes another one's numbers without allocating.
     pub fn copy_from(&mut self, other: &Self) {
         self.points.copy_from_slice(&other.points);

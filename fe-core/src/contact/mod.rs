@@ -12,11 +12,13 @@ mod projection;
 mod quadrature;
 mod settle;
 mod setup;
+mod state;
 
 pub use error::ContactError;
 pub use history::PointStatus;
 pub use pair::Evaluation;
 pub use settle::Settlement;
+pub use state::ContactState;
 
 use crate::assembly::{Blocks, IncrementContext, Trouble};
 use crate::mesh::Mesh;
@@ -37,6 +39,8 @@ pub struct Contact {
     freedoms: Vec<usize>,
     /// Multiplier updates of the increment so far.
     updates: usize,
+    /// Calls of the plugins before the state that was taken over.
+    earlier_calls: u64,
 }
 
 /// How many points do what.
@@ -168,7 +172,13 @@ impl Contact {
         freedoms.sort_unstable();
         freedoms.dedup();
         let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search));
-        Ok(Self { reference: mesh.nodes().to_vec(), pairs: pairs.collect::<Result<_, _>>()?, freedoms, updates: 0 })
+        Ok(Self {
+            reference: mesh.nodes().to_vec(),
+            pairs: pairs.collect::<Result<_, _>>()?,
+            freedoms,
+            updates: 0,
+            earlier_calls: 0,
+        })
     }
 
     /// Indices of all degrees of freedom that contact can touch, ascending.
@@ -183,7 +193,7 @@ impl Contact {
 
     /// Calls of the plugins so far.
     pub fn law_calls(&self) -> u64 {
-        self.pairs.iter().map(|pair| pair.law.arrays().calls()).sum()
+        self.earlier_calls + self.pairs.iter().map(|pair| pair.law.arrays().calls()).sum::<u64>()
     }
 
     /// The last call of a pair's law, if it was for this point: the one that failed, where a law did.

@@ -1,13 +1,14 @@
 //! The host's normal laws: hard with a tension cap (6.19), soft exponential (6.20 corrected).
 
 use crate::model::{HardLaw, NormalLaw, SoftLaw};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::E;
 
 /// From this y = 1 − gap/g_0 on the exponential goes on as its tangent.
 const LINEAR_FROM: f64 = 7.0;
 
 /// What the host's normal law remembers of a point.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct NormalState {
     /// λ, MPa.
     pub multiplier: f64,

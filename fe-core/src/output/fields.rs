@@ -1,6 +1,7 @@
 //! What a model looks like at the end of an increment.
 
 use crate::mesh::Mesh;
+use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 
 /// The state of a model at one time.
@@ -33,7 +34,7 @@ pub struct Fields<'a> {
 }
 
 /// What an element does at one time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activity {
     /// It is part of the condensed far field: elastic, and not computed.
     Condensed,
@@ -46,7 +47,7 @@ pub enum Activity {
 }
 
 /// A contact point at one time.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactPoint {
     /// Index of its pair.
     pub pair: usize,

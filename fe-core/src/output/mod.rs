@@ -46,7 +46,7 @@ pub use axial::axial_stress;
 pub use fields::{Activity, ContactPoint, Fields, FieldsError};
 pub use principal::{Principal, von_mises};
 pub use recovery::{PartNodes, Recovery};
-pub use series::{Series, WriteError};
+pub use series::{Series, SeriesFiles, WriteError};
 
 #[cfg(test)]
 mod test;

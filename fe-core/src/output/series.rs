@@ -5,6 +5,7 @@ use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
 use super::vtu::{Array, Cells, Data, Grid, VERTEX, cell_type};
 use crate::mesh::Mesh;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -29,6 +30,12 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 pub struct Series {
     directory: PathBuf,
     recovery: Recovery,
+    files: SeriesFiles,
+}
+
+/// The files of a series so far.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SeriesFiles {
     /// Of each data set: time, part of the series, file.
     entries: Vec<(f64, usize, String)>,
     written: usize,
@@ -60,7 +67,29 @@ impl Series {
         let folder = directory.join("fields");
         std::fs::create_dir_all(&folder).map_err(|source| WriteError::File { path: folder, source })?;
         let (directory, recovery) = (directory.to_owned(), Recovery::new(mesh));
-        Ok(Self { directory, recovery, entries: Vec::new(), written: 0 })
+        Ok(Self { directory, recovery, files: SeriesFiles::default() })
+    }
+
+    /// Goes on with a series after these files; later ones are removed.
+    ///
+    /// # Errors
+    ///
+    /// The folder cannot be made, or a file not be written or removed.
+    pub fn resume(directory: &Path, mesh: &Mesh, files: SeriesFiles) -> Result<Self, WriteError> {
+        let series = Self { files, ..Self::create(directory, mesh)? };
+        series.replace("fields.pvd", &series.list())?;
+        let later = (series.files.written..).map(|number| names(number).map(|name| directory.join(name)));
+        for paths in later.take_while(|paths| paths.iter().any(|path| path.exists())) {
+            for path in paths.into_iter().filter(|path| path.exists()) {
+                std::fs::remove_file(&path).map_err(|source| WriteError::File { path, source })?;
+            }
+        }
+        Ok(series)
+    }
+
+    /// The files so far.
+    pub fn files(&self) -> &SeriesFiles {
+        &self.files
     }
 
     /// How fields come to nodes.
@@ -75,15 +104,14 @@ impl Series {
     /// The fields do not fit the mesh that the series was made for, or a file cannot be written.
     pub fn write(&mut self, fields: &Fields<'_>) -> Result<(), WriteError> {
         fields.check()?;
-        let file = format!("fields/{:06}.vtu", self.written);
+        let [file, contact_file] = names(self.files.written);
         self.replace(&file, &solids(fields, &self.recovery)?.xml())?;
-        self.entries.push((fields.time, 0, file));
+        self.files.entries.push((fields.time, 0, file));
         if !fields.pairs.is_empty() {
-            let file = format!("fields/contact_{:06}.vtu", self.written);
-            self.replace(&file, &contact(fields).xml())?;
-            self.entries.push((fields.time, 1, file));
+            self.replace(&contact_file, &contact(fields).xml())?;
+            self.files.entries.push((fields.time, 1, contact_file));
         }
-        self.written += 1;
+        self.files.written += 1;
         self.replace("fields.pvd", &self.list())
     }
 
@@ -100,13 +128,18 @@ impl Series {
         let mut xml = String::from(
             "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n",
         );
-        for (time, part, file) in &self.entries {
+        for (time, part, file) in &self.files.entries {
             // writing to a String cannot fail
             let _ = writeln!(xml, "<DataSet timestep=\"{time}\" part=\"{part}\" file=\"{file}\"/>");
         }
         xml.push_str("</Collection>\n</VTKFile>\n");
         xml
     }
+}
+
+/// The files of an increment: of solids and of contact.
+fn names(number: usize) -> [String; 2] {
+    [format!("fields/{number:06}.vtu"), format!("fields/contact_{number:06}.vtu")]
 }
 
 /// The bodies.

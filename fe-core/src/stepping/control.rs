@@ -14,6 +14,7 @@ use super::newton::{Committed, Converged, Leader, Target};
 use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::{Place, Trouble};
 use crate::model::{Model, Step};
+use serde::{Deserialize, Serialize};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
@@ -55,7 +56,7 @@ const SLIP_MARGIN: f64 = 0.9;
 const LEAST_FRACTION: f64 = 0.05;
 
 /// What leads.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Lead {
     Drives,
     /// Drives follow.
@@ -63,7 +64,7 @@ enum Lead {
 }
 
 /// Increments of what leads instead of the drives.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Led {
     by: Leader,
     increment: f64,
@@ -95,7 +96,7 @@ pub(super) enum Advance {
 }
 
 /// What is known of the load so far.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct LoadHistory {
     pub(super) greatest: f64,
     pub(super) last: f64,
@@ -126,7 +127,7 @@ pub(super) struct Judgement {
 }
 
 /// A step under way.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct StepRun {
     start: Vec<f64>,
     end: Vec<f64>,

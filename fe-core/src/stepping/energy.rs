@@ -10,9 +10,10 @@
 
 use super::newton::{Committed, dot};
 use crate::assembly::Equations;
+use serde::{Deserialize, Serialize};
 
 /// Energies since the start of the run, N mm.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Energies {
     /// Work of supports that move and of loads.
     pub external_work: f64,

@@ -1,5 +1,6 @@
 #![doc = include_str!("doc.md")]
 
+mod checkpoint;
 mod control;
 mod energy;
 mod error;
@@ -11,6 +12,7 @@ mod snapshot;
 mod test;
 mod zone;
 
+pub use checkpoint::Checkpoint;
 pub use energy::Energies;
 pub use error::{ModelError, RunError};
 pub use newton::Iteration;
@@ -20,12 +22,14 @@ pub use snapshot::Snapshot;
 use crate::assembly::{Equations, IncrementContext, Solids};
 use crate::contact::Contact;
 use crate::model::{Model, Step};
+use checkpoint::Position;
 use control::{Advance, Findings, Judgement, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
+use serde::{Deserialize, Serialize};
 use umat_abi::host::{Clock, ExternalDatabases};
 
 /// What a run cost.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Increments accepted.
     pub increments: u64,
@@ -60,6 +64,12 @@ pub struct Analysis<'m> {
     total_time: f64,
     load: LoadHistory,
     greatest_work: f64,
+    /// Increments between checkpoints.
+    checkpoint_every: Option<u64>,
+    /// Increments that were done at the last one.
+    last_checkpoint: u64,
+    /// Where the run goes on.
+    resumed: Option<Position>,
 }
 
 impl<'m> Analysis<'m> {
@@ -92,6 +102,9 @@ impl<'m> Analysis<'m> {
             total_time: 0.0,
             load: LoadHistory::default(),
             greatest_work: 0.0,
+            checkpoint_every: None,
+            last_checkpoint: 0,
+            resumed: None,
         })
     }
 
@@ -111,23 +124,36 @@ impl<'m> Analysis<'m> {
         Ok(())
     }
 
-    /// Runs all steps; the observer sees the initial state and every accepted increment.
+    /// Runs all steps; the observer sees the initial state and every accepted increment. A run that was resumed goes on
+    /// with the increment after its checkpoint.
     ///
     /// # Errors
     ///
     /// An increment could not be completed, or the observer could not write. What was observed stays valid.
     pub fn run(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
-        self.find_datum()?;
-        let initial = self.record(0, 0, 0, Vec::new());
-        if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
-            return Ok(());
+        let mut resumed = self.resumed.take();
+        if resumed.is_none() {
+            self.find_datum()?;
+            let initial = self.record(0, 0, 0, Vec::new());
+            if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
+                return Ok(());
+            }
         }
-        for (step, number) in self.model.steps.iter().zip(1..) {
-            if self.step(step, number, observer)? == Directive::EndRun {
+        let first = resumed.as_ref().map_or(1, |position| position.step);
+        for (step, number) in self.model.steps.iter().zip(1..).skip_while(|(_, number)| *number < first) {
+            let begin = || self.beginning(step, number);
+            let position = resumed.take().unwrap_or_else(begin);
+            if self.step(position, observer)? == Directive::EndRun {
                 break;
             }
         }
         Ok(())
+    }
+
+    /// The start of a step.
+    fn beginning(&self, step: &Step, number: u32) -> Position {
+        let run = StepRun::new(step, &self.committed.drives, self.model);
+        Position { step: number, run, increment: 0, step_time: 0.0 }
     }
 
     /// What it has cost so far.
@@ -158,11 +184,15 @@ impl<'m> Analysis<'m> {
         Ok(())
     }
 
-    /// One step to its end.
-    fn step(&mut self, step: &Step, number: u32, observer: &mut dyn Observer) -> Result<Directive, RunError> {
-        let mut run = StepRun::new(step, &self.committed.drives, self.model);
-        let (mut increment, mut cutbacks, mut step_time) = (0, 0, 0.0);
+    /// One step from a position to its end.
+    fn step(&mut self, position: Position, observer: &mut dyn Observer) -> Result<Directive, RunError> {
+        let Position { step: number, mut run, mut increment, mut step_time } = position;
+        let mut cutbacks = 0;
         while !run.is_done() {
+            if cutbacks == 0 && self.is_checkpoint_due() {
+                let checkpoint = self.checkpoint(Position { step: number, run: run.clone(), increment, step_time })?;
+                observer.checkpoint(&checkpoint)?;
+            }
             let target = run.target();
             let context = IncrementContext {
                 step: number,

@@ -1,6 +1,6 @@
 //! What is told of each increment.
 
-use super::{Energies, Iteration, Snapshot};
+use super::{Checkpoint, Energies, Iteration, Snapshot};
 use std::io;
 
 /// One accepted increment, or the initial state (step 0, increment 0).
@@ -72,4 +72,13 @@ pub trait Observer {
     ///
     /// Whatever kept it from being written; the run stops.
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive>;
+
+    /// The run may be resumed from here: the increment that was told last is done, another one follows.
+    ///
+    /// # Errors
+    ///
+    /// Whatever kept it from being written; the run stops.
+    fn checkpoint(&mut self, _checkpoint: &Checkpoint) -> io::Result<()> {
+        Ok(())
+    }
 }

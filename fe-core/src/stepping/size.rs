@@ -1,6 +1,7 @@
 //! How far the next increment goes: automatic growth and cut-back.
 
 use crate::model::StepControl;
+use serde::{Deserialize, Serialize};
 
 #[cfg(test)]
 mod test;
@@ -19,7 +20,7 @@ const SHRINKAGE: f64 = 0.75;
 const REMAINDER: f64 = 1e-9;
 
 /// Sizes as fractions of the step.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct IncrementSize {
     size: f64,
     maximum: f64,

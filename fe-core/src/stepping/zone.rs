@@ -4,6 +4,7 @@ use crate::assembly::{Condensation, Equations, Solids, System, loaded_freedoms, 
 use crate::mesh::Mesh;
 use crate::model::Model;
 use crate::solver::{SolverError, SolverOptions};
+use serde::{Deserialize, Serialize};
 
 /// Rings of elements around those that must iterate, so that a zone that grows does not grow at every increment.
 const MARGIN: usize = 1;
@@ -13,7 +14,7 @@ const GROWTH: usize = 3;
 const LEAST_FAR_FIELD: f64 = 0.3;
 
 /// The elements that iterate.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Zone {
     active: Vec<bool>,
     condenses: bool,

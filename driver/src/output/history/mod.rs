@@ -2,8 +2,8 @@
 
 use super::{at, malformed, number};
 use crate::path::Row;
-use std::fs::File;
-use std::io::{self, Write};
+use std::fs::{File, OpenOptions};
+use std::io::{self, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 #[cfg(test)]
@@ -17,19 +17,46 @@ pub struct HistoryWriter {
     path: PathBuf,
     line: Vec<u8>,
     values: usize,
+    /// Length of the file.
+    bytes: u64,
 }
 
 impl HistoryWriter {
     /// Creates the file with its header. The first two columns are `step,increment`, the last is `iterations`.
     pub fn create(path: &Path, columns: &[String]) -> io::Result<Self> {
-        let values = columns.len().checked_sub(3).ok_or_else(|| malformed(path, "fewer than three columns"))?;
+        let values = value_count(path, columns)?;
         let mut header = csv::Writer::from_writer(Vec::new());
         header.write_record(columns).map_err(|error| malformed(path, error))?;
         let header = header.into_inner().map_err(|error| malformed(path, error))?;
         let mut file = File::create(path).map_err(at(path))?;
         file.write_all(&header).map_err(at(path))?;
+        Ok(Self::of(file, path, values, header.len() as u64))
+    }
+
+    /// Goes on with a file after so many bytes; what is behind them is dropped.
+    ///
+    /// # Errors
+    /// The file cannot be opened, or is shorter.
+    pub fn resume(path: &Path, columns: &[String], bytes: u64) -> io::Result<Self> {
+        let values = value_count(path, columns)?;
+        let mut file = OpenOptions::new().write(true).open(path).map_err(at(path))?;
+        let length = file.metadata().map_err(at(path))?.len();
+        if length < bytes {
+            return Err(malformed(path, format!("{length} bytes, of which {bytes} should be there already")));
+        }
+        file.set_len(bytes).map_err(at(path))?;
+        file.seek(SeekFrom::Start(bytes)).map_err(at(path))?;
+        Ok(Self::of(file, path, values, bytes))
+    }
+
+    fn of(file: File, path: &Path, values: usize, bytes: u64) -> Self {
         let longest = values * (number::EXACT_LENGTH + 1) + 3 * 11;
-        Ok(Self { file, path: path.to_owned(), line: Vec::with_capacity(longest), values })
+        Self { file, path: path.to_owned(), line: Vec::with_capacity(longest), values, bytes }
+    }
+
+    /// Length of the file so far.
+    pub fn bytes(&self) -> u64 {
+        self.bytes
     }
 
     /// Writes one line. On return it is in the kernel's hands; nothing is buffered here.
@@ -38,6 +65,7 @@ impl HistoryWriter {
             return Err(malformed(&self.path, format!("{} values for {} columns", row.values.len(), self.values)));
         }
         self.format(row);
+        self.bytes += self.line.len() as u64;
         self.file.write_all(&self.line).map_err(at(&self.path))
     }
 
@@ -56,6 +84,11 @@ impl HistoryWriter {
         number::push_integer(line, row.iterations);
         line.push(b'\n');
     }
+}
+
+/// Values of a row: all columns but step, increment and iterations.
+fn value_count(path: &Path, columns: &[String]) -> io::Result<usize> {
+    columns.len().checked_sub(3).ok_or_else(|| malformed(path, "fewer than three columns"))
 }
 
 /// A history read back, by columns.

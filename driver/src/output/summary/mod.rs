@@ -135,13 +135,13 @@ pub struct Place {
 }
 
 /// Gathers the peaks during a run, increments that `output.every` leaves out included.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct PeakRecorder {
     names: Vec<String>,
     extremes: Vec<Extremes>,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
 struct Extremes {
     max: f64,
     min: f64,

@@ -33,9 +33,11 @@ mod error;
 mod kernel;
 mod points;
 mod record;
+mod state;
 mod summary;
 
 pub use error::SolidsError;
+pub use state::SolidsState;
 pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
 
 use super::{IncrementContext, Place, Trouble};

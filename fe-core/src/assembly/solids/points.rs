@@ -5,6 +5,7 @@ use super::error::SolidsError;
 use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
+use serde::{Deserialize, Serialize};
 use umat_abi::host::{CallOutcome, UmatCall};
 use umat_abi::law::Request;
 
@@ -23,7 +24,7 @@ pub(super) const USUAL_FRACTION: f64 = 0.5;
 const SYMMETRY_ROUNDING: f64 = 4.0 * f64::EPSILON;
 
 /// States of all points, one array each.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct States {
     pub(super) stress: Vec<Components>,
     pub(super) strain: Vec<Components>,
@@ -49,6 +50,18 @@ impl States {
             viscous_stress: vec![[0.0; MAX_COMPONENTS]; points],
             viscous: vec![0.0; points],
         }
+    }
+}
+
+impl States {
+    /// Whether it is of as many points with as many states.
+    pub(super) fn fits(&self, other: &Self) -> bool {
+        let lengths = |states: &Self| {
+            let Self { stress, strain, statev, energies, reference_energies, viscous_stress, viscous } = states;
+            let of_points = [stress.len(), strain.len(), viscous_stress.len(), viscous.len()];
+            (of_points, statev.len(), [energies.len(), reference_energies.len()])
+        };
+        lengths(self) == lengths(other)
     }
 }
 

@@ -38,7 +38,7 @@ pub struct PointCounts {
 }
 
 /// What was done since the start.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Calls of UMATs.
     pub umat_calls: u64,

@@ -14,6 +14,9 @@
 
 mod correction;
 mod iteration;
+mod state;
+
+pub(super) use state::EquilibriumState;
 
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Statistics};
@@ -22,10 +25,11 @@ use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System
 use crate::contact::{self, Contact, PointIndex};
 use crate::model::Model;
 use crate::solver::SolverError;
+use serde::{Deserialize, Serialize};
 use umat_abi::law::Request;
 
 /// The state at the end of the last accepted increment.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Committed {
     pub(super) displacements: Vec<f64>,
     pub(super) drives: Vec<f64>,
@@ -47,7 +51,7 @@ pub(super) enum Target {
 }
 
 /// What grows where the drives would have to turn back.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Leader {
     /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
     /// increment. It grows while a fibre is pulled out; the mean slip turns back where one point breaks.

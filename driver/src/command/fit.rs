@@ -1,0 +1,208 @@
+//! `pullout fit`: laws from experiments.
+
+use super::{BAD_INPUT, DONE, FAILED, complain, refuse, say};
+use crate::fit::{
+    self, Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights,
+};
+use crate::output::number::significant;
+use clap::{Args, Subcommand, ValueEnum};
+use std::io;
+use std::path::PathBuf;
+
+/// What is fitted.
+#[derive(Debug, Subcommand)]
+pub(super) enum Law {
+    /// A bond law from the load–slip curve of a perpendicular fibre.
+    ///
+    /// The mean traction P/(π D (L − g)) over the mean slip g gives a first law by regression: straight lines (form
+    /// piecewise), or a line and two powers (form powers). Then a simulated pull-out moves the law until its curve is
+    /// the measured one. Written to the result directory: FORM-law.json (contact.law.props, to be pasted into a case),
+    /// FORM-case.json (a complete case that runs), FORM-curve.csv (what it computes), fit.json (all numbers with their
+    /// standard errors and correlations), plots/, report.html.
+    Bond(Box<Bond>),
+}
+
+/// Forms to be fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+enum Forms {
+    /// k_e s, a_1 s^b_1, a_2 s^b_2.
+    Powers,
+    /// Straight lines.
+    Piecewise,
+    /// One after the other.
+    Both,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Bond {
+    /// The curve: CSV with a header line, slip in mm, load in N; lines that begin with # are comments.
+    #[arg(value_name = "CURVE.csv")]
+    curve: PathBuf,
+    /// Column of the slip [default: 'slip' if there are 'slip' and 'load', else the first].
+    #[arg(long, value_name = "COLUMN")]
+    slip: Option<String>,
+    /// Column of the load [default: 'load' if there are 'slip' and 'load', else the second].
+    #[arg(long, value_name = "COLUMN")]
+    load: Option<String>,
+    /// Diameter of the fibre, mm.
+    #[arg(long, value_name = "D", value_parser = positive)]
+    diameter: f64,
+    /// Embedded length, mm.
+    #[arg(long, value_name = "L", value_parser = positive)]
+    length: f64,
+    /// Young's modulus of the fibre, MPa: its stretch is taken off the slip.
+    #[arg(long = "fibre-E", value_name = "E", default_value_t = 210e3, value_parser = positive)]
+    fibre_modulus: f64,
+    /// First yield of the fibre, MPa (it hardens by 1 % of E) [default: it stays elastic].
+    #[arg(long, value_name = "F_Y", value_parser = positive)]
+    fibre_yield: Option<f64>,
+    /// Where the slip was measured.
+    #[arg(long, value_enum, default_value = "grip")]
+    slip_at: SlipAt,
+    /// Length of the fibre between exit face and grip, mm; with --slip-at grip it stretches as well.
+    #[arg(long, value_name = "L_F", default_value_t = 3.0, value_parser = positive)]
+    free_length: f64,
+    /// Which forms to fit.
+    #[arg(long, value_enum, default_value = "both")]
+    form: Forms,
+    /// Points of the form piecewise besides (0, 0); the last is at the greatest slip.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(2..=12))]
+    points: u8,
+    /// Residual friction tau_res, MPa: given, not fitted [default: 0, or that of --specimen-case].
+    #[arg(long, value_name = "TAU", value_parser = not_negative)]
+    tau_res: Option<f64>,
+    /// How much the rows of the curve count: both branches the same, or all rows.
+    #[arg(long, value_enum, default_value = "balanced")]
+    weights: Weights,
+    /// Law of the matrix of the simulation.
+    #[arg(long, value_enum, default_value = "elastic", conflicts_with = "specimen_case")]
+    matrix: MatrixLaw,
+    /// Young's modulus of the matrix, MPa.
+    #[arg(long = "matrix-E", value_name = "E", default_value_t = 23.7e3, value_parser = positive, conflicts_with = "specimen_case")]
+    matrix_modulus: f64,
+    /// A case of kind "pullout" with contact by bond_slip as the simulation; only the bond law of it changes. The slip
+    /// and load of its history are compared with the curve.
+    #[arg(long, value_name = "CASE.json")]
+    specimen_case: Option<PathBuf>,
+    /// Most runs of the simulation for each form.
+    #[arg(long, value_name = "N", default_value_t = 200, value_parser = clap::value_parser!(u32).range(1..))]
+    max_runs: u32,
+    /// Result directory [default: out/<curve file stem>/].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Look for plugins here first (may be repeated).
+    #[arg(long = "plugin-path", value_name = "DIR")]
+    plugin_paths: Vec<PathBuf>,
+    /// Say nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite() && *value > 0.0)
+        .ok_or_else(|| "a number > 0 is needed".into())
+}
+
+fn not_negative(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|value: &f64| value.is_finite() && *value >= 0.0)
+        .ok_or_else(|| "a number ≥ 0 is needed".into())
+}
+
+pub(super) fn act(law: &Law) -> u8 {
+    let Law::Bond(bond) = law;
+    let curve = match LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref()) {
+        Ok(curve) => curve,
+        Err(problems) => {
+            problems.iter().for_each(complain);
+            return BAD_INPUT;
+        }
+    };
+    let request = bond.request();
+    let progress = |form: &str, runs: usize, rms: f64| {
+        if !bond.quiet {
+            complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));
+        }
+    };
+    let laws = match fit::fit(&curve, &request, &progress) {
+        Ok(laws) => laws,
+        Err(FitError::Input(message)) => {
+            complain(message);
+            return BAD_INPUT;
+        }
+        Err(FitError::Case(errors)) => return refuse(&errors),
+        Err(FitError::Failed(message)) => {
+            complain(format!("{}: {message}", bond.curve.display()));
+            return FAILED;
+        }
+    };
+    match bond.write(&curve, &request, &laws) {
+        Ok(()) => bond.tell(&laws),
+        Err(error) => {
+            complain(error);
+            FAILED
+        }
+    }
+}
+
+impl Bond {
+    fn request(&self) -> Request {
+        let piecewise = Form::Piecewise { points: usize::from(self.points) };
+        Request {
+            fibre: Fibre {
+                diameter: self.diameter,
+                embedded_length: self.length,
+                free_length: self.free_length,
+                youngs_modulus: self.fibre_modulus,
+            },
+            slip_at: self.slip_at,
+            forms: match self.form {
+                Forms::Powers => vec![Form::Powers],
+                Forms::Piecewise => vec![piecewise],
+                Forms::Both => vec![Form::Powers, piecewise],
+            },
+            residual: self.tau_res,
+            weights: self.weights,
+            materials: Materials {
+                matrix: self.matrix,
+                matrix_modulus: self.matrix_modulus,
+                fibre_yield: self.fibre_yield,
+            },
+            specimen_case: self.specimen_case.clone(),
+            max_runs: self.max_runs as usize,
+            plugin_paths: self.plugin_paths.clone(),
+        }
+    }
+
+    fn folder(&self) -> PathBuf {
+        self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(self.curve.file_stem().unwrap_or_default()))
+    }
+
+    fn write(&self, curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> io::Result<()> {
+        let folder = self.folder();
+        std::fs::create_dir_all(&folder)
+            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
+        fit::write(&folder, &self.curve.display().to_string(), curve, request, laws)
+    }
+
+    /// Says what came out; the result is the exit code.
+    fn tell(&self, laws: &[FittedLaw]) -> u8 {
+        let mut code = DONE;
+        for law in laws {
+            if !self.quiet {
+                say(&fit::describe(law));
+            }
+            if let Some(trouble) = &law.trouble {
+                complain(format!("{}: {}: {trouble}", self.curve.display(), law.law.form()));
+                code = FAILED;
+            }
+        }
+        if !self.quiet {
+            say(&format!("-> {}\n", self.folder().display()));
+        }
+        code
+    }
+}

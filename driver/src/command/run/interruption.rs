@@ -1,0 +1,52 @@
+//! Runs that may be interrupted: `--checkpoint-every` and `--restart`.
+
+use super::record::Kept;
+use crate::case::Case;
+use crate::pullout::checkpoint::Checkpoints;
+use std::fs;
+use std::path::PathBuf;
+
+/// Runs that may be interrupted.
+#[derive(Debug, Default, clap::Args)]
+pub(in crate::command) struct Interruption {
+    /// Keep the state after every N increments in checkpoint.bin of the result directory (kind "pullout").
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    checkpoint_every: Option<u64>,
+    /// Go on with the run that was interrupted in this result directory, from its last checkpoint; later rows and fields
+    /// are computed again, to the same bits.
+    #[arg(long, value_name = "DIR", conflicts_with = "out")]
+    pub(super) restart: Option<PathBuf>,
+}
+
+impl Interruption {
+    /// Whether anything of it was asked for.
+    pub(super) fn is_asked_for(&self) -> bool {
+        self.checkpoint_every.is_some() || self.restart.is_some()
+    }
+
+    /// What a case's run does with checkpoints.
+    pub(super) fn checkpoints(&self, case: &Case) -> Result<Checkpoints, String> {
+        let Case::Pullout(program) = case else {
+            if self.is_asked_for() {
+                return Err(
+                    "only runs of kind \"pullout\" have checkpoints: leave --checkpoint-every and --restart out".into(),
+                );
+            }
+            return Ok(Checkpoints::default());
+        };
+        match &self.restart {
+            None => Checkpoints::new(program, self.checkpoint_every).map_err(|error| error.to_string()),
+            Some(folder) => {
+                let checkpoints = Checkpoints::restart(program, folder, self.checkpoint_every)?;
+                let kept = checkpoints.from.as_deref().and_then(Kept::of);
+                let bytes = kept.map(|kept| kept.history_bytes).ok_or("the checkpoint is damaged")?;
+                let history = folder.join("history.csv");
+                match fs::metadata(&history) {
+                    Ok(file) if file.len() >= bytes => Ok(checkpoints),
+                    Ok(_) => Err(format!("{}: rows from before the checkpoint are missing", history.display())),
+                    Err(error) => Err(format!("{}: {error}", history.display())),
+                }
+            }
+        }
+    }
+}

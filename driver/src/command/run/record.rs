@@ -1,0 +1,88 @@
+//! What a run tells while it goes on.
+
+use super::cpu_time;
+use crate::isolation::worker;
+use crate::output::history::HistoryWriter;
+use crate::output::progress::Progress;
+use crate::output::summary::PeakRecorder;
+use crate::path::{Observer, Row, Statistics};
+use crate::pullout::checkpoint::Saved;
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Writes the history as the run goes on, and knows the peaks and the progress.
+pub(super) struct Record {
+    writer: HistoryWriter,
+    pub(super) peaks: PeakRecorder,
+    pub(super) progress: Progress,
+    done: u64,
+    start: Instant,
+    cpu_start: Duration,
+    /// Times that the run took before it was interrupted, of the clock and of the processors, s.
+    earlier_s: [f64; 2],
+}
+
+/// What of a [`Record`] a checkpoint holds.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Kept {
+    /// Length of history.csv.
+    pub(super) history_bytes: u64,
+    peaks: PeakRecorder,
+    done: u64,
+    times_s: [f64; 2],
+}
+
+impl Kept {
+    /// Of a checkpoint; `None`: it holds none.
+    pub(super) fn of(saved: &Saved) -> Option<Self> {
+        postcard::from_bytes(&saved.observer).ok()
+    }
+}
+
+impl Record {
+    /// Of a run that begins.
+    pub(super) fn new(history: &Path, columns: &[String], progress: Progress) -> io::Result<Self> {
+        let (writer, peaks) = (HistoryWriter::create(history, columns)?, PeakRecorder::new(columns));
+        let (start, cpu_start) = (Instant::now(), cpu_time());
+        Ok(Self { writer, peaks, progress, done: 0, start, cpu_start, earlier_s: [0.0; 2] })
+    }
+
+    /// Of a run that goes on.
+    pub(super) fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
+        let Kept { history_bytes, peaks, done, times_s: earlier_s } = kept;
+        let writer = HistoryWriter::resume(history, columns, history_bytes)?;
+        let (start, cpu_start) = (Instant::now(), cpu_time());
+        Ok(Self { writer, peaks, progress, done, start, cpu_start, earlier_s })
+    }
+
+    /// Times that the run took so far, of the clock and of the processors, s.
+    pub(super) fn times(&self) -> [f64; 2] {
+        let [wall, cpu] = self.earlier_s;
+        [wall + self.start.elapsed().as_secs_f64(), cpu + (cpu_time() - self.cpu_start).as_secs_f64()]
+    }
+}
+
+impl Observer for Record {
+    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        if row.step == 0 {
+            self.peaks.observe(&row);
+        }
+        self.writer.write(&row)
+    }
+
+    fn increment_done(&mut self, row: Row<'_>, so_far: Statistics) {
+        self.peaks.observe(&row);
+        self.done += 1;
+        worker::note_increment(&so_far);
+        self.progress.advance(self.done, &row);
+    }
+
+    fn state(&self) -> Vec<u8> {
+        let Self { writer, peaks, done, .. } = self;
+        let times_s = self.times();
+        let kept = Kept { history_bytes: writer.bytes(), peaks: peaks.clone(), done: *done, times_s };
+        postcard::to_stdvec(&kept).unwrap_or_default()
+    }
+}

@@ -1,0 +1,11 @@
+//! Bond laws by regression of mean traction on mean slip (thesis, section 6.2): straight lines, or a straight line and
+//! two powers. The joints are found by trying all of them.
+
+mod piecewise;
+mod powers;
+mod sums;
+#[cfg(test)]
+mod test;
+
+pub use piecewise::piecewise;
+pub use powers::powers;

@@ -1,0 +1,179 @@
+//! Checkpoints of a run, and the run that goes on from one.
+//!
+//! ```text
+//! checkpoint.bin   "pullout checkpoint\n" │ version, fingerprint of the case, increments between checkpoints, SHA-256 │ state
+//! ```
+//!
+//! in postcard's encoding, which keeps every bit of a number. The file is written beside its place and moved there: a killed
+//! run leaves a whole one. The fingerprint covers all that the case was resolved to, and the plugins' files.
+
+use super::Program;
+use super::recorder::RecorderState;
+use fe_core::model::{ContactLaw, ContactPair, Model, PluginLaw};
+use fe_core::stepping::Checkpoint;
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::fs::File;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+/// Name of the file in the result directory.
+pub const FILE: &str = "checkpoint.bin";
+/// And while it is written.
+pub const PARTIAL: &str = "checkpoint.partial";
+const MAGIC: &[u8] = b"pullout checkpoint\n";
+/// Of the file's layout; a program of another version does not read it either.
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 1");
+
+/// What a run does with checkpoints.
+#[derive(Debug, Default)]
+pub struct Checkpoints {
+    /// Increments between them; `None`: none are made.
+    pub every: Option<u64>,
+    /// The one to go on from.
+    pub from: Option<Box<Saved>>,
+    fingerprint: String,
+}
+
+/// A run that was interrupted.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Saved {
+    pub(super) analysis: Checkpoint,
+    pub(super) recorder: RecorderState,
+    /// [`crate::path::Observer::state`].
+    pub observer: Vec<u8>,
+}
+
+#[derive(Debug, Serialize, Deserialize)]
+struct Header {
+    version: String,
+    fingerprint: String,
+    every: u64,
+    sha256: String,
+}
+
+impl Checkpoints {
+    /// Of a program that is run from its start.
+    ///
+    /// # Errors
+    /// A plugin's file that cannot be read.
+    pub fn new(program: &Program, every: Option<u64>) -> io::Result<Self> {
+        let fingerprint = if every.is_some() { fingerprint(program)? } else { String::new() };
+        Ok(Self { every, from: None, fingerprint })
+    }
+
+    /// Of a program that goes on from the checkpoint in a result directory; `every`: `None` is as before.
+    ///
+    /// # Errors
+    /// Why it cannot.
+    pub fn restart(program: &Program, folder: &Path, every: Option<u64>) -> Result<Self, String> {
+        let path = folder.join(FILE);
+        let named = |message: &str| format!("{}: {message}", path.display());
+        let content = std::fs::read(&path).map_err(|error| named(&error.to_string()))?;
+        let damaged = || named("this is no checkpoint, or it is damaged");
+        let rest = content.strip_prefix(MAGIC).ok_or_else(damaged)?;
+        let (header, state): (Header, &[u8]) = postcard::take_from_bytes(rest).map_err(|_| damaged())?;
+        if header.version != VERSION {
+            return Err(named(&format!("made by pullout {}; this is {VERSION}", header.version)));
+        }
+        if header.sha256 != sha256(state) {
+            return Err(damaged());
+        }
+        let fingerprint = fingerprint(program).map_err(|error| error.to_string())?;
+        if header.fingerprint != fingerprint {
+            return Err(named("made by another case, or with other plugins: a run goes on with what it began with"));
+        }
+        let saved = postcard::from_bytes(state).map_err(|_| damaged())?;
+        Ok(Self { every: Some(every.unwrap_or(header.every)), from: Some(saved), fingerprint })
+    }
+
+    /// Writes a checkpoint.
+    pub(super) fn write(&self, folder: &Path, saved: &Saved) -> io::Result<()> {
+        let state = postcard::to_stdvec(saved).map_err(io::Error::other)?;
+        let header = Header {
+            version: VERSION.into(),
+            fingerprint: self.fingerprint.clone(),
+            every: self.every.unwrap_or_default(),
+            sha256: sha256(&state),
+        };
+        let header = postcard::to_stdvec(&header).map_err(io::Error::other)?;
+        let path = folder.join(FILE);
+        let partial = folder.join(PARTIAL);
+        let write = || {
+            let mut file = File::create(&partial)?;
+            [MAGIC, &header, &state].into_iter().try_for_each(|piece| file.write_all(piece))?;
+            // the name must not reach the disk before the content
+            file.sync_all()?;
+            std::fs::rename(&partial, &path)
+        };
+        write().map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
+    }
+}
+
+/// SHA-256 of everything that decides what a run computes and writes. Members are taken apart by name, so that none is
+/// forgotten.
+fn fingerprint(program: &Program) -> io::Result<String> {
+    let mut hash = Sha256::new();
+    let Model {
+        mesh,
+        laws,
+        average_dilatation,
+        contacts,
+        drives,
+        supports,
+        couplings,
+        loads,
+        nlgeom,
+        measured,
+        steps,
+        controls,
+        skipping,
+    } = &program.model;
+    // Debug prints the shortest text that reads back to the same double
+    hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
+    hash.update(format!("{:?}", (measured, steps, controls, skipping)));
+    hash.update(format!("{:?}", (&program.step_untils, &program.until, program.output)));
+    for pair in contacts {
+        let ContactPair {
+            name,
+            slave,
+            master,
+            law,
+            quadrature,
+            width,
+            penalty_factor,
+            enforcement,
+            release,
+            master_bends,
+            critical_slip,
+        } = pair;
+        hash.update(format!("{:?}", (name, slave, master, quadrature, width)));
+        hash.update(format!("{:?}", (penalty_factor, enforcement, release, master_bends, critical_slip)));
+        match law {
+            ContactLaw::Uinter(law) => add_law(&mut hash, law)?,
+            ContactLaw::Fric { law, normal } => {
+                hash.update(format!("{normal:?}"));
+                add_law(&mut hash, law)?;
+            }
+        }
+    }
+    laws.iter().try_for_each(|law| add_law(&mut hash, law))?;
+    Ok(hexadecimal(&hash.finalize()))
+}
+
+fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
+    let path = law.library.path();
+    let library =
+        std::fs::read(path).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+    hash.update(sha256(&library));
+    hash.update(format!("{:?}", (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0)));
+    Ok(())
+}
+
+fn sha256(bytes: &[u8]) -> String {
+    hexadecimal(&Sha256::digest(bytes))
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

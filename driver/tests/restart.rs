@@ -1,0 +1,204 @@
+//! `--checkpoint-every` and `--restart`: a run that was killed goes on to the same bits.
+
+mod program;
+
+use program::{Desk, cases, command, json};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+use std::process::Stdio;
+use std::thread::sleep;
+use std::time::Duration;
+
+/// Increments between checkpoints.
+const EVERY: &str = "7";
+/// A run may be over before it is killed; then another one is tried.
+const ATTEMPTS: usize = 5;
+
+/// Rows of a history, the header not counted; a line under way does.
+fn rows(folder: &Path) -> usize {
+    fs::read_to_string(folder.join("history.csv")).map_or(0, |text| text.lines().count().saturating_sub(1))
+}
+
+/// Starts the program and kills it once the history has so many rows and a checkpoint is there; whether that was before
+/// its end.
+fn killed_at(arguments: &[&str], folder: &Path, wanted: usize) -> bool {
+    let mut child = command().args(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
+    while rows(folder) < wanted || !folder.join("checkpoint.bin").exists() {
+        if child.try_wait().expect("a status").is_some() {
+            return false;
+        }
+        sleep(Duration::from_millis(2));
+    }
+    // SIGKILL
+    child.kill().expect("it can be killed");
+    let status = child.wait().expect("a status");
+    !status.success() && !folder.join("summary.json").exists()
+}
+
+/// All files of a result directory but the checkpoint and what tells times.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for within in ["", "fields", "plots"] {
+        for entry in fs::read_dir(folder.join(within)).into_iter().flatten() {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(folder).expect("within").to_string_lossy().into_owned();
+            if path.is_file() && !["checkpoint.bin", "summary.json", "report.html"].contains(&name.as_str()) {
+                found.insert(name, fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    found
+}
+
+/// A summary without times.
+fn timeless(folder: &Path) -> Value {
+    let mut summary = json(&folder.join("summary.json"));
+    let members = summary.as_object_mut().expect("an object");
+    members.retain(|name, _| !name.contains("time"));
+    summary
+}
+
+/// Kills a run of the case twice and restarts it; all it leaves is what the whole run leaves.
+fn goes_on_to_the_same_bits(case: &Path, overrides: &[&str]) {
+    let desk = Desk::new();
+    let case = case.to_string_lossy();
+    let settings: Vec<&str> = overrides.iter().flat_map(|entry| ["--set", entry]).collect();
+    let (whole, broken) = (desk.path("whole"), desk.path("broken"));
+    let out = whole.to_string_lossy();
+    let run = ["run", &case, "--quiet", "--checkpoint-every", EVERY, "--out", &out];
+    desk.pullout(run.iter().chain(&settings)).expect(0);
+    let count = rows(&whole);
+    let folder = broken.to_string_lossy();
+    let mut begin = vec!["run", &case, "--quiet", "--checkpoint-every", EVERY, "--out", &folder];
+    begin.extend(&settings);
+    let mut restart = vec!["run", &case, "--quiet", "--restart", &folder];
+    restart.extend(&settings);
+    let interrupted = (0..ATTEMPTS).any(|_| {
+        let _ = fs::remove_dir_all(&broken);
+        killed_at(&begin, &broken, count * 2 / 5)
+    });
+    assert!(interrupted, "the run of {count} rows was over before it could be killed");
+    // no checkpoint is made at the same place, and the second kill may come late: what counts is the end
+    let again = killed_at(&restart, &broken, count * 7 / 10);
+    if again {
+        desk.pullout(&restart).expect(0);
+    }
+    let (whole_files, broken_files) = (files(&whole), files(&broken));
+    assert_eq!(whole_files.keys().collect::<Vec<_>>(), broken_files.keys().collect::<Vec<_>>());
+    for (name, content) in &whole_files {
+        assert!(content == &broken_files[name], "{name} differs");
+    }
+    assert_eq!(timeless(&whole), timeless(&broken));
+}
+
+#[test]
+fn a_damaging_matrix_with_friction_fields_and_pictures() {
+    let case = cases().join("chapter-6").join("6.14-plane.json");
+    goes_on_to_the_same_bits(
+        &case,
+        &[
+            "mesh.specimen.embedded_elements=14",
+            "contact.law.props.mu=0.1",
+            "output.every=2",
+            "output.vtu=9",
+            "steps.0.slip=0.5",
+        ],
+    );
+}
+
+#[test]
+fn a_snap_back() {
+    goes_on_to_the_same_bits(&cases().join("verification").join("fibre-dropping-bond.json"), &["output.vtu=false"]);
+}
+
+#[test]
+fn large_displacements_and_sliding() {
+    goes_on_to_the_same_bits(&cases().join("verification").join("drag-out-strip.json"), &["output.vtu=false"]);
+}
+
+/// Checkpoints change a run by no more than its tolerances.
+#[test]
+fn a_run_with_checkpoints_is_the_run() {
+    let desk = Desk::new();
+    let case = cases().join("chapter-6").join("6.14-plane.json");
+    let case = case.to_string_lossy();
+    let common = [
+        "run",
+        "--quiet",
+        &case,
+        "--set",
+        "mesh.specimen.embedded_elements=10",
+        "--set",
+        "steps.0.slip=0.3",
+        "--set",
+        "output={\"plots\": false, \"vtu\": false}",
+    ];
+    desk.pullout(common.iter().chain(&["--out", "plain"])).expect(0);
+    desk.pullout(common.iter().chain(&["--out", "kept", "--checkpoint-every", "5"])).expect(0);
+    let [plain, kept] = ["plain", "kept"].map(|name| program::Table::read(&desk.path(name).join("history.csv")));
+    let peak = plain.column("load").iter().copied().fold(0.0, f64::max);
+    for slip in [0.002, 0.01, 0.05, 0.1, 0.25] {
+        let difference = (plain.at("slip", slip, "load") - kept.at("slip", slip, "load")).abs();
+        assert!(difference < 1e-4 * peak, "{slip} mm: {difference} N");
+    }
+}
+
+#[test]
+fn what_cannot_go_on_is_refused() {
+    let desk = Desk::new();
+    let case = cases().join("chapter-6").join("6.14-plane.json");
+    let case = case.to_string_lossy();
+    let coarse = [
+        "--set",
+        "mesh.specimen.embedded_elements=8",
+        "--set",
+        "steps.0.slip=0.02",
+        "--set",
+        "output={\"plots\": false, \"vtu\": false}",
+    ];
+    let run = ["run", "--quiet", &case];
+    desk.pullout(run.iter().chain(&coarse).chain(&["--out", "out", "--checkpoint-every", "4"])).expect(0);
+    let before = files(&desk.path("out"));
+    let refused = |said: &str, arguments: &[&str]| {
+        let outcome = desk.pullout(arguments).expect(2);
+        assert!(outcome.stderr.contains(said), "{said}:\n{}", outcome.stderr);
+        assert!(files(&desk.path("out")) == before && desk.path("out/summary.json").exists(), "{said}");
+    };
+    let with = |more: &[&'static str]| -> Vec<String> {
+        run.iter().chain(&coarse).chain(more).map(|word| (*word).to_owned()).collect()
+    };
+    let refused_with = |said: &str, more: &[&'static str]| {
+        let words = with(more);
+        refused(said, &words.iter().map(String::as_str).collect::<Vec<_>>());
+    };
+    refused_with("made by another case", &["--restart", "out", "--set", "contact.law.props.k_e=401"]);
+    refused_with("made by another case", &["--restart", "out", "--set", "controls.max_iterations=21"]);
+    refused_with("checkpoint.bin: ", &["--restart", "nowhere"]);
+    refused_with("cannot be used with", &["--restart", "out", "--out", "elsewhere"]);
+    refused_with("name its case alone", &["--restart", "out", "other.json"]);
+    refused_with("--checkpoint-every", &["--checkpoint-every", "0", "--out", "elsewhere"]);
+    let point = json!({
+        "kind": "point", "mode": "3d", "material": { "plugin": "linear_elastic" },
+        "steps": [{ "increments": 1, "target": { "e11": 1e-3 } }]
+    });
+    let point = desk.case("point.json", &point);
+    refused("only runs of kind", &["run", "--checkpoint-every", "3", &point.to_string_lossy()]);
+    // a bit of the state is another one
+    let file = desk.path("out/checkpoint.bin");
+    let mut content = fs::read(&file).expect("a checkpoint");
+    let middle = content.len() / 2;
+    content[middle] ^= 1;
+    fs::write(&file, &content).expect("a file");
+    refused_with("damaged", &["--restart", "out"]);
+    content[middle] ^= 1;
+    fs::write(&file, &content).expect("a file");
+    // rows from before the checkpoint are gone
+    let history = desk.path("out/history.csv");
+    let text = fs::read(&history).expect("a history");
+    fs::write(&history, &text[..100]).expect("a file");
+    let words = with(&["--restart", "out"]);
+    let outcome = desk.pullout(words).expect(2);
+    assert!(outcome.stderr.contains("rows from before the checkpoint are missing"), "{}", outcome.stderr);
+}

@@ -1,0 +1,111 @@
+//! Runs that go on where others were interrupted.
+//!
+//! A checkpoint holds what the rest of a run depends on, exactly. What cannot be kept (factors, stiffnesses, feet of
+//! contact) is forgotten by the run that makes the checkpoint as well: it goes on with an equilibrium made from the
+//! checkpoint, as the run does that is restarted from it. So both compute the same to the last bit.
+
+use super::control::{LoadHistory, StepRun};
+use super::newton::{Committed, Equilibrium, EquilibriumState};
+use super::{Analysis, Energies, ModelError, RunError, Statistics};
+use crate::assembly::{Place, Trouble};
+use crate::model::Model;
+use serde::{Deserialize, Serialize};
+use umat_abi::host::ExternalDatabases;
+
+/// What the rest of a run depends on, at the end of an increment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Checkpoint {
+    position: Position,
+    committed: Committed,
+    energies: Energies,
+    datum: Energies,
+    statistics: Statistics,
+    total_time: f64,
+    load: LoadHistory,
+    greatest_work: f64,
+    equilibrium: EquilibriumState,
+}
+
+/// Where a run is within its steps.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct Position {
+    /// From 1.
+    pub(super) step: u32,
+    pub(super) run: StepRun,
+    /// Increments of the step that are done.
+    pub(super) increment: u32,
+    pub(super) step_time: f64,
+}
+
+impl Checkpoint {
+    /// Step, from 1, and increments of it that are done.
+    pub fn place(&self) -> [u32; 2] {
+        [self.position.step, self.position.increment]
+    }
+}
+
+impl<'m> Analysis<'m> {
+    /// Makes a checkpoint after every so many increments, for [`super::Observer::checkpoint`].
+    pub fn checkpoint_every(&mut self, increments: u64) {
+        self.checkpoint_every = Some(increments.max(1));
+    }
+
+    /// Prepares the rest of a run.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::new`], and a checkpoint of another model.
+    pub fn resume(model: &'m Model, checkpoint: &Checkpoint) -> Result<Self, ModelError> {
+        super::error::check(model)?;
+        let fits = (1..=model.steps.len()).contains(&(checkpoint.position.step as usize))
+            && checkpoint.committed.drives.len() == model.drives.len()
+            && checkpoint.committed.displacements.len() == 2 * model.mesh.nodes().len();
+        if !fits {
+            return Err(ModelError::Inconsistent("the states to go on from are those of another model".into()));
+        }
+        let databases = ExternalDatabases::begin(model.libraries());
+        Ok(Self {
+            model,
+            databases,
+            equilibrium: Equilibrium::with_state(model, &checkpoint.equilibrium)?,
+            committed: checkpoint.committed.clone(),
+            energies: checkpoint.energies,
+            datum: checkpoint.datum,
+            statistics: checkpoint.statistics,
+            total_time: checkpoint.total_time,
+            load: checkpoint.load,
+            greatest_work: checkpoint.greatest_work,
+            checkpoint_every: None,
+            last_checkpoint: checkpoint.statistics.increments,
+            resumed: Some(checkpoint.position.clone()),
+        })
+    }
+
+    /// Whether a checkpoint is due before the next increment: after the last one there is nothing to go on with.
+    pub(super) fn is_checkpoint_due(&self) -> bool {
+        let done = self.statistics.increments;
+        done > self.last_checkpoint && self.checkpoint_every.is_some_and(|every| done.is_multiple_of(every))
+    }
+
+    /// What the rest of the run depends on; the run goes on with no more than that.
+    pub(super) fn checkpoint(&mut self, position: Position) -> Result<Checkpoint, RunError> {
+        let checkpoint = Checkpoint {
+            position,
+            committed: self.committed.clone(),
+            energies: self.energies,
+            datum: self.datum,
+            statistics: self.statistics,
+            total_time: self.total_time,
+            load: self.load,
+            greatest_work: self.greatest_work,
+            equilibrium: self.equilibrium.state(),
+        };
+        self.last_checkpoint = self.statistics.increments;
+        self.equilibrium = Equilibrium::with_state(self.model, &checkpoint.equilibrium).map_err(|error| {
+            let Position { step, increment, ref run, .. } = checkpoint.position;
+            let trouble = Trouble { place: Place::System, reason: error.to_string(), fraction: None };
+            RunError::Failed { step, increment: increment + 1, progress: run.progress(), trouble }
+        })?;
+        Ok(checkpoint)
+    }
+}
