@@ -7,7 +7,8 @@ use crate::case::Case;
 use crate::pullout::Program;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
-    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, NormalLaw, Quadrature, Skipping, SoftLaw, StepControl, Width,
+    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, StepControl,
+    Width,
 };
 use serde_json::{Value, json};
 

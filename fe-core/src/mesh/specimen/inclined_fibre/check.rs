@@ -70,13 +70,13 @@ impl InclinedFibre {
         }
     }
 
-    /// The block must hold the whole fibre and its exit.
+    /// The block must hold the whole fibre and its exit. What is no number has been told already.
     fn check_room(&self, required: &mut Requirements) {
         let (sine, cosine) = self.angle.sin_cos();
         let radius = 0.5 * self.fibre_diameter;
         let reach = self.embedded_length * sine + radius * cosine;
         required.that(
-            !(reach >= 0.5 * self.width),
+            reach.is_nan() || reach < 0.5 * self.width,
             "embedded_length",
             self.embedded_length,
             format!(
@@ -86,7 +86,7 @@ impl InclinedFibre {
         );
         let deep = self.embedded_length * cosine + radius * sine;
         required.that(
-            !(deep >= self.depth),
+            deep.is_nan() || deep < self.depth,
             "embedded_length",
             self.embedded_length,
             format!("such that the fibre stays in the block: it reaches {deep:.3} deep, the depth is {}", self.depth),
@@ -94,9 +94,9 @@ impl InclinedFibre {
         // the rounded edge of the acute wedge
         let wedge = radius / cosine + self.exit_radius() * (1.0 + sine) / cosine;
         let requirement = format!("such that the exit's edge, {wedge:.3} beside the axis, stays within the width");
-        required.that(!(wedge >= 0.5 * self.width), "exit_radius", self.exit_radius(), requirement);
+        required.that(wedge.is_nan() || wedge < 0.5 * self.width, "exit_radius", self.exit_radius(), requirement);
         let start = (self.exit_radius() * (1.0 + sine) + radius * sine) / cosine;
         let requirement = format!("such that the exit's edge, {start:.3} deep along the fibre, ends above its tail");
-        required.that(!(start >= self.embedded_length), "exit_radius", self.exit_radius(), requirement);
+        required.that(start.is_nan() || start < self.embedded_length, "exit_radius", self.exit_radius(), requirement);
     }
 }

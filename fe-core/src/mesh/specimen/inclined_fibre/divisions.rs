@@ -96,7 +96,7 @@ pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>
     }
     let whole = shares[SAMPLES];
     let count = whole.round().max(1.0);
-    if !(count <= MOST_DIVISIONS as f64) {
+    if count.is_nan() || count > MOST_DIVISIONS as f64 {
         return Err(GradingError::TooMany { length, count });
     }
     let count = count as usize;
