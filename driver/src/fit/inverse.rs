@@ -19,6 +19,10 @@ const SMALLEST_MOVE: f64 = 1e-4;
 /// The first step is at most this part of the coordinates: the regressions are near.
 const FIRST_STEP: f64 = 1.0;
 
+/// The difference, as a part of the peak, of every row of a law that gives no curve: so far off that the method turns
+/// back and takes a shorter step. Along what a curve does not tell, a step may be of any length.
+const NO_CURVE: f64 = 10.0;
+
 /// How much each row of the curve counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Weights {
@@ -132,7 +136,7 @@ pub fn search(
         TerminationReason::User(_) if problem.is_used_up() => {
             Some(format!("the search was not at its end after the {max_runs} runs of --max-runs"))
         }
-        TerminationReason::User(_) => Some("a law on the way gives no curve".into()),
+        TerminationReason::User(_) => Some("a law next to the best one gives no curve".into()),
         other => Some(format!("the search ended with {other:?}")),
     };
     let runs = problem.runs.get();
@@ -201,7 +205,10 @@ impl Problem<'_> {
         }
         self.runs.set(self.runs.get() + 1);
         let law = self.form.at(self.coordinates.as_slice());
-        let Some(curve) = self.simulator.curve(&law) else { return };
+        let Some(curve) = self.simulator.curve(&law) else {
+            self.present = self.best.as_ref().map(|best| best.differences.map(|_| NO_CURVE));
+            return;
+        };
         let plain = self.target.differences(&curve);
         (self.progress)(self.runs.get(), root_mean_square(&plain));
         let differences = self.target.weighted(plain);
