@@ -26,6 +26,8 @@ pub(super) struct PointState {
     /// g_N and g, mm.
     pub gap: f64,
     pub slip: f64,
+    /// n·dx/ds₀ where normals are smoothed.
+    pub lean: f64,
     /// Largest |g| so far, mm.
     pub largest_slip: f64,
     /// w.
@@ -48,6 +50,8 @@ pub(super) struct PointState {
     pub normal_energy: f64,
     /// In N·mm: work on the point, dissipated in the plugin, opening of the host's law, lost by release.
     pub work: f64,
+    /// Work of the pressure along normals that lean against their edges.
+    pub leaning: f64,
     pub dissipated: f64,
     pub opening: f64,
     pub released: f64,
@@ -60,6 +64,7 @@ impl PointState {
             foot,
             gap: 0.0,
             slip: 0.0,
+            lean: 0.0,
             largest_slip: 0.0,
             weight,
             pressure: 0.0,
@@ -73,6 +78,7 @@ impl PointState {
             plugin_energies: [0.0; 5],
             normal_energy: 0.0,
             work: 0.0,
+            leaning: 0.0,
             dissipated: 0.0,
             opening: 0.0,
             released: 0.0,
@@ -86,6 +92,9 @@ impl PointState {
         let weight = mean(start.weight, self.weight);
         let pressing = mean(start.weight * start.pressure, self.weight * self.pressure) * penetration;
         let sliding = mean(start.weight * start.shear, self.weight * self.shear) * (self.slip - start.slip);
+        // a point under a normal that leans against its edge moves along the normal when it slides: v·du = dg + (n·dx/ds₀) ds₀
+        let leaning = |state: &Self| -state.weight * state.pressure * state.lean;
+        self.leaning += area * mean(leaning(start), leaning(self)) * (self.slip - start.slip);
         self.work += area * (pressing + sliding);
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
         self.dissipated += area * weight * (spent(self) - spent(start));

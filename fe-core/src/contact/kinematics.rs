@@ -56,6 +56,8 @@ pub(super) struct Kinematics {
     pub gap: f64,
     /// s = s₀(ξ), mm.
     pub arc_length: f64,
+    /// n·dx/ds₀: how far the normal leans against its edge; 0 where it is the edge's own.
+    pub lean: f64,
     /// v = A n: the forces of a unit of tension. It is ∂g/∂x where the normals are not smoothed.
     pub pull: [f64; MAX_FREEDOMS],
     /// ∂g/∂x.
@@ -153,6 +155,9 @@ impl Kinematics {
         for freedom in 0..2 * point.count {
             point.slip_gradient[freedom] = by_coordinate * point.second.coordinate[freedom];
         }
+        if shape.smoothed {
+            point.lean = dot(tangent, point.normal) / by_coordinate;
+        }
         let along = dot(direction, bend) + 2.0 * dot(tangent, turning);
         point.second.slip = [by_coordinate / denominator, by_coordinate_twice - along * by_coordinate / denominator];
         Ok(point)
@@ -183,6 +188,7 @@ impl Kinematics {
             normal: [0.0; 2],
             gap: 0.0,
             arc_length: 0.0,
+            lean: 0.0,
             pull: zero,
             gap_gradient: zero,
             slip_gradient: zero,

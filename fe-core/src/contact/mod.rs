@@ -61,6 +61,8 @@ pub struct Counts {
 pub struct Energies {
     /// Work of the tractions on gap and slip, by trapezoids.
     pub work: f64,
+    /// Work of pressures on slips where normals are smoothed and lean against their edges: nothing on the mean.
+    pub leaning: f64,
     /// What the plugins say is stored (SED) in what is left of the areas.
     pub plugin_stored: f64,
     /// What the plugins say is dissipated (SFD, SPD, SVD, SCD).
@@ -286,6 +288,7 @@ impl Contact {
             for (index, point) in pair.points.iter().enumerate() {
                 let state = state(pair, index);
                 sum.work += state.work;
+                sum.leaning += state.leaning;
                 sum.plugin_stored += point.area * state.weight * state.plugin_energies[0];
                 sum.plugin_dissipated += state.dissipated;
                 sum.normal_stored += point.area * state.weight * state.normal_energy;

@@ -411,7 +411,7 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         elastic: solids.stored,
         plastic: solids.plastic,
         damage: solids.damage,
-        interface: contact.work - opening,
+        interface: contact.work + contact.leaning - opening,
         opening,
         stabilisation: solids.viscous,
     }
