@@ -18,7 +18,7 @@ fn fibre(specimen: Value, slip: f64) -> Value {
         "parts": { "fibre": { "material": steel }, "matrix": { "material": concrete, "nlgeom": false } },
         "contact": { "law": { "plugin": "bond_slip", "props": bond } },
         "nlgeom": true,
-        "steps": [ { "slip": slip, "increments": { "initial": 0.001 } } ],
+        "steps": [ { "slip": slip, "increments": { "initial": 0.001, "maximum": 0.01 } } ],
         "output": { "vtu": false, "plots": false },
     })
 }
