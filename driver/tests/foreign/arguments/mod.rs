@@ -31,12 +31,12 @@ fn values(text: &str) -> Vec<f64> {
 const ROUNDING: f64 = 1e-14;
 
 /// Asserts that a call has just these arguments, to rounding; names that blanks pad to 80.
-fn expect(call: &Printed, expected: &[(&str, &[f64])], names: &[(&str, &str)]) {
+fn expect(call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     expect_within(ROUNDING, call, expected, names);
 }
 
 /// The same, with what rounding makes of longer computations, as a share of an array's largest value.
-fn expect_within(rounding: f64, call: &Printed, expected: &[(&str, &[f64])], names: &[(&str, &str)]) {
+fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     for (name, expected) in expected {
         let found = values(&call[*name]);
         let scale = expected.iter().fold(1e-3_f64, |largest, value| largest.max(value.abs()));
@@ -50,6 +50,63 @@ fn expect_within(rounding: f64, call: &Printed, expected: &[(&str, &[f64])], nam
     let forgotten: Vec<_> = call.keys().filter(|name| !told.contains(&name.as_str())).collect();
     assert!(forgotten.is_empty(), "not matched: {forgotten:?}");
 }
+
+/// The name of an argument and its values.
+type Argument<'v> = (&'v str, &'v [f64]);
+
+/// What the printing plugin with its two constants gets in every UINTER call of a plane, wherever the point is.
+const UINTER_ALWAYS: &[Argument<'_>] = &[
+    ("ddsddr", &[0.0; 4]),
+    ("dviscous", &[0.0; 4]),
+    ("dstructural", &[0.0; 4]),
+    ("flux", &[0.0; 2]),
+    ("ddfddt", &[0.0; 4]),
+    ("ddsddt", &[0.0; 4]),
+    ("ddfddr", &[0.0; 4]),
+    ("pnewdt", &[LARGE]),
+    ("temp", &[0.0; 2]),
+    ("dtemp", &[0.0; 2]),
+    ("predef", &[0.0; 2]),
+    ("dpred", &[0.0; 2]),
+    ("freqr", &[0.0]),
+    ("props", &[100.0, 6.0]),
+    ("drot", &[1.0, 0.0, 0.0, 1.0]),
+    ("ndir", &[2.0]),
+    ("nstatv", &[1.0]),
+    ("npred", &[1.0]),
+    ("nprops", &[2.0]),
+    ("mcrd", &[3.0]),
+    ("linper", &[0.0]),
+    // as the plugin left them; LSDI is 0 at each call
+    ("lopenclose", &[1.0]),
+    ("lstate", &[2.0]),
+    ("lsdi", &[0.0]),
+    ("lprint", &[0.0]),
+];
+
+/// The same of FRIC, with one constant.
+const FRIC_ALWAYS: &[Argument<'_>] = &[
+    ("ddtddg", &[0.0]),
+    ("ddtddp", &[0.0]),
+    ("dslip", &[0.0]),
+    ("ddtddt", &[0.0; 2]),
+    ("pnewdt", &[LARGE]),
+    ("taulm", &[0.0]),
+    ("ddpddh", &[0.0]),
+    // no contact element: NODE tells the point
+    ("noel", &[1.0]),
+    ("npt", &[1.0]),
+    ("npatch", &[1.0]),
+    ("drot", &[1.0, 0.0, 0.0, 1.0]),
+    ("temp", &[0.0; 2]),
+    ("predef", &[0.0; 2]),
+    ("nfdir", &[1.0]),
+    ("mcrd", &[3.0]),
+    ("npred", &[1.0]),
+    ("nstatv", &[1.0]),
+    ("props", &[100.0]),
+    ("nprops", &[1.0]),
+];
 
 const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 /// PNEWDT on entry.
