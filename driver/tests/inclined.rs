@@ -66,9 +66,65 @@ fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
         // what is different
         let [peak, _] = peak_and_work(&found);
         assert!((15.0..60.0).contains(&peak), "{name}: {peak} N");
+        // F = (-load_lateral, load) along and across the embedded fibre, which leans to the right
+        let (sine, cosine) = std::f64::consts::FRAC_PI_4.sin_cos();
+        let [load, lateral, axial, shear] =
+            ["load", "load_lateral", "load_axial", "load_shear"].map(|column| found.history.column(column));
+        for row in 0..load.len() {
+            let expected = [load[row] * cosine - lateral[row] * sine, load[row] * sine + lateral[row] * cosine];
+            let off = (axial[row] - expected[0]).hypot(shear[row] - expected[1]);
+            assert!(off < 1e-9 * peak, "{name}: components of ({}, {})", load[row], lateral[row]);
+        }
+        assert!(found.history.last("separation_length") == 0.0, "{name}: the bond bears any tension");
         let dissipated = found.history.column("plastic_energy");
         assert!(dissipated.windows(2).all(|pair| pair[1] >= pair[0] - 1e-9), "{name}");
         assert!(found.history.last("plastic_energy") > 0.0, "{name}: the fibre yields at its exit");
         assert!(found.history.last("slip_tail") > 0.05, "{name}: the whole fibre slides");
     }
+}
+
+/// What bears little tension opens on one side of the fibre, which is bent away from it: the more the less it bears.
+#[test]
+fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
+    let desk = Desk::new();
+    let open = [1000.0, 20.0, 5.0].map(|capacity| {
+        let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 45, "mesh_size": 2 }), 0.1);
+        case["contact"]["law"]["props"]["p_0"] = json!(capacity);
+        let found = run(&desk, &format!("capacity-{capacity}"), &case);
+        let lengths = found.history.column("separation_length");
+        assert!(lengths.iter().all(|length| (0.0..=12.2).contains(length)), "{lengths:?}");
+        lengths.iter().copied().fold(0.0, f64::max)
+    });
+    assert!(open[0] == 0.0 && open[1] > 0.0 && open[2] > open[1], "{open:?} mm");
+}
+
+/// Pull along the fibre and bending across it, one after the other: the grip follows one drive along the fibre and another
+/// one across it.
+#[test]
+fn steps_along_given_directions() {
+    let desk = Desk::new();
+    let specimen =
+        json!({ "type": "inclined_fibre", "shape": "straight", "free_length": 1, "angle_deg": 30, "mesh_size": 2 });
+    let mut case = fibre(specimen, 0.0);
+    let (sine, cosine) = (0.5, 0.75_f64.sqrt());
+    case["grip"] = json!({ "direction": [sine, cosine], "lateral": "free" });
+    case["supports"] = json!({
+        "sides": {}, "bending": { "nodes": "grip", "direction": [-cosine, sine], "drive": "bending" },
+    });
+    let increments = json!({ "initial": 0.001, "maximum": 0.02 });
+    case["steps"] = json!([
+        { "slip": 0.02, "increments": increments },
+        { "slip": 0.02, "drives": { "bending": 0.05 }, "increments": increments },
+    ]);
+    let found = run(&desk, "steps", &case);
+    let [load, axial, shear, work] =
+        ["load", "load_axial", "load_shear", "external_work"].map(|column| found.history.column(column));
+    let greatest = axial.iter().copied().fold(0.0, f64::max);
+    // pulled along the fibre, the load is its axial component
+    assert!(load.iter().zip(&axial).all(|(load, axial)| (load - axial).abs() < 1e-9 * greatest));
+    let pulled = found.history.column("time").iter().rposition(|time| *time <= 1.0).expect("a row");
+    // uniform slip at the peak of the bond would give 31.1 N
+    assert!((20.0..31.2).contains(&axial[pulled]), "{} N", axial[pulled]);
+    assert!(shear[pulled].abs() < 0.1 * axial[pulled] && shear[shear.len() - 1] > 1.0, "{shear:?}");
+    assert!(work[work.len() - 1] > work[pulled], "bending takes work");
 }

@@ -118,6 +118,12 @@ fn large_displacements_and_sliding() {
     goes_on_to_the_same_bits(&cases().join("verification").join("drag-out-strip.json"), &["output.vtu=false"]);
 }
 
+#[test]
+fn a_bent_fibre_that_tears_its_exit() {
+    let case = cases().join("chapter-7").join("inclined-fibre.json");
+    goes_on_to_the_same_bits(&case, &["mesh.specimen.mesh_size=2", "steps.0.slip=0.2", "output.vtu=20"]);
+}
+
 /// Checkpoints change a run by no more than its tolerances.
 #[test]
 fn a_run_with_checkpoints_is_the_run() {

@@ -48,8 +48,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let output = output(reader, case);
     let controls = controls(reader, case);
     let skipping = skipping(reader, case);
-    let Boundary { drives, supports, loads, measured } = boundary;
+    let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
+    let ground = ground?;
+    measured.interface_lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
+    measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {
         pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);
@@ -81,7 +84,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
         description: description.unwrap_or_default(),
-        mesh: ground?.words,
+        mesh: ground.words,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
         until,

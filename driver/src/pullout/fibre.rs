@@ -28,7 +28,7 @@ impl Fibre {
         let distances = wall.map(|node| distance(mesh.nodes()[node], exit));
         let radius = distances.min_by(f64::total_cmp).filter(|radius| *radius > 0.0)?;
         let mut axis = vec![mesh.nodes()[tail], exit];
-        axis.extend(grip(model, exit));
+        axis.extend(grip(model).filter(|&grip| distance(grip, exit) > radius));
         Some(Self { part, axis, exit_node, radius })
     }
 
@@ -74,16 +74,11 @@ impl Wall {
     }
 }
 
-/// The point of the line along the pull direction that is level with the grip; `None` if that is the exit.
-fn grip(model: &Model, exit: [f64; 2]) -> Option<[f64; 2]> {
+/// The middle of what is gripped.
+fn grip(model: &Model) -> Option<[f64; 2]> {
     let nodes = &model.supports.get(model.measured.support?)?.nodes;
-    let [d_x, d_y] = model.measured.direction;
-    let along = |&node: &usize| {
-        let [x, y] = model.mesh.nodes()[node];
-        (x - exit[0]) * d_x + (y - exit[1]) * d_y
-    };
-    let mean = nodes.iter().map(along).sum::<f64>() / nodes.len() as f64;
-    (mean > 0.0).then(|| [exit[0] + mean * d_x, exit[1] + mean * d_y])
+    let sum = |k: usize| nodes.iter().map(|&node| model.mesh.nodes()[node][k]).sum::<f64>();
+    Some([sum(0), sum(1)].map(|sum| sum / nodes.len() as f64))
 }
 
 fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {

@@ -5,13 +5,15 @@ use fe_core::model::{ContactLaw, Model, PluginLaw};
 use std::path::PathBuf;
 
 /// The history's columns, in the order of the CSV. Lengths mm, forces N, energies N·mm, pressure MPa.
-pub const COLUMNS: [&str; 25] = [
+pub const COLUMNS: [&str; 29] = [
     "step",
     "increment",
     "time",
     "slip",
     "load",
     "load_lateral",
+    "load_axial",
+    "load_shear",
     "slip_exit",
     "slip_tail",
     "external_work",
@@ -28,6 +30,8 @@ pub const COLUMNS: [&str; 25] = [
     "slipping_points",
     "open_points",
     "released_points",
+    "damaged_volume",
+    "separation_length",
     "bearing_pressure_max",
     "cutbacks",
     "iterations",

@@ -341,6 +341,8 @@ fn values(record: &Record) -> [f64; VALUES] {
         record.slip,
         record.load,
         record.load_lateral,
+        record.load_axial,
+        record.load_shear,
         record.slip_exit,
         record.slip_tail,
         energies.external_work,
@@ -357,7 +359,9 @@ fn values(record: &Record) -> [f64; VALUES] {
         count(record.counts.slipping),
         count(record.counts.open),
         count(record.counts.released),
-        record.greatest_pressure,
+        record.damaged_volume,
+        record.separation_length,
+        record.greatest_bearing_pressure,
         f64::from(record.cutbacks),
     ]
 }

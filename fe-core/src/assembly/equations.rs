@@ -20,11 +20,11 @@ struct Expression {
     drives: Vec<(usize, f64)>,
 }
 
-/// How a freedom is known before chains of couplings are resolved: by other freedoms and a drive.
+/// How a freedom is known before chains of couplings are resolved: by other freedoms and drives.
 #[derive(Clone, Debug, PartialEq)]
 struct Dependence {
     terms: Vec<(usize, f64)>,
-    drive: Option<(usize, f64)>,
+    drives: Vec<(usize, f64)>,
     /// Who asked for it, for messages.
     by: String,
     is_coupling: bool,
@@ -96,7 +96,8 @@ impl Equations {
         for freedom in free.iter().flat_map(|node| [2 * node, 2 * node + 1]) {
             if dependences[freedom].is_none() && !used_by_couplings.contains(&freedom) {
                 let by = "having no element".to_owned();
-                dependences[freedom] = Some(Dependence { terms: Vec::new(), drive: None, by, is_coupling: false });
+                dependences[freedom] =
+                    Some(Dependence { terms: Vec::new(), drives: Vec::new(), by, is_coupling: false });
             }
         }
         Self::resolve(&dependences, model.drives.len())
@@ -115,7 +116,7 @@ impl Equations {
         for &freedom in &order {
             let Some(dependence) = &dependences[freedom] else { continue };
             let mut expression = Expression::default();
-            expression.drives.extend(dependence.drive);
+            expression.drives.extend(&dependence.drives);
             for &(term, coefficient) in &dependence.terms {
                 add_scaled(&mut expression.equations, &expressions[term].equations, coefficient);
                 add_scaled(&mut expression.drives, &expressions[term].drives, coefficient);
@@ -304,7 +305,7 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
             None => independent.push(one),
         }
     }
-    let dependence = |terms, drive, one: &Held| Dependence { terms, drive, by: one.by.clone(), is_coupling: false };
+    let dependence = |terms, drives, one: &Held| Dependence { terms, drives, by: one.by.clone(), is_coupling: false };
     Ok(match independent[..] {
         [] => Vec::new(),
         [one] => {
@@ -312,19 +313,13 @@ fn support_dependences(node: usize, held: &[Held]) -> Result<Vec<(usize, Depende
             let k = usize::from(one.direction[1].abs() > one.direction[0].abs());
             let (n_k, n_j) = (one.direction[k], one.direction[1 - k]);
             let terms = if n_j.abs() < SAME_DIRECTION { Vec::new() } else { vec![(2 * node + 1 - k, -n_j / n_k)] };
-            vec![(2 * node + k, dependence(terms, one.drive.map(|drive| (drive, 1.0 / n_k)), one))]
+            let drives = one.drive.map(|drive| (drive, 1.0 / n_k)).into_iter().collect();
+            vec![(2 * node + k, dependence(terms, drives, one))]
         }
-        [first, second, ..] => both_components(first, second)
-            .into_iter()
-            .enumerate()
-            .map(|(k, drives)| {
-                let mut drives = drives.into_iter().filter(|(_, coefficient)| *coefficient != 0.0);
-                match (drives.next(), drives.next()) {
-                    (drive, None) => Ok((2 * node + k, dependence(Vec::new(), drive, first))),
-                    _ => Err(contradiction(node, first, second)),
-                }
-            })
-            .collect::<Result<_, _>>()?,
+        [first, second, ..] => {
+            let [x, y] = both_components(first, second);
+            vec![(2 * node, dependence(Vec::new(), x, first)), (2 * node + 1, dependence(Vec::new(), y, first))]
+        }
     })
 }
 
@@ -348,6 +343,7 @@ fn both_components(first: &Held, second: &Held) -> [Vec<(usize, f64)>; 2] {
                 add_scaled(&mut drives, &[(drive, 1.0)], coefficient);
             }
         }
+        drives.retain(|(_, coefficient)| *coefficient != 0.0);
         drives
     })
 }
@@ -370,7 +366,7 @@ fn add_coupling(dependences: &mut [Option<Dependence>], coupling: &Coupling) -> 
     for (freedom, coefficient) in &coupling.terms {
         add_scaled(&mut terms, &[(freedom.index(), 1.0)], *coefficient);
     }
-    dependences[dependent] = Some(Dependence { terms, drive: None, by, is_coupling: true });
+    dependences[dependent] = Some(Dependence { terms, drives: Vec::new(), by, is_coupling: true });
     Ok(())
 }
 

@@ -272,6 +272,12 @@ impl Contact {
         counts
     }
 
+    /// How much of the reference length of these pairs is open after the last evaluation, mm.
+    pub fn open_length(&self, pairs: &[usize]) -> f64 {
+        let points = pairs.iter().flat_map(|&pair| self.pairs[pair].points.iter().zip(&self.pairs[pair].trial.points));
+        points.filter(|(_, state)| state.status == PointStatus::Open).map(|(point, _)| point.length).sum()
+    }
+
     /// Energies at the last commit.
     pub fn energies(&self) -> Energies {
         self.energies_of(|pair, index| pair.committed.points[index])

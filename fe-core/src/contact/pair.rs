@@ -128,7 +128,7 @@ impl Pair {
                 })?;
                 evaluation.changes += usize::from(was_open != (self.trial.points[index].status == PointStatus::Open));
             }
-            self.add(patch, output);
+            self.add(patch, gap, output);
         }
         Ok(evaluation)
     }

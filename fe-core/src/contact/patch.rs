@@ -12,6 +12,8 @@ struct Shared {
     gap: f64,
     /// p̄, MPa.
     pressure: f64,
+    /// How many points there are.
+    points: usize,
 }
 
 /// The freedoms of a patch, those of its points one after the other, each once.
@@ -76,21 +78,22 @@ impl Pair {
         }
     }
 
-    /// Adds the forces of a patch and its block.
-    pub(super) fn add(&mut self, patch: Range<usize>, output: &mut Output<'_>) {
+    /// The points of a patch that transmit, or may.
+    fn members(&self, patch: &Range<usize>) -> impl Iterator<Item = (usize, &Kinematics)> {
+        let points = patch.clone().filter(|&index| self.trial.points[index].weight > 0.0);
+        points.filter_map(|index| Some((index, self.kinematics[index].as_ref()?)))
+    }
+
+    /// Adds the forces of a patch with its shared gap, and its block.
+    pub(super) fn add(&mut self, patch: Range<usize>, gap: f64, output: &mut Output<'_>) {
         let wants_tangent = output.request.wants_tangent();
         for index in patch.clone().filter(|_| wants_tangent) {
             let point = &self.trial.points[index];
             self.shear_stiffness[index] = point.weight * self.points[index].area * self.tangents[index][1][1];
         }
-        let Some(shared) = self.shared(patch.clone()) else { return };
-        let members = |pair: &Self| {
-            let with_kinematics = patch.clone().filter(|&index| pair.trial.points[index].weight > 0.0);
-            with_kinematics.filter_map(|index| Some((index, pair.kinematics[index]?))).collect::<Vec<_>>()
-        };
-        let members = members(self);
-        for (index, kinematics) in &members {
-            let (state, area, freedoms) = (&self.trial.points[*index], self.points[*index].area, kinematics.freedoms());
+        let Some(shared) = self.shared(&patch, gap) else { return };
+        for (index, kinematics) in self.members(&patch) {
+            let (state, area, freedoms) = (&self.trial.points[index], self.points[index].area, kinematics.freedoms());
             for i in 0..kinematics.freedom_count() {
                 let force = area * (state.shear * kinematics.slip_gradient[i] - shared.pressure * kinematics.pull[i]);
                 output.forces[freedoms[i]] += state.weight * force;
@@ -98,8 +101,8 @@ impl Pair {
         }
         if wants_tangent {
             let mut scratch = std::mem::take(&mut self.scratch);
-            scratch.gather(members.iter().map(|(_, kinematics)| kinematics));
-            self.fill(&mut scratch, &members, &shared);
+            scratch.gather(self.members(&patch).map(|(_, kinematics)| kinematics));
+            self.fill(&mut scratch, &patch, &shared);
             let count = scratch.freedoms.len();
             let block = &scratch.block;
             self.symmetric &= (0..count).all(|i| (0..i).all(|j| block[i * count + j] == block[j * count + i]));
@@ -109,14 +112,11 @@ impl Pair {
     }
 
     /// `None`: the patch transmits nothing and would not.
-    fn shared(&self, patch: Range<usize>) -> Option<Shared> {
-        let (mut area, mut force, mut points, mut last) = (0.0, 0.0, 0, 0.0);
+    fn shared(&self, patch: &Range<usize>, gap: f64) -> Option<Shared> {
+        let (mut area, mut force, mut points, mut last) = (0.0, 0.0, 0_usize, 0.0);
         let mut silent = true;
-        for index in patch.clone().filter(|&index| self.kinematics[index].is_some()) {
+        for (index, _) in self.members(patch) {
             let state = &self.trial.points[index];
-            if state.weight == 0.0 {
-                continue;
-            }
             let share = self.points[index].area * state.weight;
             area += share;
             force += share * state.pressure;
@@ -126,20 +126,20 @@ impl Pair {
         }
         // one point has its own pressure, to the bit
         let pressure = if points == 1 { last } else { force / area };
-        (area > 0.0 && !silent).then(|| Shared { area, gap: self.mean_gap(patch), pressure })
+        (area > 0.0 && !silent).then_some(Shared { area, gap, pressure, points })
     }
 
-    fn fill(&self, scratch: &mut Scratch, members: &[(usize, Kinematics)], shared: &Shared) {
+    fn fill(&self, scratch: &mut Scratch, patch: &Range<usize>, shared: &Shared) {
         let Scratch { freedoms, places, pushed, pressing, other, block, .. } = scratch;
         let count = freedoms.len();
         let mut stiffness = 0.0;
         let mut start = 0;
-        for (index, kinematics) in members {
-            let (point, state) = (&self.points[*index], &self.trial.points[*index]);
-            let share = if members.len() == 1 { 1.0 } else { point.area * state.weight / shared.area };
-            let slope = point.area * self.weight_slopes[*index] / shared.area;
-            let [[c_pp, c_ps], _] = self.tangents[*index];
-            let (gap, pressure) = (kinematics.gap - self.data[*index].gap, state.pressure);
+        for (index, kinematics) in self.members(patch) {
+            let (point, state) = (&self.points[index], &self.trial.points[index]);
+            let share = if shared.points == 1 { 1.0 } else { point.area * state.weight / shared.area };
+            let slope = point.area * self.weight_slopes[index] / shared.area;
+            let [[c_pp, c_ps], _] = self.tangents[index];
+            let (gap, pressure) = (kinematics.gap - self.data[index].gap, state.pressure);
             stiffness += share * c_pp;
             for i in 0..kinematics.freedom_count() {
                 let (place, sliding) = (places[start + i], kinematics.slip_gradient[i]);
@@ -155,11 +155,11 @@ impl Pair {
             }
         }
         let mut start = 0;
-        for (index, kinematics) in members {
-            let (point, state) = (&self.points[*index], &self.trial.points[*index]);
-            let slope = point.area * self.weight_slopes[*index];
+        for (index, kinematics) in self.members(patch) {
+            let (point, state) = (&self.points[index], &self.trial.points[index]);
+            let slope = point.area * self.weight_slopes[index];
             let area = point.area * state.weight;
-            let [_, [c_sp, c_ss]] = self.tangents[*index];
+            let [_, [c_sp, c_ss]] = self.tangents[index];
             let own = &places[start..start + kinematics.freedom_count()];
             let sliding = &kinematics.slip_gradient;
             for (i, &row) in own.iter().enumerate() {

@@ -104,15 +104,46 @@ pub struct Measured {
     pub support: Option<usize>,
     /// The pull direction, unit length: `load` is the reaction along it, `load_lateral` that along its left normal.
     pub direction: [f64; 2],
-    /// The node whose displacement along the direction is `slip_exit`.
+    /// The direction of the embedded fibre towards its exit, unit length: of the axial and the shear component of the
+    /// load, and of the slips of its nodes; `None`: the pull direction.
+    pub axis: Option<[f64; 2]>,
+    /// The node whose displacement along the axis is `slip_exit`.
     pub exit_node: Option<usize>,
-    /// The node whose displacement along the direction is `slip_tail`.
+    /// The node whose displacement along the axis is `slip_tail`.
     pub tail_node: Option<usize>,
+    /// The lines along which the fibre is bonded: indices of the contact pairs that each consists of.
+    pub interface_lines: Vec<Vec<usize>>,
+    /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
+    /// circumference, 1 else.
+    pub bearing_factor: f64,
+}
+
+/// A pull whose direction is so near to the fibre's axis (sine of the angle between them) is along it.
+const ALONG_AXIS: f64 = 1e-9;
+
+impl Measured {
+    /// Directions of the axial component of the load and of the shear component, which is positive where the fibre is
+    /// bent towards the pull direction, or to its left if it is pulled along its axis (7.2: P_f and P_b).
+    pub fn components(&self) -> [[f64; 2]; 2] {
+        let [x, y] = self.axis.unwrap_or(self.direction);
+        let left = [-y, x];
+        let towards_pull = left[0] * self.direction[0] + left[1] * self.direction[1] > -ALONG_AXIS;
+        [[x, y], if towards_pull { left } else { [y, -x] }]
+    }
 }
 
 impl Default for Measured {
     fn default() -> Self {
-        Self { slip: None, support: None, direction: [0.0, 1.0], exit_node: None, tail_node: None }
+        Self {
+            slip: None,
+            support: None,
+            direction: [0.0, 1.0],
+            axis: None,
+            exit_node: None,
+            tail_node: None,
+            interface_lines: Vec::new(),
+            bearing_factor: 1.0,
+        }
     }
 }
 

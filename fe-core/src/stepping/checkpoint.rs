@@ -4,9 +4,9 @@
 //! contact) is forgotten by the run that makes the checkpoint as well: it goes on with an equilibrium made from the
 //! checkpoint, as the run does that is restarted from it. So both compute the same to the last bit.
 
-use super::control::{LoadHistory, StepRun};
-use super::newton::{Committed, Equilibrium, EquilibriumState};
-use super::{Analysis, Energies, ModelError, RunError, Statistics};
+use super::control::StepRun;
+use super::newton::{Equilibrium, EquilibriumState};
+use super::{Analysis, ModelError, Present, RunError};
 use crate::assembly::{Place, Trouble};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
@@ -16,13 +16,7 @@ use umat_abi::host::ExternalDatabases;
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checkpoint {
     position: Position,
-    committed: Committed,
-    energies: Energies,
-    datum: Energies,
-    statistics: Statistics,
-    total_time: f64,
-    load: LoadHistory,
-    greatest_work: f64,
+    present: Present,
     equilibrium: EquilibriumState,
 }
 
@@ -58,8 +52,8 @@ impl<'m> Analysis<'m> {
     pub fn resume(model: &'m Model, checkpoint: &Checkpoint) -> Result<Self, ModelError> {
         super::error::check(model)?;
         let fits = (1..=model.steps.len()).contains(&(checkpoint.position.step as usize))
-            && checkpoint.committed.drives.len() == model.drives.len()
-            && checkpoint.committed.displacements.len() == 2 * model.mesh.nodes().len();
+            && checkpoint.present.committed.drives.len() == model.drives.len()
+            && checkpoint.present.committed.displacements.len() == 2 * model.mesh.nodes().len();
         if !fits {
             return Err(ModelError::Inconsistent("the states to go on from are those of another model".into()));
         }
@@ -68,39 +62,23 @@ impl<'m> Analysis<'m> {
             model,
             databases,
             equilibrium: Equilibrium::with_state(model, &checkpoint.equilibrium)?,
-            committed: checkpoint.committed.clone(),
-            energies: checkpoint.energies,
-            datum: checkpoint.datum,
-            statistics: checkpoint.statistics,
-            total_time: checkpoint.total_time,
-            load: checkpoint.load,
-            greatest_work: checkpoint.greatest_work,
+            present: checkpoint.present.clone(),
             checkpoint_every: None,
-            last_checkpoint: checkpoint.statistics.increments,
+            last_checkpoint: checkpoint.present.statistics.increments,
             resumed: Some(checkpoint.position.clone()),
         })
     }
 
     /// Whether a checkpoint is due before the next increment: after the last one there is nothing to go on with.
     pub(super) fn is_checkpoint_due(&self) -> bool {
-        let done = self.statistics.increments;
+        let done = self.present.statistics.increments;
         done > self.last_checkpoint && self.checkpoint_every.is_some_and(|every| done.is_multiple_of(every))
     }
 
     /// What the rest of the run depends on; the run goes on with no more than that.
     pub(super) fn checkpoint(&mut self, position: Position) -> Result<Checkpoint, RunError> {
-        let checkpoint = Checkpoint {
-            position,
-            committed: self.committed.clone(),
-            energies: self.energies,
-            datum: self.datum,
-            statistics: self.statistics,
-            total_time: self.total_time,
-            load: self.load,
-            greatest_work: self.greatest_work,
-            equilibrium: self.equilibrium.state(),
-        };
-        self.last_checkpoint = self.statistics.increments;
+        let checkpoint = Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() };
+        self.last_checkpoint = self.present.statistics.increments;
         self.equilibrium = Equilibrium::with_state(self.model, &checkpoint.equilibrium).map_err(|error| {
             let Position { step, increment, ref run, .. } = checkpoint.position;
             let trouble = Trouble { place: Place::System, reason: error.to_string(), fraction: None };

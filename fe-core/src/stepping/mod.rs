@@ -51,11 +51,9 @@ pub struct Statistics {
     pub solutions: u64,
 }
 
-/// A model that is being computed.
-pub struct Analysis<'m> {
-    model: &'m Model,
-    databases: ExternalDatabases,
-    equilibrium: Equilibrium<'m>,
+/// What a run has come to, besides its points.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Present {
     committed: Committed,
     energies: Energies,
     /// Energies stored by equilibrium at zero drives, which do not count.
@@ -64,6 +62,14 @@ pub struct Analysis<'m> {
     total_time: f64,
     load: LoadHistory,
     greatest_work: f64,
+}
+
+/// A model that is being computed.
+pub struct Analysis<'m> {
+    model: &'m Model,
+    databases: ExternalDatabases,
+    equilibrium: Equilibrium<'m>,
+    present: Present,
     /// Increments between checkpoints.
     checkpoint_every: Option<u64>,
     /// Increments that were done at the last one.
@@ -95,13 +101,15 @@ impl<'m> Analysis<'m> {
             model,
             databases,
             equilibrium: Equilibrium::new(model, equations)?,
-            committed,
-            energies: Energies::default(),
-            datum: Energies::default(),
-            statistics: Statistics::default(),
-            total_time: 0.0,
-            load: LoadHistory::default(),
-            greatest_work: 0.0,
+            present: Present {
+                committed,
+                energies: Energies::default(),
+                datum: Energies::default(),
+                statistics: Statistics::default(),
+                total_time: 0.0,
+                load: LoadHistory::default(),
+                greatest_work: 0.0,
+            },
             checkpoint_every: None,
             last_checkpoint: 0,
             resumed: None,
@@ -152,35 +160,35 @@ impl<'m> Analysis<'m> {
 
     /// The start of a step.
     fn beginning(&self, step: &Step, number: u32) -> Position {
-        let run = StepRun::new(step, &self.committed.drives, self.model);
+        let run = StepRun::new(step, &self.present.committed.drives, self.model);
         Position { step: number, run, increment: 0, step_time: 0.0 }
     }
 
     /// What it has cost so far.
     pub fn statistics(&self) -> Statistics {
-        self.statistics
+        self.present.statistics
     }
 
     /// The present state.
     pub fn snapshot(&self) -> Snapshot<'_> {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
-        Snapshot::new(self.model, solids, contact, system.equations(), &self.committed, self.total_time)
+        Snapshot::new(self.model, solids, contact, system.equations(), &self.present.committed, self.present.total_time)
     }
 
     /// Equilibrium at zero drives: contact that repels at gap 0 finds its place.
     fn find_datum(&mut self) -> Result<(), RunError> {
-        let target = Target::Drives(self.committed.drives.clone());
+        let target = Target::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         self.databases.increment_starts(clock(&context, 0.0));
         let converged = self
             .equilibrium
-            .attempt(&self.committed, &target, context, &mut self.statistics)
+            .attempt(&self.present.committed, &target, context, &mut self.present.statistics)
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         self.commit(converged, 0.0);
-        self.datum = self.equilibrium.energies();
-        self.energies = Energies::default();
-        self.greatest_work = 0.0;
-        self.statistics.increments = 0;
+        self.present.datum = self.equilibrium.energies();
+        self.present.energies = Energies::default();
+        self.present.greatest_work = 0.0;
+        self.present.statistics.increments = 0;
         Ok(())
     }
 
@@ -199,20 +207,21 @@ impl<'m> Analysis<'m> {
                 increment: increment + 1,
                 iteration: 1,
                 step_time,
-                total_time: self.total_time,
+                total_time: self.present.total_time,
                 time_increment: run.time_increment(),
             };
             self.databases.increment_starts(clock(&context, 0.0));
-            let attempt = self.equilibrium.attempt(&self.committed, &target, context, &mut self.statistics);
+            let attempt =
+                self.equilibrium.attempt(&self.present.committed, &target, context, &mut self.present.statistics);
             let judged = attempt.map_err(|trouble| Judgement { trouble, has_failed: true }).and_then(|converged| {
                 let findings = self.findings(&converged);
-                run.judge(&converged, self.load, findings).map(|()| (converged, findings))
+                run.judge(&converged, self.present.load, findings).map(|()| (converged, findings))
             });
             match judged {
                 Ok((converged, findings)) => {
                     increment += 1;
                     let iterations = converged.iterations.clone();
-                    let passed = run.accept(&self.committed, &converged, findings, self.load);
+                    let passed = run.accept(&self.present.committed, &converged, findings, self.present.load);
                     step_time += passed;
                     self.commit(converged, passed);
                     self.databases.increment_ends(clock(&context, passed));
@@ -225,7 +234,7 @@ impl<'m> Analysis<'m> {
                 }
                 Err(Judgement { trouble, has_failed }) => {
                     self.equilibrium.restore();
-                    self.statistics.cutbacks += 1;
+                    self.present.statistics.cutbacks += 1;
                     cutbacks += 1;
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
                     if too_many || run.reject(&trouble, has_failed) == Advance::Failed {
@@ -241,12 +250,13 @@ impl<'m> Analysis<'m> {
     /// What a converged increment is judged by.
     fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
-        let trial = Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.total_time);
+        let trial =
+            Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
         let [load, _] = self.measured_load(&trial);
         let drive = |state: &Committed| self.model.measured.slip.map_or(0.0, |drive| state.drives[drive]);
         Findings {
             load: load.abs(),
-            pulls_on: (drive(&converged.end) - drive(&self.committed)) * load > 0.0,
+            pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
             slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
             energy_error: self.energy_error_of(&converged.end),
         }
@@ -254,18 +264,18 @@ impl<'m> Analysis<'m> {
 
     /// What an increment would add to the imbalance of the energies, relative to the work at its end.
     fn energy_error_of(&self, end: &Committed) -> f64 {
-        let work = Energies::work_between(self.equilibrium.system.equations(), &self.committed, end);
-        let external_work = self.energies.external_work + work;
-        let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.datum) };
+        let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, end);
+        let external_work = self.present.energies.external_work + work;
+        let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.present.datum) };
         let reference = self.work_reference(external_work, end);
-        let added = energies.imbalance() - self.energies.imbalance();
+        let added = energies.imbalance() - self.present.energies.imbalance();
         if reference > 0.0 { added.abs() / reference } else { 0.0 }
     }
 
     /// What an imbalance of the energies is compared with, N mm.
     fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
         let rounding = self.equilibrium.rounding() * newton::largest(&state.displacements);
-        external_work.abs().max(LEAST_RELATIVE_WORK * self.greatest_work).max(rounding)
+        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(rounding)
     }
 
     /// The load and the lateral load, N.
@@ -280,41 +290,48 @@ impl<'m> Analysis<'m> {
     /// Makes a converged increment the present state.
     fn commit(&mut self, converged: Converged, time: f64) {
         let end = converged.end;
-        let work = Energies::work_between(self.equilibrium.system.equations(), &self.committed, &end);
-        self.equilibrium.commit(&self.committed, &end);
-        self.committed = end;
-        self.total_time += time;
-        let external_work = self.energies.external_work + work;
-        self.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.datum) };
-        self.greatest_work = self.greatest_work.max(external_work.abs());
+        let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, &end);
+        self.equilibrium.commit(&self.present.committed, &end);
+        self.present.committed = end;
+        self.present.total_time += time;
+        let external_work = self.present.energies.external_work + work;
+        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.present.greatest_work = self.present.greatest_work.max(external_work.abs());
         let load = self.measured_load(&self.snapshot())[0].abs();
-        self.load.peaked |= load < self.load.greatest;
-        self.load.greatest = self.load.greatest.max(load);
-        self.load.last = load;
-        self.load.noise = self.equilibrium.rounding();
-        self.statistics.increments += 1;
+        self.present.load.peaked |= load < self.present.load.greatest;
+        self.present.load.greatest = self.present.load.greatest.max(load);
+        self.present.load.last = load;
+        self.present.load.noise = self.equilibrium.rounding();
+        self.present.statistics.increments += 1;
     }
 
     fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
         let snapshot = self.snapshot();
         let measured = &self.model.measured;
         let [load, load_lateral] = self.measured_load(&snapshot);
-        let along =
-            |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, measured.direction));
-        let reference = self.work_reference(self.energies.external_work, &self.committed);
+        let [axis, across] = measured.components();
+        let [pull_x, pull_y] = measured.direction;
+        let force = [load * pull_x - load_lateral * pull_y, load * pull_y + load_lateral * pull_x];
+        let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
+        let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
+        let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
         Record {
             step,
             increment,
-            time: self.total_time,
-            slip: measured.slip.map_or(0.0, |drive| self.committed.drives[drive]),
+            time: self.present.total_time,
+            slip: measured.slip.map_or(0.0, |drive| self.present.committed.drives[drive]),
             load,
             load_lateral,
+            load_axial: force[0] * axis[0] + force[1] * axis[1],
+            load_shear: force[0] * across[0] + force[1] * across[1],
             slip_exit: along(measured.exit_node),
             slip_tail: along(measured.tail_node),
-            energies: self.energies,
-            energy_error: if reference > 0.0 { self.energies.imbalance() / reference } else { 0.0 },
+            energies: self.present.energies,
+            energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
             counts: self.equilibrium.counts(),
-            greatest_pressure: snapshot.greatest_pressure(),
+            damaged_volume: snapshot.solids().damaged_volume(),
+            separation_length: open.fold(0.0, f64::max),
+            greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             cutbacks,
             iterations,
         }

@@ -18,9 +18,13 @@ pub struct Record {
     pub load: f64,
     /// Reaction along the left normal of the pull direction, N.
     pub load_lateral: f64,
-    /// Displacement of the exit node in the pull direction, mm; NaN without one.
+    /// Component of the load along the embedded fibre, P_f, N ([`crate::model::Measured::components`]).
+    pub load_axial: f64,
+    /// Component of the load across it, P_b, N.
+    pub load_shear: f64,
+    /// Displacement of the exit node along the embedded fibre, mm; NaN without one.
     pub slip_exit: f64,
-    /// Displacement of the tail node in the pull direction, mm; NaN without one.
+    /// Displacement of the tail node along the embedded fibre, mm; NaN without one.
     pub slip_tail: f64,
     /// Energies, N mm.
     pub energies: Energies,
@@ -28,8 +32,12 @@ pub struct Record {
     pub energy_error: f64,
     /// Counts of material points and contact points.
     pub counts: Counts,
-    /// The greatest pressure of a contact point, MPa.
-    pub greatest_pressure: f64,
+    /// Reference volume of the damaged points, mm³.
+    pub damaged_volume: f64,
+    /// How much of the line along which most has opened is open, mm ([`crate::model::Measured::interface_lines`]).
+    pub separation_length: f64,
+    /// The greatest bearing pressure of a contact point, MPa ([`crate::model::Measured::bearing_factor`]).
+    pub greatest_bearing_pressure: f64,
     /// Attempts given up before it.
     pub cutbacks: u32,
     /// Its Newton iterations.

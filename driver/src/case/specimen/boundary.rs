@@ -234,6 +234,7 @@ impl Boundary {
             Some(reference) => node(reader, reference, scene, &place.key(key)),
             None => scene.mesh?.node_set(default?)?.first().copied(),
         };
+        self.measured.axis = defaults.and_then(|defaults| defaults.fibre_direction);
         self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
         self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
     }

@@ -11,6 +11,7 @@ use super::{Scene, chain};
 use fe_core::mesh::ElementEdge;
 use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
 /// Gauss points on each slave edge.
@@ -58,6 +59,27 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
             }
             resolved.into_iter().collect()
         }
+    }
+}
+
+/// The pairs that bond the fibre, line by line: those of a specimen that share a master, and any other pair by itself.
+pub fn interface_lines(contacts: &[ContactPair], defaults: &[DefaultPair]) -> Vec<Vec<usize>> {
+    let mut lines: IndexMap<&str, Vec<usize>> = IndexMap::new();
+    for (index, pair) in contacts.iter().enumerate() {
+        match defaults.iter().find(|default| default.name == pair.name) {
+            Some(DefaultPair { role: SurfaceRole::Exit, .. }) => {}
+            Some(DefaultPair { master, .. }) => lines.entry(master).or_default().push(index),
+            None => lines.entry(&pair.name).or_default().push(index),
+        }
+    }
+    lines.into_values().collect()
+}
+
+/// The width of a line of contact over the diameter of a round fibre; 1 without one, and in axial symmetry.
+pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
+    match (contacts.first().map(|pair| pair.width), diameter) {
+        (Some(Width::Given(width)), Some(diameter)) => width / diameter,
+        _ => 1.0,
     }
 }
 

@@ -179,6 +179,7 @@ fn pulled_fibre(
             pairs: pairs.collect(),
             supports,
             grip: Some(("grip", made.pull_direction)),
+            fibre_direction: Some(made.fibre_direction),
             exit: Some("exit"),
             tail: Some("tail"),
             couplings: made.couplings,

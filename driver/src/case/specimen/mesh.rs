@@ -19,6 +19,8 @@ pub struct Ground {
     pub definition: MeshDefinition,
     /// What the mesh is, for the report.
     pub words: String,
+    /// Diameter of the round fibre, mm.
+    pub diameter: Option<f64>,
     pub defaults: Defaults,
 }
 
@@ -32,6 +34,8 @@ pub struct Defaults {
     pub supports: Vec<DefaultSupports>,
     /// Node set that is pulled, and the pull direction.
     pub grip: Option<(&'static str, [f64; 2])>,
+    /// Direction of the embedded fibre towards its exit.
+    pub fibre_direction: Option<[f64; 2]>,
     /// Node sets of one node: where the fibre leaves the matrix, and its inner end.
     pub exit: Option<&'static str>,
     pub tail: Option<&'static str>,
@@ -68,7 +72,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 Ok(Generated { name, mut definition, defaults, diameter, notes }) => {
                     adapt_parts(reader, case, &mut definition, diameter);
                     reader.warnings.extend(notes);
-                    Some(Ground { definition, words: format!("specimen {name}"), defaults })
+                    Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
                 }
                 Err(SpecimenError::Parameters { problems }) => {
                     for problem in problems {
@@ -92,7 +96,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             match gmsh::read(&reader.folder.join(&source.file), &properties) {
                 Ok(definition) => {
                     let words = format!("file {}", source.file);
-                    Some(Ground { definition, words, defaults: Defaults::default() })
+                    Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
                 }
                 Err(error) => {
                     reader.problem(&place.key("file"), error.to_string());

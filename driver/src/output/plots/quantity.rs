@@ -22,6 +22,8 @@ pub enum Sort {
     Damage,
     /// `slip_exit`, `slip_tail`.
     Slip,
+    /// `load`, `load_axial`…
+    Load,
     /// `elastic_energy`, `external_work`…
     Energy,
     /// `open_points`…
@@ -39,6 +41,7 @@ impl Sort {
             Some(b's') if component() => Self::Stress,
             _ if is_damage(column) => Self::Damage,
             _ if matches!(column, "slip_exit" | "slip_tail") => Self::Slip,
+            _ if column == "load" || column.starts_with("load_") => Self::Load,
             _ if column == "external_work" || column.ends_with("_energy") => Self::Energy,
             _ if column.ends_with("_points") => Self::Count,
             _ => Self::Other,
@@ -52,6 +55,7 @@ impl Sort {
             Self::Stress => ("σ", "MPa"),
             Self::Damage => ("damage", ""),
             Self::Slip => ("slip", "mm"),
+            Self::Load => ("load", "N"),
             Self::Energy => ("energy", "N·mm"),
             Self::Count => ("points", ""),
             Self::Other => return None,
@@ -80,6 +84,10 @@ impl Quantity {
             (_, "time") => ("time".into(), "s"),
             (_, "load") => ("load".into(), "N"),
             (_, "load_lateral") => ("lateral load".into(), "N"),
+            (_, "load_axial") => ("axial component of the load".into(), "N"),
+            (_, "load_shear") => ("shear component of the load".into(), "N"),
+            (_, "damaged_volume") => ("damaged volume".into(), "mm³"),
+            (_, "separation_length") => ("open length of the interface".into(), "mm"),
             (_, "slip_exit") => ("slip at the exit".into(), "mm"),
             (_, "slip_tail") => ("slip of the tail".into(), "mm"),
             (_, "bearing_pressure_max") => ("greatest bearing pressure".into(), "MPa"),

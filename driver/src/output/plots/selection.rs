@@ -200,6 +200,16 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
     if !others.is_empty() {
         layouts.push(Layout::new("load_local_slip", others));
     }
+    // components of an inclined fibre's load: along a perpendicular one the axial is the load
+    if span(run, "load_shear") > NEGLIGIBLE_SHEAR * span(run, "load") {
+        let components = ["load_axial", "load_shear"].map(|column| ("slip", column.to_owned()));
+        layouts.push(Layout::new("load_components", components));
+    }
+    for (name, column) in [("separation", "separation_length"), ("damaged_volume", "damaged_volume")] {
+        if span(run, column) > 0.0 {
+            layouts.push(Layout::pair(name, "slip", column));
+        }
+    }
     for (name, sort) in [("energies", Sort::Energy), ("points", Sort::Count)] {
         let moving = columns(run, |column| Sort::of(column) == sort && span(run, column) > 0.0);
         if !moving.is_empty() {
@@ -209,6 +219,9 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
     layouts.push(Layout::pair("iterations", "time", "iterations"));
     layouts
 }
+
+/// What rounding and the lateral reaction of a perpendicular fibre leave of a shear component, over the load.
+const NEGLIGIBLE_SHEAR: f64 = 1e-2;
 
 fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
     run.history.columns().iter().filter(|column| wanted(column)).cloned().collect()

@@ -85,6 +85,20 @@ fn two_directions_hold_a_node_wherever_they_point() {
 }
 
 #[test]
+fn two_drives_move_a_node_along_directions_in_rotated_axes() {
+    let supports = vec![support("pull", &[2], [0.6, 0.8], Some(0)), support("bend", &[2], [-0.8, 0.6], Some(1))];
+    let equations = Equations::new(&model(supports, Vec::new())).unwrap();
+    let u = displacements(&equations, [2.0, 0.5]);
+    assert_abs_diff_eq!(u[4], 2.0 * 0.6 - 0.5 * 0.8, epsilon = 1e-15);
+    assert_abs_diff_eq!(u[5], 2.0 * 0.8 + 0.5 * 0.6, epsilon = 1e-15);
+    let mut forces = vec![0.0; 10];
+    forces[4..6].copy_from_slice(&[3.0, 7.0]);
+    let [along, across] = equations.drive_forces(&forces)[..] else { panic!("two drives") };
+    assert_abs_diff_eq!(along, 3.0 * 0.6 + 7.0 * 0.8, epsilon = 1e-14);
+    assert_abs_diff_eq!(across, -3.0 * 0.8 + 7.0 * 0.6, epsilon = 1e-14);
+}
+
+#[test]
 fn the_same_support_twice_is_one_and_a_different_one_a_contradiction() {
     let twice = vec![support("side", &[0, 1], [1.0, 0.0], None), support("corner", &[1], [-3.0, 0.0], None)];
     assert_eq!(Equations::new(&model(twice, Vec::new())).unwrap().count(), 6);

@@ -165,6 +165,15 @@ impl Solids {
         counts
     }
 
+    /// Reference volume of the points of laws with a damage that have dissipated anything, mm³.
+    pub fn damaged_volume(&self) -> f64 {
+        let of_body = |body: &Body| -> f64 {
+            let energies = body.points.committed.energies.iter().zip(&body.volumes);
+            energies.filter(|([_, plastic, creep], _)| plastic + creep > 0.0).map(|(_, volume)| volume).sum()
+        };
+        self.bodies.iter().filter(|body| body.damages).map(of_body).sum()
+    }
+
     /// Whether what an element's law dissipates is damage.
     pub fn damages(&self, element: usize) -> bool {
         self.bodies[self.records[element].part].damages

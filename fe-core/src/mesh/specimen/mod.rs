@@ -71,6 +71,8 @@ pub struct Specimen {
     pub definition: MeshDefinition,
     /// The outward normal of the exit face, unit length.
     pub pull_direction: [f64; 2],
+    /// The direction of the embedded fibre towards its exit, unit length.
+    pub fibre_direction: [f64; 2],
     /// What is in contact with what.
     pub contact_pairs: Vec<ContactSurfaces>,
     /// Contact width of each pair, mm: πφ/2 on each of the two lines of a round fibre (6.28). `None`: 2πr, in axial

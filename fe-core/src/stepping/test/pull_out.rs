@@ -115,6 +115,7 @@ fn fibre(
             direction: specimen.pull_direction,
             exit_node: Some(specimen.exit_node),
             tail_node: Some(specimen.tail_node),
+            ..Measured::default()
         },
         steps: vec![Step { time: 1.0, targets: vec![Some(slip)], control }],
         controls: Controls::default(),
@@ -177,7 +178,7 @@ fn tangent_error(model: &Model) -> f64 {
     model.skipping = Skipping::NONE;
     let mut analysis = Analysis::new(&model).unwrap();
     analysis.run(&mut Keeper::default()).unwrap();
-    let start = analysis.committed.clone();
+    let start = analysis.present.committed.clone();
     let equilibrium = &mut analysis.equilibrium;
     let context =
         IncrementContext { step: 1, increment: 9, iteration: 1, step_time: 0.9, total_time: 0.9, time_increment: 0.1 };

@@ -44,6 +44,8 @@ fn dissipation_leads_through_a_snap_back_without_contact() {
         approx::assert_relative_eq!(record.load / AREA, stress(strain), max_relative = 1e-5);
         assert!(record.energies.damage >= before.energies.damage);
         assert!(record.energy_error.abs() < 1e-3, "{}: {:e}", record.increment, record.energy_error);
+        let damaged = if record.energies.damage > 0.0 { AREA * LENGTHS[1] } else { 0.0 };
+        approx::assert_relative_eq!(record.damaged_volume, damaged, max_relative = 1e-12);
         turned_back = turned_back.max(before.slip - record.slip);
     }
     assert!(turned_back > 0.0, "the drive had to turn back");

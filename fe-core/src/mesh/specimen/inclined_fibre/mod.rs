@@ -164,6 +164,7 @@ pub fn inclined_fibre(parameters: &InclinedFibre) -> Result<Specimen, SpecimenEr
     Ok(Specimen {
         definition,
         pull_direction: [0.0, 1.0],
+        fibre_direction: parameters.angle.sin_cos().into(),
         contact_pairs,
         contact_width: Some(PI / 2.0 * parameters.fibre_diameter),
         exit_node,

@@ -200,6 +200,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     Ok(Specimen {
         definition: mesh.definition(),
         pull_direction: [0.0, 1.0],
+        fibre_direction: [0.0, 1.0],
         contact_pairs,
         contact_width,
         exit_node,
