@@ -176,7 +176,8 @@ fn who_has_a_worker() {
 /// Whatever ends the supervisor ends the worker: SIGKILL cannot be passed on.
 #[test]
 fn no_worker_outlives_its_supervisor() {
-    for signal in ["-KILL", "-INT"] {
+    // not SIGINT: a shell that starts us in the background has it ignored
+    for signal in ["-KILL", "-TERM"] {
         let desk = Desk::new();
         let mut child = long_run(&desk, true);
         let worker = worker(&mut child, &desk.path("out/history.csv")).expect("a worker");

@@ -6,8 +6,16 @@ use end_to_end_tests::analytical::hertz::LineContact;
 const PAIR: LineContact = LineContact { radius: 10.0, bodies: [(210e3, 0.3); 2] };
 
 #[test]
-fn half_width_and_peak_pressure_are_hertz() {
-    let model = model("hertz", &[]);
+fn half_width_and_peak_pressure_are_hertz_with_one_point_on_an_edge_and_with_two() {
+    // two share the gap of their quadratic edge; the pressures of neighbouring edges still alternate a little
+    for (points, accepted) in [(1, 1e-2), (2, 3e-2)] {
+        half_width_and_peak_pressure_are_hertz(&format!("contact.quadrature={{\"gauss\": {points}}}"), accepted);
+    }
+}
+
+/// `accepted`: how far the greatest pressure of a point may be off; what all points tell together is within 1 %.
+fn half_width_and_peak_pressure_are_hertz(quadrature: &str, accepted: f64) {
+    let model = model("hertz", &[quadrature]);
     let base =
         model.supports.iter().position(|support| support.name.starts_with("base") && support.direction[1] == 1.0);
     let base = base.unwrap();
@@ -35,9 +43,9 @@ fn half_width_and_peak_pressure_are_hertz() {
     let greatest = points.iter().fold(0.0_f64, |greatest, (_, pressure, _)| greatest.max(*pressure));
     let closed = points.iter().filter(|(_, pressure, _)| *pressure > 0.0);
     let last = closed.filter_map(|(x, ..)| *x).fold(0.0, f64::max);
-    println!("P {force:.1} N/mm: a {half_width:.4}, fitted {fitted_width:.4}, last closed point {last:.4}");
+    println!("{quadrature}: P {force:.1} N/mm: a {half_width:.4}, fitted {fitted_width:.4}, last closed point {last:.4}");
     println!("p_0 {peak:.1}, fitted {fitted_peak:.1}, greatest {greatest:.1} MPa, {count} points");
     approx::assert_relative_eq!(fitted_width, half_width, max_relative = 1e-2);
     approx::assert_relative_eq!(fitted_peak, peak, max_relative = 1e-2);
-    approx::assert_relative_eq!(greatest, peak, max_relative = 1e-2);
+    approx::assert_relative_eq!(greatest, peak, max_relative = accepted);
 }
