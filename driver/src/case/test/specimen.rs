@@ -203,7 +203,7 @@ fn steps_drives_and_cycles() {
     assert_eq!(model.steps[1].time, 3.0);
     let until = program.step_untils[4].as_ref().expect("until");
     assert_eq!((program.columns()[until.column].as_str(), until.less_than), ("load", Some(-1.0)));
-    assert!(program.until.as_ref().is_some_and(|until| until.absolute && until.column == 6));
+    assert!(program.until.as_ref().is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit"));
     let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.direction, s.drive)).collect();
     assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
     let pressure = model.loads.iter().find(|load| load.name == "side").expect("the load");
@@ -292,6 +292,7 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
     assert!((fibre.thickness - 3.0 * std::f64::consts::PI * 0.406 / 16.0).abs() < 1e-15);
     let round = accepted(&case, &["mesh.specimen.axisymmetric=true"]).model;
     assert_eq!((round.contacts.len(), round.contacts[0].width), (1, Width::OfPart));
+    assert_eq!((round.measured.axis, round.measured.bearing_factor), (Some([0.0, 1.0]), 1.0));
     assert!(round.mesh.parts().iter().all(|part| part.model == PlaneModel::Axisymmetric));
 }
 
@@ -315,6 +316,9 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
     let model = accepted(&case, &["nlgeom=true", "parts.matrix.nlgeom=false"]).model;
     assert_eq!(names(&model), ["interface_left", "interface_right", "exit_left", "exit_right"]);
     assert_eq!(model.nlgeom, [true, false]);
+    assert_eq!(model.measured.axis, Some(std::f64::consts::FRAC_PI_4.sin_cos().into()));
+    assert_eq!(model.measured.interface_lines, [[0], [1]]);
+    assert!((model.measured.bearing_factor - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "t_N/(φ L)");
     assert!(model.contacts.iter().all(|pair| pair.master_bends), "the fibre is the master");
     // law and p_0: no bond at the rounded edges
     assert_eq!([0, 4].map(|k| props(&model, "interface_left")[k]), [0.0, 1000.0]);
@@ -323,6 +327,7 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
         accepted(&case, &["mesh.specimen.separation_length=thesis", "contact.exit={\"law\": \"none\", \"mu\": 0}"])
             .model;
     assert_eq!(names(&model)[2..4], ["separation_left", "separation_right"]);
+    assert_eq!(model.measured.interface_lines, [[0, 2], [1, 3]]);
     assert_eq!([0, 4].map(|k| props(&model, "separation_left")[k]), [0.0, 2.0]);
     assert_eq!([0, 14].map(|k| props(&model, "exit_right")[k]), [2.0, 0.0]);
     // φ (tan θ + 1/(2 tan θ)) at 45°: the walls lose 1.5 φ, as far as stations fall on it
