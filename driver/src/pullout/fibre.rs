@@ -3,6 +3,9 @@
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::Model;
 
+/// The node set of a fibre's axis in the specimens that have one.
+const AXIS: &str = "fibre_axis";
+
 /// A fibre that is measured at its exit and at its tail.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fibre {
@@ -29,7 +32,14 @@ impl Fibre {
         let radius = distances.min_by(f64::total_cmp).filter(|radius| *radius > 0.0)?;
         let mut axis = vec![mesh.nodes()[tail], exit];
         axis.extend(grip(model).filter(|&grip| distance(grip, exit) > radius));
-        Some(Self { part, axis, exit_node, radius })
+        let mut fibre = Self { part, axis, exit_node, radius };
+        if let Some(nodes) = mesh.node_set(AXIS) {
+            // a bend is no kink
+            let mut axis: Vec<[f64; 2]> = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
+            axis.sort_by(|&a, &b| fibre.arc(a).total_cmp(&fibre.arc(b)));
+            fibre.axis = axis;
+        }
+        Some(fibre)
     }
 
     /// The distance along the axis from the tail, mm, of the place of the axis nearest to a position.

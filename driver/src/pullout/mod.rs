@@ -2,7 +2,7 @@
 //! the history.
 
 pub mod checkpoint;
-mod fibre;
+pub(crate) mod fibre;
 mod fields;
 mod findings;
 mod peak;

@@ -88,7 +88,7 @@ fn first_member(study: &Study) -> Option<usize> {
     (0..study.members.len()).min_by(|a, b| x(a).total_cmp(&x(b)))
 }
 
-/// The curves of some series: a colour for each member, a dash for each series.
+/// The curves of some series: a colour for each member, a dash for each series, and others where colours come again.
 fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: Vec<usize>) -> Figure {
     let mut lines = Vec::new();
     for (dash, &series) in of.iter().enumerate() {
@@ -105,7 +105,7 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
                 label,
                 points: result.curve(columns),
                 columns: (columns.x.clone(), columns.y.clone()),
-                style: Style { color, dash: if of.len() > 1 { dash } else { color / PALETTE } },
+                style: Style { color, dash: dash + of.len() * (color / PALETTE) },
                 marked: false,
             });
         }

@@ -43,7 +43,9 @@ fn half_width_and_peak_pressure_are_hertz(quadrature: &str, accepted: f64) {
     let greatest = points.iter().fold(0.0_f64, |greatest, (_, pressure, _)| greatest.max(*pressure));
     let closed = points.iter().filter(|(_, pressure, _)| *pressure > 0.0);
     let last = closed.filter_map(|(x, ..)| *x).fold(0.0, f64::max);
-    println!("{quadrature}: P {force:.1} N/mm: a {half_width:.4}, fitted {fitted_width:.4}, last closed point {last:.4}");
+    println!(
+        "{quadrature}: P {force:.1} N/mm: a {half_width:.4}, fitted {fitted_width:.4}, last closed point {last:.4}"
+    );
     println!("p_0 {peak:.1}, fitted {fitted_peak:.1}, greatest {greatest:.1} MPa, {count} points");
     approx::assert_relative_eq!(fitted_width, half_width, max_relative = 1e-2);
     approx::assert_relative_eq!(fitted_peak, peak, max_relative = 1e-2);

@@ -5,6 +5,7 @@ use super::malformed::{Sample, check};
 use super::{Bench, overridden, schema_accepts};
 use crate::case::Case;
 use crate::pullout::Program;
+use crate::pullout::fibre::Fibre;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
     ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, StepControl,
@@ -203,7 +204,9 @@ fn steps_drives_and_cycles() {
     assert_eq!(model.steps[1].time, 3.0);
     let until = program.step_untils[4].as_ref().expect("until");
     assert_eq!((program.columns()[until.column].as_str(), until.less_than), ("load", Some(-1.0)));
-    assert!(program.until.as_ref().is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit"));
+    assert!(
+        program.until.as_ref().is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit")
+    );
     let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.direction, s.drive)).collect();
     assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
     let pressure = model.loads.iter().find(|load| load.name == "side").expect("the load");
@@ -318,6 +321,10 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
     assert_eq!(model.nlgeom, [true, false]);
     assert_eq!(model.measured.axis, Some(std::f64::consts::FRAC_PI_4.sin_cos().into()));
     assert_eq!(model.measured.interface_lines, [[0], [1]]);
+    // what pictures follow: 12.2 mm in the block, the bend of radius 1.5 φ, 3 mm
+    let axis = Fibre::of(&model).expect("a fibre").axis;
+    let length: f64 = axis.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum();
+    assert!((length - (12.2 + 1.5 * 0.406 * std::f64::consts::FRAC_PI_4 + 3.0)).abs() < 2e-3, "{length} mm");
     assert!((model.measured.bearing_factor - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "t_N/(φ L)");
     assert!(model.contacts.iter().all(|pair| pair.master_bends), "the fibre is the master");
     // law and p_0: no bond at the rounded edges

@@ -150,6 +150,7 @@ pub fn inclined_fibre(parameters: &InclinedFibre) -> Result<Specimen, SpecimenEr
     let (exit_node, tail_node) = (on_axis(divisions.exit_station), on_axis(0));
     mesh.node_set("exit", [exit_node]);
     mesh.node_set("tail", [tail_node]);
+    mesh.node_set("fibre_axis", (0..divisions.along.len()).map(on_axis));
     sets::name_fibre_sets(&mut mesh, &fibre);
     let mut definition = mesh.definition();
     let edges = outline.fill(&mut definition, matrix_part, parameters.matrix.kind, parameters.largest_area())?;
