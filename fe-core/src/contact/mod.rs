@@ -275,7 +275,9 @@ impl Contact {
     /// How much of the reference length of these pairs is open after the last evaluation, mm.
     pub fn open_length(&self, pairs: &[usize]) -> f64 {
         let points = pairs.iter().flat_map(|&pair| self.pairs[pair].points.iter().zip(&self.pairs[pair].trial.points));
-        points.filter(|(_, state)| state.status == PointStatus::Open).map(|(point, _)| point.length).sum()
+        let open = points.filter(|(_, state)| state.status == PointStatus::Open);
+        // the sum of nothing would be -0
+        open.fold(0.0, |sum, (point, _)| sum + point.length)
     }
 
     /// Energies at the last commit.

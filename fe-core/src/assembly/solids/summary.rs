@@ -167,11 +167,11 @@ impl Solids {
 
     /// Reference volume of the points of laws with a damage that have dissipated anything, mm³.
     pub fn damaged_volume(&self) -> f64 {
-        let of_body = |body: &Body| -> f64 {
-            let energies = body.points.committed.energies.iter().zip(&body.volumes);
-            energies.filter(|([_, plastic, creep], _)| plastic + creep > 0.0).map(|(_, volume)| volume).sum()
-        };
-        self.bodies.iter().filter(|body| body.damages).map(of_body).sum()
+        let damaging = self.bodies.iter().filter(|body| body.damages);
+        let points = damaging.flat_map(|body| body.points.committed.energies.iter().zip(&body.volumes));
+        let damaged = points.filter(|([_, plastic, creep], _)| plastic + creep > 0.0);
+        // the sum of nothing would be -0
+        damaged.fold(0.0, |sum, (_, volume)| sum + volume)
     }
 
     /// Whether what an element's law dissipates is damage.
