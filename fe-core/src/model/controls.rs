@@ -45,8 +45,9 @@ pub struct Controls {
     pub line_search: bool,
     /// Whether slips of bonded points limit the increments until the load has peaked, and the peak is located.
     pub locate_peak: bool,
-    /// Viscous stabilisation of the parts whose law may soften: their stress gets η/Δt C Δε, with the virgin moduli C, the time increment Δt and
-    /// this relaxation time η, s. Elements that fail at once do so within a few η. 0: none.
+    /// Viscous stabilisation of the parts whose law may soften or has an unsymmetric tangent: their stress gets
+    /// η/Δt C Δε, with the virgin moduli C, the time increment Δt and this relaxation time η, s. Elements that fail at
+    /// once do so within a few η. 0: none.
     pub relaxation_time: f64,
 }
 

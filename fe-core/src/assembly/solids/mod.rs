@@ -215,12 +215,12 @@ impl Solids {
         result
     }
 
-    /// Only parts that may soften need stabilisation.
+    /// Only parts that may lose their stability need stabilisation.
     fn set_viscosity(&mut self, relaxation_time: f64) {
         let duration = self.context.time_increment;
         let viscosity = if duration > 0.0 { relaxation_time / duration } else { 0.0 };
         for body in &mut self.bodies {
-            body.points.viscosity = if body.softens { viscosity } else { 0.0 };
+            body.points.viscosity = if body.may_lose_stability { viscosity } else { 0.0 };
         }
     }
 

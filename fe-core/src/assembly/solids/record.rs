@@ -60,6 +60,9 @@ pub(super) struct Body {
     pub(super) damages: bool,
     /// Its tangent may be negative: the law damages, or does not say.
     pub(super) softens: bool,
+    /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
+    /// while it still hardens (Rudnicki and Rice 1975).
+    pub(super) may_lose_stability: bool,
     /// It has large displacements.
     pub(super) nlgeom: bool,
     gradients: Vec<[f64; 2]>,
@@ -132,6 +135,7 @@ fn body(
     if let Some(element) = largest_element(mesh, part) {
         points.call.celent = mesh.characteristic_length(element);
     }
+    let softens = law.law.as_ref().is_none_or(has_damage);
     Ok(Body {
         name: definition.name.clone(),
         points,
@@ -139,7 +143,8 @@ fn body(
         // In plane stress nothing locks.
         average: average && definition.model != PlaneModel::PlaneStress,
         damages: law.law.as_ref().is_some_and(has_damage),
-        softens: law.law.as_ref().is_none_or(has_damage),
+        softens,
+        may_lose_stability: softens || !law.has_symmetric_tangent(),
         nlgeom,
         gradients: Vec::new(),
         values: std::array::from_fn(|kind| {
