@@ -130,9 +130,7 @@ impl Chain {
         self.length += self.length_within(self.kinds.len() - 1, 1.0);
     }
 
-    /// Whether the directions before and after the end of an edge differ in the reference configuration, but not as
-    /// at a corner.
-    /// Whether the next edge turns by an angle in this range.
+    /// Whether the next edge turns by an angle in this range in the reference configuration.
     fn turns_after(&self, edge: i64, range: std::ops::Range<f64>) -> bool {
         if !self.goes_on(edge, 1) {
             return false;
@@ -177,6 +175,12 @@ impl Chain {
         self.closed || (0..self.kinds.len() as i64).contains(&(edge + side))
     }
 
+    /// Whether normals are smoothed at the start (−1) or the end (1) of an edge.
+    pub fn is_smooth_at(&self, edge: i64, side: i64) -> bool {
+        let joint = if side < 0 { edge - 1 } else { edge };
+        self.goes_on(edge, side) && self.smooth.get(self.index(joint)).is_some_and(|smooth| *smooth)
+    }
+
     /// Where past an end of an open chain ξ lies: how far the straight extension has gone.
     fn excess(&self, edge: i64, coordinate: f64) -> f64 {
         let side = if coordinate < 0.0 { -1 } else { 1 };
@@ -215,8 +219,8 @@ impl Chain {
     /// Adds to m, at each end of an edge that is smoothed, what makes it there the mean of both edges' directions dx/ds₀;
     /// linearly from 0 at the other end.
     fn smooth(&self, edge: i64, coordinate: f64, shape: &mut Shape) {
-        for (side, joint) in [(-1, edge - 1), (1, edge)] {
-            if !self.goes_on(edge, side) || !self.smooth.get(self.index(joint)).is_some_and(|smooth| *smooth) {
+        for side in [-1, 1] {
+            if !self.is_smooth_at(edge, side) {
                 continue;
             }
             let end = side as f64;

@@ -9,6 +9,9 @@ const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;
 
+/// So far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
+const OVERSHOOT: f64 = 1e-3;
+
 /// Newton without a bracket.
 const FEW_ITERATIONS: usize = 5;
 /// Positions are known to a few units of their last place. A foot within it stays where it is: a converged state that is
@@ -40,6 +43,9 @@ pub(super) struct Projection<'a, P: Fn(usize) -> [f64; 2]> {
 impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     /// The foot near another one: a walk along the chain, edge by edge. `None` if it is not found near there.
     pub fn near(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
+        if let Some(foot) = self.on_same_edge(point, last) {
+            return Some(foot);
+        }
         let (mut edge, mut from, mut came) = (last.edge, last.coordinate.clamp(-1.0, 1.0), 0);
         for _ in 0..LONGEST_WALK {
             let side = match self.on_edge(point, edge, from) {
@@ -58,6 +64,23 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
             (edge, from, came) = (edge + side, -end, side);
         }
         None
+    }
+
+    /// The foot on an edge or on its continuation, where it has passed a smoothed end by no more than [`OVERSHOOT`] since
+    /// the increment's start, `last`. A foot that was past an end then starts on the next edge.
+    fn on_same_edge(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
+        let Foot { mut edge, coordinate: mut from, corner } = last;
+        let side = if from < 0.0 { -1 } else { 1 };
+        if from.abs() > 1.0 {
+            (edge, from) = (edge + side, -(side as f64));
+        }
+        if corner || !self.chain.goes_on(last.edge, side) && edge != last.edge {
+            return None;
+        }
+        let coordinate = self.close_by(point, edge, from, 1.0 + OVERSHOOT)?;
+        let side = if coordinate < 0.0 { -1 } else { 1 };
+        let is_inside = coordinate.abs() < 1.0 || self.chain.is_smooth_at(edge, side);
+        is_inside.then_some(Foot { edge, coordinate, corner: false })
     }
 
     /// The foot on the whole chain.
@@ -109,7 +132,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
 
     /// The foot on one edge, near ξ = `from` if there are several.
     fn on_edge(&self, point: [f64; 2], edge: i64, from: f64) -> OnEdge {
-        if let Some(coordinate) = self.close_by(point, edge, from) {
+        if let Some(coordinate) = self.close_by(point, edge, from, 1.0) {
             return OnEdge::Inside(coordinate);
         }
         let sign = |coordinate: f64| {
@@ -133,18 +156,18 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
         }
     }
 
-    /// The foot on one edge by a few steps of Newton alone, which do where the last foot was near.
-    fn close_by(&self, point: [f64; 2], edge: i64, from: f64) -> Option<f64> {
+    /// The foot at |ξ| < `limit` of one edge by a few steps of Newton alone, which do where the last foot was near.
+    fn close_by(&self, point: [f64; 2], edge: i64, from: f64, limit: f64) -> Option<f64> {
         let mut at = from;
         let rounding = POSITION_ROUNDING * point[0].hypot(point[1]);
         for _ in 0..FEW_ITERATIONS {
             let Slope { value, derivative, stretch_squared } = self.slope(point, edge, at);
-            if value.abs() <= rounding * stretch_squared.sqrt() && derivative < 0.0 && at.abs() < 1.0 {
+            if value.abs() <= rounding * stretch_squared.sqrt() && derivative < 0.0 && at.abs() < limit {
                 return Some(at);
             }
             let step = -value / derivative;
             at += step;
-            if derivative >= 0.0 || step.abs() > 1.0 || at.abs() >= 1.0 {
+            if derivative >= 0.0 || step.abs() > 1.0 || at.abs() >= limit {
                 return None;
             }
             // The next step would be of the order of this one's square.

@@ -2,6 +2,7 @@
 
 use super::*;
 use crate::assembly::Place;
+use crate::contact::chain::Foot;
 use crate::contact::law::PointLaw;
 use crate::contact::{NormalDrive, PointIndex};
 use crate::element::ElementKind::{Q4, Q8};
@@ -99,6 +100,7 @@ fn forces_are_continuous_over_facets() {
             for step in 0..=steps {
                 let slide = 0.8 * f64::from(step) / f64::from(steps);
                 let now = forces(&mut contact, &scene.moved(1, |_| [slide, -0.1]));
+                contact.commit();
                 if let Some(before) = before {
                     let difference: Vec<f64> = now.iter().zip(&before).map(|(a, b)| a - b).collect();
                     change = change.max(largest(&difference));
@@ -107,9 +109,65 @@ fn forces_are_continuous_over_facets() {
             }
             change
         };
-        let ratio = largest_change(1000) / largest_change(2000);
-        assert!((1.9..2.1).contains(&ratio), "{kind}: {ratio}");
+        let ratio = largest_change(2000) / largest_change(16000);
+        // eight times, but for how far past a node a point happens to be when it starts on the next edge
+        assert!((6.0..10.0).contains(&ratio), "{kind}: {ratio}");
     }
+}
+
+/// The two edges of a smoothed node are not stretched alike: τ A ∂s jumps where a point passes it, and a point held back on
+/// one side and pushed on from the other would have no equilibrium.
+#[test]
+fn forces_do_not_jump_within_an_increment_where_a_point_passes_a_smoothed_node() {
+    let scene = Scene::rows(Q8, parabola, PlaneModel::PlaneStrain);
+    let stretched = |slide: f64| {
+        let mut displacements = scene.moved(1, |_| [slide, -0.02]);
+        // one edge is stretched, the next compressed
+        let master = scene.moved(0, |[x, _]| [0.02 * (x - 2.0 * (0.5 * x).round()).abs(), 0.0]);
+        displacements.iter_mut().zip(&master).for_each(|(u, v)| *u += v);
+        displacements
+    };
+    let feet = |contact: &Contact| -> Vec<_> { contact.pairs[0].trial.points.iter().map(|state| state.foot).collect() };
+    let law = uinter(&[("law", 2.0), ("mu", 0.3), ("k_f", 20.0)]);
+    let mut contact = scene.contact(ContactPair { master_bends: true, ..scene.pair(law) });
+    let mut passed = 0;
+    for step in 0..200 {
+        let start = 0.005 * f64::from(step);
+        forces(&mut contact, &stretched(start));
+        contact.commit();
+        let home = feet(&contact);
+        let Some(point) = (0..home.len()).find(|&point| (0.98..1.0).contains(&home[point].coordinate.abs())) else {
+            continue;
+        };
+        let mut past = |slide: f64| {
+            let forces = forces(&mut contact, &stretched(slide));
+            let foot = feet(&contact)[point];
+            (foot, forces)
+        };
+        let side = home[point].coordinate.signum();
+        let beyond = |foot: Foot| foot.edge != home[point].edge || foot.coordinate * side > 1.0;
+        let Some(away) = [-0.02, 0.02].into_iter().find(|away| beyond(past(start + away).0)) else { continue };
+        let (mut inside, mut outside) = (start, start + away);
+        for _ in 0..60 {
+            let middle = 0.5 * (inside + outside);
+            *(if beyond(past(middle).0) { &mut outside } else { &mut inside }) = middle;
+        }
+        let small = 1e-6 * away;
+        let ((_, before), (foot, after)) = (past(inside - small), past(outside + small));
+        assert_eq!(foot.edge, home[point].edge);
+        assert!(foot.coordinate * side > 1.0 && foot.coordinate * side < 1.001);
+        let within = largest(&after.iter().zip(&before).map(|(a, b)| a - b).collect::<Vec<f64>>());
+        let slip = contact.pairs[0].trial.points[point].slip;
+        contact.commit();
+        let next = forces(&mut contact, &stretched(outside + small));
+        let jump = largest(&next.iter().zip(&after).map(|(a, b)| a - b).collect::<Vec<f64>>());
+        let state = &contact.pairs[0].trial.points[point];
+        assert_ne!(state.foot.edge, home[point].edge, "the next increment starts on the next edge");
+        assert!((state.slip - slip).abs() < 1e-6);
+        assert!(jump > 5.0 * within, "step {step}: {jump:e} against {within:e}");
+        passed += 1;
+    }
+    assert!(passed > 0);
 }
 
 /// Slip back and forth under changing pressure: dissipation never falls, and the books close.
