@@ -338,14 +338,17 @@ fn equations_of_all(equations: &Equations, freedoms: &[usize]) -> Vec<usize> {
 fn reduced_block(equations: &Equations, freedoms: &[usize], values: &[f64]) -> (Vec<usize>, Vec<f64>) {
     let rows = equations_of_all(equations, freedoms);
     let place = |equation: usize| rows.binary_search(&equation).expect("rows are the equations of these freedoms");
+    // the equations of each freedom one after the other: freedom, place of the equation in the block, coefficient
+    let terms: Vec<(usize, usize, f64)> = (0..freedoms.len())
+        .flat_map(|k| equations.equations_of(freedoms[k]).iter().map(move |&(equation, factor)| (k, equation, factor)))
+        .map(|(k, equation, factor)| (k, place(equation), factor))
+        .collect();
     let mut reduced = vec![0.0; rows.len() * rows.len()];
-    for (line, &row_freedom) in values.chunks_exact(freedoms.len()).zip(freedoms) {
-        for &(row, row_coefficient) in equations.equations_of(row_freedom) {
-            for (value, &column_freedom) in line.iter().zip(freedoms) {
-                for &(column, column_coefficient) in equations.equations_of(column_freedom) {
-                    reduced[place(row) * rows.len() + place(column)] += row_coefficient * value * column_coefficient;
-                }
-            }
+    for &(row_freedom, row, row_coefficient) in &terms {
+        let line = &values[row_freedom * freedoms.len()..][..freedoms.len()];
+        let target = &mut reduced[row * rows.len()..][..rows.len()];
+        for &(column_freedom, column, column_coefficient) in &terms {
+            target[column] += row_coefficient * line[column_freedom] * column_coefficient;
         }
     }
     (rows, reduced)

@@ -17,6 +17,7 @@ pub(super) struct Whole {
     pattern: Pattern,
     /// Place of each value of the solids.
     solids: Vec<usize>,
+    contact: Vec<Places>,
     values: Vec<f64>,
     analysis: Option<Arc<Analysis>>,
     cholesky: Option<Cholesky>,
@@ -24,6 +25,32 @@ pub(super) struct Whole {
     general_lu: Option<GeneralLu>,
     /// A vector in the order of elimination.
     ordered: Vec<f64>,
+}
+
+/// Where the entries of a contact block are, row by row. Most points stay where they are from one matrix to the next.
+#[derive(Default)]
+struct Places {
+    rows: Vec<usize>,
+    places: Vec<usize>,
+}
+
+impl Places {
+    /// Finds them; `false` if the pattern has no place for one.
+    fn find(&mut self, rows: &[usize], pattern: &Pattern) -> bool {
+        if self.rows == rows {
+            return true;
+        }
+        self.rows.clear();
+        self.places.clear();
+        for &row in rows {
+            self.places.extend(rows.iter().map_while(|&column| pattern.index(row, column)));
+        }
+        let is_complete = self.places.len() == rows.len() * rows.len();
+        if is_complete {
+            self.rows.extend_from_slice(rows);
+        }
+        is_complete
+    }
 }
 
 /// What came of a factorisation.
@@ -47,6 +74,7 @@ impl Whole {
         }
         Self {
             solids: places,
+            contact: Vec::new(),
             values: vec![0.0; pattern.entries()],
             analysis: None,
             cholesky: None,
@@ -66,6 +94,7 @@ impl Whole {
             let superset = self.pattern.with_blocks(&matrix.contact);
             let accepted = superset.entries() as f64 <= LARGEST_SUPERSET * own.entries() as f64;
             *self = Self::over(if accepted { superset } else { own }, matrix.pattern());
+            self.fits(&matrix.contact);
         }
         if self.values.len() == matrix.values.len() {
             // Nothing but the solids' entries, in their order.
@@ -74,22 +103,16 @@ impl Whole {
             self.values.fill(0.0);
             self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
         }
-        for (rows, values) in matrix.contact.iter() {
-            for (&row, line) in rows.iter().zip(values.chunks_exact(rows.len().max(1))) {
-                for (&column, value) in rows.iter().zip(line) {
-                    if let Some(place) = self.pattern.index(row, column) {
-                        self.values[place] += value;
-                    }
-                }
-            }
+        for ((_, values), Places { places, .. }) in matrix.contact.iter().zip(&self.contact) {
+            values.iter().zip(places).for_each(|(value, &place)| self.values[place] += value);
         }
         reused
     }
 
-    fn fits(&self, contact: &Blocks) -> bool {
-        contact.iter().all(|(rows, _)| {
-            rows.iter().all(|&column| rows.iter().all(|&row| self.pattern.index(row, column).is_some()))
-        })
+    /// Finds the places of contact's entries; `false` if the pattern has none for one.
+    fn fits(&mut self, contact: &Blocks) -> bool {
+        self.contact.resize_with(contact.len(), Places::default);
+        contact.iter().zip(&mut self.contact).all(|((rows, _), places)| places.find(rows, &self.pattern))
     }
 
     fn analysis(&mut self, nodes: &[usize]) -> Result<Arc<Analysis>, SolverError> {

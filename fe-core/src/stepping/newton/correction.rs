@@ -191,7 +191,8 @@ impl Equilibrium<'_> {
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
             place(length, trial);
-            self.evaluate(trial, context, Request::Stress, statistics)?;
+            // with tangents: the one that ends the search is where the next iteration starts
+            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let residual = largest(&self.residual);
             if residual < best.0 {
                 best = (residual, length);
@@ -200,8 +201,10 @@ impl Equilibrium<'_> {
                 break;
             }
         }
-        place(best.1, trial);
-        self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        if best.1 != length {
+            place(best.1, trial);
+            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+        }
         Ok(best.1)
     }
 
