@@ -18,6 +18,11 @@ use serde::{Deserialize, Serialize};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
+/// What all increments have added may come to so much of it (fe.md §5): an increment that adds to it may add less, the
+/// less is left.
+const ENERGY_BUDGET: f64 = 1e-3;
+/// but not less than this part of its usual share.
+const LEAST_SHARE: f64 = 0.05;
 /// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
@@ -114,8 +119,17 @@ pub(super) struct Findings {
     pub(super) slip_growth: f64,
     /// Whether the drive of the slip went where the load pulls.
     pub(super) pulls_on: bool,
-    /// What the increment adds to the imbalance of the energies, relative to the work.
+    /// What the increment adds to the imbalance of the energies, and that imbalance before it, relative to the work.
     pub(super) energy_error: f64,
+    pub(super) energy_error_before: f64,
+}
+
+impl Findings {
+    /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
+    fn energy_excess(&self) -> f64 {
+        let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
+        self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
+    }
 }
 
 /// Why an increment that converged may not stand.
@@ -268,12 +282,12 @@ impl StepRun {
         }
         if matches!(self.lead, Lead::Drives)
             && self.size.is_automatic()
-            && findings.energy_error > ENERGY_TOLERANCE
+            && findings.energy_excess() > 1.0
             && self.energy_refused < MAX_ENERGY_REFUSALS
             && !self.is_least()
         {
             self.energy_refused += 1;
-            let fraction = (ENERGY_TOLERANCE / findings.energy_error).sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+            let fraction = findings.energy_excess().recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
             return Err(repeat("the energies of the increment do not balance", fraction));
         }
         if !self.locates_peak || load.peaked || self.is_least() {

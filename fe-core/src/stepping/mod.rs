@@ -254,22 +254,25 @@ impl<'m> Analysis<'m> {
             Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
         let [load, _] = self.measured_load(&trial);
         let drive = |state: &Committed| self.model.measured.slip.map_or(0.0, |drive| state.drives[drive]);
+        let [energy_error_before, energy_error] = self.energy_errors_of(&converged.end);
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
             slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
-            energy_error: self.energy_error_of(&converged.end),
+            energy_error,
+            energy_error_before,
         }
     }
 
-    /// What an increment would add to the imbalance of the energies, relative to the work at its end.
-    fn energy_error_of(&self, end: &Committed) -> f64 {
+    /// The imbalance of the energies, and what an increment would add to it, relative to the work at its end.
+    fn energy_errors_of(&self, end: &Committed) -> [f64; 2] {
         let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, end);
         let external_work = self.present.energies.external_work + work;
         let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.present.datum) };
         let reference = self.work_reference(external_work, end);
-        let added = energies.imbalance() - self.present.energies.imbalance();
-        if reference > 0.0 { added.abs() / reference } else { 0.0 }
+        let before = self.present.energies.imbalance();
+        let relative = |imbalance: f64| if reference > 0.0 { imbalance / reference } else { 0.0 };
+        [before, energies.imbalance() - before].map(relative)
     }
 
     /// What an imbalance of the energies is compared with, N mm.
