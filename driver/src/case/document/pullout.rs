@@ -218,7 +218,7 @@ pub struct PulloutControls {
     pub line_search: Option<bool>,
     /// Limit slips until the load has peaked, and locate the peak (default true).
     pub locate_peak: Option<bool>,
-    /// Viscous stabilisation of the parts whose law may soften: relaxation time, s (default 0: none).
+    /// Viscous stabilisation of the parts whose law may soften or has an unsymmetric tangent: relaxation time, s (default 0: none).
     #[schemars(range(min = 0.0))]
     pub relaxation_time: Option<f64>,
 }
