@@ -4,6 +4,7 @@
 //! Data flows one way: a case file ([`case`]) becomes a checked program ([`path::program`]), which is run
 //! ([`path`]) and recorded ([`output`]). [`conformance`] tests a plugin against what its metadata claims.
 
+pub mod bench;
 pub mod build;
 pub mod case;
 pub mod command;

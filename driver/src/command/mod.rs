@@ -1,5 +1,6 @@
 //! The command line (cli-and-cases.md): what each command does, and the exit codes.
 
+mod bench;
 mod fit;
 mod isolated;
 mod plot;
@@ -96,6 +97,8 @@ enum Command {
         #[command(subcommand)]
         law: fit::Law,
     },
+    /// Measure run time against error, the cost of the plugin ABI, throughput.
+    Bench(bench::Arguments),
     /// Print calibrated parameters of a law.
     Props {
         #[command(subcommand)]
@@ -172,6 +175,7 @@ fn act(command: Command) -> u8 {
         Command::Schema => schema(),
         Command::Plot { results, out, png } => plot::plot(&results, out.as_deref(), png),
         Command::Fit { law } => fit::act(&law),
+        Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),
         Command::Worker { task, reading } => isolated::work(&task, &reading),
     }

@@ -55,7 +55,7 @@ pub struct Figure {
     pub lines: Vec<Line>,
     /// Measured.
     pub marks: Vec<Marks>,
-    /// What the x axis is like.
+    /// What the axes are like.
     pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
@@ -76,15 +76,17 @@ pub struct Line {
     pub marked: bool,
 }
 
-/// What the x axis is like.
+/// What the axes are like. Where y is not named, it shows numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Numbers.
     #[default]
     Linear,
-    /// Powers of ten; numbers must be > 0.
+    /// Powers of ten along x; numbers must be > 0.
     Decades,
-    /// Names at 0, 1, 2…
+    /// Powers of ten along x and y; numbers must be > 0.
+    BothDecades,
+    /// Names at x = 0, 1, 2…
     Names(Vec<String>),
 }
 
@@ -132,9 +134,12 @@ impl Figure {
         let least = |other: (f64, f64)| if self.equal_units { 0.25 * (other.1 - other.0).max(0.0) } else { 0.0 };
         let x = match &self.scale {
             Scale::Linear => Axis::new(&self.x, across, least(up), 9),
-            Scale::Decades => Axis::logarithmic(&self.x, across),
+            Scale::Decades | Scale::BothDecades => Axis::logarithmic(&self.x, across),
             Scale::Names(names) => Axis::named(&self.x, names),
         };
+        if self.scale == Scale::BothDecades {
+            return (x, Axis::logarithmic(&self.y, up));
+        }
         // what is nearly the same for all of a few results shall look so
         let least_up = match self.lines.iter().any(|line| line.marked) {
             true => LEAST_SHARE * up.0.abs().max(up.1.abs()),

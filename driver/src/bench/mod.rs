@@ -1,0 +1,123 @@
+//! `pullout bench`: run time against error, the cost of the plugin ABI, throughput.
+//!
+//! Each item leaves its numbers as CSV, its pictures as SVG and one page of Markdown with the machine they were
+//! measured on. Times are those of the calling thread's processor, of ways that take turns: what a figure
+//! says is a ratio of such times, or a count.
+
+mod laws;
+mod machine;
+mod page;
+mod table;
+mod timing;
+
+use crate::case::CaseErrors;
+use clap::ValueEnum;
+use page::Page;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use timing::Timing;
+use umat_abi::host::LoadError;
+
+/// What can be measured.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+pub enum Item {
+    /// Error against run time of each law, of the thesis's algorithms, and of the driver, over the number of increments.
+    Laws,
+}
+
+impl Item {
+    /// All of them, in the order in which they run.
+    pub const ALL: &'static [Self] = &[Self::Laws];
+
+    /// The stem of its files.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Laws => "laws",
+        }
+    }
+
+    fn measure(self, settings: &Settings) -> Result<Page, BenchError> {
+        match self {
+            Self::Laws => laws::measure(settings),
+        }
+    }
+}
+
+/// How it is measured.
+#[derive(Clone, Debug)]
+pub struct Settings {
+    /// Only show that it works: seconds, and figures that mean little.
+    pub quick: bool,
+    /// Searched for plugins before the usual folders.
+    pub plugin_paths: Vec<PathBuf>,
+}
+
+impl Settings {
+    fn timing(&self) -> Timing {
+        if self.quick { Timing::QUICK } else { Timing::FULL }
+    }
+}
+
+/// Why an item has no results.
+#[derive(Debug)]
+pub enum BenchError {
+    /// A plugin cannot be loaded.
+    Plugin(LoadError),
+    /// A case that is run is refused: its plugin is missing.
+    Case(CaseErrors),
+    /// A plugin is in none of these folders.
+    Missing {
+        /// The plugin.
+        plugin: String,
+        /// Where it was looked for.
+        searched: Vec<PathBuf>,
+    },
+    /// Something that always works did not: a law refused its parameters, two ways disagreed.
+    Failed(String),
+    /// A file could not be written.
+    File(io::Error),
+}
+
+impl fmt::Display for BenchError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Plugin(error) => error.fmt(f),
+            Self::Case(errors) => errors.fmt(f),
+            Self::Missing { plugin, searched } => {
+                let folders: Vec<_> = searched.iter().map(|folder| folder.display().to_string()).collect();
+                write!(f, "no plugin '{plugin}' in {}; --plugin-path DIR names another folder", folders.join(", "))
+            }
+            Self::Failed(message) => f.write_str(message),
+            Self::File(error) => error.fmt(f),
+        }
+    }
+}
+
+impl From<CaseErrors> for BenchError {
+    fn from(errors: CaseErrors) -> Self {
+        Self::Case(errors)
+    }
+}
+
+impl From<io::Error> for BenchError {
+    fn from(error: io::Error) -> Self {
+        Self::File(error)
+    }
+}
+
+impl From<LoadError> for BenchError {
+    fn from(error: LoadError) -> Self {
+        Self::Plugin(error)
+    }
+}
+
+/// Measures an item and writes its files into a folder (made if missing). Returns what it found, for a terminal.
+///
+/// # Errors
+/// [`BenchError`]; no file of the item is written then.
+pub fn measure(item: Item, settings: &Settings, folder: &Path) -> Result<String, BenchError> {
+    let page = item.measure(settings)?;
+    page.write(folder, item.name(), settings.quick)?;
+    Ok(page.text())
+}

@@ -1,0 +1,65 @@
+//! `pullout bench --quick` as its users meet it.
+
+mod program;
+
+use program::Desk;
+use std::path::Path;
+
+/// The lines of a CSV file by columns.
+fn csv(path: &Path) -> (Vec<String>, Vec<Vec<String>>) {
+    let mut reader = csv::Reader::from_path(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let header = reader.headers().expect("a header").iter().map(str::to_owned).collect();
+    let rows = reader.records().map(|record| record.expect("a row").iter().map(str::to_owned).collect()).collect();
+    (header, rows)
+}
+
+/// The numbers of a column; an empty entry is none.
+fn numbers(path: &Path, column: &str) -> Vec<Option<f64>> {
+    let (header, rows) = csv(path);
+    let k = header.iter().position(|name| name == column).unwrap_or_else(|| panic!("{}: {column}", path.display()));
+    let number = |text: &String| (!text.is_empty()).then(|| text.parse().expect("a number"));
+    rows.iter().map(|row| number(&row[k])).collect()
+}
+
+fn pictures(folder: &Path) -> usize {
+    let files = std::fs::read_dir(folder).expect("the results").flatten();
+    let svgs = files.filter(|file| file.path().extension().is_some_and(|extension| extension == "svg"));
+    svgs.inspect(|file| {
+        let text = std::fs::read_to_string(file.path()).expect("a picture");
+        roxmltree::Document::parse(&text).expect("well-formed SVG");
+    })
+    .count()
+}
+
+#[test]
+fn laws_are_measured() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "laws", "--quick", "--out", "results"]).expect(0);
+    let results = desk.path("results");
+    let data = results.join("laws.csv");
+    let (_, rows) = csv(&data);
+    for series in ["law", "driver", "Box 4.1", "Box 4.2", "Box 5.1"] {
+        assert!(rows.iter().filter(|row| row[2] == series).count() >= 15, "{series}");
+    }
+    let errors = numbers(&data, "error");
+    for (row, error) in rows.iter().zip(&errors) {
+        let failed = !row[9].is_empty();
+        assert_eq!(error.is_none(), failed, "{row:?}");
+        assert!(error.is_none_or(|error| error.is_finite() && error >= 0.0), "{row:?}");
+        assert!(row[2] != "law" || !failed, "{row:?}");
+    }
+    let times = numbers(&data, "time_over_law").into_iter().flatten();
+    assert!(times.into_iter().all(|ratio| ratio.is_finite() && ratio > 0.0));
+    let page = std::fs::read_to_string(results.join("laws.md")).expect("a page");
+    assert!(page.contains("rustc 1.") && page.contains("--quick"), "{page}");
+    assert!(!page.contains("should not depend"), "{page}");
+    assert!(pictures(&results) >= 5);
+}
+
+#[test]
+fn an_unknown_item_is_refused_with_the_known_ones() {
+    let desk = Desk::new();
+    let outcome = desk.pullout(["bench", "nonsense"]).expect(2);
+    assert!(outcome.stderr.contains("laws"), "{}", outcome.stderr);
+    assert!(!desk.path("bench").exists());
+}
