@@ -138,6 +138,21 @@
 #define PULLOUT_VALIDATION_NEEDS_LENGTH 2
 
 /*
+ Its arrays hold the new values.
+ */
+#define PULLOUT_BATCH_RESULT_DONE 0
+
+/*
+ Its arrays are as they were: it needs a smaller increment.
+ */
+#define PULLOUT_BATCH_RESULT_CUT_BACK 1
+
+/*
+ Parameters, counts or characteristic length are wrong: STRESS and DDSDDE are NaN.
+ */
+#define PULLOUT_BATCH_RESULT_REFUSED 2
+
+/*
  A named value of a selecting parameter.
  */
 typedef struct pullout_choice {
@@ -429,6 +444,26 @@ extern "C" {
  The description of the first law of a library; further ones follow by `next`.
  */
 const struct pullout_plugin *pullout_plugin_v1(void);
+
+/*
+ `pullout_umat_batch_v1`: UMAT for `n` points with the same parameters, to the same bits as `n` calls of `umat_` with
+ DROT = 1. Arrays hold `n` values of the first component, then `n` of the second, and so on: `strain` (at the start),
+ `dstrain` and `stress` for `ntens` components, `statev` for `nstatv`, `ddsdde` for `ntens`·`ntens` (column by column; NULL:
+ stress only). `celent` has `n` values or is NULL; `status` has `n`: PULLOUT_BATCH_RESULT_…. No allocation; any thread.
+ */
+void pullout_umat_batch_v1(size_t n,
+                           int32_t ntens,
+                           int32_t ndi,
+                           const double *props,
+                           int32_t nprops,
+                           const double *strain,
+                           const double *dstrain,
+                           double *stress,
+                           double *statev,
+                           int32_t nstatv,
+                           double *ddsdde,
+                           const double *celent,
+                           int32_t *status);
 
 /*
  `umat_` as gfortran compiles it on Linux.

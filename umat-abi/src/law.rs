@@ -142,6 +142,36 @@ impl Response {
     }
 }
 
+/// How many points [`Law::update_block`] advances: two registers of AVX2, four of SSE2.
+pub const LANES: usize = 8;
+
+/// One number of each point of a block.
+pub type Lane = [f64; LANES];
+
+/// [`Increment`]s of LANES points, component by component.
+#[derive(Clone, Copy, Debug)]
+pub struct Block {
+    /// Which components exist.
+    pub stress_state: StressState,
+    /// Total strain at the end of the increment; finite.
+    pub strain: [Lane; 6],
+    /// Strain increment.
+    pub strain_increment: [Lane; 6],
+    /// Stress at the start of the increment.
+    pub stress: [Lane; 6],
+    /// CELENT, mm.
+    pub characteristic_length: [Option<f64>; LANES],
+}
+
+/// What the boundary needs of the [`Response`]s of LANES points.
+#[derive(Clone, Copy, Debug)]
+pub struct BlockResponse {
+    /// Stress at the end of the increment, MPa.
+    pub stress: [Lane; 6],
+    /// Stored energy per volume at the end of the increment, N·mm/mm³.
+    pub stored_energy: Lane,
+}
+
 /// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConfigurationError {
@@ -277,6 +307,19 @@ pub trait Law {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure>;
+
+    /// Whether [`Self::update_block`] is there.
+    const UPDATES_BLOCKS: bool = false;
+
+    /// Advances LANES points at once, stress only: to the same bits as [`Self::update`] point by point. `None`: this is
+    /// for single updates (any of them may fail, or the law has no such form for these parameters); `state` does not
+    /// matter then.
+    ///
+    /// `#[inline(always)]` wherever it is implemented: the boundary compiles it for wider registers.
+    #[inline(always)]
+    fn update_block(_parameters: &Self::Parameters<'_>, _block: &Block, _state: &mut [Lane]) -> Option<BlockResponse> {
+        None
+    }
 
     /// Whether these parameters need a characteristic length (their crack band is on).
     fn needs_characteristic_length(_parameters: &Self::Parameters<'_>) -> bool {

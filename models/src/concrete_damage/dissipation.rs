@@ -23,24 +23,21 @@ pub(super) struct Start {
 /// f the uniaxial stiffness ratio. R stays the same in uniaxial stress (and, for cracking, on any
 /// proportional strain path without crushing), where this is exact for any increment; it is of second
 /// order otherwise, and never negative.
+/// `strain` holds the principal values of the start's elastic strain.
 /// Inelastic strain: ½ (σ* + σ_{n+1}) : Δε_p, σ* being σ_n carried along its ray to the threshold.
 pub(super) fn increment(
     parameters: &Parameters,
     softening: &[Softening; 2],
     start: &Start,
+    strain: &[f64; 3],
     end: &Evolution,
     axes: &Spectral,
     stress: &[f64; 6],
 ) -> f64 {
-    let growing = end.growth[0].is_some() || end.growth[1].is_some();
-    if !growing && end.flow.is_none() {
-        return 0.0;
-    }
-    let strain = Spectral::of_strain(&start.elastic_strain).values;
-    let criteria = Criteria::new(parameters, &strain);
+    let criteria = Criteria::new(parameters, strain);
     let mut dissipation = 0.0;
-    if growing {
-        let solid = Degraded::new(parameters, start.history.tension.eta, start.history.compression.eta, &strain);
+    if end.growth[0].is_some() || end.growth[1].is_some() {
+        let solid = Degraded::new(parameters, start.history.tension.eta, start.history.compression.eta, strain);
         if let Some(damage) = &end.growth[0] {
             let (old, new) = (&start.history.tension, &end.history.tension);
             let ratio = end.solid.tensile_force() / new.maximum;

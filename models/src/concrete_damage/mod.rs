@@ -1,5 +1,6 @@
 #![doc = include_str!("doc.md")]
 
+mod block;
 pub mod calibration;
 mod crack_band;
 mod criteria;
@@ -22,7 +23,9 @@ use crack_band::CrackBand;
 use dissipation::Start;
 use evolution::Evolution;
 use softening::Softening;
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::law::{
+    Block, BlockResponse, ConfigurationError, Failure, Increment, Lane, Law, LawInfo, Request, Response, StressState,
+};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 use uniaxial::Uniaxial;
 
@@ -221,7 +224,7 @@ impl Law for ConcreteDamage {
         let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
         if history.tension.eta == 0.0
             && history.compression.eta == 0.0
-            && let Some(response) = elastic_response(parameters, increment, &trial, request)
+            && let Some(response) = elastic_response(parameters, increment.stress_state, &trial, request)
         {
             state[CRACK_BAND] = crack_band;
             state[STRAIN_33_STATE] = if increment.stress_state == StressState::PlaneStress {
@@ -234,11 +237,15 @@ impl Law for ConcreteDamage {
         }
         let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
         let stress = point.stress(parameters);
-        let dissipation = point.dissipation(parameters, &softening, &history, increment, state, &stress);
+        let dissipation = if point.dissipates() {
+            let start = point.start(&history, increment, state);
+            let axes = Spectral::of_strain(&start.elastic_strain);
+            dissipation::increment(parameters, &softening, &start, &axes.values, &point.evolution, &point.axes, &stress)
+        } else {
+            0.0
+        };
         let energy = point.evolution.solid.energy();
-        let History { tension, compression } = point.evolution.history;
-        let reached = tension.maximum + compression.maximum;
-        if !(energy + dissipation + reached + stress.iter().sum::<f64>()).is_finite() {
+        if !point.is_finite(energy, dissipation, &stress) {
             if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
                 Self::check_characteristic_length(parameters, length)?;
             }
@@ -249,6 +256,13 @@ impl Law for ConcreteDamage {
         state[CRACK_BAND] = crack_band;
         Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
     }
+
+    const UPDATES_BLOCKS: bool = true;
+
+    #[inline(always)]
+    fn update_block(parameters: &Parameters, block: &Block, state: &mut [Lane]) -> Option<BlockResponse> {
+        block::update(parameters, block, state)
+    }
 }
 
 /// The response of the virgin solid, if a bound without principal values shows that nothing can grow:
@@ -256,12 +270,12 @@ impl Law for ConcreteDamage {
 #[inline]
 fn elastic_response(
     parameters: &Parameters,
-    increment: &Increment,
+    stress_state: StressState,
     strain: &[f64; 6],
     request: Request,
 ) -> Option<Response> {
     let elasticity = &parameters.elasticity;
-    let plane_stress = increment.stress_state == StressState::PlaneStress;
+    let plane_stress = stress_state == StressState::PlaneStress;
     let mut strain = *strain;
     if plane_stress {
         strain[2] = elasticity.plane_stress_strain_33(&strain);
@@ -347,29 +361,32 @@ impl PointResponse {
         }
     }
 
+    /// Whether damage or inelastic strain grows.
     #[inline]
-    fn dissipation(
-        &self,
-        parameters: &Parameters,
-        softening: &[Softening; 2],
-        history: &History,
-        increment: &Increment,
-        state: &[f64],
-        stress: &[f64; 6],
-    ) -> f64 {
-        if self.evolution.growth.iter().all(Option::is_none) && self.evolution.flow.is_none() {
-            return 0.0;
-        }
+    fn dissipates(&self) -> bool {
+        self.evolution.growth.iter().any(Option::is_some) || self.evolution.flow.is_some()
+    }
+
+    /// Where the increment starts from.
+    #[inline]
+    fn start(&self, history: &History, increment: &Increment, state: &[f64]) -> Start {
         let mut strain: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - increment.strain_increment[i]);
         if self.normal.is_some() {
             strain[2] = state[STRAIN_33_STATE];
         }
-        let start = Start {
+        Start {
             elastic_strain: std::array::from_fn(|i| strain[i] - state[INELASTIC_STRAIN + i]),
             stress: increment.stress,
             history: *history,
-        };
-        dissipation::increment(parameters, softening, &start, &self.evolution, &self.axes, stress)
+        }
+    }
+
+    /// Whether all results are numbers.
+    #[inline]
+    fn is_finite(&self, energy: f64, dissipation: f64, stress: &[f64; 6]) -> bool {
+        let History { tension, compression } = self.evolution.history;
+        let reached = tension.maximum + compression.maximum;
+        (energy + dissipation + reached + stress.iter().sum::<f64>()).is_finite()
     }
 
     /// Writes the new state.

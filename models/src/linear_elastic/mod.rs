@@ -1,7 +1,10 @@
 #![doc = include_str!("doc.md")]
 
 use crate::tensor::{Elasticity, work};
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::law::{
+    Block, BlockResponse, ConfigurationError, Failure, Increment, LANES, Lane, Law, LawInfo, Request, Response,
+    StressState,
+};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
 
 #[cfg(test)]
@@ -59,8 +62,47 @@ impl Law for LinearElastic {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure> {
-        let mut strain = increment.strain;
         let plane_stress = increment.stress_state == StressState::PlaneStress;
+        let Elastic { strain_33, stress, energy } = Elastic::new(elasticity, plane_stress, increment.strain);
+        let tangent = match (request.wants_tangent(), plane_stress) {
+            (false, _) => [[0.0; 6]; 6],
+            (true, false) => elasticity.stiffness(),
+            (true, true) => elasticity.plane_stress_stiffness(),
+        };
+        state[0] = strain_33;
+        state[1] = 0.0;
+        Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 })
+    }
+
+    const UPDATES_BLOCKS: bool = true;
+
+    #[inline(always)]
+    fn update_block(elasticity: &Elasticity, block: &Block, state: &mut [Lane]) -> Option<BlockResponse> {
+        let mut response = BlockResponse { stress: [[0.0; LANES]; 6], stored_energy: [0.0; LANES] };
+        let plane_stress = block.stress_state == StressState::PlaneStress;
+        for lane in 0..LANES {
+            let elastic = Elastic::new(elasticity, plane_stress, block.strain.map(|component| component[lane]));
+            for i in 0..6 {
+                response.stress[i][lane] = elastic.stress[i];
+            }
+            response.stored_energy[lane] = elastic.energy;
+            state[0][lane] = elastic.strain_33;
+            state[1][lane] = 0.0;
+        }
+        Some(response)
+    }
+}
+
+/// The elastic solid at a strain.
+struct Elastic {
+    strain_33: f64,
+    stress: [f64; 6],
+    energy: f64,
+}
+
+impl Elastic {
+    #[inline(always)]
+    fn new(elasticity: &Elasticity, plane_stress: bool, mut strain: [f64; 6]) -> Self {
         if plane_stress {
             strain[2] = elasticity.plane_stress_strain_33(&strain);
         }
@@ -68,13 +110,6 @@ impl Law for LinearElastic {
         if plane_stress {
             stress[2] = 0.0;
         }
-        let tangent = match (request.wants_tangent(), plane_stress) {
-            (false, _) => [[0.0; 6]; 6],
-            (true, false) => elasticity.stiffness(),
-            (true, true) => elasticity.plane_stress_stiffness(),
-        };
-        state[0] = strain[2];
-        state[1] = 0.0;
-        Ok(Response { stress, tangent, stored_energy: 0.5 * work(&stress, &strain), dissipated_energy: 0.0 })
+        Self { strain_33: strain[2], stress, energy: 0.5 * work(&stress, &strain) }
     }
 }

@@ -34,17 +34,38 @@ impl Spectral {
     }
 
     #[inline]
-    fn of_matrix(mut m: [[f64; 3]; 3]) -> Self {
-        let mut directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        if m[0][2] == 0.0 && m[1][2] == 0.0 {
+    fn of_matrix(m: [[f64; 3]; 3]) -> Self {
+        let mut m = m.map(|row| row.map(|entry| [entry]));
+        let mut directions = identity();
+        if m[0][2] == [0.0] && m[1][2] == [0.0] {
             // direction 3 is principal: one rotation at most, which leaves exact zeros
-            if m[0][1] != 0.0 {
-                rotate(&mut m, &mut directions, 0, 1);
-            }
+            rotate::<1, 0, 1>(&mut m, &mut directions, &[0.0]);
         } else {
-            sweep(&mut m, &mut directions);
+            let negligible = [NEGLIGIBLE * largest(&m, 0)];
+            sweep(&mut m, &mut directions, &negligible);
         }
-        Self { values: [m[0][0], m[1][1], m[2][2]], directions }.sorted()
+        Self::of_lane(&m, &directions, 0)
+    }
+
+    /// Decomposes W strains at once, component by component: to the same bits as [`Self::of_strain`], one by one.
+    #[inline(always)]
+    pub fn of_strains<const W: usize>(strains: &[[f64; W]; 6]) -> [Self; W] {
+        let [a, b, c, d, e, f] = strains;
+        let [d, e, f] = [d, e, f].map(|shear| shear.map(|gamma| 0.5 * gamma));
+        let mut m = [[*a, d, e], [d, *b, f], [e, f, *c]];
+        let mut directions = identity();
+        let negligible = std::array::from_fn(|lane| {
+            let is_planar = m[0][2][lane] == 0.0 && m[1][2][lane] == 0.0;
+            if is_planar { 0.0 } else { NEGLIGIBLE * largest(&m, lane) }
+        });
+        sweep(&mut m, &mut directions, &negligible);
+        std::array::from_fn(|lane| Self::of_lane(&m, &directions, lane))
+    }
+
+    #[inline(always)]
+    fn of_lane<const W: usize>(m: &Lanes<W>, directions: &Lanes<W>, lane: usize) -> Self {
+        let values = [m[0][0][lane], m[1][1][lane], m[2][2][lane]];
+        Self { values, directions: directions.map(|row| row.map(|entry| entry[lane])) }.sorted()
     }
 
     /// The same with e_1 ≥ e_2 ≥ e_3.
@@ -159,50 +180,75 @@ fn along_axes(axes: [usize; 3], principal: &[[f64; 3]; 3], shear: &[f64; 3]) -> 
     tangent
 }
 
-/// Jacobi rotations until nothing is left off the diagonal.
-fn sweep(m: &mut [[f64; 3]; 3], directions: &mut [[f64; 3]; 3]) {
-    let largest = m.iter().flatten().fold(0.0_f64, |scale, x| scale.max(x.abs()));
-    let negligible = NEGLIGIBLE * largest;
+/// W matrices at once, entry by entry.
+type Lanes<const W: usize> = [[[f64; W]; 3]; 3];
+
+#[inline(always)]
+fn identity<const W: usize>() -> Lanes<W> {
+    std::array::from_fn(|i| std::array::from_fn(|j| [if i == j { 1.0 } else { 0.0 }; W]))
+}
+
+/// The largest entry of a matrix in magnitude.
+#[inline(always)]
+fn largest<const W: usize>(m: &Lanes<W>, lane: usize) -> f64 {
+    m.iter().flatten().fold(0.0_f64, |scale, entry| scale.max(entry[lane].abs()))
+}
+
+/// Jacobi rotations until nothing is left off the diagonals.
+#[inline(always)]
+fn sweep<const W: usize>(m: &mut Lanes<W>, directions: &mut Lanes<W>, negligible: &[f64; W]) {
     for _ in 0..MAX_SWEEPS {
-        let mut rotated = false;
-        for (p, q) in [(0, 1), (0, 2), (1, 2)] {
-            if m[p][q].abs() > negligible {
-                rotate(m, directions, p, q);
-                rotated = true;
-            }
-        }
-        if !rotated {
+        let first = rotate::<W, 0, 1>(m, directions, negligible);
+        let second = rotate::<W, 0, 2>(m, directions, negligible);
+        let third = rotate::<W, 1, 2>(m, directions, negligible);
+        if !(first || second || third) {
             break;
         }
     }
 }
 
-/// One Jacobi rotation that annihilates `m[p][q]` (Rutishauser's stable form).
-#[inline]
-fn rotate(m: &mut [[f64; 3]; 3], directions: &mut [[f64; 3]; 3], p: usize, q: usize) {
-    let off_diagonal = m[p][q];
-    let theta = 0.5 * (m[q][q] - m[p][p]) / off_diagonal;
-    let t = if theta.is_finite() {
-        let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
-        if theta < 0.0 { -magnitude } else { magnitude }
-    } else {
-        0.0
-    };
-    let c = 1.0 / (t * t + 1.0).sqrt();
-    let s = t * c;
-    m[p][p] -= t * off_diagonal;
-    m[q][q] += t * off_diagonal;
-    m[p][q] = 0.0;
-    m[q][p] = 0.0;
-    let r = 3 - p - q;
-    let (mp, mq) = (m[r][p], m[r][q]);
-    m[r][p] = c * mp - s * mq;
-    m[r][q] = s * mp + c * mq;
-    m[p][r] = m[r][p];
-    m[q][r] = m[r][q];
-    for k in 0..3 {
-        let (vp, vq) = (directions[p][k], directions[q][k]);
-        directions[p][k] = c * vp - s * vq;
-        directions[q][k] = s * vp + c * vq;
+/// One Jacobi rotation that annihilates entry P, Q of each matrix where it is not negligible (Rutishauser's stable form);
+/// false: nowhere. The other matrices stay as they are.
+#[inline(always)]
+fn rotate<const W: usize, const P: usize, const Q: usize>(
+    m: &mut Lanes<W>,
+    directions: &mut Lanes<W>,
+    negligible: &[f64; W],
+) -> bool {
+    let mut any = false;
+    for lane in 0..W {
+        any |= m[P][Q][lane].abs() > negligible[lane];
     }
+    if !any {
+        return false;
+    }
+    let r = 3 - P - Q;
+    for lane in 0..W {
+        let off_diagonal = m[P][Q][lane];
+        let wanted = off_diagonal.abs() > negligible[lane];
+        let theta = 0.5 * (m[Q][Q][lane] - m[P][P][lane]) / off_diagonal;
+        let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
+        let signed = if theta < 0.0 { -magnitude } else { magnitude };
+        let t = if theta.is_finite() { signed } else { 0.0 };
+        let c = 1.0 / (t * t + 1.0).sqrt();
+        let s = t * c;
+        let choose = |new: f64, old: f64| if wanted { new } else { old };
+        let (mp, mq) = (m[r][P][lane], m[r][Q][lane]);
+        let (rp, rq) = (choose(c * mp - s * mq, mp), choose(s * mp + c * mq, mq));
+        m[P][P][lane] = choose(m[P][P][lane] - t * off_diagonal, m[P][P][lane]);
+        m[Q][Q][lane] = choose(m[Q][Q][lane] + t * off_diagonal, m[Q][Q][lane]);
+        let zero = choose(0.0, off_diagonal);
+        m[P][Q][lane] = zero;
+        m[Q][P][lane] = zero;
+        m[r][P][lane] = rp;
+        m[P][r][lane] = rp;
+        m[r][Q][lane] = rq;
+        m[Q][r][lane] = rq;
+        for k in 0..3 {
+            let (vp, vq) = (directions[P][k][lane], directions[Q][k][lane]);
+            directions[P][k][lane] = choose(c * vp - s * vq, vp);
+            directions[Q][k][lane] = choose(s * vp + c * vq, vq);
+        }
+    }
+    true
 }

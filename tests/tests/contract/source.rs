@@ -146,6 +146,7 @@ pub fn metadata() -> TokenStream {
                 output.extend(names.tables.iter().map(table));
                 output.extend(quote!(#item));
             }
+            Item::Type(item) if item.ident == "UmatBatch" => output.extend(batch_function(item)),
             Item::Type(mut item) => {
                 CNames::default().visit_item_type_mut(&mut item);
                 item.ident = c_name(&item.ident);
@@ -204,6 +205,23 @@ fn plugin_function(symbol: &Expr) -> TokenStream {
         #[unsafe(no_mangle)]
         pub extern "C" fn #name() -> *const pullout_plugin {}
     }
+}
+
+/// The function for many points, whose type this is, and the type.
+fn batch_function(mut item: syn::ItemType) -> TokenStream {
+    CNames::default().visit_item_type_mut(&mut item);
+    item.ident = c_name(&item.ident);
+    let symbol = quote::format_ident!("{}", umat_abi::metadata::BATCH_SYMBOL);
+    let Type::BareFn(function) = &*item.ty else { panic!("a function type") };
+    let (documentation, inputs) = (&item.attrs, &function.inputs);
+    let declaration = quote! {
+        #(#documentation)*
+        #[unsafe(no_mangle)]
+        pub extern "C" fn #symbol(#inputs) {}
+    };
+    item.attrs.clear();
+    let pointer_doc = format!(" A pointer to `{symbol}`.");
+    quote!(#declaration #[doc = #pointer_doc] #item)
 }
 
 /// `StateVariable` → `pullout_state_variable`.

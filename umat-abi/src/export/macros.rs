@@ -350,6 +350,53 @@ macro_rules! plugin_symbol {
     };
 }
 
+/// Defines `pullout_umat_batch_v1` of a law.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! batch_symbol {
+    ($law:ty) => {
+        /// UMAT for many points; see the C header.
+        ///
+        /// # Safety
+        /// Every pointer is NULL or valid for the values that the counts tell.
+        #[allow(clippy::too_many_arguments, reason = "the argument list is the contract's")]
+        #[unsafe(no_mangle)]
+        pub unsafe extern "C" fn pullout_umat_batch_v1(
+            n: usize,
+            ntens: i32,
+            ndi: i32,
+            props: *const f64,
+            nprops: i32,
+            strain: *const f64,
+            dstrain: *const f64,
+            stress: *mut f64,
+            statev: *mut f64,
+            nstatv: i32,
+            ddsdde: *mut f64,
+            celent: *const f64,
+            status: *mut i32,
+        ) {
+            let arguments = $crate::export::BatchArguments {
+                n,
+                ntens,
+                ndi,
+                props,
+                nprops,
+                strain,
+                dstrain,
+                stress,
+                statev,
+                nstatv,
+                ddsdde,
+                celent,
+                status,
+            };
+            // SAFETY: forwarded to the caller.
+            unsafe { $crate::export::batch::<$law>(&arguments) }
+        }
+    };
+}
+
 /// The version of the crate that exports, as a C string.
 #[doc(hidden)]
 #[macro_export]
@@ -397,7 +444,7 @@ macro_rules! plugin_chain {
 }
 
 /// Turns a [`Law`](crate::law::Law) into the symbols of a cdylib: `umat_`, `umat`, `UMAT`, the unique
-/// name given as second argument, and `pullout_plugin_v1`.
+/// name given as second argument, `pullout_umat_batch_v1`, and `pullout_plugin_v1`.
 ///
 /// ```ignore
 /// umat_abi::export_umat!(MyLaw, "my_law_umat_");
@@ -410,6 +457,7 @@ macro_rules! export_umat {
         $crate::umat_symbol!("umat", umat_plain, $crate::export::umat::<$law>);
         $crate::umat_symbol!("UMAT", umat_upper, $crate::export::umat::<$law>);
         $crate::umat_symbol!($unique, umat_unique, $crate::export::umat::<$law>);
+        $crate::batch_symbol!($law);
         $crate::plugin_symbol!($crate::law_plugin!((umat $law)));
     };
 }

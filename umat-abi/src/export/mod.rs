@@ -7,12 +7,14 @@
 //! zeros); numerical failures leave everything as it was and ask for a cut-back. No allocation, lock
 //! or I/O on the way; no panic leaves.
 
+mod batch;
 mod dispatch;
 mod interface;
 mod macros;
 mod solid;
 mod validate;
 
+pub use batch::{BatchArguments, batch};
 pub use dispatch::{NamedEntry, fric_by_name, uinter_by_name, umat_by_name};
 pub use interface::{fric, uinter};
 pub use solid::umat;

@@ -161,7 +161,7 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
 
 /// A result that is not finite must not reach the host.
 #[inline]
-fn check_response(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
+pub(super) fn check_response(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
     const REASON: &str = "the update overflowed";
     finite(&response.stress, REASON)?;
     finite(state, REASON)?;

@@ -233,6 +233,67 @@ impl UmatCall {
         unsafe { self.call_with(stress_only, filling, |_| ()) }
     }
 
+    /// Calls the plugin `count` times with the same arguments, for measurements: STRESS and STATEV are as they are now
+    /// before each call and as the last one left them at the end, DDSDDE is not zeroed, canaries are checked once.
+    ///
+    /// # Errors
+    /// As [`Self::call`].
+    pub fn repeat(&mut self, count: usize, request: Request) -> Result<CallOutcome, Overrun> {
+        let stress_only = request == Request::Stress && self.honours_stress_only;
+        self.pnewdt = PNEWDT_ON_ENTRY;
+        let mut start = [0.0; 6];
+        let start = &mut start[..self.ntens()];
+        start.copy_from_slice(self.stress.as_slice());
+        let states = self.statev.as_slice().to_vec();
+        for _ in 0..count {
+            self.stress.as_mut_slice().copy_from_slice(start);
+            self.statev.as_mut_slice().copy_from_slice(&states);
+            let arguments = self.arguments(stress_only);
+            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+        }
+        self.check_arrays()?;
+        Ok(self.outcome())
+    }
+
+    /// Calls the plugin on arrays of the caller's own, as a finite element program does: STRAN, DSTRAN and STRESS of NTENS
+    /// values, STATEV of NSTATV. DDSDDE is the call's own, not zeroed. Nothing is made sure of behind the arrays.
+    ///
+    /// # Panics
+    /// If an array has another length.
+    #[inline]
+    pub fn call_in_place(
+        &mut self,
+        stran: &[f64],
+        dstran: &[f64],
+        stress: &mut [f64],
+        statev: &mut [f64],
+        request: Request,
+    ) -> CallOutcome {
+        let ntens = self.ntens();
+        assert!(stran.len() == ntens && dstran.len() == ntens && stress.len() == ntens, "NTENS values");
+        assert!(statev.len() == self.statev.as_slice().len(), "NSTATV values");
+        let stress_only = request == Request::Stress && self.honours_stress_only;
+        self.pnewdt = PNEWDT_ON_ENTRY;
+        let arguments = UmatArguments {
+            stran: stran.as_ptr(),
+            dstran: dstran.as_ptr(),
+            stress: stress.as_mut_ptr(),
+            statev: statev.as_mut_ptr(),
+            ..self.arguments(stress_only)
+        };
+        // SAFETY: every pointer is valid for the sizes that the counts tell.
+        run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+        self.outcome()
+    }
+
+    fn check_arrays(&mut self) -> Result<(), Overrun> {
+        self.stress.check()?;
+        self.statev.check()?;
+        self.ddsdde.check()?;
+        self.props.check()
+    }
+
     /// What the last call came back with, also if it wrote behind an array.
     #[inline]
     pub fn outcome(&self) -> CallOutcome {
@@ -262,10 +323,7 @@ impl UmatCall {
         if let Some(slot) = &mut self.slot {
             slot.leave();
         }
-        self.stress.check()?;
-        self.statev.check()?;
-        self.ddsdde.check()?;
-        self.props.check()?;
+        self.check_arrays()?;
         Ok(self.outcome())
     }
 

@@ -5,7 +5,7 @@ use super::guard::Guard;
 use super::{recorder, utilities};
 use crate::floating_point;
 use crate::fric::FricFunction;
-use crate::metadata::{PLUGIN_SYMBOL, Plugin};
+use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin, UmatBatch};
 use crate::uinter::UinterFunction;
 use crate::umat::UmatFunction;
 use std::fmt;
@@ -151,6 +151,23 @@ impl Library {
     pub fn umat(&self, symbol: Option<&str>) -> Result<UmatFunction, LoadError> {
         // SAFETY: a function of this name in a UMAT library has the UMAT signature; no check is possible.
         unsafe { self.entry("umat", symbol) }
+    }
+
+    /// The function for many points, if the library has one: only libraries that describe a law can.
+    pub(super) fn batch(&self) -> Option<UmatBatch> {
+        if self.laws.len() != 1 {
+            return None;
+        }
+        // SAFETY: the symbol, if there is one, is the function that the contract defines; callers keep the library.
+        unsafe { self.handle.get::<UmatBatch>(BATCH_SYMBOL) }.ok().map(|function| *function)
+    }
+
+    /// The same library, known to keep floating-point modes and to be thread-safe as one with metadata is: nothing is made
+    /// sure of in calls.
+    #[must_use]
+    pub fn vouched_for(mut self) -> Self {
+        self.guard = None;
+        self
     }
 
     /// The UINTER entry point.

@@ -1,6 +1,7 @@
 //! The host side: finding, loading and calling plugins, ours and anybody's.
 
 mod altered;
+mod batch;
 mod call;
 mod data;
 mod description;
@@ -19,6 +20,7 @@ mod utilities;
 pub const MOMENT: f64 = 1e-12;
 
 pub use altered::Alteration;
+pub use batch::BatchCall;
 pub use call::{CallOutcome, UmatCall};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};

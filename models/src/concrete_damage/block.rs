@@ -1,0 +1,130 @@
+//! LANES points at once: principal strains are found in registers, the rest of the law follows point by point.
+
+use super::dissipation;
+use super::evolution::Evolution;
+use super::{
+    Branch, CRACK_BAND, History, INELASTIC_STRAIN, Parameters, PointResponse, STATES, STRAIN_33_STATE, elastic_response,
+};
+use crate::tensor::Spectral;
+use umat_abi::law::{Block, BlockResponse, Increment, LANES, Lane, Request, StressState};
+
+/// The update of [`super::ConcreteDamage`] for a block; `None` in plane stress, with a crack band, and where a result is
+/// no number.
+#[inline(always)]
+pub(super) fn update(parameters: &Parameters, block: &Block, states: &mut [Lane]) -> Option<BlockResponse> {
+    if block.stress_state == StressState::PlaneStress || parameters.wants_crack_band() {
+        return None;
+    }
+    let mut response = BlockResponse { stress: [[0.0; LANES]; 6], stored_energy: [0.0; LANES] };
+    let mut trial = [[0.0; LANES]; 6];
+    for i in 0..6 {
+        for lane in 0..LANES {
+            trial[i][lane] = block.strain[i][lane] - states[INELASTIC_STRAIN + i][lane];
+        }
+    }
+    let mut is_elastic = [false; LANES];
+    for lane in 0..LANES {
+        if states[0][lane] == 0.0
+            && states[1][lane] == 0.0
+            && let Some(elastic) = elastic_response(parameters, block.stress_state, &of(&trial, lane), Request::Stress)
+        {
+            is_elastic[lane] = true;
+            put(&mut response.stress, lane, &elastic.stress);
+            response.stored_energy[lane] = elastic.stored_energy;
+            states[CRACK_BAND][lane] = 0.0;
+            states[STRAIN_33_STATE][lane] = block.strain[2][lane];
+        }
+    }
+    if is_elastic != [true; LANES] {
+        damaged(parameters, block, states, &trial, &is_elastic, &mut response)?;
+    }
+    Some(response)
+}
+
+/// The lanes that are not elastic.
+#[inline(always)]
+fn damaged(
+    parameters: &Parameters,
+    block: &Block,
+    states: &mut [Lane],
+    trial: &[Lane; 6],
+    is_elastic: &[bool; LANES],
+    response: &mut BlockResponse,
+) -> Option<()> {
+    let softening = parameters.softening(None);
+    let axes = Spectral::of_strains(trial);
+    let mut points = [const { None }; LANES];
+    for lane in (0..LANES).filter(|&lane| !is_elastic[lane]) {
+        let history = history(states, lane);
+        let evolution = Evolution::new(parameters, &softening, &history, &axes[lane].values);
+        points[lane] = Some(PointResponse { trial: of(trial, lane), axes: axes[lane], normal: None, evolution });
+    }
+    // where something grows, what it dissipates depends on the strain at the start
+    let mut starts = [[0.0; 3]; LANES];
+    if points.iter().flatten().any(PointResponse::dissipates) {
+        let mut strain = [[0.0; LANES]; 6];
+        for i in 0..6 {
+            for lane in 0..LANES {
+                let total = block.strain[i][lane] - block.strain_increment[i][lane];
+                strain[i][lane] = total - states[INELASTIC_STRAIN + i][lane];
+            }
+        }
+        starts = Spectral::of_strains(&strain).map(|axes| axes.values);
+    }
+    for (lane, point) in points.iter().enumerate() {
+        let Some(point) = point else { continue };
+        let mut state = [0.0; STATES.len()];
+        for (value, lanes) in state.iter_mut().zip(&*states) {
+            *value = lanes[lane];
+        }
+        let stress = point.stress(parameters);
+        let dissipation = if point.dissipates() {
+            let increment = Increment {
+                stress_state: block.stress_state,
+                strain: of(&block.strain, lane),
+                strain_increment: of(&block.strain_increment, lane),
+                stress: of(&block.stress, lane),
+                characteristic_length: None,
+            };
+            let start = point.start(&history(states, lane), &increment, &state);
+            let (end, axes) = (&point.evolution, &point.axes);
+            dissipation::increment(parameters, &softening, &start, &starts[lane], end, axes, &stress)
+        } else {
+            0.0
+        };
+        let energy = point.evolution.solid.energy();
+        if !point.is_finite(energy, dissipation, &stress) {
+            return None;
+        }
+        point.commit(&mut state, dissipation);
+        state[CRACK_BAND] = 0.0;
+        for (lanes, value) in states.iter_mut().zip(state) {
+            lanes[lane] = value;
+        }
+        put(&mut response.stress, lane, &stress);
+        response.stored_energy[lane] = energy;
+    }
+    Some(())
+}
+
+/// The history of one point.
+#[inline(always)]
+fn history(states: &[Lane], lane: usize) -> History {
+    History {
+        tension: Branch { eta: states[0][lane], maximum: states[2][lane] },
+        compression: Branch { eta: states[1][lane], maximum: states[3][lane] },
+    }
+}
+
+/// The components of one point.
+#[inline(always)]
+fn of(components: &[Lane; 6], lane: usize) -> [f64; 6] {
+    components.map(|component| component[lane])
+}
+
+#[inline(always)]
+fn put(components: &mut [Lane; 6], lane: usize, values: &[f64; 6]) {
+    for i in 0..6 {
+        components[i][lane] = values[i];
+    }
+}

@@ -1,0 +1,125 @@
+//! A safe call of `pullout_umat_batch_v1`.
+
+use super::library::Library;
+use crate::law::{Request, StressState};
+use crate::metadata::UmatBatch;
+
+/// Many points of one material, component by component: `n` values of the first component, then `n` of the second.
+#[derive(Debug)]
+pub struct BatchCall {
+    function: UmatBatch,
+    /// Keeps the function's code loaded.
+    _library: Library,
+    points: usize,
+    stress_state: StressState,
+    props: Vec<f64>,
+    nstatv: usize,
+    strain: Vec<f64>,
+    dstrain: Vec<f64>,
+    stress: Vec<f64>,
+    statev: Vec<f64>,
+    ddsdde: Vec<f64>,
+    celent: Vec<f64>,
+    status: Vec<i32>,
+}
+
+impl BatchCall {
+    /// Virgin points; `None`: the library has no such function. Arrays are not guarded: the function is one of a library
+    /// that describes its law.
+    pub fn new(
+        library: &Library,
+        stress_state: StressState,
+        nstatv: usize,
+        props: &[f64],
+        points: usize,
+    ) -> Option<Self> {
+        let function = library.batch()?;
+        let ntens = stress_state.components().len();
+        Some(Self {
+            function,
+            _library: library.clone(),
+            points,
+            stress_state,
+            props: props.to_vec(),
+            nstatv,
+            strain: vec![0.0; ntens * points],
+            dstrain: vec![0.0; ntens * points],
+            stress: vec![0.0; ntens * points],
+            statev: vec![0.0; nstatv * points],
+            ddsdde: vec![0.0; ntens * ntens * points],
+            celent: vec![0.0; points],
+            status: vec![0; points],
+        })
+    }
+
+    /// Total strains at the start.
+    pub fn strain_mut(&mut self) -> &mut [f64] {
+        &mut self.strain
+    }
+
+    /// Strain increments.
+    pub fn dstrain_mut(&mut self) -> &mut [f64] {
+        &mut self.dstrain
+    }
+
+    /// Stresses.
+    pub fn stress(&self) -> &[f64] {
+        &self.stress
+    }
+
+    /// Stresses at the start, to be set before a call.
+    pub fn stress_mut(&mut self) -> &mut [f64] {
+        &mut self.stress
+    }
+
+    /// State variables.
+    pub fn statev(&self) -> &[f64] {
+        &self.statev
+    }
+
+    /// State variables, to be set before a call.
+    pub fn statev_mut(&mut self) -> &mut [f64] {
+        &mut self.statev
+    }
+
+    /// Tangents of the last call with tangents.
+    pub fn ddsdde(&self) -> &[f64] {
+        &self.ddsdde
+    }
+
+    /// Characteristic lengths, mm; 0: none.
+    pub fn celent_mut(&mut self) -> &mut [f64] {
+        &mut self.celent
+    }
+
+    /// [`crate::metadata::batch_results`] of each point.
+    pub fn status(&self) -> &[i32] {
+        &self.status
+    }
+
+    /// Calls the plugin.
+    #[inline]
+    pub fn call(&mut self, request: Request) {
+        let (ntens, ndi, _) = self.stress_state.counts();
+        let ddsdde = if request.wants_tangent() { self.ddsdde.as_mut_ptr() } else { std::ptr::null_mut() };
+        let count = |length: usize| i32::try_from(length).unwrap_or(i32::MAX);
+        // SAFETY: every array has as many values as its counts tell; the function is that of the contract.
+        unsafe {
+            (self.function)(
+                self.points,
+                ntens,
+                ndi,
+                self.props.as_ptr(),
+                count(self.props.len()),
+                self.strain.as_ptr(),
+                self.dstrain.as_ptr(),
+                self.stress.as_mut_ptr(),
+                self.statev.as_mut_ptr(),
+                count(self.nstatv),
+                ddsdde,
+                self.celent.as_ptr(),
+                self.status.as_mut_ptr(),
+            );
+        }
+    }
+}
