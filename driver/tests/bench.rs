@@ -57,6 +57,31 @@ fn laws_are_measured() {
 }
 
 #[test]
+fn calls_and_throughput_are_measured() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "abi", "throughput", "--quick", "--out", "results"]).expect(0);
+    let results = desk.path("results");
+    for (item, columns) in [
+        ("abi", &["direct_ns", "plugin_ns", "overhead_percent", "host_ns", "recorder_ns"][..]),
+        ("throughput", &["updates_per_s_tangent", "all_cores_over_one_stress", "single_over_batch_time"]),
+    ] {
+        let data = results.join(format!("{item}.csv"));
+        for column in columns {
+            let numbers = numbers(&data, column);
+            assert_eq!(numbers.len(), 16, "{item} {column}");
+            assert!(numbers.iter().all(|number| number.is_some_and(f64::is_finite)), "{item} {column}: {numbers:?}");
+        }
+        assert!(results.join(format!("{item}.md")).is_file());
+    }
+    // four laws have a twin in Fortran, where gfortran is
+    let twins = numbers(&results.join("abi.csv"), "fortran_portable_over_plugin");
+    let measured = twins.iter().flatten().count();
+    assert!(measured == 8 || measured == 0, "{twins:?}");
+    assert!(twins.iter().flatten().all(|ratio| ratio.is_finite() && *ratio > 0.0));
+    assert_eq!(pictures(&results), 2);
+}
+
+#[test]
 fn an_unknown_item_is_refused_with_the_known_ones() {
     let desk = Desk::new();
     let outcome = desk.pullout(["bench", "nonsense"]).expect(2);

@@ -4,10 +4,13 @@
 //! measured on. Times are those of the calling thread's processor, of ways that take turns: what a figure
 //! says is a ratio of such times, or a count.
 
+mod abi;
 mod laws;
 mod machine;
 mod page;
+mod solid;
 mod table;
+mod throughput;
 mod timing;
 
 use crate::case::CaseErrors;
@@ -24,22 +27,30 @@ use umat_abi::host::LoadError;
 pub enum Item {
     /// Error against run time of each law, of the thesis's algorithms, and of the driver, over the number of increments.
     Laws,
+    /// Updates per second of each law, of one core and of all, in batches and one by one.
+    Throughput,
+    /// What a call of a plugin costs: against the linked law, with the host's safeguards, against Fortran.
+    Abi,
 }
 
 impl Item {
-    /// All of them, in the order in which they run.
-    pub const ALL: &'static [Self] = &[Self::Laws];
+    /// All of them, in the order in which they run: the last one leaves a recorder of calls installed in the process.
+    pub const ALL: &'static [Self] = &[Self::Laws, Self::Throughput, Self::Abi];
 
     /// The stem of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Laws => "laws",
+            Self::Throughput => "throughput",
+            Self::Abi => "abi",
         }
     }
 
     fn measure(self, settings: &Settings) -> Result<Page, BenchError> {
         match self {
             Self::Laws => laws::measure(settings),
+            Self::Throughput => throughput::measure(settings),
+            Self::Abi => abi::measure(settings),
         }
     }
 }
