@@ -208,47 +208,63 @@ fn sweep<const W: usize>(m: &mut Lanes<W>, directions: &mut Lanes<W>, negligible
 }
 
 /// One Jacobi rotation that annihilates entry P, Q of each matrix where it is not negligible (Rutishauser's stable form);
-/// false: nowhere. The other matrices stay as they are.
+/// false: nowhere. The other matrices stay as they are. Short loops over the lanes: those become vector instructions.
 #[inline(always)]
 fn rotate<const W: usize, const P: usize, const Q: usize>(
     m: &mut Lanes<W>,
     directions: &mut Lanes<W>,
     negligible: &[f64; W],
 ) -> bool {
+    let off_diagonal = m[P][Q];
     let mut any = false;
     for lane in 0..W {
-        any |= m[P][Q][lane].abs() > negligible[lane];
+        any |= off_diagonal[lane].abs() > negligible[lane];
     }
     if !any {
         return false;
     }
     let r = 3 - P - Q;
+    let (pp, qq) = (m[P][P], m[Q][Q]);
+    let (mut t, mut c, mut s) = ([0.0; W], [0.0; W], [0.0; W]);
     for lane in 0..W {
-        let off_diagonal = m[P][Q][lane];
-        let wanted = off_diagonal.abs() > negligible[lane];
-        let theta = 0.5 * (m[Q][Q][lane] - m[P][P][lane]) / off_diagonal;
+        let theta = 0.5 * (qq[lane] - pp[lane]) / off_diagonal[lane];
         let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
         let signed = if theta < 0.0 { -magnitude } else { magnitude };
-        let t = if theta.is_finite() { signed } else { 0.0 };
-        let c = 1.0 / (t * t + 1.0).sqrt();
-        let s = t * c;
-        let choose = |new: f64, old: f64| if wanted { new } else { old };
-        let (mp, mq) = (m[r][P][lane], m[r][Q][lane]);
-        let (rp, rq) = (choose(c * mp - s * mq, mp), choose(s * mp + c * mq, mq));
-        m[P][P][lane] = choose(m[P][P][lane] - t * off_diagonal, m[P][P][lane]);
-        m[Q][Q][lane] = choose(m[Q][Q][lane] + t * off_diagonal, m[Q][Q][lane]);
-        let zero = choose(0.0, off_diagonal);
-        m[P][Q][lane] = zero;
-        m[Q][P][lane] = zero;
-        m[r][P][lane] = rp;
-        m[P][r][lane] = rp;
-        m[r][Q][lane] = rq;
-        m[Q][r][lane] = rq;
-        for k in 0..3 {
-            let (vp, vq) = (directions[P][k][lane], directions[Q][k][lane]);
-            directions[P][k][lane] = choose(c * vp - s * vq, vp);
-            directions[Q][k][lane] = choose(s * vp + c * vq, vq);
+        // an infinite θ is no rotation
+        t[lane] = if theta.abs() < f64::INFINITY { signed } else { 0.0 };
+        c[lane] = 1.0 / (t[lane] * t[lane] + 1.0).sqrt();
+        s[lane] = t[lane] * c[lane];
+    }
+    let choose = |new: [f64; W], old: [f64; W]| {
+        let mut chosen = [0.0; W];
+        for lane in 0..W {
+            let wanted = off_diagonal[lane].abs() > negligible[lane];
+            chosen[lane] = if wanted { new[lane] } else { old[lane] };
         }
+        chosen
+    };
+    let turn = |a: [f64; W], b: [f64; W]| {
+        let (mut first, mut second) = ([0.0; W], [0.0; W]);
+        for lane in 0..W {
+            first[lane] = c[lane] * a[lane] - s[lane] * b[lane];
+            second[lane] = s[lane] * a[lane] + c[lane] * b[lane];
+        }
+        (choose(first, a), choose(second, b))
+    };
+    let (mut less, mut more) = ([0.0; W], [0.0; W]);
+    for lane in 0..W {
+        less[lane] = pp[lane] - t[lane] * off_diagonal[lane];
+        more[lane] = qq[lane] + t[lane] * off_diagonal[lane];
+    }
+    m[P][P] = choose(less, pp);
+    m[Q][Q] = choose(more, qq);
+    m[P][Q] = choose([0.0; W], off_diagonal);
+    m[Q][P] = m[P][Q];
+    (m[r][P], m[r][Q]) = turn(m[r][P], m[r][Q]);
+    m[P][r] = m[r][P];
+    m[Q][r] = m[r][Q];
+    for k in 0..3 {
+        (directions[P][k], directions[Q][k]) = turn(directions[P][k], directions[Q][k]);
     }
     true
 }
