@@ -234,7 +234,7 @@ impl UmatCall {
     }
 
     /// Calls the plugin `count` times with the same arguments, for measurements: STRESS and STATEV are as they are now
-    /// before each call and as the last one left them at the end, DDSDDE is not zeroed, canaries are checked once.
+    /// before each call and at the end, DDSDDE is not zeroed, canaries are checked once.
     ///
     /// # Errors
     /// As [`Self::call`].
@@ -253,6 +253,8 @@ impl UmatCall {
             run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
         }
         self.check_arrays()?;
+        self.stress.as_mut_slice().copy_from_slice(start);
+        self.statev.as_mut_slice().copy_from_slice(&states);
         Ok(self.outcome())
     }
 
