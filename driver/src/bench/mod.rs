@@ -1,4 +1,4 @@
-//! `pullout bench`: run time against error, the cost of the plugin ABI, throughput.
+//! `pullout bench`: run time against error, the cost of the plugin ABI, throughput, numerical stability.
 //!
 //! Each item leaves its numbers as CSV, its pictures as SVG and one page of Markdown with the machine they were
 //! measured on. Times are those of the calling thread's processor, of ways that take turns: what a figure
@@ -9,6 +9,7 @@ mod laws;
 mod machine;
 mod page;
 mod solid;
+mod stability;
 mod table;
 mod throughput;
 mod timing;
@@ -29,19 +30,22 @@ pub enum Item {
     Laws,
     /// Updates per second of each law, of one core and of all, in batches and one by one.
     Throughput,
+    /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
+    Stability,
     /// What a call of a plugin costs: against the linked law, with the host's safeguards, against Fortran.
     Abi,
 }
 
 impl Item {
     /// All of them, in the order in which they run: the last one leaves a recorder of calls installed in the process.
-    pub const ALL: &'static [Self] = &[Self::Laws, Self::Throughput, Self::Abi];
+    pub const ALL: &'static [Self] = &[Self::Laws, Self::Throughput, Self::Stability, Self::Abi];
 
     /// The stem of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Laws => "laws",
             Self::Throughput => "throughput",
+            Self::Stability => "stability",
             Self::Abi => "abi",
         }
     }
@@ -50,6 +54,7 @@ impl Item {
         match self {
             Self::Laws => laws::measure(settings),
             Self::Throughput => throughput::measure(settings),
+            Self::Stability => stability::measure(settings),
             Self::Abi => abi::measure(settings),
         }
     }
@@ -60,6 +65,8 @@ impl Item {
 pub struct Settings {
     /// Only show that it works: seconds, and figures that mean little.
     pub quick: bool,
+    /// States thrown at each form of a law in each stress state; `None`: a million, or few if quick.
+    pub states: Option<u64>,
     /// Searched for plugins before the usual folders.
     pub plugin_paths: Vec<PathBuf>,
 }
@@ -123,12 +130,21 @@ impl From<LoadError> for BenchError {
     }
 }
 
-/// Measures an item and writes its files into a folder (made if missing). Returns what it found, for a terminal.
+/// What an item found.
+#[derive(Clone, Debug)]
+pub struct Findings {
+    /// For a terminal.
+    pub text: String,
+    /// What should not have been found.
+    pub failed: Option<String>,
+}
+
+/// Measures an item and writes its files into a folder (made if missing).
 ///
 /// # Errors
 /// [`BenchError`]; no file of the item is written then.
-pub fn measure(item: Item, settings: &Settings, folder: &Path) -> Result<String, BenchError> {
+pub fn measure(item: Item, settings: &Settings, folder: &Path) -> Result<Findings, BenchError> {
     let page = item.measure(settings)?;
     page.write(folder, item.name(), settings.quick)?;
-    Ok(page.text())
+    Ok(Findings { text: page.text(), failed: page.failed })
 }

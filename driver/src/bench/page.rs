@@ -22,6 +22,8 @@ pub(super) struct Page {
     pub notes: Vec<String>,
     /// Pictures.
     pub figures: Vec<Figure>,
+    /// What should not be among them.
+    pub failed: Option<String>,
 }
 
 impl Page {

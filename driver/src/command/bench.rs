@@ -1,7 +1,7 @@
 //! `pullout bench`.
 
 use super::{DONE, FAILED, NO_PLUGIN, complain, say};
-use crate::bench::{self, BenchError, Item, Settings};
+use crate::bench::{self, BenchError, Findings, Item, Settings};
 use std::path::PathBuf;
 
 /// What is measured, and how.
@@ -13,6 +13,9 @@ pub(super) struct Arguments {
     /// Only show that it works: seconds instead of minutes, and times that mean little.
     #[arg(long)]
     quick: bool,
+    /// stability: states thrown at each form of a law in each stress state (default a million; 1000 if quick).
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    states: Option<u64>,
     /// Directory of the results.
     #[arg(long, value_name = "DIR", default_value = "bench/results")]
     out: PathBuf,
@@ -27,11 +30,15 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     items.sort_unstable();
     items.dedup();
     let items = if items.is_empty() { Item::ALL } else { &items };
-    let settings = Settings { quick: arguments.quick, plugin_paths: arguments.plugin_paths.clone() };
+    let settings =
+        Settings { quick: arguments.quick, states: arguments.states, plugin_paths: arguments.plugin_paths.clone() };
     let measure = |item: &Item| match bench::measure(*item, &settings, &arguments.out) {
-        Ok(text) => {
+        Ok(Findings { text, failed }) => {
             say(&format!("{text}\n-> {}\n\n", arguments.out.join(format!("{}.md", item.name())).display()));
-            DONE
+            failed.map_or(DONE, |failed| {
+                complain(format!("{}: {failed}", item.name()));
+                FAILED
+            })
         }
         Err(error) => {
             complain(format!("{}: {error}", item.name()));

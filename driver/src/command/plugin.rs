@@ -298,7 +298,7 @@ fn check(library: &Library, case_file: Option<&Path>, states: usize, plugin_path
             complain(format!("{}: has no metadata; give its props and nstatv by --case", library.path().display()));
             return BAD_INPUT;
         }
-        None => library.laws().iter().map(|law| with_defaults(library, law)).collect(),
+        None => library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect(),
     };
     let mut code = DONE;
     for plugin in plugins {
@@ -310,17 +310,4 @@ fn check(library: &Library, case_file: Option<&Path>, states: usize, plugin_path
         }
     }
     code
-}
-
-/// A law of a library with its default parameters.
-fn with_defaults(library: &Library, law: &Law) -> Plugin {
-    Plugin {
-        library: library.clone(),
-        name: law.name.clone(),
-        symbol: None,
-        cmname: law.name.to_uppercase(),
-        props: Vec::new(),
-        nstatv: law.states.len(),
-        law: Some(law.clone()),
-    }
 }

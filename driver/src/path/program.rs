@@ -31,6 +31,19 @@ pub struct Plugin {
 }
 
 impl Plugin {
+    /// A law of a library; its PROPS stay those of the metadata.
+    pub fn with_defaults(library: &Library, law: &host::Law) -> Self {
+        Self {
+            library: library.clone(),
+            name: law.name.clone(),
+            symbol: None,
+            cmname: law.name.to_uppercase(),
+            props: Vec::new(),
+            nstatv: law.states.len(),
+            law: Some(law.clone()),
+        }
+    }
+
     /// Column names of the states and the derived outputs (abi: metadata names, or `sdv1`…).
     pub fn state_names(&self) -> Vec<String> {
         match &self.law {

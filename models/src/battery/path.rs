@@ -1,27 +1,20 @@
 //! Proportional paths: what the number of increments must not change.
 
+use super::proportional::{deviation, equal, stress_after};
 use super::{Random, Sample};
 use umat_abi::law::{Law, StressState};
 
 /// One, ten, … increments of a proportional path end at the same stress to 1e-12.
 pub fn check_path_exactness<L: Law>(sample: &Sample<'_>, stress_state: StressState, strain: &[f64; 6], counts: &[u32]) {
-    let mut reference: Option<[f64; 6]> = None;
-    for &count in counts {
-        let mut point = sample.point::<L>(stress_state);
-        for step in 1..=count {
-            let fraction = f64::from(step) / f64::from(count);
-            point.advance(&strain.map(|x| fraction * x));
-        }
-        let expected = *reference.get_or_insert(point.stress);
-        let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
-        for i in 0..6 {
-            assert!(
-                (point.stress[i] - expected[i]).abs() <= 1e-12 * largest,
-                "{}: {count} increments: {:?} against {expected:?}",
-                L::INFO.name.to_string_lossy(),
-                point.stress
-            );
-        }
+    let after = |count: u32| stress_after::<L>(sample, stress_state, strain, equal(count));
+    let expected = after(counts[0]);
+    for &count in &counts[1..] {
+        let stress = after(count);
+        assert!(
+            deviation(&stress, &expected) <= 1e-12,
+            "{}: {count} increments: {stress:?} against {expected:?}",
+            L::INFO.name.to_string_lossy(),
+        );
     }
 }
 

@@ -19,8 +19,10 @@ pub use weights::{BetaMode, HydrostaticWeight};
 
 #[cfg(test)]
 mod proportional;
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 /// The law.
 pub struct BiaxialDamage;

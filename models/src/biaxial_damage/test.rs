@@ -1,4 +1,5 @@
 use super::proportional::{Equilibrium, Proportional};
+use super::samples::*;
 use super::*;
 use crate::battery::reference::check;
 use crate::battery::{
@@ -7,18 +8,6 @@ use crate::battery::{
 };
 use crate::tensor::{Spectral, trace};
 use approx::assert_relative_eq;
-
-const UNIAXIAL: f64 = 0.0;
-const BIAXIAL: f64 = 1.0;
-const BLEND: f64 = 2.0;
-pub(crate) const IMPLICIT: f64 = 0.0;
-pub(crate) const LAGGED: f64 = 1.0;
-pub(crate) const BETA: [f64; 3] = [UNIAXIAL, BIAXIAL, BLEND];
-
-/// Table 5.1 with ν = 0.18.
-pub(crate) fn props(beta_mode: f64, weights: f64) -> [f64; 12] {
-    [31800.0, 0.18, 7000.0, 1.1, 1.9e-4, 29.0, 0.94, 3.0e-4, 2.0, 0.7, beta_mode, weights]
-}
 
 fn virgin(props: &[f64; 12], stress_state: StressState) -> Point<'_, BiaxialDamage> {
     Point::virgin(props, stress_state)

@@ -13,8 +13,10 @@ mod plane_stress;
 mod softening;
 mod uniaxial;
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};

@@ -6,6 +6,7 @@ mod energy;
 mod extremes;
 mod strength;
 
+use super::samples::*;
 use super::*;
 use crate::battery::{self, PATH_COUNTS, Point, STRESS_STATES, Sample, reference};
 
@@ -14,19 +15,6 @@ const B094: [f64; 14] =
     [31800.0, 0.18, 7000.0, 1.1, 1.926098e-4, 31.52083, 0.94, 3e-4, 0.23441, 0.0, 0.0, 0.0, 0.0, 0.0];
 const B120: [f64; 14] =
     [31800.0, 0.18, 7000.0, 1.1, 1.926098e-4, 32.25788, 1.2, 3e-4, 0.10988, 0.0, 0.0, 0.0, 0.0, 0.0];
-
-pub(crate) fn defaults() -> [f64; 14] {
-    std::array::from_fn(|i| PARAMETERS[i].default_value)
-}
-
-/// A parameter set with some values replaced.
-pub(crate) fn with(mut props: [f64; 14], changes: &[(&str, f64)]) -> [f64; 14] {
-    for &(name, value) in changes {
-        let index = PARAMETERS.iter().position(|p| p.name() == name).expect("a parameter's name");
-        props[index] = value;
-    }
-    props
-}
 
 /// A path under free sides: the axial strain is given, the other one follows from a stress ratio.
 struct StressRatio<'p> {
@@ -83,25 +71,6 @@ fn reproduces_the_forty_digit_references() {
             reference::check::<ConcreteDamage>(&file, StressState::ThreeD, &props, &[("D_t", 0), ("D_c", 1)]);
         }
     }
-}
-
-/// The parameter sets that between them reach every term: IV-H, IV-HP, confinement, crack bands.
-pub(crate) fn variants() -> [([f64; 14], Option<f64>); 5] {
-    let plastic = with(defaults(), &[("b_t", 0.3), ("b_c", 0.2)]);
-    let banded = with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)]);
-    let all = with(banded, &[("b_t", 0.2), ("b_c", 0.3), ("zeta_c", 1.0)]);
-    [
-        (defaults(), None),
-        (plastic, None),
-        (with(defaults(), &[("zeta_c", 2.0)]), None),
-        (banded, Some(20.0)),
-        (all, Some(50.0)),
-    ]
-}
-
-/// A variant as the battery takes it.
-pub(crate) fn sample((props, characteristic_length): &([f64; 14], Option<f64>)) -> Sample<'_> {
-    Sample { characteristic_length: *characteristic_length, ..Sample::new(props, 3e-4) }
 }
 
 #[test]

@@ -13,8 +13,10 @@ use return_map::{Regime, Returned, invariants};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Choice, Parameter, flags};
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 /// The law.
 pub struct DruckerPrager;

@@ -1,3 +1,4 @@
+use super::samples::*;
 use super::*;
 use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, advance_free};
 use crate::battery::{
@@ -7,27 +8,6 @@ use crate::j2_plasticity::J2Plasticity;
 use crate::tensor::{add_dyad, stress_norm_squared, trace, work};
 use approx::assert_relative_eq;
 use umat_abi::law::check_properties;
-
-const E: f64 = 23_700.0;
-const NU: f64 = 0.15;
-const COHESION: f64 = 38.1;
-const ANGLE: f64 = 18.8;
-
-const fn props(dilation: f64, cone: f64) -> [f64; 6] {
-    [E, NU, COHESION, ANGLE, dilation, cone]
-}
-
-pub(crate) const SETS: [[f64; 6]; 9] = [
-    props(ANGLE, 0.0),
-    props(ANGLE, 1.0),
-    props(ANGLE, 2.0),
-    props(0.0, 0.0),
-    props(8.0, 1.0),
-    props(0.0, 2.0),
-    [E, 0.45, 20.0, 40.0, 40.0, 2.0],
-    [E, 0.0, 20.0, 30.0, 10.0, 0.0],
-    [E, -0.3, 20.0, 30.0, 30.0, 1.0],
-];
 
 fn root_j2(stress: &[f64; 6]) -> f64 {
     let mean = trace(stress) / 3.0;

@@ -12,8 +12,10 @@ mod poisson_effect;
 
 use poisson_effect::{LambdaForm, PoissonEffect};
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 const PARAMETERS: [Parameter; 8] = [
     youngs_modulus(31800.0),

@@ -1,3 +1,4 @@
+use super::samples::*;
 use super::*;
 use crate::battery::energy::{check_frozen_damage, imbalance};
 use crate::battery::peak::Uniaxial;
@@ -7,31 +8,6 @@ use crate::battery::{
 };
 use approx::assert_relative_eq;
 
-const S45T: [f64; 8] = [31800.0, 0.2, 4e-3, 1.2, 3.35e-2, 1000.0, 1.0, 0.0];
-const S45C: [f64; 8] = [31800.0, 0.2, 4e-3, 1.2, 1.5e-2, -4000.0, 1.0, 0.0];
-const GS: [f64; 8] = [31800.0, 0.2, 2e18, 6.4, 6.45e-4, 3.5, 1.0, 0.0];
-const GS_POWER: [f64; 8] = [31800.0, 0.2, 2e18, 6.4, 6.45e-4, 3.5, 1.5, 1.0];
-const GS_RATIONAL: [f64; 8] = [31800.0, 0.2, 2e18, 6.4, 6.45e-4, 3.5, 0.7, 0.0];
-/// (PROPS, about the peak strain), α = 1.
-pub(crate) const CLOSED: [([f64; 8], f64); 6] = [
-    (S45T, 0.09),
-    (S45C, 0.12),
-    (GS, 1.2e-4),
-    // B < 1, nearly incompressible, no threshold
-    ([31800.0, 0.499, 5000.0, 0.7, 0.0, 3.5, 1.0, 0.0], 1e-4),
-    // no inelastic strain: model I
-    ([31800.0, 0.18, 5000.0, 1.3, 2e-4, 0.0, 1.0, 0.0], 1.2e-4),
-    ([31800.0, 0.0, 5000.0, 1.3, 2e-4, 3.5, 1.0, 1.0], 1.2e-4),
-];
-/// The same, α ≠ 1.
-pub(crate) const MARCHED: [([f64; 8], f64); 6] = [
-    (GS_POWER, 1.2e-4),
-    (GS_RATIONAL, 1.2e-4),
-    ([31800.0, 0.2, 4e-3, 1.2, 3.35e-2, 1000.0, 2.0, 0.0], 0.09),
-    ([31800.0, 0.2, 4e-3, 1.2, 1.5e-2, -4000.0, 1.2, 1.0], 0.12),
-    ([31800.0, 0.18, 5000.0, 1.3, 2e-4, 0.0, 0.5, 0.0], 1.2e-4),
-    ([31800.0, 0.18, 5000.0, 0.8, 0.0, 3.5, 3.0, 0.0], 1e-4),
-];
 /// The thesis's ill-posed form.
 const GS_POWER_BELOW_1: [f64; 8] = [31800.0, 0.2, 2e18, 6.4, 6.45e-4, 3.5, 0.7, 1.0];
 

@@ -13,8 +13,10 @@ use crate::tensor::{Elasticity, trace};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, RepeatingGroup, flags};
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 /// The law.
 pub struct J2Plasticity;

@@ -1,3 +1,4 @@
+use super::samples::*;
 use super::*;
 use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, OUT_OF_PLANE, advance_free};
 use crate::battery::{
@@ -8,20 +9,8 @@ use crate::tensor::{stress_norm_squared, trace, work};
 use approx::assert_relative_eq;
 use umat_abi::law::check_properties;
 
-const E: f64 = 210_000.0;
-const NU: f64 = 0.3;
 const MU: f64 = E / (2.0 * (1.0 + NU));
 const BULK: f64 = E / (3.0 * (1.0 - 2.0 * NU));
-
-const PERFECT: [f64; 4] = [E, NU, 347.0, 0.0];
-const LINEAR: [f64; 6] = [E, NU, 347.0, 0.0, 2447.0, 1.0];
-/// Joints with large jumps of the slope: 40 000, 0, 60 000, −20 000, 0 MPa.
-const JOINTS: [f64; 12] = [E, NU, 347.0, 0.0, 387.0, 1e-3, 387.0, 2e-3, 507.0, 4e-3, 407.0, 9e-3];
-const SOFTENING: [f64; 6] = [E, NU, 347.0, 0.0, 147.0, 2e-3];
-const STEEP: [f64; 8] = [E, 0.0, 200.0, 0.0, 200.0, 1e-3, 2200.0, 2e-3];
-const NEARLY_INCOMPRESSIBLE: [f64; 6] = [E, 0.499, 347.0, 0.0, 447.0, 5e-3];
-const AUXETIC: [f64; 6] = [E, -0.4, 347.0, 0.0, 447.0, 5e-3];
-pub(crate) const SETS: [&[f64]; 7] = [&PERFECT, &LINEAR, &JOINTS, &SOFTENING, &STEEP, &NEARLY_INCOMPRESSIBLE, &AUXETIC];
 
 fn equivalent_stress(stress: &[f64; 6]) -> f64 {
     let mean = trace(stress) / 3.0;

@@ -6,8 +6,10 @@ use crate::tensor::{Elasticity, IsotropicSplit, add_dyad, isotropic_stiffness};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 const PARAMETERS: [Parameter; 5] = [
     youngs_modulus(31800.0),

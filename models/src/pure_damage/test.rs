@@ -1,3 +1,4 @@
+use super::samples::*;
 use super::*;
 use crate::battery::energy::{check_frozen_damage, imbalance};
 use crate::battery::peak::Uniaxial;
@@ -6,21 +7,6 @@ use crate::battery::{
     check_rotation, check_tangents, check_virgin, reference, tangent_error,
 };
 use approx::assert_relative_eq;
-
-const T51T: [f64; 5] = [31800.0, 0.18, 5000.0, 1.3, 2e-4];
-const T51C: [f64; 5] = [31800.0, 0.18, 21.0, 1.05, 4e-4];
-const S45T: [f64; 5] = [31800.0, 0.2, 4e-3, 1.2, 3.35e-2];
-/// (PROPS, about the peak strain).
-pub(crate) const SETS: [([f64; 5], f64); 6] = [
-    (T51T, 1.2e-4),
-    (T51C, 1.6e-3),
-    (S45T, 0.1),
-    // B < 1, nearly incompressible, no threshold
-    ([31800.0, 0.499, 5000.0, 0.7, 0.0], 1e-4),
-    // brittle
-    ([31800.0, 0.2, 2e18, 6.4, 6.45e-4], 2e-4),
-    ([31800.0, -0.3, 5000.0, 4.0, 2e-4], 1.2e-4),
-];
 
 #[test]
 fn agrees_with_40_digits() {

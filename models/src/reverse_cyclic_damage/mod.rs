@@ -10,8 +10,10 @@ mod principal;
 
 use principal::{Damage, SignSplit, Variant};
 
+#[cfg(any(test, feature = "stability"))]
+pub(crate) mod samples;
 #[cfg(test)]
-pub(crate) mod test;
+mod test;
 
 const PARAMETERS: [Parameter; 9] = [
     youngs_modulus(31800.0),

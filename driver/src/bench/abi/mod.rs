@@ -244,6 +244,7 @@ fn page(solids: &[Solid], rows: &[Row], recorder_note: Option<String>) -> Page {
         summaries: vec![("A call".into(), calls), ("Against Fortran".into(), fortran)],
         notes: notes(solids, rows).into_iter().chain(recorder_note).collect(),
         figures: vec![figure(solids, rows)],
+        failed: None,
     }
 }
 

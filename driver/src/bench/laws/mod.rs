@@ -103,6 +103,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
         summaries: summary::tables(&subjects, &measurements, &digits),
         notes: summary::notes(&subjects, &measurements, &digits),
         figures: pictures::figures(&subjects, &measurements),
+        failed: None,
     })
 }
 

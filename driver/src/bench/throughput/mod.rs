@@ -120,6 +120,7 @@ fn page(solids: &[Solid], rows: &[Row]) -> Page {
         ],
         notes,
         figures: vec![figure(solids, rows)],
+        failed: None,
     }
 }
 

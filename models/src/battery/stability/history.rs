@@ -1,158 +1,23 @@
-//! What is thrown at a law: strains of 17 decades, zeros, subnormal numbers, repeated principal strains, full
-//! damage, corners of the parameters, numbers that are none. Every answer must be finite and hold the law's
-//! invariants; the tangent of ordinary parameter sets is compared with differences.
-//!
-//! `PULLOUT_STATES` is the number of states of each law and stress state (default 10 000). The long run:
-//!
-//! ```text
-//! PULLOUT_STATES=1000000 cargo test --release -p models --lib stability -- --nocapture
-//! ```
+//! One point on its way through what is thrown at it.
 
-mod strain;
-mod test;
-
-use super::tangent::{directional_error, near_kink, one_sided_error};
-use super::{Point, Random, STRESS_STATES, Sample};
+use super::Subject;
+use super::ledger::{Ledger, TANGENT};
+use super::strain::Thrown;
+use crate::battery::differences::{directional_error, near_kink, one_sided_error};
+use crate::battery::{Point, Random, Sample};
 use crate::damage_law::integrity;
-use std::collections::BTreeMap;
-use std::fmt;
-use strain::Thrown;
-use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, check_properties};
+use crate::tensor::work;
+use umat_abi::law::{Failure, Law, Request, Response, StressState, check_properties};
 
 /// Increments of one history.
 const LEGS: usize = 5;
+/// Allowed distance of a tangent from differences of the stress, relative to its largest entry.
+const TANGENT_ERROR: f64 = 1e-6;
 
-/// One law (or one form of it) and what it promises.
-pub struct Subject<'p> {
-    /// Printed after the law's name.
-    pub label: &'static str,
-    /// Ordinary parameters: their tangents are compared with differences.
-    pub samples: Vec<Sample<'p>>,
-    /// Any admissible parameters and a characteristic length.
-    pub corner: fn(&mut Random) -> (Vec<f64>, Option<f64>),
-    /// States that never decrease; of them those named `eta…` are D/(1 − D).
-    pub monotone: &'static [&'static str],
-    /// Dissipation never decreases.
-    pub dissipative: bool,
-    /// The stress is a continuous function of the strain.
-    pub continuous: bool,
-    /// A committed strain met again gives the same stress.
-    pub steady: bool,
-}
-
-/// What happened; printed as one row.
-#[derive(Default)]
-pub struct Ledger {
-    states: usize,
-    /// Parameter sets that the law refuses as inconsistent.
-    sets_refused: usize,
-    /// By reason: how often, and where first.
-    cut_backs: BTreeMap<&'static str, (usize, String)>,
-    /// Bad numbers on entry, all sent back.
-    bad_numbers: usize,
-    tangents: usize,
-    /// Right on one side of a kink that they stand on.
-    one_sided: usize,
-    /// Tangents so small that differences of the stress do not resolve them to 1e-6: not compared further.
-    unresolved: usize,
-    /// Within the reach of the differences of a kink: not compared.
-    kinks: usize,
-    /// The same of strains that were not placed on kinks.
-    generic_tangents: usize,
-    generic_kinks: usize,
-    worst_tangent: f64,
-    /// Strains at or near repeated principal values whose stress was compared with that of a neighbour.
-    repeated: usize,
-    /// How often each invariant failed, and where first.
-    violations: BTreeMap<&'static str, (usize, String)>,
-}
-
-impl Ledger {
-    fn require(&mut self, invariant: &'static str, holds: bool, context: impl Fn() -> String) {
-        if !holds {
-            self.violations.entry(invariant).or_insert_with(|| (0, context())).0 += 1;
-        }
-    }
-}
-
-impl fmt::Display for Ledger {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let cut_backs: usize = self.cut_backs.values().map(|(count, _)| count).sum();
-        write!(f, "{:>8} states | {cut_backs} cut back", self.states)?;
-        for (reason, (count, context)) in &self.cut_backs {
-            write!(f, " ({reason}: {count}, first {context})")?;
-        }
-        write!(f, " | {} sets refused | {} bad numbers refused", self.sets_refused, self.bad_numbers)?;
-        write!(f, " | {} repeated strains", self.repeated)?;
-        write!(
-            f,
-            " | {} tangents, {} one-sided, {} below rounding, {} excluded ({} of {} not placed on kinks), worst {:.1e}",
-            self.tangents,
-            self.one_sided,
-            self.unresolved,
-            self.kinks,
-            self.generic_kinks,
-            self.generic_tangents,
-            self.worst_tangent
-        )?;
-        write!(f, " | {} violations", self.violations.values().map(|(count, _)| count).sum::<usize>())?;
-        for (invariant, (count, context)) in &self.violations {
-            write!(f, "\n    {invariant}: {count}, first {context}")?;
-        }
-        Ok(())
-    }
-}
-
-/// States of each law and stress state.
-fn states_wanted() -> usize {
-    std::env::var("PULLOUT_STATES").map_or(10_000, |text| text.parse().expect("PULLOUT_STATES is a number"))
-}
-
-/// Runs all stress states and prints a row each; fails on a violation, on more than 5 % of tangents at kinks or below
-/// rounding, or on more than one state in a thousand that is cut back.
-pub fn check<L: Law>(subject: &Subject<'_>) {
-    for stress_state in STRESS_STATES {
-        let ledger = run::<L>(subject, stress_state, states_wanted());
-        let name = format!("{} {}", L::INFO.name.to_string_lossy(), subject.label);
-        println!("stability | {name:<32} | {:<25} | {ledger}", format!("{stress_state:?}"));
-        assert!(ledger.violations.is_empty(), "{name} {stress_state:?}: {ledger}");
-        assert!(
-            ledger.generic_kinks * 20 <= ledger.generic_tangents,
-            "{name} {stress_state:?}: too many kinks: {ledger}"
-        );
-        assert!(
-            ledger.unresolved * 20 <= ledger.tangents,
-            "{name} {stress_state:?}: too many below rounding: {ledger}"
-        );
-        assert!(
-            ledger.cut_backs.values().map(|(count, _)| count).sum::<usize>() * 1000 <= ledger.states,
-            "{name}: too many cut-backs"
-        );
-    }
-}
-
-fn run<L: Law>(subject: &Subject<'_>, stress_state: StressState, states: usize) -> Ledger {
-    let mut random = Random(0x57AB_1117);
-    let mut ledger = Ledger::default();
-    while ledger.states < states {
-        if random.unit() < 0.5 {
-            let sample = subject.samples[(random.unit() * subject.samples.len() as f64) as usize];
-            let history = History::<L>::new(subject, sample, stress_state, true).expect("ordinary parameters");
-            history.run(&mut random, &mut ledger);
-        } else {
-            let (props, characteristic_length) = (subject.corner)(&mut random);
-            let sample = Sample { props: &props, size: 3e-4, characteristic_length };
-            match History::<L>::new(subject, sample, stress_state, false) {
-                Some(history) => history.run(&mut random, &mut ledger),
-                None => ledger.sets_refused += 1,
-            }
-        }
-    }
-    ledger
-}
+const ANSWERED: &str = "ordinary parameters are answered";
 
 /// One point on its way through random increments.
-struct History<'s, 'p, L: Law> {
+pub(super) struct History<'s, 'p, L: Law> {
     subject: &'s Subject<'p>,
     sample: Sample<'s>,
     point: Point<'s, L>,
@@ -164,7 +29,12 @@ struct History<'s, 'p, L: Law> {
 
 impl<'s, 'p, L: Law> History<'s, 'p, L> {
     /// `None` if the law refuses the parameters (a law that needs the stress state to decide refuses later).
-    fn new(subject: &'s Subject<'p>, sample: Sample<'s>, stress_state: StressState, ordinary: bool) -> Option<Self> {
+    pub fn new(
+        subject: &'s Subject<'p>,
+        sample: Sample<'s>,
+        stress_state: StressState,
+        ordinary: bool,
+    ) -> Option<Self> {
         check_properties(&L::INFO, sample.props).expect("parameters within their bounds");
         let parameters = L::parameters(sample.props).ok()?;
         if let Some(length) = sample.characteristic_length {
@@ -181,7 +51,7 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         Some(Self { subject, sample, point, ordinary, reach: 0.0 })
     }
 
-    fn run(mut self, random: &mut Random, ledger: &mut Ledger) {
+    pub fn run(mut self, random: &mut Random, ledger: &mut Ledger) {
         for _ in 0..LEGS {
             let thrown = Thrown::random(random, self.point.stress_state, &self.point.strain, self.sample.size);
             if random.unit() < 0.02 {
@@ -192,18 +62,6 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
                 return;
             }
         }
-    }
-
-    fn update(&self, strain: &[f64; 6], request: Request) -> (Result<Response, Failure>, Vec<f64>) {
-        let mut state = self.point.state.clone();
-        let increment = Increment {
-            stress_state: self.point.stress_state,
-            strain: *strain,
-            strain_increment: std::array::from_fn(|i| strain[i] - self.point.strain[i]),
-            stress: self.point.stress,
-            characteristic_length: self.point.characteristic_length,
-        };
-        (L::update(&self.point.parameters, &increment, &mut state, request), state)
     }
 
     fn context(&self, strain: &[f64; 6]) -> String {
@@ -223,19 +81,18 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         let mut strain = *strain;
         strain[components[(random.unit() * components.len() as f64) as usize]] =
             [f64::NAN, f64::INFINITY, f64::NEG_INFINITY][(random.unit() * 3.0) as usize];
-        let refused = match self.update(&strain, Request::StressAndTangent).0 {
+        let refused = match self.point.respond(&strain, Request::StressAndTangent).0 {
             Ok(response) => response.stress.iter().any(|x| !x.is_finite()),
             Err(Failure::CutBack { fraction, .. }) => fraction > 0.0 && fraction < 1.0,
             Err(Failure::Configuration(_)) => !self.ordinary,
         };
-        ledger.bad_numbers += 1;
         ledger.require("NaN or infinity on entry is refused", refused, || self.context(&strain));
     }
 
     /// One increment, committed if it was answered. False if the parameters do not suit the stress state.
     fn step(&mut self, random: &mut Random, thrown: &Thrown, ledger: &mut Ledger) -> bool {
         let strain = &thrown.strain;
-        let (outcome, state) = self.update(strain, Request::StressAndTangent);
+        let (outcome, state) = self.point.respond(strain, Request::StressAndTangent);
         let response = match outcome {
             Ok(response) => response,
             Err(Failure::Configuration(_)) if !self.ordinary => return false,
@@ -243,26 +100,32 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
             Err(Failure::CutBack { fraction, reason }) => {
                 ledger.states += 1;
                 ledger.cut_backs.entry(reason).or_insert_with(|| (0, self.context(strain))).0 += 1;
-                ledger.require("ordinary parameters are answered", !self.ordinary, || self.context(strain));
+                if self.ordinary {
+                    ledger.require(ANSWERED, false, || self.context(strain));
+                }
+                ledger.digest(&[fraction]);
                 ledger.require("0 < PNEWDT < 1", fraction > 0.0 && fraction < 1.0, || self.context(strain));
                 return true;
             }
         };
         ledger.states += 1;
+        ledger.digest(&response.stress);
+        ledger.digest(response.tangent.as_flattened());
+        ledger.digest(&state);
+        if self.ordinary {
+            ledger.require(ANSWERED, true, String::new);
+        }
         self.invariants(strain, &response, &state, ledger);
         if let Some(neighbour) = &thrown.neighbour
             && self.ordinary
         {
-            ledger.repeated += 1;
             self.continuity(strain, neighbour, &response, ledger);
         }
         self.reach = strain.iter().fold(self.reach, |m, x| m.max(x.abs()));
         if self.ordinary {
             self.tangent(random, thrown, ledger);
         }
-        self.point.strain = *strain;
-        self.point.stress = response.stress;
-        self.point.state = state;
+        self.point.commit(strain, &response, state);
         if self.ordinary && self.subject.steady {
             self.zero_increment(&response, ledger);
         }
@@ -279,7 +142,15 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         ledger.require("dissipation is also a state", response.dissipated_energy == state[last], context);
         if self.subject.dissipative {
             ledger.require("dissipation never decreases", state[last] >= before[last], context);
-            ledger.require("stored energy is not negative", self.stored_energy_holds(strain, response), context);
+            if self.subject.continuous {
+                let negative = (-response.stored_energy).max(0.0);
+                ledger.within("the stored energy is not negative", negative, self.energy_rounding(strain), context);
+            }
+        }
+        if self.subject.quadratic && self.ordinary {
+            let error = (0.5 * work(&response.stress, strain) - response.stored_energy).abs();
+            let allowed = 1e-12 * response.stored_energy.abs() + self.energy_rounding(strain);
+            ledger.within("the stored energy is half of stress : strain", error, allowed, context);
         }
         for (k, variable) in L::INFO.states.iter().enumerate() {
             if self.subject.monotone.contains(&variable.name()) {
@@ -289,30 +160,28 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
                 }
             }
         }
-        let (again, state_again) = self.update(strain, Request::StressAndTangent);
+        let (again, state_again) = self.point.respond(strain, Request::StressAndTangent);
         let same = again.is_ok_and(|again| {
             again.stress == response.stress
                 && again.tangent == response.tangent
                 && again.stored_energy == response.stored_energy
         });
         ledger.require("the same call gives the same answer", same && state_again == state, context);
-        let (without, state_without) = self.update(strain, Request::Stress);
+        let (without, state_without) = self.point.respond(strain, Request::Stress);
         let same = without.is_ok_and(|without| without.stress == response.stress);
         ledger.require("stress only is the same stress", same && state_without == state, context);
     }
 
-    /// The thesis's energy of model III may be negative (models.md §5.1), no other.
-    fn stored_energy_holds(&self, strain: &[f64; 6], response: &Response) -> bool {
+    /// The stored energy of a nearly fully damaged solid is known to the rounding of the undamaged one's.
+    fn energy_rounding(&self, strain: &[f64; 6]) -> f64 {
         let size = strain.iter().fold(self.reach, |m, x| m.max(x.abs()));
-        // one of a nearly fully damaged solid is known to the rounding of the undamaged one's
         let [e, nu] = [self.sample.props[0], self.sample.props[1]];
-        let rounding = 1e-15 * e * size * size / (1.0 - 2.0 * nu);
-        !self.subject.continuous || response.stored_energy >= -rounding
+        1e-15 * e * size * size / (1.0 - 2.0 * nu)
     }
 
     /// Between two neighbouring strains the stress may change by as much as the tangents at both allow, tenfold.
     fn continuity(&self, strain: &[f64; 6], neighbour: &[f64; 6], response: &Response, ledger: &mut Ledger) {
-        let (Ok(other), _) = self.update(neighbour, Request::StressAndTangent) else {
+        let (Ok(other), _) = self.point.respond(neighbour, Request::StressAndTangent) else {
             return ledger.require("repeated strains are answered", false, || self.context(neighbour));
         };
         if !self.subject.continuous {
@@ -325,8 +194,8 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
             1e-13 * self.sample.props[0] * largest(strain).max(self.reach) / (1.0 - 2.0 * self.sample.props[1]);
         let change = difference(&response.stress, &other.stress);
         let allowed = 10.0 * tangent * difference(strain, neighbour) + rounding;
-        ledger.require("the stress is continuous at repeated strains", change <= allowed, || {
-            format!("{change:e} > {allowed:e}: {} and {neighbour:?}", self.context(strain))
+        ledger.within("the stress is continuous at repeated strains", change, allowed, || {
+            format!("{} and {neighbour:?}", self.context(strain))
         });
     }
 
@@ -340,19 +209,20 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         }
         let direction = random.strain(self.point.stress_state, 1.0);
         let error = directional_error(&self.point, strain, &[direction]);
-        ledger.tangents += 1;
-        ledger.generic_tangents += usize::from(thrown.generic);
-        if error <= 1e-6 {
-            ledger.worst_tangent = ledger.worst_tangent.max(error);
+        ledger.generic_tangents[0] += u64::from(thrown.generic);
+        if error <= TANGENT_ERROR {
+            ledger.within(TANGENT, error, TANGENT_ERROR, String::new);
         } else if error <= self.difference_resolution(strain) {
             ledger.unresolved += 1;
+            ledger.exclude(TANGENT);
         } else if self.is_right_on_one_side(random, strain) {
             ledger.one_sided += 1;
+            ledger.require(TANGENT, true, String::new);
         } else if near_kink(&self.point, strain, error) {
-            ledger.kinks += 1;
-            ledger.generic_kinks += usize::from(thrown.generic);
+            ledger.generic_tangents[1] += u64::from(thrown.generic);
+            ledger.exclude(TANGENT);
         } else {
-            ledger.require("the tangent is the derivative", false, || format!("{error:e}: {}", self.context(strain)));
+            ledger.within(TANGENT, error, TANGENT_ERROR, || self.context(strain));
         }
     }
 
@@ -379,7 +249,7 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
     /// A committed strain met again changes nothing.
     fn zero_increment(&self, response: &Response, ledger: &mut Ledger) {
         let strain = &self.point.strain;
-        let (Ok(still), state) = self.update(strain, Request::Stress) else {
+        let (Ok(still), state) = self.point.respond(strain, Request::Stress) else {
             return ledger.require("a zero increment is answered", false, || self.context(strain));
         };
         let rounding = 1e-13 * self.sample.props[0] * self.reach / (1.0 - 2.0 * self.sample.props[1]);

@@ -1,0 +1,199 @@
+//! Variations of small specimens, run as cases are.
+
+use super::Row;
+use super::variations::{Base, bases};
+use crate::PLUGIN_STACK;
+use crate::bench::BenchError;
+use crate::bench::table::Table;
+use crate::case::{self, Case};
+use crate::output::number::significant;
+use crate::path::{self, Statistics, Stop};
+use crate::pullout;
+use crate::pullout::checkpoint::Checkpoints;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+const PART: &str = "specimen";
+
+/// Largest imbalance of the energies, relative as in the history (fe.md §8).
+const ENERGY_ERROR: f64 = 1e-3;
+
+/// A variation and what became of it.
+pub(super) struct Run {
+    base: &'static str,
+    family: &'static str,
+    label: String,
+    end: End,
+}
+
+enum End {
+    Reached { energy_error: f64, statistics: Statistics },
+    Refused(String),
+    Stopped { message: String, energy_error: f64, rows: usize },
+}
+
+struct Job {
+    base: usize,
+    family: &'static str,
+    label: String,
+    overrides: Vec<String>,
+}
+
+/// Runs every `stride`-th variation, on all processors.
+pub(super) fn measure(stride: usize, plugin_paths: &[PathBuf]) -> Result<Vec<Run>, BenchError> {
+    let bases = bases();
+    let folder = tempfile::tempdir()?;
+    for (k, base) in bases.iter().enumerate() {
+        std::fs::write(case_file(folder.path(), k), base.case)?;
+    }
+    let jobs: Vec<Job> = jobs(&bases).into_iter().step_by(stride).collect();
+    let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+    let work = || {
+        loop {
+            let k = next.fetch_add(1, Ordering::Relaxed);
+            let Some(job) = jobs.get(k) else { break };
+            let end = run(&case_file(folder.path(), job.base), job, &folder.path().join(k.to_string()), plugin_paths);
+            let run = Run { base: bases[job.base].name, family: job.family, label: job.label.clone(), end };
+            done.lock().unwrap_or_else(std::sync::PoisonError::into_inner).push((k, run));
+        }
+    };
+    let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    std::thread::scope(|scope| -> Result<(), BenchError> {
+        let workers = (0..threads)
+            .map(|_| std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work))
+            .collect::<Result<Vec<_>, _>>()?;
+        let panicked = workers.into_iter().map(|worker| worker.join()).filter(Result::is_err).count();
+        if panicked == 0 { Ok(()) } else { Err(BenchError::Failed("a specimen's run panicked".into())) }
+    })?;
+    let mut runs = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    runs.sort_unstable_by_key(|(k, _)| *k);
+    Ok(runs.into_iter().map(|(_, run)| run).collect())
+}
+
+fn case_file(folder: &Path, base: usize) -> PathBuf {
+    folder.join(format!("base-{base}.json"))
+}
+
+fn jobs(bases: &[Base]) -> Vec<Job> {
+    let mut jobs = Vec::new();
+    for (k, base) in bases.iter().enumerate() {
+        for family in &base.families {
+            for variation in &family.variations {
+                let overrides = base.set.iter().map(|&set| set.to_owned()).chain(variation.set.clone()).collect();
+                jobs.push(Job { base: k, family: family.name, label: variation.label.clone(), overrides });
+            }
+        }
+    }
+    jobs
+}
+
+/// Counts rows.
+#[derive(Default)]
+struct Counter(usize);
+
+impl path::Observer for Counter {
+    fn row(&mut self, _row: path::Row<'_>) -> std::io::Result<()> {
+        self.0 += 1;
+        Ok(())
+    }
+
+    fn increment_done(&mut self, _row: path::Row<'_>, _so_far: Statistics) {}
+}
+
+fn run(file: &Path, job: &Job, folder: &Path, plugin_paths: &[PathBuf]) -> End {
+    let program = match case::read(file, &job.overrides, plugin_paths) {
+        Ok(Case::Pullout(program)) => program,
+        Ok(Case::Path(_)) => return End::Refused("not a specimen".into()),
+        Err(errors) => {
+            return End::Refused(errors.problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
+        }
+    };
+    let mut counter = Counter::default();
+    let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut counter);
+    let energy_error = outcome.findings.energy_error_max;
+    match outcome.result {
+        Ok(()) => End::Reached { energy_error, statistics: outcome.statistics },
+        Err(Stop::Failed(failure)) => End::Stopped { message: failure.message, energy_error, rows: counter.0 },
+        Err(Stop::Write(error)) => End::Stopped { message: error.to_string(), energy_error, rows: counter.0 },
+    }
+}
+
+impl Run {
+    fn energy_error(&self) -> Option<f64> {
+        match self.end {
+            End::Reached { energy_error, .. } | End::Stopped { energy_error, .. } => Some(energy_error),
+            End::Refused(_) => None,
+        }
+    }
+
+    /// Stopped, or out of balance.
+    fn failed(&self) -> bool {
+        matches!(self.end, End::Stopped { .. })
+            || self.energy_error().is_some_and(|error| error > ENERGY_ERROR || error.is_nan())
+    }
+
+    fn note(&self) -> String {
+        match &self.end {
+            End::Reached { statistics, energy_error } => format!(
+                "{} increments, {} iterations, {} cut-backs, energy error {}",
+                statistics.increments,
+                statistics.iterations,
+                statistics.cutbacks,
+                significant(*energy_error, 2)
+            ),
+            End::Refused(message) => format!("refused: {message}"),
+            End::Stopped { message, rows, .. } => format!("stopped after {rows} rows: {message}"),
+        }
+    }
+}
+
+/// One line for each variation.
+pub(super) fn rows(runs: &[Run]) -> Vec<Row> {
+    let row = |run: &Run| Row {
+        part: PART,
+        subject: run.base.into(),
+        situation: run.family.into(),
+        case: run.label.clone(),
+        tried: 1,
+        excluded: u64::from(matches!(run.end, End::Refused(_))),
+        failed: u64::from(run.failed()),
+        worst: run.energy_error().map(|error| error / ENERGY_ERROR),
+        note: run.note(),
+    };
+    runs.iter().map(row).collect()
+}
+
+/// One line for each thing that is varied.
+pub(super) fn summary(runs: &[Run]) -> Table {
+    let mut table = Table::new([
+        "specimen",
+        "varied",
+        "from",
+        "to",
+        "variations",
+        "reached",
+        "refused",
+        "stopped",
+        "out of balance",
+        "worst energy error",
+    ]);
+    for family in runs.chunk_by(|a, b| (a.base, a.family) == (b.base, b.family)) {
+        let count = |is: fn(&Run) -> bool| family.iter().filter(|run| is(run)).count();
+        let worst = family.iter().filter_map(Run::energy_error).reduce(f64::max);
+        let stopped = |run: &Run| matches!(run.end, End::Stopped { .. });
+        table.push([
+            family[0].base.into(),
+            family[0].family.into(),
+            family[0].label.as_str().into(),
+            family[family.len() - 1].label.as_str().into(),
+            family.len().into(),
+            count(|run| matches!(run.end, End::Reached { .. })).into(),
+            count(|run| matches!(run.end, End::Refused(_))).into(),
+            count(stopped).into(),
+            family.iter().filter(|run| run.failed() && !stopped(run)).count().into(),
+            worst.into(),
+        ]);
+    }
+    table
+}

@@ -1,0 +1,177 @@
+//! Small specimens, and what is varied of them, one thing at a time.
+
+/// A specimen.
+pub(super) struct Base {
+    /// In tables.
+    pub name: &'static str,
+    /// The case, as JSON.
+    pub case: &'static str,
+    /// Overrides that make it small, as texts of `--set`.
+    pub set: &'static [&'static str],
+    /// What is varied.
+    pub families: Vec<Family>,
+}
+
+/// A thing that is varied.
+pub(super) struct Family {
+    /// In tables.
+    pub name: &'static str,
+    pub variations: Vec<Variation>,
+}
+
+/// A value of it.
+pub(super) struct Variation {
+    /// In tables.
+    pub label: String,
+    /// As texts of `--set`.
+    pub set: Vec<String>,
+}
+
+/// `key` at each of the values, and what comes with each.
+fn family<V: ToString>(
+    name: &'static str,
+    values: impl IntoIterator<Item = V>,
+    set: impl Fn(&str) -> Vec<String>,
+) -> Family {
+    let variation = |value: V| {
+        let label = value.to_string();
+        Variation { set: set(&label), label }
+    };
+    Family { name, variations: values.into_iter().map(variation).collect() }
+}
+
+/// Powers of ten with a mantissa.
+fn decades(mantissas: &[&str], exponents: std::ops::RangeInclusive<i32>) -> Vec<String> {
+    exponents.flat_map(|k| mantissas.iter().map(move |mantissa| format!("{mantissa}e{k}"))).collect()
+}
+
+/// Sets one key.
+fn key(name: &'static str) -> impl Fn(&str) -> Vec<String> {
+    move |value| vec![format!("{name}={value}")]
+}
+
+/// Increments over four decades: the same one throughout.
+fn increments(name: &'static str) -> Family {
+    family(name, decades(&["1", "3"], -4..=-1).into_iter().chain(["1".into()]), |value| {
+        vec![
+            format!("steps.0.increments.initial={value}"),
+            format!("steps.0.increments.maximum={value}"),
+            "steps.0.increments.minimum=1e-9".into(),
+        ]
+    })
+}
+
+/// Coefficients of friction.
+const FRICTION: [&str; 13] = ["0", "0.01", "0.05", "0.1", "0.2", "0.3", "0.4", "0.5", "0.75", "1", "1.25", "1.5", "2"];
+
+/// What the contact of a fibre is varied by.
+fn of_contact() -> Vec<Family> {
+    vec![
+        family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
+        family("friction", FRICTION, key("contact.law.props.mu")),
+        family("p_0 [MPa]", decades(&["1"], -1..=5), key("contact.law.props.p_0")),
+        family("elastic bond [MPa/mm]", decades(&["1"], 1..=6), key("contact.law.props.k_e")),
+    ]
+}
+
+fn perpendicular() -> Vec<Family> {
+    let mut families = of_contact();
+    families.push(increments("increment / step"));
+    families.push(family("elements along the fibre", [1, 2, 3, 7, 10, 40, 80], key("mesh.specimen.embedded_elements")));
+    // 1.22 mm along the fibre
+    families.push(family("size across at the hole [mm]", ["1", "0.5", "0.2", "0.1", "0.05", "0.0122"], |size| {
+        vec![format!("mesh.specimen.interface_size={size}"), "mesh.specimen.equal_sizes=true".into()]
+    }));
+    families.push(family(
+        "edges of the hole on one of the fibre",
+        [1, 2, 3, 5],
+        key("mesh.specimen.slave_edges_per_master"),
+    ));
+    families
+}
+
+fn inclined() -> Vec<Family> {
+    let mut families = of_contact();
+    families.push(increments("increment / step"));
+    families.push(family(
+        "angle [°]",
+        [0, 5, 10, 15, 20, 27, 30, 37, 45, 52, 60, 67, 70, 75, 80],
+        key("mesh.specimen.angle_deg"),
+    ));
+    families.push(family("angle of a straight fibre [°]", [0, 5, 15, 30, 45, 60, 70, 75], |angle| {
+        vec![
+            format!("mesh.specimen.angle_deg={angle}"),
+            "mesh.specimen.shape=straight".into(),
+            "mesh.specimen.free_length=0".into(),
+        ]
+    }));
+    families.push(family("factor on sizes", ["4", "3", "2.5", "2", "1.5", "1"], key("mesh.specimen.mesh_size")));
+    families
+}
+
+/// All of them.
+pub(super) fn bases() -> Vec<Base> {
+    const COARSE: &[&str] = &[
+        "output.vtu=false",
+        "output.plots=false",
+        "steps.0.slip=0.1",
+        "mesh.specimen.embedded_elements=10",
+        "mesh.specimen.exit_size=0.6",
+        "mesh.specimen.interface_size=0.4",
+        "mesh.specimen.largest_size=4",
+    ];
+    vec![
+        Base {
+            name: "perpendicular fibre, plane",
+            case: include_str!("../../../../cases/chapter-6/6.14-plane.json"),
+            set: COARSE,
+            families: perpendicular(),
+        },
+        Base {
+            name: "perpendicular fibre, axisymmetric",
+            case: include_str!("../../../../cases/chapter-6/6.14-axisymmetric.json"),
+            set: COARSE,
+            families: perpendicular(),
+        },
+        Base {
+            name: "fibre at 45°",
+            case: include_str!("../../../../cases/chapter-7/inclined-fibre.json"),
+            set: &["output.vtu=false", "output.plots=false", "steps.0.slip=0.05", "mesh.specimen.mesh_size=3"],
+            families: inclined(),
+        },
+        Base {
+            name: "cylinder on a plane",
+            case: include_str!("../../../../cases/verification/hertz.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
+                family("increments", [1, 2, 4, 10, 100, 1000], key("steps.0.increments")),
+                // with 20 the middle of an edge, with others a node or nothing lies at the end of the contact
+                family("edges in contact", [3, 4, 5, 7, 10, 20, 33], key("mesh.specimen.contact_edges")),
+                family("points on an edge", [1, 2, 3], key("contact.quadrature.gauss")),
+            ],
+        },
+        Base {
+            name: "fibre on a curved channel",
+            case: include_str!("../../../../cases/verification/capstan-bond.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
+                family("friction", FRICTION, key("contact.law.props.mu")),
+                family("increments", [1, 2, 5, 10, 100, 1000], key("steps.1.increments")),
+            ],
+        },
+        Base {
+            name: "strip dragged out",
+            case: include_str!("../../../../cases/verification/drag-out-strip.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
+                family("friction", FRICTION, key("contact.law.props.mu")),
+                // edges of strip and block meet, or their nodes lie on each other's edges
+                family("edges of the strip", [6, 12, 24, 47, 48, 49], key("mesh.specimen.strip_edges")),
+                family("increments", [1, 2, 5, 20, 200], key("steps.1.increments")),
+            ],
+        },
+    ]
+}

@@ -1,0 +1,92 @@
+//! What holds on any history, and of the virgin solid.
+
+use super::rotation::rotation_error;
+use super::{Point, Random, Sample};
+use crate::linear_elastic::LinearElastic;
+use crate::tensor::Elasticity;
+use umat_abi::law::{Law, StressState};
+
+/// [`rotation_error`] of many histories.
+pub fn check_rotation<L: Law>(sample: &Sample<'_>, stress_state: StressState, count: usize) {
+    let mut random = Random(0x0707);
+    for _ in 0..count {
+        let (error, strain) = rotation_error::<L>(sample, stress_state, &mut random);
+        assert!(error <= 1.0, "{}: {error} of what is allowed at {strain:?}", L::INFO.name.to_string_lossy());
+    }
+}
+
+/// On random histories: named states never decrease, dissipation never decreases (if the law
+/// guarantees it), a call repeated gives the same bits, zero increments change nothing.
+pub fn check_invariants<L: Law>(
+    sample: &Sample<'_>,
+    stress_state: StressState,
+    count: usize,
+    monotone: &[&str],
+    dissipative: bool,
+) {
+    let mut random = Random(0xD155);
+    let index =
+        |name: &str| L::INFO.states.iter().position(|s| s.name() == name).unwrap_or_else(|| panic!("no state {name}"));
+    let monotone: Vec<usize> = monotone.iter().map(|name| index(name)).collect();
+    for _ in 0..count {
+        let mut point = sample.point::<L>(stress_state);
+        for _ in 0..6 {
+            let scale = sample.size * 10_f64.powf(3.0 * random.unit() - 1.5);
+            let strain = random.strain(stress_state, scale);
+            let before = point.state.clone();
+            let (first, first_state) = point.trial(&strain);
+            let (again, again_state) = point.trial(&strain);
+            assert_eq!(first.stress, again.stress);
+            assert_eq!(first_state, again_state);
+            let response = point.advance(&strain);
+            assert!(response.stress.iter().chain(response.tangent.iter().flatten()).all(|x| x.is_finite()));
+            for &k in &monotone {
+                assert!(point.state[k] >= before[k], "{} decreased", L::INFO.states[k].name());
+            }
+            if dissipative {
+                let last = point.state.len() - 1;
+                assert!(point.state[last] >= before[last], "dissipation decreased at {strain:?} from {before:?}");
+                assert_eq!(response.dissipated_energy, point.state[last]);
+            }
+            let (still, still_state) = point.trial(&strain);
+            let largest = response.stress.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for i in 0..6 {
+                assert!((still.stress[i] - response.stress[i]).abs() <= 1e-13 * largest);
+            }
+            for &k in &monotone {
+                assert!((still_state[k] - point.state[k]).abs() <= 1e-13 * point.state[k].abs());
+            }
+        }
+    }
+}
+
+/// All-zero STATEV is virgin: zero strain gives zero stress, zero states and the elastic tangent, bit for bit; a
+/// strain below every threshold gives the elastic stress to a few units of the last digit and no damage.
+pub fn check_virgin<L: Law>(sample: &Sample<'_>, stress_state: StressState, elastic_size: f64, history: &[&str]) {
+    let elastic = Point::<LinearElastic>::virgin(&sample.props[..2], stress_state);
+    let point = sample.point::<L>(stress_state);
+    let (response, state) = point.trial(&[0.0; 6]);
+    assert_eq!(response.stress, [0.0; 6]);
+    assert!(state.iter().zip(L::INFO.states).all(|(x, variable)| *x == 0.0 || variable.name() == "crack_band"));
+    let stiffness = elastic.trial(&[0.0; 6]).0.tangent;
+    // of space: the linear law itself condenses plane stress out of it
+    let modulus = Elasticity::new(sample.props[0], sample.props[1]).stiffness()[0][0];
+    // ulps of the products that a stress or a tangent is the sum of
+    let close = |a: &[f64], b: &[f64], scale: f64, ulps: f64| {
+        a.iter().zip(b).all(|(x, y)| (x - y).abs() <= ulps * f64::EPSILON * scale)
+    };
+    assert!(close(response.tangent.as_flattened(), stiffness.as_flattened(), modulus, 4.0), "{:?}", response.tangent);
+    let mut random = Random(0xE1A5);
+    for _ in 0..100 {
+        let scale = elastic_size * random.unit();
+        let strain = random.strain(stress_state, scale);
+        let ((response, state), (expected, _)) = (point.trial(&strain), elastic.trial(&strain));
+        let (stress, linear) = (response.stress, expected.stress);
+        assert!(close(&stress, &linear, modulus * scale, 4.0), "{stress:?} {linear:?} at {strain:?}");
+        let tangent = response.tangent;
+        assert!(close(tangent.as_flattened(), stiffness.as_flattened(), modulus, 16.0), "{tangent:?} {stiffness:?}");
+        for (value, variable) in state.iter().zip(L::INFO.states) {
+            assert!(*value == 0.0 || !history.contains(&variable.name()), "{} = {value}", variable.name());
+        }
+    }
+}

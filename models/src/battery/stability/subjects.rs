@@ -1,0 +1,155 @@
+//! Every law of a solid, in the forms whose promises differ.
+
+use super::{Ledger, Subject, corners, throw};
+use crate::battery::{STRESS_STATES, Sample};
+use crate::biaxial_damage::{BiaxialDamage, samples as biaxial};
+use crate::concrete_damage::{ConcreteDamage, samples as concrete};
+use crate::drucker_prager::{DruckerPrager, samples as cone};
+use crate::inelastic_damage::{InelasticDamage, samples as inelastic};
+use crate::j2_plasticity::{J2Plasticity, samples as mises};
+use crate::linear_elastic::LinearElastic;
+use crate::pure_damage::{PureDamage, samples as pure};
+use crate::reverse_cyclic_damage::{ReverseCyclicDamage, samples as reverse};
+use umat_abi::law::StressState;
+
+/// A law in one of its forms.
+#[derive(Clone, Copy, Debug)]
+pub struct Form {
+    /// The law's name.
+    pub law: &'static str,
+    /// Which form; empty: the law has one.
+    pub label: &'static str,
+    /// Throws the chunk of this number, and of so many states, at it.
+    pub(super) chunk: fn(StressState, u64, u64) -> Ledger,
+}
+
+/// All of them.
+pub fn forms() -> Vec<Form> {
+    let form = |law, label, chunk| Form { law, label, chunk };
+    vec![
+        form("linear_elastic", "", linear_elastic),
+        form("pure_damage", "", pure_damage),
+        form("inelastic_damage", "alpha = 1", |s, k, n| inelastic_damage(true, s, k, n)),
+        form("inelastic_damage", "alpha != 1", |s, k, n| inelastic_damage(false, s, k, n)),
+        form("reverse_cyclic_damage", "thesis", |s, k, n| reverse_cyclic_damage(false, s, k, n)),
+        form("reverse_cyclic_damage", "regular", |s, k, n| reverse_cyclic_damage(true, s, k, n)),
+        form("biaxial_damage", "implicit", |s, k, n| biaxial_damage(biaxial::IMPLICIT, s, k, n)),
+        form("biaxial_damage", "lagged", |s, k, n| biaxial_damage(biaxial::LAGGED, s, k, n)),
+        form("concrete_damage", "IV-H", |s, k, n| concrete_damage([false, false], &[0, 2], s, k, n)),
+        form("concrete_damage", "IV-HP", |s, k, n| concrete_damage([true, false], &[1], s, k, n)),
+        form("concrete_damage", "IV-H, crack band", |s, k, n| concrete_damage([false, true], &[3], s, k, n)),
+        form("concrete_damage", "IV-HP, crack band", |s, k, n| concrete_damage([true, true], &[4], s, k, n)),
+        form("j2_plasticity", "", j2_plasticity),
+        form("drucker_prager", "", drucker_prager),
+    ]
+}
+
+const BRANCHES: &[&str] = &["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
+
+/// What most laws promise: everything but a stored energy of ½ σ : ε.
+const MOST: Subject<'static> = Subject {
+    samples: Vec::new(),
+    corner: corners::linear,
+    monotone: &[],
+    dissipative: true,
+    continuous: true,
+    steady: true,
+    quadratic: false,
+    path_exact: &STRESS_STATES,
+};
+
+fn linear_elastic(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let samples = vec![Sample::new(&[31800.0, 0.18], 1e-3)];
+    throw::<LinearElastic>(&Subject { samples, quadratic: true, ..MOST }, stress_state, chunk, states)
+}
+
+fn pure_damage(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let samples = Sample::all(&pure::SETS);
+    let monotone = &["eta", "Y_max"];
+    let subject = Subject { samples, corner: corners::pure, monotone, quadratic: true, ..MOST };
+    throw::<PureDamage>(&subject, stress_state, chunk, states)
+}
+
+fn inelastic_damage(closed: bool, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let subject = if closed {
+        Subject { samples: Sample::all(&inelastic::CLOSED), corner: corners::inelastic_closed, ..MOST }
+    } else {
+        Subject { samples: Sample::all(&inelastic::MARCHED), corner: corners::inelastic_marched, ..MOST }
+    };
+    throw::<InelasticDamage>(&Subject { monotone: &["eta"], ..subject }, stress_state, chunk, states)
+}
+
+fn reverse_cyclic_damage(regular: bool, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let variant = f64::from(u8::from(regular));
+    let subject = Subject {
+        samples: Sample::all(&reverse::SETS).into_iter().filter(|s| s.props[8] == variant).collect(),
+        corner: if regular { |random| corners::reverse(random, 1.0) } else { |random| corners::reverse(random, 0.0) },
+        monotone: BRANCHES,
+        // models.md §5.1: the thesis's stress jumps where a principal strain changes its sign, its energy may be negative
+        continuous: regular,
+        quadratic: regular,
+        ..MOST
+    };
+    throw::<ReverseCyclicDamage>(&subject, stress_state, chunk, states)
+}
+
+fn biaxial_damage(weights: f64, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let sets = biaxial::BETA.map(|mode| (biaxial::props(mode, weights), 4e-4));
+    let subject = Subject {
+        samples: Sample::all(&sets),
+        corner: corners::biaxial,
+        monotone: BRANCHES,
+        // not hyperelastic, several branches (models.md §6)
+        dissipative: false,
+        continuous: false,
+        path_exact: &[],
+        // lagged weights are those of the stress before
+        steady: weights == biaxial::IMPLICIT,
+        ..MOST
+    };
+    throw::<BiaxialDamage>(&subject, stress_state, chunk, states)
+}
+
+/// With inelastic strain or a crack band, and which of the law's variants.
+fn concrete_damage(
+    [inelastic, band]: [bool; 2],
+    which: &[usize],
+    stress_state: StressState,
+    chunk: u64,
+    states: u64,
+) -> Ledger {
+    let variants = concrete::variants();
+    let subject = Subject {
+        samples: which.iter().map(|&k| concrete::sample(&variants[k])).collect(),
+        corner: match (inelastic, band) {
+            (false, false) => |random| corners::concrete(random, false, false),
+            (true, false) => |random| corners::concrete(random, true, false),
+            (false, true) => |random| corners::concrete(random, false, true),
+            (true, true) => |random| corners::concrete(random, true, true),
+        },
+        monotone: BRANCHES,
+        quadratic: !inelastic,
+        // IV-HP is of first order where crushing and open cracks meet
+        path_exact: if inelastic { &[] } else { &STRESS_STATES },
+        ..MOST
+    };
+    throw::<ConcreteDamage>(&subject, stress_state, chunk, states)
+}
+
+fn j2_plasticity(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let subject = Subject {
+        samples: mises::SETS.map(|props| Sample::new(props, 3e-3)).to_vec(),
+        corner: corners::mises,
+        monotone: &["peeq"],
+        // where the return is radial
+        path_exact: &[StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric],
+        ..MOST
+    };
+    throw::<J2Plasticity>(&subject, stress_state, chunk, states)
+}
+
+fn drucker_prager(stress_state: StressState, chunk: u64, states: u64) -> Ledger {
+    let samples = cone::SETS.each_ref().map(|props| Sample::new(props, 3e-3)).to_vec();
+    let subject = Subject { samples, corner: corners::cone, monotone: &["peeq"], path_exact: &[], ..MOST };
+    throw::<DruckerPrager>(&subject, stress_state, chunk, states)
+}
