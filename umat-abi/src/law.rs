@@ -131,15 +131,25 @@ impl Response {
     ///
     /// # Errors
     /// [`Failure::CutBack`] otherwise.
+    #[inline(always)]
     pub fn finite(self, state: &[f64]) -> Result<Self, Failure> {
         let energies = [self.stored_energy, self.dissipated_energy];
-        let mut numbers = self.stress.iter().chain(self.tangent.iter().flatten()).chain(&energies).chain(state);
-        if numbers.all(|number| number.is_finite()) {
+        if all_finite(&self.stress)
+            & all_finite(self.tangent.as_flattened())
+            & all_finite(&energies)
+            & all_finite(state)
+        {
             Ok(self)
         } else {
             Err(Failure::CutBack { fraction: 0.25, reason: "a result is not a finite number" })
         }
     }
+}
+
+/// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises.
+#[inline(always)]
+pub(crate) fn all_finite(values: &[f64]) -> bool {
+    values.iter().fold(true, |finite, x| finite & x.is_finite())
 }
 
 /// How many points [`Law::update_block`] advances: two registers of AVX2, four of SSE2.
@@ -462,12 +472,76 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
     for (parameter, &value) in table[..fixed].iter().zip(props) {
         parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
     }
-    for k in 0..occurrences * group_size {
-        let parameter = &table[fixed + k % group_size];
-        let value = props[fixed + k];
-        parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+    for group in props[fixed..].chunks_exact(group_size.max(1)).take(occurrences) {
+        for (parameter, &value) in table[fixed..].iter().zip(group) {
+            parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+        }
     }
     Ok(())
+}
+
+/// [`check_properties`] of a law, without a look at the table where all is well: this runs in every call.
+///
+/// # Errors
+/// As [`check_properties`].
+#[inline(always)]
+pub fn check_properties_of<L: Law>(props: &[f64]) -> Result<(), ConfigurationError> {
+    let bounds = const { &ClosedBounds::of(&L::INFO) };
+    if bounds.admit(props) { Ok(()) } else { check_properties(&L::INFO, props) }
+}
+
+/// Most parameters of a table that is looked at at once.
+const MOST_BOUNDS: usize = 16;
+
+/// The admissible numbers of each parameter, bounds included.
+struct ClosedBounds {
+    /// How many parameters are there once, how many the group at the end has, and how often it is there at least;
+    /// `None`: more is to be looked at than bounds.
+    counts: Option<[usize; 3]>,
+    lower: [f64; MOST_BOUNDS],
+    upper: [f64; MOST_BOUNDS],
+}
+
+impl ClosedBounds {
+    const fn of(info: &LawInfo) -> Self {
+        let table = info.parameters;
+        let mut bounds = Self { counts: None, lower: [0.0; MOST_BOUNDS], upper: [0.0; MOST_BOUNDS] };
+        let [size, minimum] = match info.repeating {
+            None => [0, 0],
+            Some(group) if group.count_parameter < 0 => [group.size as usize, group.minimum as usize],
+            Some(_) => return bounds,
+        };
+        if table.len() > MOST_BOUNDS {
+            return bounds;
+        }
+        let mut k = 0;
+        while k < table.len() {
+            let Some([lower, upper]) = table[k].closed_bounds() else { return bounds };
+            (bounds.lower[k], bounds.upper[k]) = (lower, upper);
+            k += 1;
+        }
+        bounds.counts = Some([table.len() - size, size, minimum]);
+        bounds
+    }
+
+    /// Whether these are as many as there may be, all within their bounds; no NaN is.
+    #[inline(always)]
+    fn admit(&self, props: &[f64]) -> bool {
+        let Some([fixed, size, minimum]) = self.counts else { return false };
+        let within = |first: usize, values: &[f64]| {
+            let bounds = self.lower[first..].iter().zip(&self.upper[first..]);
+            values.iter().zip(bounds).fold(true, |within, (x, (lower, upper))| within & (lower <= x) & (x <= upper))
+        };
+        if size == 0 {
+            return props.len() == fixed && within(0, props);
+        }
+        let Some((once, groups)) = props.split_at_checked(fixed) else { return false };
+        let groups = groups.chunks_exact(size);
+        groups.len() >= minimum
+            && groups.remainder().is_empty()
+            && within(0, once)
+            && groups.fold(true, |all, group| all & within(fixed, group))
+    }
 }
 
 fn parameter_error(parameter: &'static Parameter, value: f64) -> ConfigurationError {

@@ -270,6 +270,16 @@ impl Parameter {
         let listed = self.choices.count == 0 || self.choices().iter().any(|choice| choice.value == value);
         if value.is_finite() && above && below && listed { Ok(()) } else { Err(()) }
     }
+
+    /// The least and the greatest admissible number; `None`: only some numbers between them are.
+    pub(crate) const fn closed_bounds(&self) -> Option<[f64; 2]> {
+        if self.choices.count != 0 {
+            return None;
+        }
+        let lower = if self.open_bounds & open_bounds::LOWER != 0 { self.lower.next_up() } else { self.lower };
+        let upper = if self.open_bounds & open_bounds::UPPER != 0 { self.upper.next_down() } else { self.upper };
+        Some([lower.max(f64::MIN), upper.min(f64::MAX)])
+    }
 }
 
 /// The last `size` parameters of the table may occur several times in PROPS.

@@ -6,7 +6,7 @@ use super::{
     Branch, CRACK_BAND, History, INELASTIC_STRAIN, Parameters, PointResponse, STATES, STRAIN_33_STATE, elastic_response,
 };
 use crate::tensor::Spectral;
-use umat_abi::law::{Block, BlockResponse, Increment, LANES, Lane, Request, StressState};
+use umat_abi::law::{Block, BlockResponse, Increment, LANES, Lane, StressState};
 
 /// The update of [`super::ConcreteDamage`] for a block; `None` in plane stress, with a crack band, and where a result is
 /// no number.
@@ -26,11 +26,11 @@ pub(super) fn update(parameters: &Parameters, block: &Block, states: &mut [Lane]
     for lane in 0..LANES {
         if states[0][lane] == 0.0
             && states[1][lane] == 0.0
-            && let Some(elastic) = elastic_response(parameters, block.stress_state, &of(&trial, lane), Request::Stress)
+            && let Some(elastic) = elastic_response(parameters, block.stress_state, &of(&trial, lane))
         {
             is_elastic[lane] = true;
             put(&mut response.stress, lane, &elastic.stress);
-            response.stored_energy[lane] = elastic.stored_energy;
+            response.stored_energy[lane] = elastic.energy;
             states[CRACK_BAND][lane] = 0.0;
             states[STRAIN_33_STATE][lane] = block.strain[2][lane];
         }

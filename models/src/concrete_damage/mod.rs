@@ -207,7 +207,6 @@ impl Law for ConcreteDamage {
         request: Request,
     ) -> Result<Response, Failure> {
         increment.check_strain()?;
-        let softening = parameters.softening(increment.characteristic_length);
         let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
             (false, _) => 0.0,
             (true, None) => 2.0,
@@ -226,17 +225,28 @@ impl Law for ConcreteDamage {
         let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
         if history.tension.eta == 0.0
             && history.compression.eta == 0.0
-            && let Some(response) = elastic_response(parameters, increment.stress_state, &trial, request)
+            && let Some(elastic) = elastic_response(parameters, increment.stress_state, &trial)
         {
+            let plane_stress = increment.stress_state == StressState::PlaneStress;
             state[CRACK_BAND] = crack_band;
-            state[STRAIN_33_STATE] = if increment.stress_state == StressState::PlaneStress {
+            state[STRAIN_33_STATE] = if plane_stress {
                 parameters.elasticity.plane_stress_strain_33(&trial) + state[INELASTIC_STRAIN + 2]
             } else {
                 increment.strain[2]
             };
-            // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
-            return Ok(Response { dissipated_energy: state[DISSIPATED_ENERGY_STATE], ..response });
+            return Ok(Response {
+                stress: elastic.stress,
+                tangent: match (request.wants_tangent(), plane_stress) {
+                    (false, _) => [[0.0; 6]; 6],
+                    (true, false) => parameters.elasticity.stiffness(),
+                    (true, true) => parameters.elasticity.plane_stress_stiffness(),
+                },
+                stored_energy: elastic.energy,
+                // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
+                dissipated_energy: state[DISSIPATED_ENERGY_STATE],
+            });
         }
+        let softening = parameters.softening(increment.characteristic_length);
         let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
         let stress = point.stress(parameters);
         let dissipation = if point.dissipates() {
@@ -267,15 +277,16 @@ impl Law for ConcreteDamage {
     }
 }
 
+/// Stress and energy of the virgin solid.
+struct ElasticResponse {
+    stress: [f64; 6],
+    energy: f64,
+}
+
 /// The response of the virgin solid, if a bound without principal values shows that nothing can grow:
 /// s̄_1² ≤ s̄ : s̄ bounds Y_t, and Y_c ≤ ½ s̄ : ε.
 #[inline]
-fn elastic_response(
-    parameters: &Parameters,
-    stress_state: StressState,
-    strain: &[f64; 6],
-    request: Request,
-) -> Option<Response> {
+fn elastic_response(parameters: &Parameters, stress_state: StressState, strain: &[f64; 6]) -> Option<ElasticResponse> {
     let elasticity = &parameters.elasticity;
     let plane_stress = stress_state == StressState::PlaneStress;
     let mut strain = *strain;
@@ -292,12 +303,7 @@ fn elastic_response(
     if plane_stress {
         stress[2] = 0.0;
     }
-    let tangent = match (request.wants_tangent(), plane_stress) {
-        (false, _) => [[0.0; 6]; 6],
-        (true, false) => elasticity.stiffness(),
-        (true, true) => elasticity.plane_stress_stiffness(),
-    };
-    Some(Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 })
+    Some(ElasticResponse { stress, energy })
 }
 
 /// The end of an increment, in the principal axes of the trial strain.

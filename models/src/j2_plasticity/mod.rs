@@ -107,7 +107,9 @@ impl Law for J2Plasticity {
         let end = history.peeq + returned.peeq_increment;
         history.strain_33 =
             if plane_stress { history.plastic_strain[2] + returned.strain_33 } else { increment.strain[2] };
-        history.dissipated_energy += parameters.hardening.work(history.peeq, end);
+        if end > history.peeq {
+            history.dissipated_energy += parameters.hardening.work(history.peeq, end);
+        }
         history.peeq = end;
         for i in 0..6 {
             history.plastic_strain[i] += returned.plastic_increment[i];

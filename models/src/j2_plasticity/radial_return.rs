@@ -9,6 +9,7 @@ use umat_abi::law::Request;
 ///
 /// `volumetric` is tr ε of the total strain: plastic flow keeps the volume, and the trace of the
 /// stored plastic strain is only rounding, which a bulk modulus at ν → ½ would magnify.
+#[inline]
 pub(super) fn radial_return(
     parameters: &Parameters<'_>,
     trial: &[f64; 6],

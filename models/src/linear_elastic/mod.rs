@@ -50,12 +50,12 @@ impl Law for LinearElastic {
 
     type Parameters<'p> = Elasticity;
 
-    #[inline]
+    #[inline(always)]
     fn parameters(props: &[f64]) -> Result<Elasticity, ConfigurationError> {
         Ok(Elasticity::new(props[0], props[1]))
     }
 
-    #[inline]
+    #[inline(always)]
     fn update(
         elasticity: &Elasticity,
         increment: &Increment,

@@ -53,12 +53,13 @@ impl Law for PureDamage {
 
     type Parameters<'p> = Parameters;
 
-    #[inline]
+    #[inline(always)]
     fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
         let damage_law = DamageLaw { a: props[2], b: props[3], threshold: props[4] };
         Ok(Parameters { elasticity: Elasticity::new(props[0], props[1]), damage_law })
     }
 
+    #[inline(always)]
     fn update(
         parameters: &Parameters,
         increment: &Increment,
@@ -90,8 +91,11 @@ impl Law for PureDamage {
         } else {
             increment.strain[2]
         };
-        // the closed form is monotone but for its last digit
-        state[3] = state[3].max(damage_law.dissipation(eta));
+        // dearer than all the rest: only where it can change (0: of a state that a host began with)
+        if eta > eta_before || state[3] == 0.0 {
+            // the closed form is monotone but for its last digit
+            state[3] = state[3].max(damage_law.dissipation(eta));
+        }
         let response = Response {
             stress: undamaged_stress.map(|s| omega * s),
             tangent,

@@ -99,6 +99,7 @@ impl Law for ReverseCyclicDamage {
         } else {
             [[0.0; 6]; 6]
         };
+        let grows = tensile.eta > state[0] || compressive.eta > state[1];
         state[0] = tensile.eta;
         state[1] = compressive.eta;
         state[2] = state[2].max(split.tensile_release_rate());
@@ -107,8 +108,11 @@ impl Law for ReverseCyclicDamage {
             StressState::PlaneStress => elasticity.plane_stress_strain_33(&increment.strain),
             _ => increment.strain[2],
         };
-        // the closed forms are monotone but for their last digit
-        state[5] = state[5].max(tension.dissipation(tensile.eta) + compression.dissipation(compressive.eta));
+        // dearer than all the rest: only where they can change (0: of a state that a host began with)
+        if grows || state[5] == 0.0 {
+            // the closed forms are monotone but for their last digit
+            state[5] = state[5].max(tension.dissipation(tensile.eta) + compression.dissipation(compressive.eta));
+        }
         let response = Response {
             stress: spectral.stress(&split.principal_stresses(integrity(tensile.eta), integrity(compressive.eta))),
             tangent,

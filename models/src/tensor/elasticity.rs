@@ -19,7 +19,7 @@ pub struct Elasticity {
 
 impl Elasticity {
     /// From E and ν.
-    #[inline]
+    #[inline(always)]
     pub fn new(youngs_modulus: f64, poisson_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poisson_ratio);
         Self {
@@ -32,13 +32,13 @@ impl Elasticity {
     }
 
     /// The solid with the same bulk modulus and another shear modulus.
-    #[inline]
+    #[inline(always)]
     pub fn with_shear_modulus(&self, shear_modulus: f64) -> Self {
         Self::from_bulk_and_shear(self.bulk_modulus, shear_modulus)
     }
 
     /// From k and μ: E = 9kμ/(3k + μ), ν = (3k − 2μ)/(2(3k + μ)).
-    #[inline]
+    #[inline(always)]
     pub fn from_bulk_and_shear(bulk_modulus: f64, shear_modulus: f64) -> Self {
         let (k, mu) = (bulk_modulus, shear_modulus);
         Self {
@@ -51,13 +51,13 @@ impl Elasticity {
     }
 
     /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (models.md §4.1).
-    #[inline]
+    #[inline(always)]
     pub fn bulk_modulus_in(&self, dimension: f64) -> f64 {
         self.youngs_modulus / (dimension * (1.0 - (dimension - 1.0) * self.poisson_ratio))
     }
 
     /// σ = K₀ : ε = λ tr(ε) I + 2μ ε.
-    #[inline]
+    #[inline(always)]
     pub fn stress(&self, strain: &[f64; 6]) -> [f64; 6] {
         let volumetric = self.lambda * trace(strain);
         let mu = self.shear_modulus;
@@ -72,7 +72,7 @@ impl Elasticity {
     }
 
     /// K₀ in components: ∂σ_i/∂ε_j with engineering shear.
-    #[inline]
+    #[inline(always)]
     pub fn stiffness(&self) -> [[f64; 6]; 6] {
         let mut stiffness = [[0.0; 6]; 6];
         for i in 0..3 {
@@ -84,14 +84,14 @@ impl Elasticity {
     }
 
     /// The ε33 for which σ33 = 0: −ν/(1−ν)(ε11 + ε22).
-    #[inline]
+    #[inline(always)]
     pub fn plane_stress_strain_33(&self, strain: &[f64; 6]) -> f64 {
         let nu = self.poisson_ratio;
         -nu / (1.0 - nu) * (strain[0] + strain[1])
     }
 
     /// The stiffness between the plane-stress components 11, 22, 12 (rows and columns 0, 1, 3).
-    #[inline]
+    #[inline(always)]
     pub fn plane_stress_stiffness(&self) -> [[f64; 6]; 6] {
         let nu = self.poisson_ratio;
         let plane = self.youngs_modulus / (1.0 - nu * nu);

@@ -15,14 +15,14 @@ pub struct IsotropicSplit {
 }
 
 /// The number of normal directions in which a stress state drives a law.
-#[inline]
+#[inline(always)]
 fn normal_directions(stress_state: StressState) -> usize {
     if stress_state == StressState::PlaneStress { 2 } else { 3 }
 }
 
 impl IsotropicSplit {
     /// Splits a strain; in plane stress ε33 is not looked at.
-    #[inline]
+    #[inline(always)]
     pub fn new(stress_state: StressState, strain: &[f64; 6]) -> Self {
         let directions = normal_directions(stress_state);
         let trace: f64 = strain[..directions].iter().sum();
@@ -36,19 +36,19 @@ impl IsotropicSplit {
     }
 
     /// n.
-    #[inline]
+    #[inline(always)]
     pub fn dimension(&self) -> f64 {
         self.directions as f64
     }
 
     /// e : e.
-    #[inline]
+    #[inline(always)]
     pub fn deviator_norm_squared(&self) -> f64 {
         super::strain_norm_squared(&self.deviator)
     }
 
     /// 2μ e + s I_n with 2μ = `twice_shear_modulus` and s = `mean_stress`.
-    #[inline]
+    #[inline(always)]
     pub fn stress(&self, twice_shear_modulus: f64, mean_stress: f64) -> [f64; 6] {
         let mut stress = self.deviator.map(|e| twice_shear_modulus * e);
         for normal in &mut stress[..self.directions] {
@@ -62,7 +62,7 @@ impl IsotropicSplit {
 }
 
 /// 2μ I_dev + k_n I_n ⊗ I_n in components, `bulk_modulus` = k_n (so s = k_n θ).
-#[inline]
+#[inline(always)]
 pub fn isotropic_stiffness(stress_state: StressState, twice_shear_modulus: f64, bulk_modulus: f64) -> [[f64; 6]; 6] {
     let directions = normal_directions(stress_state);
     let coupling = bulk_modulus - twice_shear_modulus / directions as f64;

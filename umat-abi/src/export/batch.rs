@@ -7,7 +7,7 @@
 use super::solid::check_response;
 use super::{Refusal, finite, report, slice};
 use crate::floating_point::in_default_environment;
-use crate::law::{Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, check_properties};
+use crate::law::{Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, check_properties_of};
 use crate::metadata::{batch_results, flags};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -99,7 +99,7 @@ unsafe fn plan<L: Law>(a: &BatchArguments) -> Result<Plan<'_, L>, Refusal> {
     let nprops = usize::try_from(a.nprops).map_err(|_| Refusal::Null { argument: "NPROPS" })?;
     // SAFETY: forwarded to the caller.
     let props = unsafe { slice(a.props, nprops, "PROPS") }?;
-    check_properties(&L::INFO, props)?;
+    check_properties_of::<L>(props)?;
     let states = L::INFO.states.len();
     if usize::try_from(a.nstatv).map_or(true, |given| given < states) {
         return Err(Refusal::States { given: a.nstatv, expected: states });

@@ -21,7 +21,7 @@ pub use solid::umat;
 pub use validate::{validate_interface, validate_solid};
 
 use crate::floating_point::in_default_environment;
-use crate::law::{ConfigurationError, Failure, LawInfo};
+use crate::law::{ConfigurationError, Failure, LawInfo, all_finite};
 use std::fmt;
 use std::io::Write;
 use std::mem::MaybeUninit;
@@ -114,6 +114,7 @@ pub extern "C" fn install_silent_panic_hook() {
 ///
 /// # Safety
 /// A non-NULL pointer is valid for reads.
+#[inline(always)]
 unsafe fn optional<T: Copy>(pointer: *const T) -> Option<T> {
     // SAFETY: checked for NULL by `as_ref`; validity is the caller's promise.
     unsafe { pointer.as_ref() }.copied()
@@ -123,6 +124,7 @@ unsafe fn optional<T: Copy>(pointer: *const T) -> Option<T> {
 ///
 /// # Safety
 /// A non-NULL pointer is valid for `length` reads.
+#[inline(always)]
 unsafe fn slice<'a>(pointer: *const f64, length: usize, argument: &'static str) -> Result<&'a [f64], Refusal> {
     if length == 0 {
         return Ok(&[]);
@@ -138,6 +140,7 @@ unsafe fn slice<'a>(pointer: *const f64, length: usize, argument: &'static str) 
 ///
 /// # Safety
 /// A non-NULL pointer is valid for a write.
+#[inline(always)]
 unsafe fn store(pointer: *mut f64, value: f64) {
     if !pointer.is_null() {
         // SAFETY: not NULL; validity is the caller's promise.
@@ -160,6 +163,7 @@ unsafe fn fill_nan(pointer: *mut f64, count: usize) {
 ///
 /// # Safety
 /// A non-NULL pointer is valid for reads.
+#[inline(always)]
 unsafe fn count(pointer: *const i32, argument: &'static str) -> Result<usize, Refusal> {
     // SAFETY: forwarded to the caller.
     let value = unsafe { optional(pointer) }.ok_or(Refusal::Null { argument })?;
@@ -176,6 +180,7 @@ const EMPTY: StateBuffer = [const { MaybeUninit::uninit() }; crate::law::MAX_STA
 ///
 /// # Safety
 /// STATEV is valid for NSTATV reads.
+#[inline(always)]
 unsafe fn states<'b>(
     info: &LawInfo,
     statev: *const f64,
@@ -197,12 +202,7 @@ unsafe fn states<'b>(
 }
 
 /// Refuses NaN and infinity.
-#[inline]
+#[inline(always)]
 fn finite(values: &[f64], reason: &'static str) -> Result<(), Refusal> {
-    // all of them, without an early exit: that vectorises
-    if values.iter().fold(true, |finite, x| finite & x.is_finite()) {
-        Ok(())
-    } else {
-        Err(Refusal::CutBack { fraction: CUT_BACK, reason })
-    }
+    if all_finite(values) { Ok(()) } else { Err(Refusal::CutBack { fraction: CUT_BACK, reason }) }
 }

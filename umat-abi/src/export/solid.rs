@@ -1,7 +1,7 @@
 //! The body of `umat_`.
 
 use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
-use crate::law::{Increment, Law, Request, Response, StressState, check_properties};
+use crate::law::{Increment, Law, Request, Response, StressState, check_properties_of};
 use crate::metadata::{StateVariable, flags};
 use crate::umat::UmatArguments;
 
@@ -91,18 +91,32 @@ pub(super) unsafe fn refuse(
     unsafe { store(pnewdt, fraction) };
 }
 
+#[inline(always)]
 unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
-    // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
-    // NULL before use, and nothing is read beyond the counts that the host gives.
-    // SAFETY: as above.
+    // SAFETY: the caller of `umat` passes the arguments of a UMAT call: NULL or valid.
     let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
     let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
     let stress_state = StressState::from_counts(counts.0, counts.1, counts.2)
         .filter(|stress_state| stress_state.bits() & L::STRESS_STATES != 0)
         .ok_or(Refusal::Components { first: counts.0, second: counts.1, third: counts.2 })?;
+    // constants, for which the compiler unrolls the loops over components
+    match stress_state {
+        // SAFETY: forwarded to the caller.
+        StressState::ThreeD => unsafe { update_in::<L>(a, StressState::ThreeD) },
+        // SAFETY: as above.
+        StressState::PlaneStrainOrAxisymmetric => unsafe { update_in::<L>(a, StressState::PlaneStrainOrAxisymmetric) },
+        // SAFETY: as above.
+        StressState::PlaneStress => unsafe { update_in::<L>(a, StressState::PlaneStress) },
+    }
+}
+
+#[inline(always)]
+unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<(), Refusal> {
+    // SAFETY (this function): the caller of `umat` passes the arguments of a UMAT call; each is checked for
+    // NULL before use, and nothing is read beyond the counts that the host gives.
     // SAFETY: as above.
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
-    check_properties(&L::INFO, props)?;
+    check_properties_of::<L>(props)?;
     let parameters = L::parameters(props)?;
     let mut buffer = super::EMPTY;
     // SAFETY: as above.
@@ -128,6 +142,7 @@ unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
     Ok(())
 }
 
+#[inline(always)]
 unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Result<Increment, Refusal> {
     let components = stress_state.components();
     // SAFETY: STRAN, DSTRAN and STRESS have NTENS values.
@@ -160,7 +175,7 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
 }
 
 /// A result that is not finite must not reach the host.
-#[inline]
+#[inline(always)]
 pub(super) fn check_response(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
     const REASON: &str = "the update overflowed";
     finite(&response.stress, REASON)?;
@@ -171,6 +186,7 @@ pub(super) fn check_response(response: &Response, state: &[f64], request: Reques
     finite(&[response.stored_energy], REASON)
 }
 
+#[inline(always)]
 unsafe fn write(a: &Arguments, stress_state: StressState, response: &Response, state: &[f64]) {
     // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS) column-major and STATEV(NSTATV ≥ states) were checked for NULL;
     // DDSDDE and the energies may be NULL.
@@ -221,13 +237,16 @@ const fn first_tensor_state(states: &[StateVariable]) -> Option<usize> {
 }
 
 /// DROT if it is there and is no identity.
+#[inline]
 unsafe fn incremental_rotation(drot: *const f64) -> Result<Option<[[f64; 3]; 3]>, Refusal> {
     if drot.is_null() {
         return Ok(None);
     }
     // SAFETY: DROT(3,3), column-major.
     let columns = unsafe { std::slice::from_raw_parts(drot, 9) };
-    if columns == [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0] {
+    const IDENTITY: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+    // all of them, without an early exit: that vectorises
+    if columns.iter().zip(&IDENTITY).fold(true, |same, (a, b)| same & (a == b)) {
         return Ok(None);
     }
     finite(columns, "NaN or infinity in DROT")?;
