@@ -161,7 +161,7 @@ impl Law for ConcreteDamage {
 
     type Parameters<'p> = Parameters;
 
-    #[inline]
+    #[inline(always)]
     fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
         let parameters = Parameters {
             elasticity: Elasticity::new(props[0], props[1]),
@@ -246,27 +246,7 @@ impl Law for ConcreteDamage {
                 dissipated_energy: state[DISSIPATED_ENERGY_STATE],
             });
         }
-        let softening = parameters.softening(increment.characteristic_length);
-        let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
-        let stress = point.stress(parameters);
-        let dissipation = if point.dissipates() {
-            let start = point.start(&history, increment, state);
-            let axes = Spectral::of_strain(&start.elastic_strain);
-            dissipation::increment(parameters, &softening, &start, &axes.values, &point.evolution, &point.axes, &stress)
-        } else {
-            0.0
-        };
-        let energy = point.evolution.solid.energy();
-        if !point.is_finite(energy, dissipation, &stress) {
-            if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
-                Self::check_characteristic_length(parameters, length)?;
-            }
-            return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
-        }
-        let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
-        point.commit(state, dissipation);
-        state[CRACK_BAND] = crack_band;
-        Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
+        advance(parameters, increment, state, request, crack_band, &history, trial)
     }
 
     const UPDATES_BLOCKS: bool = true;
@@ -275,6 +255,40 @@ impl Law for ConcreteDamage {
     fn update_block(parameters: &Parameters, block: &Block, state: &mut [Lane]) -> Option<BlockResponse> {
         block::update(parameters, block, state)
     }
+}
+
+/// The update of a point that is damaged or may become so. A function of its own: the elastic one stays short.
+#[inline(never)]
+fn advance(
+    parameters: &Parameters,
+    increment: &Increment,
+    state: &mut [f64],
+    request: Request,
+    crack_band: f64,
+    history: &History,
+    trial: [f64; 6],
+) -> Result<Response, Failure> {
+    let softening = parameters.softening(increment.characteristic_length);
+    let point = solve_point(parameters, &softening, history, increment, state, trial)?;
+    let stress = point.stress(parameters);
+    let dissipation = if point.dissipates() {
+        let start = point.start(history, increment, state);
+        let axes = Spectral::of_strain(&start.elastic_strain);
+        dissipation::increment(parameters, &softening, &start, &axes.values, &point.evolution, &point.axes, &stress)
+    } else {
+        0.0
+    };
+    let energy = point.evolution.solid.energy();
+    if !point.is_finite(energy, dissipation, &stress) {
+        if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
+            ConcreteDamage::check_characteristic_length(parameters, length)?;
+        }
+        return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
+    }
+    let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
+    point.commit(state, dissipation);
+    state[CRACK_BAND] = crack_band;
+    Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
 }
 
 /// Stress and energy of the virgin solid.

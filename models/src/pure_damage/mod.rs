@@ -76,13 +76,14 @@ impl Law for PureDamage {
         let (eta_before, largest_before) = (state[0], state[1]);
         let eta = eta_before.max(damage_law.eta(release_rate));
         let omega = integrity(eta);
-        let mut tangent = [[0.0; 6]; 6];
-        if request.wants_tangent() {
-            tangent = isotropic_stiffness(increment.stress_state, omega * twice_shear, omega * bulk);
-            if eta > eta_before {
-                let rate = damage_law.damage_rate(release_rate, eta);
-                add_dyad(&mut tangent, -rate, &undamaged_stress, &undamaged_stress);
-            }
+        let mut tangent = if request.wants_tangent() {
+            isotropic_stiffness(increment.stress_state, omega * twice_shear, omega * bulk)
+        } else {
+            [[0.0; 6]; 6]
+        };
+        if request.wants_tangent() && eta > eta_before {
+            let rate = damage_law.damage_rate(release_rate, eta);
+            add_dyad(&mut tangent, -rate, &undamaged_stress, &undamaged_stress);
         }
         state[0] = eta;
         state[1] = largest_before.max(release_rate);

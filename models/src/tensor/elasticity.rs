@@ -74,13 +74,16 @@ impl Elasticity {
     /// K₀ in components: ∂σ_i/∂ε_j with engineering shear.
     #[inline(always)]
     pub fn stiffness(&self) -> [[f64; 6]; 6] {
-        let mut stiffness = [[0.0; 6]; 6];
-        for i in 0..3 {
-            stiffness[i][..3].fill(self.lambda);
-            stiffness[i][i] += 2.0 * self.shear_modulus;
-            stiffness[i + 3][i + 3] = self.shear_modulus;
-        }
-        stiffness
+        let (l, mu) = (self.lambda, self.shear_modulus);
+        let d = l + 2.0 * mu;
+        [
+            [d, l, l, 0.0, 0.0, 0.0],
+            [l, d, l, 0.0, 0.0, 0.0],
+            [l, l, d, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, mu, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, mu, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 0.0, mu],
+        ]
     }
 
     /// The ε33 for which σ33 = 0: −ν/(1−ν)(ε11 + ε22).
@@ -94,13 +97,9 @@ impl Elasticity {
     #[inline(always)]
     pub fn plane_stress_stiffness(&self) -> [[f64; 6]; 6] {
         let nu = self.poisson_ratio;
-        let plane = self.youngs_modulus / (1.0 - nu * nu);
-        let mut stiffness = [[0.0; 6]; 6];
-        stiffness[0][0] = plane;
-        stiffness[1][1] = plane;
-        stiffness[0][1] = nu * plane;
-        stiffness[1][0] = nu * plane;
-        stiffness[3][3] = self.shear_modulus;
-        stiffness
+        let d = self.youngs_modulus / (1.0 - nu * nu);
+        let (l, mu) = (nu * d, self.shear_modulus);
+        const NONE: [f64; 6] = [0.0; 6];
+        [[d, l, 0.0, 0.0, 0.0, 0.0], [l, d, 0.0, 0.0, 0.0, 0.0], NONE, [0.0, 0.0, 0.0, mu, 0.0, 0.0], NONE, NONE]
     }
 }
