@@ -82,6 +82,38 @@ fn calls_and_throughput_are_measured() {
 }
 
 #[test]
+fn specimens_are_measured() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "fe", "skipping", "--quick", "--out", "results"]).expect(0);
+    let results = desk.path("results");
+    let (fe, skipping) = (results.join("fe.csv"), results.join("skipping.csv"));
+    // two angles, two things that are varied, two levels, of which the second is what the first is compared with
+    for column in ["peak_error", "work_error"] {
+        let errors = numbers(&fe, column);
+        assert_eq!(errors.len(), 8);
+        for (k, error) in errors.iter().enumerate() {
+            assert_eq!(error.is_some(), k % 2 == 0, "{column}: {errors:?}");
+            assert!(error.is_none_or(|error| (0.0..0.1).contains(&error)), "{column}: {errors:?}");
+        }
+    }
+    assert!(numbers(&fe, "energy_error").iter().all(|error| error.is_some_and(|error| error < 1e-3)));
+    let of =
+        |column: &str| numbers(&fe, column).into_iter().map(|number| number.expect("a number")).collect::<Vec<f64>>();
+    let parts = ["solids_s", "contact_s", "assembly_s", "factorisation_s", "solution_s"].map(of);
+    for (k, whole) in of("analysis_s").iter().enumerate() {
+        let sum: f64 = parts.iter().map(|part| part[k]).sum();
+        assert!(parts.iter().all(|part| part[k] > 0.0) && sum < *whole, "{sum} of {whole}");
+    }
+    // eight ways to skip, three far fields
+    let (loads, freedoms) = (numbers(&skipping, "load_N"), numbers(&skipping, "freedoms"));
+    assert_eq!(loads.len(), 11);
+    let load = loads[0].expect("a load");
+    assert!(loads[..8].iter().flatten().all(|other| (other / load - 1.0).abs() < 0.02), "{loads:?}");
+    assert!(freedoms[8] < freedoms[9] && freedoms[9] < freedoms[10], "{freedoms:?}");
+    assert_eq!(pictures(&results), 3);
+}
+
+#[test]
 fn an_unknown_item_is_refused_with_the_known_ones() {
     let desk = Desk::new();
     let outcome = desk.pullout(["bench", "nonsense"]).expect(2);

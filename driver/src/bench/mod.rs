@@ -1,13 +1,16 @@
-//! `pullout bench`: run time against error, the cost of the plugin ABI, throughput, numerical stability.
+//! `pullout bench`: run time against error of laws and specimens, what skipping saves, the cost of the plugin ABI,
+//! throughput, numerical stability.
 //!
 //! Each item leaves its numbers as CSV, its pictures as SVG and one page of Markdown with the machine they were
 //! measured on. Times are those of the calling thread's processor, of ways that take turns: what a figure
 //! says is a ratio of such times, or a count.
 
 mod abi;
+mod fibre;
 mod laws;
 mod machine;
 mod page;
+mod runs;
 mod solid;
 mod stability;
 mod table;
@@ -30,6 +33,10 @@ pub enum Item {
     Laws,
     /// Updates per second of each law, of one core and of all, in batches and one by one.
     Throughput,
+    /// Error of a pull-out against run time, over mesh and increment, and where the time goes.
+    Fe,
+    /// What skipping saves: each item, all of them, and what a larger far field costs.
+    Skipping,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
     Stability,
     /// What a call of a plugin costs: against the linked law, with the host's safeguards, against Fortran.
@@ -38,13 +45,16 @@ pub enum Item {
 
 impl Item {
     /// All of them, in the order in which they run: the last one leaves a recorder of calls installed in the process.
-    pub const ALL: &'static [Self] = &[Self::Laws, Self::Throughput, Self::Stability, Self::Abi];
+    pub const ALL: &'static [Self] =
+        &[Self::Laws, Self::Throughput, Self::Fe, Self::Skipping, Self::Stability, Self::Abi];
 
     /// The stem of its files.
     pub fn name(self) -> &'static str {
         match self {
             Self::Laws => "laws",
             Self::Throughput => "throughput",
+            Self::Fe => "fe",
+            Self::Skipping => "skipping",
             Self::Stability => "stability",
             Self::Abi => "abi",
         }
@@ -54,6 +64,8 @@ impl Item {
         match self {
             Self::Laws => laws::measure(settings),
             Self::Throughput => throughput::measure(settings),
+            Self::Fe => fibre::precision::measure(settings),
+            Self::Skipping => fibre::skipping::measure(settings),
             Self::Stability => stability::measure(settings),
             Self::Abi => abi::measure(settings),
         }

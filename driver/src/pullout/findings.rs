@@ -2,7 +2,7 @@
 
 use super::peak::PeakLoad;
 use fe_core::assembly;
-use fe_core::stepping::{Analysis, Energies};
+use fe_core::stepping::{Analysis, Energies, Times};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -105,9 +105,18 @@ pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
     named.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Where the time went, s.
-pub fn times(set_up: Duration, analysis: Duration, fields: Duration) -> IndexMap<String, f64> {
-    let named = [("set_up", set_up), ("analysis", analysis), ("writing_fields", fields)];
+/// Where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.
+pub fn times(set_up: Duration, analysis: Duration, parts: &Times, fields: Duration) -> IndexMap<String, f64> {
+    let named = [
+        ("set_up", set_up),
+        ("analysis", analysis),
+        ("analysis_solids", parts.solids),
+        ("analysis_contact", parts.contact),
+        ("analysis_assembly", parts.assembly),
+        ("analysis_factorisation", parts.factorisation),
+        ("analysis_solution", parts.solution),
+        ("writing_fields", fields),
+    ];
     named.into_iter().map(|(name, time)| (name.to_owned(), time.as_secs_f64())).collect()
 }
 

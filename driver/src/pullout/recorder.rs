@@ -115,7 +115,7 @@ pub fn run<'p>(
     findings.energy_error_max = energy_error;
     findings.energies = findings::energies(&energies);
     findings.statistics = findings::statistics(&analysis);
-    findings.times = findings::times(set_up, elapsed.saturating_sub(writing), writing);
+    findings.times = findings::times(set_up, elapsed.saturating_sub(writing), &analysis.times(), writing);
     let pairs = model.contacts.iter().map(|pair| pair.name.clone());
     findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
     let [_, slip, load, ..] = present.values;

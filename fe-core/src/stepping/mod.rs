@@ -10,6 +10,7 @@ mod size;
 mod snapshot;
 #[cfg(test)]
 mod test;
+mod times;
 mod zone;
 
 pub use checkpoint::Checkpoint;
@@ -18,6 +19,7 @@ pub use error::{ModelError, RunError};
 pub use newton::Iteration;
 pub use record::{Counts, Directive, Observer, Record};
 pub use snapshot::Snapshot;
+pub use times::Times;
 
 use crate::assembly::{Equations, IncrementContext, Solids};
 use crate::contact::Contact;
@@ -167,6 +169,11 @@ impl<'m> Analysis<'m> {
     /// What it has cost so far.
     pub fn statistics(&self) -> Statistics {
         self.present.statistics
+    }
+
+    /// Where the time went so far.
+    pub fn times(&self) -> Times {
+        self.equilibrium.times
     }
 
     /// The present state.

@@ -3,13 +3,10 @@
 use super::Row;
 use super::variations::{Base, bases};
 use crate::PLUGIN_STACK;
-use crate::bench::BenchError;
 use crate::bench::table::Table;
-use crate::case::{self, Case};
+use crate::bench::{BenchError, runs};
 use crate::output::number::significant;
-use crate::path::{self, Statistics, Stop};
-use crate::pullout;
-use crate::pullout::checkpoint::Checkpoints;
+use crate::path::Statistics;
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -66,9 +63,9 @@ pub(super) fn measure(stride: usize, plugin_paths: &[PathBuf]) -> Result<Vec<Run
         let panicked = workers.into_iter().map(|worker| worker.join()).filter(Result::is_err).count();
         if panicked == 0 { Ok(()) } else { Err(BenchError::Failed("a specimen's run panicked".into())) }
     })?;
-    let mut runs = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
-    runs.sort_unstable_by_key(|(k, _)| *k);
-    Ok(runs.into_iter().map(|(_, run)| run).collect())
+    let mut ended = done.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner);
+    ended.sort_unstable_by_key(|(k, _)| *k);
+    Ok(ended.into_iter().map(|(_, run)| run).collect())
 }
 
 fn case_file(folder: &Path, base: usize) -> PathBuf {
@@ -88,34 +85,18 @@ fn jobs(bases: &[Base]) -> Vec<Job> {
     jobs
 }
 
-/// Counts rows.
-#[derive(Default)]
-struct Counter(usize);
-
-impl path::Observer for Counter {
-    fn row(&mut self, _row: path::Row<'_>) -> std::io::Result<()> {
-        self.0 += 1;
-        Ok(())
-    }
-
-    fn increment_done(&mut self, _row: path::Row<'_>, _so_far: Statistics) {}
-}
-
 fn run(file: &Path, job: &Job, folder: &Path, plugin_paths: &[PathBuf]) -> End {
-    let program = match case::read(file, &job.overrides, plugin_paths) {
-        Ok(Case::Pullout(program)) => program,
-        Ok(Case::Path(_)) => return End::Refused("not a specimen".into()),
-        Err(errors) => {
+    let ran = match runs::run(file, &job.overrides, plugin_paths, folder) {
+        Ok(ran) => ran,
+        Err(BenchError::Case(errors)) => {
             return End::Refused(errors.problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "));
         }
+        Err(error) => return End::Refused(error.to_string()),
     };
-    let mut counter = Counter::default();
-    let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut counter);
-    let energy_error = outcome.findings.energy_error_max;
-    match outcome.result {
-        Ok(()) => End::Reached { energy_error, statistics: outcome.statistics },
-        Err(Stop::Failed(failure)) => End::Stopped { message: failure.message, energy_error, rows: counter.0 },
-        Err(Stop::Write(error)) => End::Stopped { message: error.to_string(), energy_error, rows: counter.0 },
+    let energy_error = ran.findings.energy_error_max;
+    match ran.stopped {
+        None => End::Reached { energy_error, statistics: ran.statistics },
+        Some(message) => End::Stopped { message, energy_error, rows: ran.rows },
     }
 }
 

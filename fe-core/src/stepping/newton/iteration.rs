@@ -7,6 +7,7 @@ use crate::assembly::solids::TangentChoice;
 use crate::assembly::{IncrementContext, Place, Trouble, touching};
 use crate::solver::Symmetry;
 use crate::stepping::Statistics;
+use crate::stepping::times::timed;
 use umat_abi::law::Request;
 
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
@@ -170,19 +171,22 @@ impl Equilibrium<'_> {
     fn factorise(&mut self, statistics: &mut Statistics) -> Result<(), Trouble> {
         let keep = self.model.skipping.unchanged_elements && self.factorised;
         let elements_changed = !keep || self.solids.latest_version() != self.assembled_version;
-        if elements_changed {
-            self.assembled_version = self.solids.latest_version();
-            self.system.assemble_elements(&self.solids);
-        }
-        self.system.set_blocks(&self.blocks);
-        let symmetric = self.model.skipping.symmetric_solver && self.solids.symmetric();
+        let Self { solids, system, blocks, times, .. } = self;
+        timed(&mut times.assembly, || {
+            if elements_changed {
+                system.assemble_elements(solids);
+            }
+            system.set_blocks(blocks);
+        });
+        let symmetric = self.model.skipping.symmetric_solver && solids.symmetric();
         let symmetry = if symmetric { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
         let result = if elements_changed {
+            self.assembled_version = solids.latest_version();
             statistics.factorisations += 1;
-            self.system.factorise(symmetry)
+            timed(&mut times.factorisation, || system.factorise(symmetry))
         } else {
             statistics.block_factorisations += 1;
-            self.system.factorise_blocks()
+            timed(&mut times.factorisation, || system.factorise_blocks())
         };
         self.rounding = POSITION_ROUNDING * self.extent * self.system.largest_diagonal();
         self.factorised = result.is_ok();
@@ -191,6 +195,7 @@ impl Equilibrium<'_> {
 
     pub(super) fn solve(&mut self, right_side: &mut [f64], statistics: &mut Statistics) -> Result<(), Trouble> {
         statistics.solutions += 1;
-        self.system.solve(right_side).map_err(|error| unsolvable(&error))
+        let Self { system, times, .. } = self;
+        timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
     }
 }

@@ -18,8 +18,9 @@ mod state;
 
 pub(super) use state::EquilibriumState;
 
+use super::times::timed;
 use super::zone::Zone;
-use super::{Counts, Energies, ModelError, Statistics};
+use super::{Counts, Energies, ModelError, Statistics, Times};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, PointIndex};
@@ -118,6 +119,7 @@ pub(super) struct Equilibrium<'m> {
     leading_point: Option<(PointIndex, f64)>,
     /// A point that broke in this attempt: if the attempt fails it leads the next.
     breaking_point: Option<PointIndex>,
+    pub(super) times: Times,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -165,6 +167,7 @@ impl<'m> Equilibrium<'m> {
             last_move: 0.0,
             leading_point: None,
             breaking_point: None,
+            times: Times::default(),
         })
     }
 
@@ -313,13 +316,16 @@ impl<'m> Equilibrium<'m> {
         statistics.evaluations += 1;
         self.has_tangents = request.wants_tangent();
         self.internal.fill(0.0);
-        self.solids.evaluate(&trial.displacements, &context, request, &mut self.internal)?;
+        let Self { solids, internal, times, .. } = self;
+        timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, internal))?;
         if self.has_tangents {
             self.blocks.clear();
         }
         self.contact_forces.fill(0.0);
-        let Self { contact, contact_forces, blocks, .. } = self;
-        contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)?;
+        let Self { contact, contact_forces, blocks, times, .. } = self;
+        timed(&mut times.contact, || {
+            contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)
+        })?;
         self.internal.iter_mut().zip(&self.contact_forces).for_each(|(sum, force)| *sum += force);
         self.external.fill(0.0);
         for load in &self.model.loads {

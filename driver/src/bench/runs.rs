@@ -1,0 +1,86 @@
+//! Cases of kind "pullout", run in this process.
+
+use super::BenchError;
+use super::timing::thread_time;
+use crate::PLUGIN_STACK;
+use crate::case::{self, Case};
+use crate::path::{self, Statistics, Stop};
+use crate::pullout::checkpoint::Checkpoints;
+use crate::pullout::{self, COLUMNS, Findings};
+use std::path::{Path, PathBuf};
+
+/// What came of a case that was not refused.
+pub(super) struct Ran {
+    /// Time of the processor, s, with everything from the model to the end.
+    pub seconds: f64,
+    /// Freedoms of its mesh.
+    pub freedoms: usize,
+    /// Rows before the end.
+    pub rows: usize,
+    /// The last row: slip, mm; load, N; work, N·mm.
+    pub end: [f64; 3],
+    pub findings: Findings,
+    pub statistics: Statistics,
+    /// Why it stopped early.
+    pub stopped: Option<String>,
+}
+
+/// Keeps the last row.
+#[derive(Default)]
+struct Keeper {
+    rows: usize,
+    last: Vec<f64>,
+}
+
+impl path::Observer for Keeper {
+    fn row(&mut self, row: path::Row<'_>) -> std::io::Result<()> {
+        self.rows += 1;
+        self.last.clear();
+        self.last.extend_from_slice(row.values);
+        Ok(())
+    }
+
+    fn increment_done(&mut self, _row: path::Row<'_>, _so_far: Statistics) {}
+}
+
+impl Keeper {
+    /// `values` hold the columns behind step and increment.
+    fn last(&self, column: &str) -> f64 {
+        let place = COLUMNS.iter().skip(2).position(|name| *name == column);
+        place.and_then(|place| self.last.get(place)).copied().unwrap_or(f64::NAN)
+    }
+}
+
+/// Runs a case with overrides (texts of `--set`) on this thread, whose stack must do for plugins.
+///
+/// # Errors
+/// It is refused.
+pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder: &Path) -> Result<Ran, BenchError> {
+    let program = match case::read(file, overrides, plugins)? {
+        Case::Pullout(program) => program,
+        Case::Path(_) => return Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
+    };
+    let mut keeper = Keeper::default();
+    let start = thread_time();
+    let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut keeper);
+    Ok(Ran {
+        seconds: (thread_time() - start).as_secs_f64(),
+        freedoms: 2 * program.model.mesh.nodes().len(),
+        rows: keeper.rows,
+        end: ["slip", "load", "external_work"].map(|column| keeper.last(column)),
+        findings: outcome.findings,
+        statistics: outcome.statistics,
+        stopped: outcome.result.err().map(|stop| match stop {
+            Stop::Failed(failure) => failure.message,
+            Stop::Write(error) => error.to_string(),
+        }),
+    })
+}
+
+/// Does some work on a thread with a stack that does for plugins.
+pub(super) fn with_stack<T: Send>(work: impl FnOnce() -> Result<T, BenchError> + Send) -> Result<T, BenchError> {
+    std::thread::scope(|scope| {
+        let worker = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
+        worker.join().unwrap_or_else(|_| Err(BenchError::Failed("a run panicked".into())))
+    })
+}
