@@ -96,6 +96,18 @@ pub struct Increment {
 }
 
 impl Increment {
+    /// Nothing strained or stressed, without a characteristic length: what the components of a host are read into.
+    #[inline(always)]
+    pub const fn at_rest(stress_state: StressState) -> Self {
+        Self {
+            stress_state,
+            strain: [0.0; 6],
+            strain_increment: [0.0; 6],
+            stress: [0.0; 6],
+            characteristic_length: None,
+        }
+    }
+
     /// Refuses NaN and infinity, which comparisons in a law could hide.
     ///
     /// # Errors

@@ -2,7 +2,6 @@
 
 use super::BenchError;
 use super::timing::thread_time;
-use crate::PLUGIN_STACK;
 use crate::case::{self, Case};
 use crate::path::{self, Statistics, Stop};
 use crate::pullout::checkpoint::Checkpoints;
@@ -74,13 +73,5 @@ pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder
             Stop::Failed(failure) => failure.message,
             Stop::Write(error) => error.to_string(),
         }),
-    })
-}
-
-/// Does some work on a thread with a stack that does for plugins.
-pub(super) fn with_stack<T: Send>(work: impl FnOnce() -> Result<T, BenchError> + Send) -> Result<T, BenchError> {
-    std::thread::scope(|scope| {
-        let worker = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
-        worker.join().unwrap_or_else(|_| Err(BenchError::Failed("a run panicked".into())))
     })
 }

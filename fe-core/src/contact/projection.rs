@@ -69,17 +69,14 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
     /// The foot on an edge or on its continuation, where it has passed a smoothed end by no more than [`OVERSHOOT`] since
     /// the increment's start, `last`. A foot that was past an end then starts on the next edge.
     fn on_same_edge(&self, point: [f64; 2], last: Foot) -> Option<Foot> {
-        let Foot { mut edge, coordinate: mut from, corner } = last;
-        let side = if from < 0.0 { -1 } else { 1 };
-        if from.abs() > 1.0 {
-            (edge, from) = (edge + side, -(side as f64));
-        }
-        if corner || !self.chain.goes_on(last.edge, side) && edge != last.edge {
+        let side = |coordinate: f64| if coordinate < 0.0 { -1 } else { 1 };
+        let (before, was_past) = (side(last.coordinate), last.coordinate.abs() > 1.0);
+        if last.corner || was_past && !self.chain.is_smooth_at(last.edge, before) {
             return None;
         }
+        let (edge, from) = if was_past { (last.edge + before, -(before as f64)) } else { (last.edge, last.coordinate) };
         let coordinate = self.close_by(point, edge, from, 1.0 + OVERSHOOT)?;
-        let side = if coordinate < 0.0 { -1 } else { 1 };
-        let is_inside = coordinate.abs() < 1.0 || self.chain.is_smooth_at(edge, side);
+        let is_inside = coordinate.abs() < 1.0 || self.chain.is_smooth_at(edge, side(coordinate));
         is_inside.then_some(Foot { edge, coordinate, corner: false })
     }
 

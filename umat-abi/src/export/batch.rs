@@ -294,13 +294,7 @@ unsafe fn update_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize)
         *state = load(a.statev, row);
     }
     finite(states, "NaN or infinity in STATEV")?;
-    let mut increment = Increment {
-        stress_state: plan.stress_state,
-        strain: [0.0; 6],
-        strain_increment: [0.0; 6],
-        stress: [0.0; 6],
-        characteristic_length: None,
-    };
+    let mut increment = Increment::at_rest(plan.stress_state);
     for (row, &i) in components.iter().enumerate() {
         increment.strain_increment[i] = load(a.dstrain, row);
         increment.strain[i] = load(a.strain, row) + increment.strain_increment[i];

@@ -153,13 +153,7 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
             slice(a.stress, components.len(), "STRESS")?,
         )
     };
-    let mut increment = Increment {
-        stress_state,
-        strain: [0.0; 6],
-        strain_increment: [0.0; 6],
-        stress: [0.0; 6],
-        characteristic_length: None,
-    };
+    let mut increment = Increment::at_rest(stress_state);
     for (k, &i) in components.iter().enumerate() {
         increment.strain[i] = stran[k] + dstran[k];
         increment.strain_increment[i] = dstran[k];

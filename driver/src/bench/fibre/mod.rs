@@ -11,6 +11,12 @@ use tempfile::TempDir;
 /// Chapter 7's base case.
 const CASE: &str = include_str!("../../../../cases/chapter-7/inclined-fibre.json");
 
+/// Its largest and its first increment, mm.
+const LARGEST_INCREMENT: f64 = 0.04;
+const FIRST_INCREMENT: f64 = 2e-4;
+/// and the least that one may be cut to.
+const LEAST_INCREMENT: f64 = 2e-9;
+
 /// The case as a file, for runs of it.
 struct Specimen<'s> {
     folder: TempDir,
@@ -38,9 +44,9 @@ impl<'s> Specimen<'s> {
         let part = |increment: f64| (increment / self.end).min(1.0);
         let mut overrides = vec![
             format!("steps.0.slip={}", self.end),
-            format!("steps.0.increments.initial={}", part(largest_increment.min(2e-4))),
+            format!("steps.0.increments.initial={}", part(largest_increment.min(FIRST_INCREMENT))),
             format!("steps.0.increments.maximum={}", part(largest_increment)),
-            format!("steps.0.increments.minimum={}", part(2e-9)),
+            format!("steps.0.increments.minimum={}", part(LEAST_INCREMENT)),
             "output.plots=false".into(),
         ];
         overrides.extend_from_slice(set);

@@ -1,8 +1,8 @@
 //! Error of peak and work against run time.
 
-use super::Specimen;
+use super::{LARGEST_INCREMENT, Specimen};
 use crate::bench::page::Page;
-use crate::bench::runs::{Ran, with_stack};
+use crate::bench::runs::Ran;
 use crate::bench::table::{Cell, Table};
 use crate::bench::{BenchError, Settings};
 use crate::output::plots::figure::{Figure, Line, Scale, Style};
@@ -14,8 +14,8 @@ const ANGLES: [u32; 2] = [0, 45];
 const MESHES: [f64; 5] = [2.0, 1.41, 1.0, 0.71, 0.5];
 /// Largest increments, mm, likewise.
 const INCREMENTS: [f64; 5] = [0.08, 0.04, 0.02, 0.01, 0.005];
-/// Mesh and increment while the other is varied.
-const USUAL: (f64, f64) = (1.0, 0.04);
+/// The mesh while the increment is varied.
+const USUAL_MESH: f64 = 1.0;
 /// Both peaks lie before it, mm.
 const END: f64 = 0.3;
 const QUICK_END: f64 = 0.002;
@@ -57,9 +57,10 @@ pub(in crate::bench) fn measure(settings: &Settings) -> Result<Page, BenchError>
             let values = if varied == Varied::Mesh { MESHES } else { INCREMENTS };
             let mut of_series = Vec::new();
             for value in &values[..levels] {
-                let (mesh, increment) = if varied == Varied::Mesh { (*value, USUAL.1) } else { (USUAL.0, *value) };
+                let (mesh, increment) =
+                    if varied == Varied::Mesh { (*value, LARGEST_INCREMENT) } else { (USUAL_MESH, *value) };
                 let set = [format!("mesh.specimen.angle_deg={angle}"), format!("mesh.specimen.mesh_size={mesh}")];
-                let ran = with_stack(|| specimen.run(increment, &set))?;
+                let ran = specimen.run(increment, &set)?;
                 of_series.push(Level { angle, varied, value: *value, ran, errors: None });
             }
             compare(&mut of_series);
@@ -178,7 +179,7 @@ fn page(rows: &[Level], end: f64) -> Page {
     }
     Page {
         title: "Cost and error of a pull-out",
-        method: METHOD.replace("{end}", &end.to_string()).replace("{increment}", &USUAL.1.to_string()),
+        method: METHOD.replace("{end}", &end.to_string()).replace("{increment}", &LARGEST_INCREMENT.to_string()),
         data,
         summaries: vec![("Error against time".into(), errors), ("Where the time goes".into(), split)],
         notes: Vec::new(),

@@ -1,19 +1,19 @@
 //! What skipping saves: all of it, each item alone, and what a larger far field costs.
 
-use super::Specimen;
+use super::{LARGEST_INCREMENT, Specimen};
 use crate::bench::page::Page;
-use crate::bench::runs::{Ran, with_stack};
+use crate::bench::runs::Ran;
 use crate::bench::table::Table;
 use crate::bench::timing::median;
 use crate::bench::{BenchError, Settings};
 use crate::output::number::significant;
 use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::quantity::Quantity;
+use fe_core::mesh::specimen::InclinedFibre;
 
-/// Pulled so far, mm: an increment is 40 µm at most.
+/// Pulled so far, mm.
 const END: f64 = 0.05;
 const QUICK_END: f64 = 0.002;
-const LARGEST_INCREMENT: f64 = 0.04;
 /// How often each way has its turn.
 const ROUNDS: usize = 3;
 
@@ -29,13 +29,10 @@ const WAYS: [(&str, &str, &str); 8] = [
     ("nothing", "\"none\"", "all"),
 ];
 
-/// Factors on width and depth of the block, its usual area in front.
-const FAR_FIELDS: [(&str, f64); 3] = [("1", 1.0), ("4", 2.0), ("16", 4.0)];
-const BLOCK: [f64; 2] = [25.4, 12.7];
-
-/// Least time of nothing skipped over everything, and greatest ones of far fields 4 and 16 times as large over the usual one.
+/// The block's area over its usual one, the factor on width and depth, and how many times as long that may take.
+const FAR_FIELDS: [(&str, f64, f64); 3] = [("1", 1.0, 1.0), ("4", 2.0, 1.3), ("16", 4.0, 2.0)];
+/// Nothing skipped takes at least so many times as long as everything.
 const SKIPPING_TARGET: f64 = 3.0;
-const FAR_FIELD_TARGETS: [f64; 3] = [1.0, 1.3, 2.0];
 /// Loads and works of both ways may differ by so much: a crack opens a little earlier or later in another increment.
 const SAME: f64 = 0.02;
 
@@ -54,8 +51,9 @@ pub(in crate::bench) fn measure(settings: &Settings) -> Result<Page, BenchError>
     let specimen = Specimen::new(settings, end)?;
     let ways = WAYS.map(|(name, skip, _)| (name.to_owned(), vec![format!("skip={skip}")]));
     let ways = in_turns(&specimen, rounds, &ways)?;
-    let blocks = FAR_FIELDS.map(|(name, factor)| {
-        let [width, depth] = BLOCK.map(|length| factor * length);
+    let InclinedFibre { width, depth, .. } = InclinedFibre::default();
+    let blocks = FAR_FIELDS.map(|(name, factor, _)| {
+        let [width, depth] = [width, depth].map(|length| factor * length);
         (name.to_owned(), vec![format!("mesh.specimen.width={width}"), format!("mesh.specimen.depth={depth}")])
     });
     let blocks = in_turns(&specimen, rounds, &blocks)?;
@@ -70,7 +68,7 @@ fn in_turns(
     let mut runs: Vec<Vec<Ran>> = ways.iter().map(|_| Vec::new()).collect();
     for _ in 0..rounds {
         for ((_, set), runs) in ways.iter().zip(&mut runs) {
-            runs.push(with_stack(|| specimen.run(LARGEST_INCREMENT, set))?);
+            runs.push(specimen.run(LARGEST_INCREMENT, set)?);
         }
     }
     let seconds: Vec<Vec<f64>> = runs.iter().map(|runs| runs.iter().map(|ran| ran.seconds).collect()).collect();
@@ -178,7 +176,7 @@ fn page(ways: &[Measured], blocks: &[Measured], end: f64, quick: bool) -> Page {
         notes.extend(
             ways.last().map(|none| target("Skipping saves a factor of", none.over_first, SKIPPING_TARGET, true)),
         );
-        for (measured, most) in blocks.iter().zip(FAR_FIELD_TARGETS).skip(1) {
+        for (measured, (.., most)) in blocks.iter().zip(FAR_FIELDS).skip(1) {
             let what = format!("A far field {} times as large costs a factor of", measured.name);
             notes.push(target(&what, measured.over_first, most, false));
         }

@@ -46,13 +46,7 @@ pub fn follow_in<L: Law>(
     let parameters = L::parameters(props).map_err(|error| error.to_string())?;
     let mut states = [0.0; MAX_STATES];
     let state = &mut states[..L::INFO.states.len()];
-    let mut increment = Increment {
-        stress_state,
-        strain: [0.0; 6],
-        strain_increment: [0.0; 6],
-        stress: [0.0; 6],
-        characteristic_length: None,
-    };
+    let mut increment = Increment::at_rest(stress_state);
     let mut stresses = Vec::with_capacity(strains.len() / every);
     for (i, strain) in strains.iter().enumerate() {
         for k in 0..6 {

@@ -61,14 +61,22 @@ fn increments(name: &'static str, count: i32) -> Family {
     })
 }
 
-/// Coefficients of friction.
-const FRICTION: [&str; 13] = ["0", "0.01", "0.05", "0.1", "0.2", "0.3", "0.4", "0.5", "0.75", "1", "1.25", "1.5", "2"];
+/// The factor of the penalty.
+fn penalty() -> Family {
+    family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor"))
+}
+
+/// The coefficient of friction.
+fn friction() -> Family {
+    let values = ["0", "0.01", "0.05", "0.1", "0.2", "0.3", "0.4", "0.5", "0.75", "1", "1.25", "1.5", "2"];
+    family("friction", values, key("contact.law.props.mu"))
+}
 
 /// What the contact of a fibre is varied by.
 fn of_contact() -> Vec<Family> {
     vec![
-        family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
-        family("friction", FRICTION, key("contact.law.props.mu")),
+        penalty(),
+        friction(),
         family("p_0 [MPa]", decades(&["1"], -1..=5), key("contact.law.props.p_0")),
         family("elastic bond [MPa/mm]", decades(&["1"], 1..=6), key("contact.law.props.k_e")),
     ]
@@ -144,7 +152,7 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../../cases/verification/hertz.json"),
             set: &["output.plots=false"],
             families: vec![
-                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
+                penalty(),
                 family("increments", [1, 2, 4, 10, 100, 1000], key("steps.0.increments")),
                 // with 20 the middle of an edge, with others a node or nothing lies at the end of the contact
                 family("edges in contact", [3, 4, 5, 7, 10, 20, 33], key("mesh.specimen.contact_edges")),
@@ -156,8 +164,8 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../../cases/verification/capstan-bond.json"),
             set: &["output.plots=false"],
             families: vec![
-                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
-                family("friction", FRICTION, key("contact.law.props.mu")),
+                penalty(),
+                friction(),
                 family("increments", [1, 2, 5, 10, 100, 1000], key("steps.1.increments")),
             ],
         },
@@ -166,8 +174,8 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../../cases/verification/drag-out-strip.json"),
             set: &["output.plots=false"],
             families: vec![
-                family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor")),
-                family("friction", FRICTION, key("contact.law.props.mu")),
+                penalty(),
+                friction(),
                 // edges of strip and block meet, or their nodes lie on each other's edges
                 family("edges of the strip", [6, 12, 24, 47, 48, 49], key("mesh.specimen.strip_edges")),
                 family("increments", [1, 2, 5, 20, 200], key("steps.1.increments")),

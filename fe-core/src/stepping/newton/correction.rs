@@ -4,6 +4,7 @@ use super::{CUT, Committed, Equilibrium, Leader, Target, largest, trouble};
 use crate::assembly::{IncrementContext, Place, Trouble, loads};
 use crate::model::Model;
 use crate::stepping::Statistics;
+use crate::stepping::times::timed;
 use umat_abi::law::Request;
 
 /// A correction that makes the largest residual grow is kept if it leaves no more than this part of the work of the
@@ -132,7 +133,8 @@ impl Equilibrium<'_> {
 
     fn dissipation_at(&mut self, displacements: &[f64], context: IncrementContext) -> Result<f64, Trouble> {
         let mut forces = vec![0.0; displacements.len()];
-        self.solids.evaluate(displacements, &context, Request::Stress, &mut forces)?;
+        let Self { solids, times, .. } = self;
+        timed(&mut times.solids, || solids.evaluate(displacements, &context, Request::Stress, &mut forces))?;
         Ok(self.solids.trial_dissipation())
     }
 

@@ -221,8 +221,10 @@ impl<'m> Equilibrium<'m> {
         self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
         let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
         self.solids.set_active(&far);
-        let called =
-            self.solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut self.internal);
+        let Self { solids, internal, times, .. } = self;
+        let called = timed(&mut times.solids, || {
+            solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, internal)
+        });
         self.solids.set_active(self.zone.active());
         called?;
         let equations = self.system.equations();
