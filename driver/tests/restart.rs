@@ -2,9 +2,8 @@
 
 mod program;
 
-use program::{Desk, cases, command, json};
-use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use program::{Desk, cases, command, files, timeless};
+use serde_json::json;
 use std::fs;
 use std::path::Path;
 use std::process::Stdio;
@@ -35,29 +34,6 @@ fn killed_at(arguments: &[&str], folder: &Path, wanted: usize) -> bool {
     child.kill().expect("it can be killed");
     let status = child.wait().expect("a status");
     !status.success() && !folder.join("summary.json").exists()
-}
-
-/// All files of a result directory but the checkpoint and what tells times.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    for within in ["", "fields", "plots"] {
-        for entry in fs::read_dir(folder.join(within)).into_iter().flatten() {
-            let path = entry.expect("an entry").path();
-            let name = path.strip_prefix(folder).expect("within").to_string_lossy().into_owned();
-            if path.is_file() && !["checkpoint.bin", "summary.json", "report.html"].contains(&name.as_str()) {
-                found.insert(name, fs::read(&path).expect("a file"));
-            }
-        }
-    }
-    found
-}
-
-/// A summary without times.
-fn timeless(folder: &Path) -> Value {
-    let mut summary = json(&folder.join("summary.json"));
-    let members = summary.as_object_mut().expect("an object");
-    members.retain(|name, _| !name.contains("time"));
-    summary
 }
 
 /// Kills a run of the case twice and restarts it; all it leaves is what the whole run leaves.

@@ -12,7 +12,7 @@
 //! - [`contact`]: points of one surface on another, their laws and how these are enforced;
 //! - [`solver`]: sparse direct solution with reused analyses and checked residuals;
 //! - [`stepping`]: Newton, automatic increments, indirect control, energies ([`stepping::Analysis`] runs a
-//!   [`model::Model`]);
+//!   [`model::Model`]), by one thread or several ([`threads`]);
 //! - [`output`]: fields at nodes, VTK files.
 //!
 //! Everything in code is counted from 0. Messages, the pictures of the elements and the arguments `NOEL` and `NPT` of
@@ -45,3 +45,4 @@ pub mod model;
 pub mod output;
 pub mod solver;
 pub mod stepping;
+pub mod threads;

@@ -9,6 +9,7 @@ use boundary::Boundary;
 use fe_core::mesh::Mesh;
 use fe_core::model::{Controls, Model, Skipping};
 use fe_core::stepping::Analysis;
+use fe_core::threads::Threads;
 use mesh::Ground;
 use std::path::Path;
 
@@ -91,6 +92,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         output,
         compare,
         warnings: std::mem::take(&mut reader.warnings),
+        threads: Threads::default(),
     })
 }
 

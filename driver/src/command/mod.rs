@@ -14,6 +14,7 @@ use crate::case::CaseErrors;
 use crate::isolation;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
@@ -48,6 +49,10 @@ enum Command {
         reading: Reading,
         #[command(flatten)]
         interruption: run::Interruption,
+        /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have
+        /// the same bits with any number.
+        #[arg(long, value_name = "N")]
+        threads: Option<NonZeroUsize>,
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
@@ -124,6 +129,11 @@ impl Reading {
     }
 }
 
+/// How many threads can run at the same time.
+fn processors() -> NonZeroUsize {
+    std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
 /// Runs the program with these arguments; the result is its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let arguments = match Arguments::try_parse_from(arguments) {
@@ -162,12 +172,13 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, interruption, quiet, parent } => {
+        Command::Run { cases, out, reading, interruption, threads, quiet, parent } => {
             if let Some(parent) = parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
-            run::run(&cases, out.as_deref(), &reading, &interruption, quiet)
+            let threads = threads.unwrap_or_else(processors);
+            run::run(&cases, out.as_deref(), &reading, &interruption, threads, quiet)
         }
         Command::Study(arguments) => study::run(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),

@@ -13,9 +13,11 @@ use crate::path::program::Kind;
 use crate::path::{self, Statistics, Stop};
 use crate::pullout;
 use crate::pullout::checkpoint::{self, Checkpoints};
+use fe_core::threads::Threads;
 use std::collections::BTreeSet;
 use std::fs;
 use std::io;
+use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use umat_abi::host::{Law, Library, announce_job};
@@ -61,12 +63,20 @@ pub(super) fn run(
     out: Option<&Path>,
     reading: &Reading,
     interruption: &Interruption,
+    threads: NonZeroUsize,
     quiet: bool,
 ) -> u8 {
     if interruption.restart.is_some() && cases.len() > 1 {
         complain("--restart goes on with one run: name its case alone");
         return BAD_INPUT;
     }
+    let threads = match Threads::new(threads) {
+        Ok(threads) => threads,
+        Err(error) => {
+            complain(format!("--threads {threads}: {error}"));
+            return BAD_INPUT;
+        }
+    };
     let mut stems = BTreeSet::new();
     let mut jobs = Vec::new();
     let mut code = DONE;
@@ -98,8 +108,13 @@ pub(super) fn run(
                 jobs.push((Job::Isolated { file, need }, folder));
             }
             None => match case::read(file, &reading.overrides, &reading.plugin_paths) {
-                Ok(case) => match interruption.checkpoints(&case) {
-                    Ok(checkpoints) => jobs.push((Job::Here(Box::new(case), checkpoints), folder)),
+                Ok(mut case) => match interruption.checkpoints(&case) {
+                    Ok(checkpoints) => {
+                        if let Case::Pullout(program) = &mut case {
+                            program.threads = threads.clone();
+                        }
+                        jobs.push((Job::Here(Box::new(case), checkpoints), folder));
+                    }
                     Err(message) => {
                         complain(format!("{}: {message}", file.display()));
                         code = code.max(BAD_INPUT);

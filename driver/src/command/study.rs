@@ -104,10 +104,12 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
 }
 
 fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
-    let processors = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let processors = super::processors().get();
+    let jobs = arguments.jobs.map_or(processors, usize::from);
     Execution {
         out: folder,
-        jobs: arguments.jobs.map_or(processors, usize::from),
+        jobs,
+        threads: (processors / jobs).max(1),
         plugin_paths: &arguments.reading.plugin_paths,
         only: &arguments.only,
         force: arguments.force,

@@ -2,6 +2,7 @@
 
 use crate::path::program::{Compare, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
+use fe_core::threads::Threads;
 use std::path::PathBuf;
 
 /// The history's columns, in the order of the CSV. Lengths mm, forces N, energies N·mm, pressure MPa.
@@ -60,6 +61,8 @@ pub struct Program {
     pub compare: Vec<Compare>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
+    /// Threads that share the work. No bit of the results depends on it.
+    pub threads: Threads,
 }
 
 /// What is written.

@@ -78,6 +78,7 @@ pub fn run<'p>(
         Ok(analysis) => analysis,
         Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
     };
+    analysis.set_threads(program.threads.clone());
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }

@@ -24,6 +24,8 @@ pub struct Execution<'a> {
     pub out: &'a Path,
     /// Most processes at a time.
     pub jobs: usize,
+    /// Threads of each.
+    pub threads: usize,
     /// Folders of plugins.
     pub plugin_paths: &'a [PathBuf],
     /// SERIES, SERIES/LABEL or */LABEL: these are run in any case and no others; empty: all, as far as it is needed.
@@ -93,6 +95,7 @@ impl Execution<'_> {
         arguments.extend(run.overrides.iter().map(|text| format!("--set={text}")));
         let mut command = Command::new(isolation::program());
         command.arg0("pullout").args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
+        command.args(["--threads", &self.threads.to_string()]);
         command.arg("--out").arg(&folder).args(&arguments[1..]);
         self.plugin_paths.iter().for_each(|path| {
             command.arg("--plugin-path").arg(path);

@@ -2,7 +2,9 @@
 #![allow(dead_code, reason = "each test program uses a part of this module")]
 
 use serde_json::Value;
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
+use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
@@ -196,4 +198,27 @@ pub fn case_files() -> Vec<PathBuf> {
     files.sort();
     assert!(files.len() > 40, "{} case files", files.len());
     files
+}
+
+/// All files of a result directory but the checkpoint and what tells times.
+pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    for within in ["", "fields", "plots"] {
+        for entry in fs::read_dir(folder.join(within)).into_iter().flatten() {
+            let path = entry.expect("an entry").path();
+            let name = path.strip_prefix(folder).expect("within").to_string_lossy().into_owned();
+            if path.is_file() && !["checkpoint.bin", "summary.json", "report.html"].contains(&name.as_str()) {
+                found.insert(name, fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    found
+}
+
+/// A summary without times.
+pub fn timeless(folder: &Path) -> Value {
+    let mut summary = json(&folder.join("summary.json"));
+    let members = summary.as_object_mut().expect("an object");
+    members.retain(|name, _| !name.contains("time"));
+    summary
 }

@@ -12,11 +12,15 @@ use super::{
     SystemMatrix,
 };
 use crate::assembly::Blocks;
+use crate::threads::Threads;
 
 /// Factorises and solves systems over one pattern; see the module's page for how.
 pub struct LinearSolver {
     pattern: Arc<Pattern>,
     nodes: Vec<usize>,
+    /// Of each equation, if known.
+    positions: Vec<[f64; 2]>,
+    threads: Threads,
     is_contact: Vec<bool>,
     options: SolverOptions,
     /// Present if condensation is worth its while.
@@ -58,6 +62,8 @@ impl LinearSolver {
         Ok(Self {
             pattern: Arc::clone(pattern),
             nodes: nodes.to_vec(),
+            positions: Vec::new(),
+            threads: Threads::default(),
             is_contact,
             options,
             zone,
@@ -66,6 +72,22 @@ impl LinearSolver {
             solids: None,
             work: Work { solution: vector(), residual: vector(), ordered: vector() },
         })
+    }
+
+    /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in two halves.
+    ///
+    /// # Errors
+    ///
+    /// If there is not one position for each equation.
+    pub fn with_positions(mut self, positions: Vec<[f64; 2]>) -> Result<Self, SolverError> {
+        check_length("list of positions", self.pattern.size(), positions.len())?;
+        self.positions = positions;
+        Ok(self)
+    }
+
+    /// The threads that work on the halves. Their number changes no bit of a solution.
+    pub fn set_threads(&mut self, threads: &Threads) {
+        self.threads = threads.clone();
     }
 
     /// Factorises a matrix, by the first method that can.
@@ -175,7 +197,7 @@ impl LinearSolver {
                 zone.backward(ordered);
                 zone.scatter(ordered, x);
             }
-            (_, _, Some(whole)) => whole.solve(method, x),
+            (_, _, Some(whole)) => whole.solve(method, x, &self.threads),
             _ => {}
         }
     }
@@ -225,7 +247,9 @@ impl LinearSolver {
             }
             let symbolic_reused = pattern_reused && whole.is_analysed(method);
             let outcome = match method {
-                Method::Condensed | Method::Cholesky => whole.factorise_cholesky(&self.nodes),
+                Method::Condensed | Method::Cholesky => {
+                    whole.factorise_cholesky(&self.nodes, &self.positions, &self.threads)
+                }
                 Method::BlockLu => whole.factorise_block_lu(&self.nodes),
                 Method::GeneralLu => whole.factorise_general_lu(matrix.norm()),
             };

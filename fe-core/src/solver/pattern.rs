@@ -50,6 +50,23 @@ impl Pattern {
         })
     }
 
+    /// The pattern between some equations, ascending, in their numbering, and where its values are among those of the whole.
+    pub(super) fn restricted_to(&self, equations: &[usize]) -> (Self, Vec<usize>) {
+        let mut places = vec![None; self.size()];
+        equations.iter().enumerate().for_each(|(place, &equation)| places[equation] = Some(place));
+        let (mut starts, mut rows, mut from) = (vec![0], Vec::new(), Vec::new());
+        for &equation in equations {
+            for (offset, &row) in self.column(equation).iter().enumerate() {
+                if let Some(place) = places[row] {
+                    rows.push(place);
+                    from.push(self.starts[equation] + offset);
+                }
+            }
+            starts.push(rows.len());
+        }
+        (Self { starts, rows }, from)
+    }
+
     /// From the rows of each column, which `write` gives in any order and as often as it likes.
     fn from_columns(size: usize, mut write: impl FnMut(usize, &mut Vec<usize>)) -> Self {
         let mut starts = Vec::with_capacity(size + 1);

@@ -6,8 +6,10 @@ use super::analysis::{Analysis, elimination_order};
 use super::block_lu::BlockLu;
 use super::cholesky::Cholesky;
 use super::general_lu::GeneralLu;
+use super::halves::Halves;
 use super::{LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
 use crate::assembly::Blocks;
+use crate::threads::Threads;
 
 /// How many times the entries of the present matrix a pattern may have, before it is made anew.
 const LARGEST_SUPERSET: f64 = 1.25;
@@ -20,11 +22,19 @@ pub(super) struct Whole {
     contact: Vec<Places>,
     values: Vec<f64>,
     analysis: Option<Arc<Analysis>>,
-    cholesky: Option<Cholesky>,
+    definite: Option<Definite>,
     block_lu: Option<BlockLu>,
     general_lu: Option<GeneralLu>,
     /// A vector in the order of elimination.
     ordered: Vec<f64>,
+}
+
+/// LLᵀ.
+enum Definite {
+    /// In one piece.
+    One(Box<Cholesky>),
+    /// In two, which have analyses of their own.
+    Two(Box<Halves>),
 }
 
 /// Where the entries of a contact block are, row by row. Most points stay where they are from one matrix to the next.
@@ -77,7 +87,7 @@ impl Whole {
             contact: Vec::new(),
             values: vec![0.0; pattern.entries()],
             analysis: None,
-            cholesky: None,
+            definite: None,
             block_lu: None,
             general_lu: None,
             ordered: vec![0.0; pattern.size()],
@@ -128,15 +138,30 @@ impl Whole {
     pub(super) fn is_analysed(&self, method: Method) -> bool {
         match method {
             Method::GeneralLu => self.general_lu.is_some(),
+            Method::Cholesky if matches!(self.definite, Some(Definite::Two(_))) => true,
             _ => self.analysis.is_some(),
         }
     }
 
     /// LLᵀ; refused if the values are not definite.
-    pub(super) fn factorise_cholesky(&mut self, nodes: &[usize]) -> Result<Outcome, SolverError> {
-        let analysis = self.analysis(nodes)?;
-        let cholesky = get_or_try_insert(&mut self.cholesky, || Cholesky::new(analysis))?;
-        Ok(cholesky.factorise(&self.values, &[]).map_or(Outcome::Refused, |()| Outcome::Done(Some(true))))
+    pub(super) fn factorise_cholesky(
+        &mut self,
+        nodes: &[usize],
+        positions: &[[f64; 2]],
+        threads: &Threads,
+    ) -> Result<Outcome, SolverError> {
+        let definite = match self.definite.take() {
+            Some(definite) => definite,
+            None => match Halves::new(&self.pattern, nodes, positions)? {
+                Some(halves) => Definite::Two(Box::new(halves)),
+                None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes)?)?)),
+            },
+        };
+        let is_definite = match self.definite.insert(definite) {
+            Definite::One(cholesky) => cholesky.factorise(&self.values, &[]).is_ok(),
+            Definite::Two(halves) => halves.factorise(&self.values, threads),
+        };
+        Ok(if is_definite { Outcome::Done(Some(true)) } else { Outcome::Refused })
     }
 
     /// LU with pivoting inside supernodes; refused if that is not enough.
@@ -163,14 +188,17 @@ impl Whole {
     }
 
     /// Solves in place with the last factor of this method.
-    pub(super) fn solve(&mut self, method: Method, x: &mut [f64]) {
+    pub(super) fn solve(&mut self, method: Method, x: &mut [f64], threads: &Threads) {
         if method == Method::GeneralLu {
             return self.general_lu.iter_mut().for_each(|factor| factor.solve(x));
         }
+        if let (Method::Cholesky, Some(Definite::Two(halves))) = (method, &mut self.definite) {
+            return halves.solve(x, threads);
+        }
         let Some(analysis) = &self.analysis else { return };
         self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
-        match (method, &mut self.cholesky, &mut self.block_lu) {
-            (Method::Cholesky, Some(factor), _) => {
+        match (method, &mut self.definite, &mut self.block_lu) {
+            (Method::Cholesky, Some(Definite::One(factor)), _) => {
                 factor.forward(&mut self.ordered);
                 factor.backward(&mut self.ordered);
             }
@@ -184,7 +212,11 @@ impl Whole {
     pub(super) fn size_of(&self, method: Method) -> (Option<f64>, Option<usize>) {
         let flops = self.analysis.as_ref().map(|analysis| analysis.flops);
         match method {
-            Method::Cholesky => (flops, self.cholesky.as_ref().map(Cholesky::entries)),
+            Method::Cholesky => match &self.definite {
+                Some(Definite::Two(halves)) => (Some(halves.flops()), Some(halves.entries())),
+                Some(Definite::One(cholesky)) => (flops, Some(cholesky.entries())),
+                None => (None, None),
+            },
             Method::BlockLu => (flops.map(|flops| 2.0 * flops), self.block_lu.as_ref().map(BlockLu::entries)),
             Method::Condensed | Method::GeneralLu => (None, None),
         }

@@ -79,11 +79,13 @@ impl<'m> Analysis<'m> {
     pub(super) fn checkpoint(&mut self, position: Position) -> Result<Checkpoint, RunError> {
         let checkpoint = Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() };
         self.last_checkpoint = self.present.statistics.increments;
+        let threads = self.equilibrium.threads().clone();
         self.equilibrium = Equilibrium::with_state(self.model, &checkpoint.equilibrium).map_err(|error| {
             let Position { step, increment, ref run, .. } = checkpoint.position;
             let trouble = Trouble { place: Place::System, reason: error.to_string(), fraction: None };
             RunError::Failed { step, increment: increment + 1, progress: run.progress(), trouble }
         })?;
+        self.equilibrium.set_threads(threads);
         Ok(checkpoint)
     }
 }

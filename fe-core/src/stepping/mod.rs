@@ -24,6 +24,7 @@ pub use times::Times;
 use crate::assembly::{Equations, IncrementContext, Solids};
 use crate::contact::Contact;
 use crate::model::{Model, Step};
+use crate::threads::Threads;
 use checkpoint::Position;
 use control::{Advance, Findings, Judgement, LoadHistory, StepRun};
 use newton::{Committed, Converged, Equilibrium, Target};
@@ -116,6 +117,12 @@ impl<'m> Analysis<'m> {
             last_checkpoint: 0,
             resumed: None,
         })
+    }
+
+    /// Shares the work among threads: elements whose laws may be called by several, and factors of large systems. Results
+    /// have the same bits for any number.
+    pub fn set_threads(&mut self, threads: Threads) {
+        self.equilibrium.set_threads(threads);
     }
 
     /// Checks a model without preparing its computation: constraints, laws and contact.

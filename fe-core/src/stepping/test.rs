@@ -14,6 +14,7 @@ use std::io;
 mod patch;
 mod snap_back;
 mod spin;
+mod threads;
 
 /// Keeps what it is told.
 #[derive(Default)]

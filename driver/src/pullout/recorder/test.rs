@@ -5,6 +5,7 @@ use fe_core::kinematics::PlaneModel::PlaneStrain;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
 use fe_core::stepping::{Counts, Energies, Iteration};
+use fe_core::threads::Threads;
 use std::path::PathBuf;
 
 /// Two steps of 1 s and 2 s on a mesh that nobody computes.
@@ -41,6 +42,7 @@ fn program(every: usize) -> Program {
         output: Output { every, plots: false, fields_every: None },
         compare: vec![],
         warnings: vec![],
+        threads: Threads::default(),
     }
 }
 

@@ -31,7 +31,7 @@ pub(super) struct Shape<'a, const N: usize> {
     pub(super) axisymmetric: bool,
     /// B-bar.
     pub(super) average: bool,
-    /// The element's first point among those of its part.
+    /// The element's first point among those of its block.
     pub(super) first_point: usize,
 }
 

@@ -16,6 +16,14 @@
 //!
 //! Neither changes a bit of the result. [`Solids::stiffness_version`] tells which stiffnesses are new.
 //!
+//! # Threads
+//!
+//! Elements are kept in blocks, each with its own points and UMAT call; with [`Solids::set_threads`] several threads take
+//! blocks. Forces are added up element by element afterwards, in the order of the mesh: the number of threads changes
+//! no bit. A block stops at its first element in trouble, the others go on; the first trouble in the order of
+//! the mesh is told. A model whose laws are not all known to be thread-safe has one block for each part and no
+//! more than one thread.
+//!
 //! # Large displacements
 //!
 //! With `nlgeom` the kinematics are those of [`crate::kinematics::finite`], and stiffnesses are the exact derivative of
@@ -28,6 +36,7 @@
 //! A DDSDDE that is symmetric but for rounding is made exactly so when it arrives; everything after decides by exact
 //! equality.
 
+mod block;
 mod element;
 mod error;
 mod kernel;
@@ -41,13 +50,12 @@ pub use state::SolidsState;
 pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
 
 use super::{IncrementContext, Place, Trouble};
-use crate::element::ElementKind;
 use crate::kinematics::finite::TangentForm;
 use crate::model::Model;
-use element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
-use kernel::Nodal;
+use crate::threads::Threads;
+use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;
-use record::{Body, Record, bodies, number_of};
+use record::{Body, Record, blocks};
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -78,19 +86,15 @@ pub struct Solids {
     relaxation_time: f64,
     skip_unchanged: bool,
     tangent_form: TangentForm,
-    bodies: Vec<Body>,
-    records: Vec<Record>,
+    threads: Threads,
+    blocks: Vec<Block>,
+    /// Of each element.
+    places: Vec<BlockPlace>,
     active: Vec<bool>,
-    /// Displacements of each element's nodes, element by element: committed, and of the last evaluation.
-    committed: Vec<[f64; 2]>,
-    evaluated: Vec<[f64; 2]>,
-    /// Internal forces of the last evaluation, likewise.
-    forces: Vec<[f64; 2]>,
-    stiffnesses: Vec<f64>,
     version: u64,
-    unsymmetric: usize,
     context: IncrementContext,
-    counters: Counters,
+    /// What was counted before the present state was taken over.
+    earlier: Counters,
 }
 
 impl Solids {
@@ -100,25 +104,24 @@ impl Solids {
     ///
     /// A part without a usable law.
     pub fn new(model: &Model) -> Result<Self, SolidsError> {
-        let (bodies, records) = bodies(model)?;
-        let nodal = records.last().map_or(0, |record| record.nodal.end);
-        let entries = records.last().map_or(0, |record| record.stiffness.end);
+        let (blocks, places) = blocks(model)?;
         Ok(Self {
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
             tangent_form: TangentForm::default(),
-            active: vec![true; records.len()],
-            committed: vec![[0.0; 2]; nodal],
-            evaluated: vec![[0.0; 2]; nodal],
-            forces: vec![[0.0; 2]; nodal],
-            stiffnesses: vec![0.0; entries],
+            threads: Threads::default(),
+            active: vec![true; places.len()],
             version: 0,
-            unsymmetric: 0,
             context: IncrementContext::default(),
-            counters: Counters::default(),
-            bodies,
-            records,
+            earlier: Counters::default(),
+            blocks,
+            places,
         })
+    }
+
+    /// The threads that evaluate blocks. Without an effect where a law may be called by one thread only.
+    pub fn set_threads(&mut self, threads: &Threads) {
+        self.threads = threads.clone();
     }
 
     /// Which elements are evaluated: the others are left as they are, and give no forces.
@@ -135,14 +138,24 @@ impl Solids {
         &self.active
     }
 
+    /// The block of an element.
+    fn block(&self, element: usize) -> &Block {
+        &self.blocks[self.places[element].block]
+    }
+
+    fn record(&self, element: usize) -> &Record {
+        &self.block(element).records[self.places[element].local]
+    }
+
     /// Whether the tangent of an element may be negative: its law damages, or does not say.
     pub fn softens(&self, element: usize) -> bool {
-        self.bodies[self.records[element].part].softens
+        self.block(element).body.part.softens
     }
 
     /// Which tangent an element's stiffness is made of from the next evaluation on.
     pub fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
-        let record = &mut self.records[element];
+        let BlockPlace { block, local } = self.places[element];
+        let record = &mut self.blocks[block].records[local];
         if record.choice != choice {
             record.choice = choice;
             record.has_tangent = false;
@@ -153,7 +166,8 @@ impl Solids {
     pub fn set_tangent_form(&mut self, form: TangentForm) {
         if self.tangent_form != form {
             self.tangent_form = form;
-            self.records.iter_mut().for_each(|record| record.has_tangent = false);
+            let records = self.blocks.iter_mut().flat_map(|block| &mut block.records);
+            records.for_each(|record| record.has_tangent = false);
         }
     }
 
@@ -162,7 +176,8 @@ impl Solids {
     ///
     /// # Errors
     ///
-    /// A point whose law asks for a smaller increment or fails, or that collapses. `forces` are then incomplete.
+    /// A point whose law asks for a smaller increment or fails, or that collapses: that of the first element in
+    /// trouble. `forces` are as they were then.
     ///
     /// # Panics
     ///
@@ -175,20 +190,33 @@ impl Solids {
         forces: &mut [f64],
     ) -> Result<(), Trouble> {
         self.set_context(context);
-        let (displacements, _) = displacements.as_chunks::<2>();
+        let evaluation = Evaluation {
+            displacements: displacements.as_chunks::<2>().0,
+            active: &self.active,
+            request,
+            tangent_form: self.tangent_form,
+            skip_unchanged: self.skip_unchanged,
+            version: self.version + 1,
+        };
+        let builds = |blocks: &[Block]| -> u64 { blocks.iter().map(|block| block.counters.stiffness_builds).sum() };
+        let before = builds(&self.blocks);
+        let trouble = self.threads.least(
+            &mut self.blocks,
+            |block| block.evaluate(&evaluation).err(),
+            |trouble| match trouble.place {
+                Place::Element { element, .. } => Some(element),
+                _ => None,
+            },
+        );
+        self.version += u64::from(builds(&self.blocks) > before);
+        if let Some(trouble) = trouble {
+            return Err(trouble);
+        }
         let (forces, _) = forces.as_chunks_mut::<2>();
-        for element in 0..self.records.len() {
-            if !self.active[element] {
-                continue;
-            }
-            match self.records[element].kind {
-                ElementKind::T3 => self.evaluate_element::<3>(element, displacements, request)?,
-                ElementKind::Q4 => self.evaluate_element::<4>(element, displacements, request)?,
-                ElementKind::T6 => self.evaluate_element::<6>(element, displacements, request)?,
-                ElementKind::Q8 => self.evaluate_element::<8>(element, displacements, request)?,
-            }
-            let record = &self.records[element];
-            for (&node, [x, y]) in record.nodes().iter().zip(&self.forces[record.nodal.clone()]) {
+        for (place, _) in self.places.iter().zip(&self.active).filter(|(_, active)| **active) {
+            let block = &self.blocks[place.block];
+            let record = &block.records[place.local];
+            for (&node, [x, y]) in record.nodes().iter().zip(&block.forces[record.nodal.clone()]) {
                 forces[node][0] += x;
                 forces[node][1] += y;
             }
@@ -219,8 +247,8 @@ impl Solids {
     fn set_viscosity(&mut self, relaxation_time: f64) {
         let duration = self.context.time_increment;
         let viscosity = if duration > 0.0 { relaxation_time / duration } else { 0.0 };
-        for body in &mut self.bodies {
-            body.points.viscosity = if body.may_lose_stability { viscosity } else { 0.0 };
+        for Body { part, points, .. } in self.blocks.iter_mut().map(|block| &mut block.body) {
+            points.viscosity = if part.may_lose_stability { viscosity } else { 0.0 };
         }
     }
 
@@ -228,110 +256,38 @@ impl Solids {
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
         if !same_bits(&times(&self.context), &times(context)) {
-            self.records.iter_mut().for_each(Record::forget);
+            self.blocks.iter_mut().for_each(Block::forget);
         }
         self.context = *context;
         self.set_viscosity(self.relaxation_time);
-        let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
-        for body in &mut self.bodies {
-            let call = &mut body.points.call;
-            call.time = [context.step_time, context.total_time];
-            call.dtime = context.dtime();
-            call.jstep[0] = from_one(context.step);
-            call.jstep[2] = i32::from(body.nlgeom);
-            call.kinc = from_one(context.increment);
-        }
-    }
-
-    fn evaluate_element<const N: usize>(
-        &mut self,
-        element: usize,
-        displacements: &[[f64; 2]],
-        request: Request,
-    ) -> Result<(), Trouble> {
-        let record = &mut self.records[element];
-        let end: Nodal<N> = std::array::from_fn(|k| displacements[record.nodes()[k]]);
-        let evaluated = &mut self.evaluated[record.nodal.clone()];
-        let wants_tangent = request == Request::StressAndTangent;
-        if self.skip_unchanged
-            && record.is_evaluated
-            && (record.has_tangent || !wants_tangent)
-            && same_bits(end.as_flattened(), evaluated.as_flattened())
-        {
-            self.counters.skipped_evaluations += 1;
-            return Ok(());
-        }
-        record.forget();
-        let nlgeom = self.bodies[record.part].nlgeom;
-        let (shape, points) = self.bodies[record.part].split::<N>(record);
-        points.call.celent = record.characteristic_length;
-        points.call.noel = number_of(element);
-        let task = Task { request, choice: record.choice };
-        let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
-        let changed = &mut record.moduli_changed;
-        let motions = if nlgeom {
-            let start = &self.committed[record.nodal.clone()].as_chunks::<N>().0[0];
-            advance_finite(&shape, points, [start, &end], task, forces, changed).map(Some)
-        } else {
-            advance_small(&shape, points, &end, task, forces, changed).map(|()| None)
-        };
-        let motions = motions.map_err(|(point, trouble)| Trouble {
-            place: Place::Element { element, point, position: shape.positions[point] },
-            reason: trouble.reason,
-            fraction: trouble.fraction,
-        })?;
-        evaluated.copy_from_slice(&end);
-        (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
-        self.counters.evaluations += 1;
-        if wants_tangent && (record.moduli_changed || nlgeom || !self.skip_unchanged) {
-            self.build_stiffness::<N>(element, motions.as_ref());
-        }
-        Ok(())
-    }
-
-    /// The stiffness of the last evaluation, whose motions large displacements need.
-    fn build_stiffness<const N: usize>(&mut self, element: usize, motions: Option<&Motions>) {
-        let record = &mut self.records[element];
-        let (shape, points) = self.bodies[record.part].split::<N>(record);
-        let (rows, _) = self.stiffnesses[record.stiffness.clone()].as_chunks_mut::<2>();
-        let (rows, _) = rows.as_chunks_mut::<N>();
-        let is_symmetric = match motions {
-            Some(motions) => stiffness_finite(&shape, motions, self.tangent_form, points, rows),
-            None => stiffness_small(&shape, &points.moduli[record.points.clone()], rows),
-        };
-        self.version += 1;
-        self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.is_unsymmetric);
-        record.is_unsymmetric = !is_symmetric;
-        record.moduli_changed = false;
-        record.version = self.version;
-        self.counters.stiffness_builds += 1;
+        self.blocks.iter_mut().for_each(|block| block.set_context(context));
     }
 
     /// ∂force/∂displacement of an element, row by row, freedoms ordered node by node as the mesh has them: of its last
     /// evaluation that asked for tangents; 0 before.
     pub fn stiffness(&self, element: usize) -> &[f64] {
-        &self.stiffnesses[self.records[element].stiffness.clone()]
+        &self.block(element).stiffnesses[self.record(element).stiffness.clone()]
     }
 
-    /// A number that grows whenever an element's stiffness is built; 0 before.
+    /// The [`Self::latest_version`] after the evaluation that built an element's stiffness; 0 before.
     pub fn stiffness_version(&self, element: usize) -> u64 {
-        self.records[element].version
+        self.record(element).version
     }
 
-    /// The greatest version of all elements.
+    /// A number that grows whenever an evaluation builds stiffnesses.
     pub fn latest_version(&self) -> u64 {
         self.version
     }
 
     /// The elements whose stiffness was built after the latest version was `version`, ascending.
     pub fn changed_since(&self, version: u64) -> impl Iterator<Item = usize> {
-        self.records.iter().enumerate().filter(move |(_, record)| record.version > version).map(|(element, _)| element)
+        (0..self.places.len()).filter(move |&element| self.stiffness_version(element) > version)
     }
 
     /// Whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small or the
     /// tangent's form is [`TangentForm::Spatial`].
     pub fn symmetric(&self) -> bool {
-        self.unsymmetric == 0
+        self.blocks.iter().all(|block| block.unsymmetric == 0)
     }
 
     /// Makes the state of the last evaluation the committed one, in every element whose last evaluation was at these
@@ -343,19 +299,11 @@ impl Solids {
     /// If `displacements` does not hold two per node.
     pub fn commit(&mut self, displacements: &[f64]) {
         let (displacements, _) = displacements.as_chunks::<2>();
-        for record in &mut self.records {
-            let evaluated = &self.evaluated[record.nodal.clone()];
-            let mut pairs = record.nodes().iter().zip(evaluated);
-            if record.is_evaluated && pairs.all(|(&node, own)| same_bits(&displacements[node], own)) {
-                self.bodies[record.part].points.commit(record.points.clone());
-                self.committed[record.nodal.clone()].copy_from_slice(evaluated);
-            }
-            record.forget();
-        }
+        self.blocks.iter_mut().for_each(|block| block.commit(displacements));
     }
 
     /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
-        self.records.iter_mut().for_each(Record::forget);
+        self.blocks.iter_mut().for_each(Block::forget);
     }
 }

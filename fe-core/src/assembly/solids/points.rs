@@ -1,4 +1,4 @@
-//! The material points of one part: their states, and calls of their UMAT.
+//! The material points of one block: their states, and calls of their UMAT.
 
 use super::TangentChoice;
 use super::error::SolidsError;
@@ -72,7 +72,7 @@ pub(super) struct PointIncrement<'a> {
     pub(super) motion: Option<(&'a FiniteIncrement, &'a Gradient, &'a Gradient)>,
 }
 
-/// The material points of one part.
+/// The material points of one block.
 #[derive(Debug)]
 pub(super) struct Points {
     pub(super) call: UmatCall,

@@ -1,6 +1,7 @@
 //! What stays of each element and of each part from the start.
 
 use super::TangentChoice;
+use super::block::{Block, BlockPlace};
 use super::element::Shape;
 use super::error::SolidsError;
 use super::points::Points;
@@ -9,23 +10,29 @@ use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::model::{Model, PluginLaw};
 use std::ops::Range;
-use umat_abi::host::Validation;
-use umat_abi::metadata::stress_states;
+use std::sync::Arc;
+use umat_abi::host::{Validation, recorder};
+use umat_abi::metadata::{flags, stress_states};
+
+/// How many elements a block has at most: some 0.1 ms of work. Laws that may not be called by several threads have one
+/// block for each part.
+const ELEMENTS_PER_BLOCK: usize = 16;
 
 /// An element, and what is known of its last evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
+    /// Its index in the mesh.
+    pub(super) element: usize,
     pub(super) kind: ElementKind,
-    pub(super) part: usize,
     nodes: [usize; MAX_NODES],
     pub(super) characteristic_length: f64,
-    /// Its points among those of the part.
+    /// Its points among those of the block.
     pub(super) points: Range<usize>,
-    /// Its gradients among those of the part: one per point and node.
+    /// Its gradients among those of the block: one per point and node.
     gradients: Range<usize>,
-    /// Its nodal values in arrays over all elements.
+    /// Its nodal values in arrays over the block.
     pub(super) nodal: Range<usize>,
-    /// Its stiffness among all.
+    /// Its stiffness among those of the block.
     pub(super) stiffness: Range<usize>,
     pub(super) choice: TangentChoice,
     /// The trial state is that of the evaluated displacements, from the committed state.
@@ -49,11 +56,10 @@ impl Record {
     }
 }
 
-/// A part: its points, and their reference configuration.
+/// What all elements of a part have in common.
 #[derive(Debug)]
-pub(super) struct Body {
+pub(super) struct Part {
     pub(super) name: String,
-    pub(super) points: Points,
     axisymmetric: bool,
     average: bool,
     /// The dissipation of its law is damage, not plastic flow.
@@ -65,9 +71,25 @@ pub(super) struct Body {
     pub(super) may_lose_stability: bool,
     /// It has large displacements.
     pub(super) nlgeom: bool,
-    gradients: Vec<[f64; 2]>,
     /// Shape functions at the points of each kind of element.
     values: [Vec<[f64; MAX_NODES]>; ElementKind::ALL.len()],
+}
+
+impl Part {
+    /// Shape functions at a point of an element, from its first.
+    pub(super) fn values(&self, kind: ElementKind, point: usize) -> &[f64; MAX_NODES] {
+        &self.values[kind as usize][point]
+    }
+}
+
+/// The points of some elements of a part, and their reference configuration.
+#[derive(Debug)]
+pub(super) struct Body {
+    pub(super) part: Arc<Part>,
+    /// Index of the part.
+    pub(super) index: usize,
+    pub(super) points: Points,
+    gradients: Vec<[f64; 2]>,
     pub(super) volumes: Vec<f64>,
     pub(super) positions: Vec<[f64; 2]>,
 }
@@ -77,24 +99,33 @@ impl Body {
     pub(super) fn split<const N: usize>(&mut self, record: &Record) -> (Shape<'_, N>, &mut Points) {
         let shape = Shape {
             gradients: self.gradients[record.gradients.clone()].as_chunks::<N>().0,
-            values: &self.values[record.kind as usize],
+            values: &self.part.values[record.kind as usize],
             volumes: &self.volumes[record.points.clone()],
             positions: &self.positions[record.points.clone()],
-            axisymmetric: self.axisymmetric,
-            average: self.average && record.kind == ElementKind::Q4,
+            axisymmetric: self.part.axisymmetric,
+            average: self.part.average && record.kind == ElementKind::Q4,
             first_point: record.points.start,
         };
         (shape, &mut self.points)
     }
 
-    /// Shape functions at a point of an element, from its first.
-    pub(super) fn values(&self, kind: ElementKind, point: usize) -> &[f64; MAX_NODES] {
-        &self.values[kind as usize][point]
+    fn add_points(&mut self, mesh: &Mesh, element: usize) {
+        let kind = mesh.elements()[element].kind();
+        let part = &mesh.parts()[self.index];
+        let (positions, count) = mesh.element_positions(element);
+        for point in mesh.integration_points(element) {
+            let mapped = MappedPoint::new(kind, &positions[..count], point.coordinates)
+                .expect("checked: a mesh has no inverted element");
+            self.gradients.extend_from_slice(mapped.shape.derivatives());
+            let depth = part.model.depth(mapped.position[0], part.thickness);
+            self.volumes.push(depth * mapped.determinant * point.weight);
+            self.positions.push(mapped.position);
+        }
     }
 }
 
-/// The parts and the elements of a model.
-pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsError> {
+/// The elements of a model block by block, in the order of the first element of each, and the place of each element.
+pub(super) fn blocks(model: &Model) -> Result<(Vec<Block>, Vec<BlockPlace>), SolidsError> {
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
     if laws.len() != parts.len() {
@@ -106,39 +137,70 @@ pub(super) fn bodies(model: &Model) -> Result<(Vec<Body>, Vec<Record>), SolidsEr
     if nlgeom.len() != parts.len() {
         return Err(SolidsError::LargeDisplacementCount { parts: parts.len(), choices: nlgeom.len() });
     }
-    let mut counts = vec![0; parts.len()];
-    for (element, definition) in mesh.elements().iter().enumerate() {
-        counts[definition.part()] += mesh.integration_points(element).len();
+    let groups = groups(mesh, if may_share_threads(laws) { ELEMENTS_PER_BLOCK } else { usize::MAX });
+    let shared = laws
+        .iter()
+        .enumerate()
+        .map(|(part, law)| checked_part(mesh, part, law, [average_dilatation[part], nlgeom[part]]).map(Arc::new))
+        .collect::<Result<Vec<_>, _>>()?;
+    let mut blocks = Vec::with_capacity(groups.len());
+    let mut places = vec![BlockPlace::default(); mesh.elements().len()];
+    for Group { part, elements } in &groups {
+        for (local, &element) in elements.iter().enumerate() {
+            places[element] = BlockPlace { block: blocks.len(), local };
+        }
+        blocks.push(block(mesh, *part, &shared[*part], &laws[*part], elements)?);
     }
-    let mut bodies = Vec::with_capacity(parts.len());
+    set_initial_states(laws, &mut blocks, &places)?;
     for (part, law) in laws.iter().enumerate() {
-        bodies.push(body(mesh, part, law, [average_dilatation[part], nlgeom[part]], counts[part])?);
+        let mut of_part = blocks.iter_mut().map(|block| &mut block.body).filter(|body| body.index == part);
+        let Some(first) = of_part.next() else { continue };
+        if let Some(element) = largest_element(mesh, part) {
+            first.points.call.celent = mesh.characteristic_length(element);
+        }
+        first.points.find_elastic(law, &shared[part].name)?;
+        of_part.for_each(|body| body.points.elastic = first.points.elastic);
     }
-    let records = records(mesh, &mut bodies);
-    set_initial_states(laws, &mut bodies, &records)?;
-    for (body, law) in bodies.iter_mut().zip(laws) {
-        body.points.find_elastic(law, &body.name)?;
-    }
-    Ok((bodies, records))
+    Ok((blocks, places))
 }
 
-fn body(
-    mesh: &Mesh,
+/// Whether UMATs may be called from several threads: all say so, and none is watched.
+fn may_share_threads(laws: &[PluginLaw]) -> bool {
+    let is_safe = |law: &PluginLaw| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0);
+    laws.iter().all(is_safe) && recorder::installed().is_none()
+}
+
+/// Elements of one part.
+struct Group {
     part: usize,
-    law: &PluginLaw,
-    [average, nlgeom]: [bool; 2],
-    count: usize,
-) -> Result<Body, SolidsError> {
+    elements: Vec<usize>,
+}
+
+/// The elements of each part in groups of at most `limit`; a part without any has an empty one, behind the others.
+fn groups(mesh: &Mesh, limit: usize) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut last_of_part: Vec<Option<usize>> = vec![None; mesh.parts().len()];
+    for (element, definition) in mesh.elements().iter().enumerate() {
+        let part = definition.part();
+        match last_of_part[part].map(|last| &mut groups[last].elements) {
+            Some(elements) if elements.len() < limit => elements.push(element),
+            _ => {
+                last_of_part[part] = Some(groups.len());
+                groups.push(Group { part, elements: vec![element] });
+            }
+        }
+    }
+    let empty = last_of_part.iter().enumerate().filter(|(_, last)| last.is_none());
+    groups.extend(empty.map(|(part, _)| Group { part, elements: Vec::new() }));
+    groups
+}
+
+fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [bool; 2]) -> Result<Part, SolidsError> {
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
-    let mut points = Points::new(law, definition.model, &definition.name, count)?;
-    if let Some(element) = largest_element(mesh, part) {
-        points.call.celent = mesh.characteristic_length(element);
-    }
     let softens = law.law.as_ref().is_none_or(has_damage);
-    Ok(Body {
+    Ok(Part {
         name: definition.name.clone(),
-        points,
         axisymmetric: definition.model == PlaneModel::Axisymmetric,
         // In plane stress nothing locks.
         average: average && definition.model != PlaneModel::PlaneStress,
@@ -146,31 +208,48 @@ fn body(
         softens,
         may_lose_stability: softens || !law.has_symmetric_tangent(),
         nlgeom,
-        gradients: Vec::new(),
         values: std::array::from_fn(|kind| {
             let kind = ElementKind::ALL[kind];
             let integration = definition.integration.unwrap_or(kind.default_integration());
             let points = kind.integration_points(integration).unwrap_or_default();
             points.iter().map(|point| padded(kind.shape_functions(point.coordinates).values())).collect()
         }),
-        volumes: Vec::with_capacity(count),
-        positions: Vec::with_capacity(count),
     })
 }
 
+fn block(
+    mesh: &Mesh,
+    part: usize,
+    shared: &Arc<Part>,
+    law: &PluginLaw,
+    elements: &[usize],
+) -> Result<Block, SolidsError> {
+    let count = elements.iter().map(|&element| mesh.integration_points(element).len()).sum();
+    let mut body = Body {
+        part: Arc::clone(shared),
+        index: part,
+        points: Points::new(law, mesh.parts()[part].model, &shared.name, count)?,
+        gradients: Vec::new(),
+        volumes: Vec::with_capacity(count),
+        positions: Vec::with_capacity(count),
+    };
+    let records = records(mesh, &mut body, elements);
+    Ok(Block::new(body, records))
+}
+
 /// STATEV of every point: of the case, of the library's SDVINI, or zeros.
-fn set_initial_states(laws: &[PluginLaw], bodies: &mut [Body], records: &[Record]) -> Result<(), SolidsError> {
+fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockPlace]) -> Result<(), SolidsError> {
     let mut initial: Vec<_> = laws.iter().map(PluginLaw::initial_states).collect();
-    for (element, record) in records.iter().enumerate() {
-        let (law, initial) = (&laws[record.part], &mut initial[record.part]);
+    for (element, place) in places.iter().enumerate() {
+        let Block { body, records, .. } = &mut blocks[place.block];
+        let (law, initial) = (&laws[body.index], &mut initial[body.index]);
         if initial.are_zero() {
             continue;
         }
-        let body = &mut bodies[record.part];
-        for (number, point) in record.points.clone().enumerate() {
+        for (number, point) in records[place.local].points.clone().enumerate() {
             let statev = law
                 .states_of_point(initial, body.positions[point], number_of(element), number_of(number))
-                .map_err(|source| SolidsError::Umat { part: body.name.clone(), source })?;
+                .map_err(|source| SolidsError::Umat { part: body.part.name.clone(), source })?;
             body.points.set_initial_states(point, &statev);
         }
     }
@@ -223,22 +302,22 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsE
     }
 }
 
-/// The elements, in the order of the mesh; gradients, volumes and positions of their points go to their parts.
-fn records(mesh: &Mesh, bodies: &mut [Body]) -> Vec<Record> {
-    let mut records: Vec<Record> = Vec::with_capacity(mesh.elements().len());
-    for (element, definition) in mesh.elements().iter().enumerate() {
-        let (kind, part) = (definition.kind(), definition.part());
-        let body = &mut bodies[part];
+/// The records of some elements; gradients, volumes and positions of their points go to the body.
+fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<Record> {
+    let mut records: Vec<Record> = Vec::with_capacity(elements.len());
+    for &element in elements {
+        let definition = &mesh.elements()[element];
+        let kind = definition.kind();
         let (first_point, first_gradient) = (body.volumes.len(), body.gradients.len());
-        add_points(mesh, element, body);
+        body.add_points(mesh, element);
         let count = kind.node_count();
         let mut nodes = [0; MAX_NODES];
         nodes[..count].copy_from_slice(definition.nodes());
         let nodal = records.last().map_or(0, |last| last.nodal.end);
         let stiffness = records.last().map_or(0, |last| last.stiffness.end);
         records.push(Record {
+            element,
             kind,
-            part,
             nodes,
             characteristic_length: mesh.characteristic_length(element),
             points: first_point..body.volumes.len(),
@@ -255,18 +334,4 @@ fn records(mesh: &Mesh, bodies: &mut [Body]) -> Vec<Record> {
         });
     }
     records
-}
-
-fn add_points(mesh: &Mesh, element: usize, body: &mut Body) {
-    let kind = mesh.elements()[element].kind();
-    let part = &mesh.parts()[mesh.elements()[element].part()];
-    let (positions, count) = mesh.element_positions(element);
-    for point in mesh.integration_points(element) {
-        let mapped = MappedPoint::new(kind, &positions[..count], point.coordinates)
-            .expect("checked: a mesh has no inverted element");
-        body.gradients.extend_from_slice(mapped.shape.derivatives());
-        let depth = part.model.depth(mapped.position[0], part.thickness);
-        body.volumes.push(depth * mapped.determinant * point.weight);
-        body.positions.push(mapped.position);
-    }
 }

@@ -1,49 +1,53 @@
 //! The states of all points, as they are kept between runs.
 
+use super::block::Block;
 use super::points::States;
-use super::record::Record;
 use super::{Counters, Solids};
 use serde::{Deserialize, Serialize};
 
 /// The committed states of all points, and the displacements that they belong to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidsState {
-    /// Part by part.
-    points: Vec<States>,
-    displacements: Vec<[f64; 2]>,
+    blocks: Vec<BlockState>,
     counters: Counters,
+}
+
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct BlockState {
+    points: States,
+    displacements: Vec<[f64; 2]>,
+}
+
+impl BlockState {
+    fn of(block: &Block) -> Self {
+        Self { points: block.body.points.committed.clone(), displacements: block.committed.clone() }
+    }
+
+    fn fits(&self, block: &Block) -> bool {
+        self.displacements.len() == block.committed.len() && self.points.fits(&block.body.points.committed)
+    }
 }
 
 impl Solids {
     /// The committed states.
     pub fn state(&self) -> SolidsState {
-        SolidsState {
-            points: self.bodies.iter().map(|body| body.points.committed.clone()).collect(),
-            displacements: self.committed.clone(),
-            counters: self.counters(),
-        }
+        SolidsState { blocks: self.blocks.iter().map(BlockState::of).collect(), counters: self.counters() }
     }
 
     /// Takes over committed states; `false`, and nothing done, if they are of other solids. Stiffnesses stay until the
     /// next evaluation.
     #[must_use]
     pub fn set_state(&mut self, state: &SolidsState) -> bool {
-        let fits = self.bodies.len() == state.points.len()
-            && self.committed.len() == state.displacements.len()
-            && self.bodies.iter().zip(&state.points).all(|(body, states)| body.points.committed.fits(states));
+        let mut pairs = self.blocks.iter().zip(&state.blocks);
+        let fits = self.blocks.len() == state.blocks.len() && pairs.all(|(block, state)| state.fits(block));
         if fits {
-            for (body, states) in self.bodies.iter_mut().zip(&state.points) {
-                body.points.committed.clone_from(states);
-                body.points.trial.clone_from(states);
+            for (block, state) in self.blocks.iter_mut().zip(&state.blocks) {
+                block.body.points.committed.clone_from(&state.points);
+                block.body.points.trial.clone_from(&state.points);
+                block.committed.copy_from_slice(&state.displacements);
+                block.forget();
             }
-            self.committed.copy_from_slice(&state.displacements);
-            self.records.iter_mut().for_each(Record::forget);
-            let Counters { umat_calls, evaluations, skipped_evaluations, stiffness_builds } = state.counters;
-            // the sum over the parts is what counts
-            self.bodies.iter_mut().take(1).for_each(|body| body.points.calls += umat_calls);
-            self.counters.evaluations += evaluations;
-            self.counters.skipped_evaluations += skipped_evaluations;
-            self.counters.stiffness_builds += stiffness_builds;
+            self.earlier += state.counters;
         }
         fits
     }

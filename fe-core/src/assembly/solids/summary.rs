@@ -1,7 +1,8 @@
 //! What the solids tell: energies, counts, single points.
 
+use super::Solids;
 use super::points::{Points, States};
-use super::{Solids, record::Body};
+use super::record::Body;
 use crate::kinematics::finite::{Components, rotated};
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
@@ -50,6 +51,15 @@ pub struct Counters {
     pub stiffness_builds: u64,
 }
 
+impl std::ops::AddAssign for Counters {
+    fn add_assign(&mut self, other: Self) {
+        self.umat_calls += other.umat_calls;
+        self.evaluations += other.evaluations;
+        self.skipped_evaluations += other.skipped_evaluations;
+        self.stiffness_builds += other.stiffness_builds;
+    }
+}
+
 /// The committed state of a point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointView<'a> {
@@ -95,8 +105,8 @@ fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
 impl Solids {
     /// The last call of the law of an element's part, if it was for this point: the one that failed, where a law did.
     pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall<'_>> {
-        let record = &self.records[element];
-        let call = &self.bodies[record.part].points.call;
+        let points = &self.block(element).body.points;
+        let call = &points.call;
         let number = |index: usize| i32::try_from(index + 1).ok();
         if [Some(call.noel), Some(call.npt)] != [number(element), number(point)] {
             return None;
@@ -106,7 +116,7 @@ impl Solids {
         Some(PointCall {
             stress: rotated(&stress, rotation, 1.0),
             strain: rotated(&strain, rotation, 2.0),
-            strain_increment: self.bodies[record.part].points.last_strain_increment(),
+            strain_increment: points.last_strain_increment(),
             statev,
             time: call.time[1],
             time_increment: call.dtime,
@@ -125,18 +135,28 @@ impl Solids {
     }
 
     fn energies_of(&self, states: fn(&Points) -> &States) -> Vec<SolidEnergies> {
-        let of_body = |body: &Body| {
-            let states = states(&body.points);
-            let viscous = states.viscous.iter().zip(&body.volumes).map(|(w, volume)| w * volume).sum();
-            let mut sum = SolidEnergies { viscous, ..SolidEnergies::default() };
-            for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(&body.volumes) {
+        let mut parts = vec![SolidEnergies::default(); self.part_count()];
+        for Body { part, index, points, volumes, .. } in self.bodies() {
+            let sum = &mut parts[*index];
+            let states = states(points);
+            for (work, volume) in states.viscous.iter().zip(volumes) {
+                sum.viscous += work * volume;
+            }
+            for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(volumes) {
                 sum.stored += stored * volume;
-                let dissipated = if body.damages { &mut sum.damage } else { &mut sum.plastic };
+                let dissipated = if part.damages { &mut sum.damage } else { &mut sum.plastic };
                 *dissipated += (plastic + creep) * volume;
             }
-            sum
-        };
-        self.bodies.iter().map(of_body).collect()
+        }
+        parts
+    }
+
+    fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.blocks.iter().map(|block| &block.body)
+    }
+
+    fn part_count(&self) -> usize {
+        self.bodies().map(|body| body.index + 1).max().unwrap_or(0)
     }
 
     /// Energies of all parts.
@@ -146,28 +166,30 @@ impl Solids {
 
     /// What all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
     pub fn trial_dissipation(&self) -> f64 {
-        let of_body = |body: &Body| -> f64 {
-            let energies = body.points.trial.reference_energies.iter().zip(&body.volumes);
-            energies.map(|([_, plastic, creep], volume)| (plastic + creep) * volume).sum()
-        };
-        self.bodies.iter().map(of_body).sum()
+        let mut parts = vec![0.0; self.part_count()];
+        for body in self.bodies() {
+            for ([_, plastic, creep], volume) in body.points.trial.reference_energies.iter().zip(&body.volumes) {
+                parts[body.index] += (plastic + creep) * volume;
+            }
+        }
+        parts.into_iter().sum()
     }
 
     /// How many points have dissipated anything.
     pub fn counts(&self) -> PointCounts {
         let mut counts = PointCounts::default();
-        for body in &self.bodies {
+        for body in self.bodies() {
             let energies = &body.points.committed.energies;
             let dissipating = energies.iter().filter(|[_, plastic, creep]| plastic + creep > 0.0).count();
             counts.points += energies.len();
-            *if body.damages { &mut counts.damaged } else { &mut counts.plastic } += dissipating;
+            *if body.part.damages { &mut counts.damaged } else { &mut counts.plastic } += dissipating;
         }
         counts
     }
 
     /// Reference volume of the points of laws with a damage that have dissipated anything, mm³.
     pub fn damaged_volume(&self) -> f64 {
-        let damaging = self.bodies.iter().filter(|body| body.damages);
+        let damaging = self.bodies().filter(|body| body.part.damages);
         let points = damaging.flat_map(|body| body.points.committed.energies.iter().zip(&body.volumes));
         let damaged = points.filter(|([_, plastic, creep], _)| plastic + creep > 0.0);
         // the sum of nothing would be -0
@@ -176,23 +198,23 @@ impl Solids {
 
     /// Whether what an element's law dissipates is damage.
     pub fn damages(&self, element: usize) -> bool {
-        self.bodies[self.records[element].part].damages
+        self.block(element).body.part.damages
     }
 
     /// How many integration points an element has.
     pub fn point_count(&self, element: usize) -> usize {
-        self.records[element].points.len()
+        self.record(element).points.len()
     }
 
     /// The committed state of a point of an element.
     pub fn point(&self, element: usize, point: usize) -> PointView<'_> {
-        let record = &self.records[element];
-        let body = &self.bodies[record.part];
+        let (block, record) = (self.block(element), self.record(element));
+        let body = &block.body;
         let index = record.points.start + point;
         let mut position = body.positions[index];
-        if body.nlgeom {
-            let values = body.values(record.kind, point);
-            for ([u, v], value) in self.committed[record.nodal.clone()].iter().zip(values) {
+        if body.part.nlgeom {
+            let values = body.part.values(record.kind, point);
+            for ([u, v], value) in block.committed[record.nodal.clone()].iter().zip(values) {
                 position[0] += value * u;
                 position[1] += value * v;
             }
@@ -210,11 +232,15 @@ impl Solids {
 
     /// E of each part, MPa: the modulus along x of the virgin state with the other direct stresses 0.
     pub fn elastic_moduli(&self) -> Vec<f64> {
-        self.bodies.iter().map(|body| body.points.uniaxial_modulus()).collect()
+        let mut moduli = vec![0.0; self.part_count()];
+        self.bodies().for_each(|body| moduli[body.index] = body.points.uniaxial_modulus());
+        moduli
     }
 
     /// What was done since the start.
     pub fn counters(&self) -> Counters {
-        Counters { umat_calls: self.bodies.iter().map(|body| body.points.calls).sum(), ..self.counters }
+        let mut sum = self.earlier;
+        self.blocks.iter().for_each(|block| sum += Counters { umat_calls: block.body.points.calls, ..block.counters });
+        sum
     }
 }

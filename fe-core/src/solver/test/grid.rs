@@ -9,6 +9,8 @@ use super::{
 pub struct Bodies {
     /// The node of each equation.
     pub nodes: Vec<usize>,
+    /// Where that node is, from the lower left corner of its body.
+    pub positions: Vec<[f64; 2]>,
     /// The lower and the upper surface of each body, equations from left to right.
     pub surfaces: Vec<[Vec<usize>; 2]>,
     node_count: usize,
@@ -27,6 +29,7 @@ impl Bodies {
             }
             *pair = [Some(self.nodes.len()), Some(self.nodes.len() + 1)];
             self.nodes.extend([self.node_count; 2]);
+            self.positions.extend([[0.5 * i as f64, 0.5 * j as f64]; 2]);
             self.node_count += 1;
         }
         let surface = |j: usize| equations[j * width..(j + 1) * width].iter().flatten().flatten().copied().collect();

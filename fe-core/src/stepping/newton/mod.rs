@@ -26,6 +26,7 @@ use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System
 use crate::contact::{self, Contact, PointIndex};
 use crate::model::Model;
 use crate::solver::SolverError;
+use crate::threads::Threads;
 use serde::{Deserialize, Serialize};
 use umat_abi::law::Request;
 
@@ -120,6 +121,7 @@ pub(super) struct Equilibrium<'m> {
     /// A point that broke in this attempt: if the attempt fails it leads the next.
     breaking_point: Option<PointIndex>,
     pub(super) times: Times,
+    threads: Threads,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -168,7 +170,19 @@ impl<'m> Equilibrium<'m> {
             leading_point: None,
             breaking_point: None,
             times: Times::default(),
+            threads: Threads::default(),
         })
+    }
+
+    /// Shares the work of elements and factors among threads.
+    pub(super) fn set_threads(&mut self, threads: Threads) {
+        self.solids.set_threads(&threads);
+        self.system.set_threads(&threads);
+        self.threads = threads;
+    }
+
+    pub(super) fn threads(&self) -> &Threads {
+        &self.threads
     }
 
     /// Finds equilibrium for a target from the committed state.
@@ -247,6 +261,7 @@ impl<'m> Equilibrium<'m> {
             .zone
             .system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)
             .map_err(|error| unsolvable(&error))?;
+        self.system.set_threads(&self.threads);
         self.solids.set_active(self.zone.active());
         self.factorised = false;
         Ok(false)

@@ -23,7 +23,7 @@ fn a_umat_is_told_where_and_when_it_is() {
         let mut forces = vec![0.0; 2 * mesh.nodes().len()];
         solids.evaluate(&at(f1), &context, Request::Stress, &mut forces).unwrap();
         // The arguments of the last call: the last point of the last element.
-        let call = &solids.bodies[0].points.call;
+        let call = &solids.blocks[0].body.points.call;
         assert_eq!((call.noel, call.npt, call.kinc), (5, 4, 7));
         assert_eq!(call.jstep, [3, 1, i32::from(nlgeom), 0]);
         assert_eq!((call.time, call.dtime), ([0.5, 2.5], 0.125));

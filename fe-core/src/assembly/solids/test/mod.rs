@@ -6,7 +6,7 @@ mod stiffness;
 mod summary;
 
 use super::*;
-use crate::element::Integration;
+use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use crate::model::{Controls, Measured, PluginLaw, Skipping};

@@ -1,0 +1,178 @@
+//! A block: some elements of one part with everything that is known of them, so that one thread can evaluate it while
+//! others have their own.
+
+use super::element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
+use super::kernel::Nodal;
+use super::points::same_bits;
+use super::record::{Body, Record, number_of};
+use super::summary::Counters;
+use crate::assembly::{IncrementContext, Place, Trouble};
+use crate::element::ElementKind;
+use crate::kinematics::finite::TangentForm;
+use umat_abi::law::Request;
+
+/// Where an element is.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct BlockPlace {
+    pub(super) block: usize,
+    pub(super) local: usize,
+}
+
+/// What all blocks are asked for.
+pub(super) struct Evaluation<'a> {
+    /// Two per node, mm.
+    pub(super) displacements: &'a [[f64; 2]],
+    /// Which elements are evaluated.
+    pub(super) active: &'a [bool],
+    pub(super) request: Request,
+    pub(super) tangent_form: TangentForm,
+    pub(super) skip_unchanged: bool,
+    /// Of stiffnesses that are built.
+    pub(super) version: u64,
+}
+
+/// Some elements of one part.
+#[derive(Debug)]
+pub(super) struct Block {
+    pub(super) body: Body,
+    pub(super) records: Vec<Record>,
+    /// Displacements of each element's nodes, element by element: committed, and of the last evaluation.
+    pub(super) committed: Vec<[f64; 2]>,
+    evaluated: Vec<[f64; 2]>,
+    /// Internal forces of the last evaluation, likewise.
+    pub(super) forces: Vec<[f64; 2]>,
+    pub(super) stiffnesses: Vec<f64>,
+    /// How many stiffnesses are unsymmetric.
+    pub(super) unsymmetric: usize,
+    /// All but the calls of the UMAT, which the points count.
+    pub(super) counters: Counters,
+}
+
+impl Block {
+    /// Elements in their virgin state.
+    pub(super) fn new(body: Body, records: Vec<Record>) -> Self {
+        let nodal = records.last().map_or(0, |record| record.nodal.end);
+        let entries = records.last().map_or(0, |record| record.stiffness.end);
+        Self {
+            body,
+            records,
+            committed: vec![[0.0; 2]; nodal],
+            evaluated: vec![[0.0; 2]; nodal],
+            forces: vec![[0.0; 2]; nodal],
+            stiffnesses: vec![0.0; entries],
+            unsymmetric: 0,
+            counters: Counters::default(),
+        }
+    }
+
+    /// The last evaluations say nothing any more.
+    pub(super) fn forget(&mut self) {
+        self.records.iter_mut().for_each(Record::forget);
+    }
+
+    /// Tells the law of the increment.
+    pub(super) fn set_context(&mut self, context: &IncrementContext) {
+        let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
+        let call = &mut self.body.points.call;
+        call.time = [context.step_time, context.total_time];
+        call.dtime = context.dtime();
+        call.jstep[0] = from_one(context.step);
+        call.jstep[2] = i32::from(self.body.part.nlgeom);
+        call.kinc = from_one(context.increment);
+    }
+
+    /// Evaluates the active elements, up to the first in trouble.
+    pub(super) fn evaluate(&mut self, evaluation: &Evaluation<'_>) -> Result<(), Trouble> {
+        for local in 0..self.records.len() {
+            let Record { element, kind, .. } = self.records[local];
+            if !evaluation.active[element] {
+                continue;
+            }
+            match kind {
+                ElementKind::T3 => self.evaluate_element::<3>(local, evaluation)?,
+                ElementKind::Q4 => self.evaluate_element::<4>(local, evaluation)?,
+                ElementKind::T6 => self.evaluate_element::<6>(local, evaluation)?,
+                ElementKind::Q8 => self.evaluate_element::<8>(local, evaluation)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn evaluate_element<const N: usize>(&mut self, local: usize, evaluation: &Evaluation<'_>) -> Result<(), Trouble> {
+        let Evaluation { displacements, request, skip_unchanged, .. } = *evaluation;
+        let wants_tangent = request.wants_tangent();
+        let record = &mut self.records[local];
+        let end: Nodal<N> = std::array::from_fn(|k| displacements[record.nodes()[k]]);
+        let evaluated = &mut self.evaluated[record.nodal.clone()];
+        if skip_unchanged
+            && record.is_evaluated
+            && (record.has_tangent || !wants_tangent)
+            && same_bits(end.as_flattened(), evaluated.as_flattened())
+        {
+            self.counters.skipped_evaluations += 1;
+            return Ok(());
+        }
+        record.forget();
+        let nlgeom = self.body.part.nlgeom;
+        let (shape, points) = self.body.split::<N>(record);
+        points.call.celent = record.characteristic_length;
+        points.call.noel = number_of(record.element);
+        let task = Task { request, choice: record.choice };
+        let forces = &mut self.forces[record.nodal.clone()].as_chunks_mut::<N>().0[0];
+        let changed = &mut record.moduli_changed;
+        let motions = if nlgeom {
+            let start = &self.committed[record.nodal.clone()].as_chunks::<N>().0[0];
+            advance_finite(&shape, points, [start, &end], task, forces, changed).map(Some)
+        } else {
+            advance_small(&shape, points, &end, task, forces, changed).map(|()| None)
+        };
+        let element = record.element;
+        let motions = motions.map_err(|(point, trouble)| Trouble {
+            place: Place::Element { element, point, position: shape.positions[point] },
+            reason: trouble.reason,
+            fraction: trouble.fraction,
+        })?;
+        evaluated.copy_from_slice(&end);
+        (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
+        self.counters.evaluations += 1;
+        if wants_tangent && (record.moduli_changed || nlgeom || !skip_unchanged) {
+            self.build_stiffness::<N>(local, motions.as_ref(), evaluation);
+        }
+        Ok(())
+    }
+
+    /// The stiffness of the last evaluation, whose motions large displacements need.
+    fn build_stiffness<const N: usize>(
+        &mut self,
+        local: usize,
+        motions: Option<&Motions>,
+        evaluation: &Evaluation<'_>,
+    ) {
+        let record = &mut self.records[local];
+        let (shape, points) = self.body.split::<N>(record);
+        let (rows, _) = self.stiffnesses[record.stiffness.clone()].as_chunks_mut::<2>();
+        let (rows, _) = rows.as_chunks_mut::<N>();
+        let is_symmetric = match motions {
+            Some(motions) => stiffness_finite(&shape, motions, evaluation.tangent_form, points, rows),
+            None => stiffness_small(&shape, &points.moduli[record.points.clone()], rows),
+        };
+        self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.is_unsymmetric);
+        record.is_unsymmetric = !is_symmetric;
+        record.moduli_changed = false;
+        record.version = evaluation.version;
+        self.counters.stiffness_builds += 1;
+    }
+
+    /// Takes over the states of elements whose last evaluation was at these displacements.
+    pub(super) fn commit(&mut self, displacements: &[[f64; 2]]) {
+        for record in &mut self.records {
+            let evaluated = &self.evaluated[record.nodal.clone()];
+            let mut pairs = record.nodes().iter().zip(evaluated);
+            if record.is_evaluated && pairs.all(|(&node, own)| same_bits(&displacements[node], own)) {
+                self.body.points.commit(record.points.clone());
+                self.committed[record.nodal.clone()].copy_from_slice(evaluated);
+            }
+            record.forget();
+        }
+    }
+}

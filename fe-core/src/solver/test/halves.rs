@@ -1,0 +1,104 @@
+//! Large definite matrices in two halves, by one thread or several.
+
+use super::cut::cut;
+use super::*;
+use crate::threads::Threads;
+use std::num::NonZeroUsize;
+
+/// Just large enough to be cut: 11 102 equations.
+const COLUMNS: usize = 60;
+const ROWS: usize = 30;
+
+fn body(held: bool) -> Bodies {
+    let mut bodies = Bodies::default();
+    bodies.add(COLUMNS, ROWS, 30.0, held);
+    bodies
+}
+
+fn solver(bodies: &Bodies, matrix: &SystemMatrix) -> LinearSolver {
+    LinearSolver::new(matrix.pattern(), &bodies.nodes, &[], SolverOptions::default()).unwrap()
+}
+
+fn in_halves(bodies: &Bodies, matrix: &SystemMatrix, threads: usize) -> LinearSolver {
+    let mut solver = solver(bodies, matrix).with_positions(bodies.positions.clone()).unwrap();
+    solver.set_threads(&Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());
+    solver
+}
+
+#[test]
+fn a_cut_separates_two_halves_along_the_shorter_side() {
+    let bodies = body(true);
+    let matrix = bodies.matrix();
+    let cut = cut(matrix.pattern(), &bodies.nodes, &bodies.positions).unwrap();
+    assert_eq!(cut.between.len(), 2 * (2 * ROWS + 1), "a line of nodes");
+    let size = bodies.nodes.len();
+    let mut side = vec![2; size];
+    for (half, equations) in cut.halves.iter().enumerate() {
+        assert!(equations.len() as f64 > 0.49 * (size - cut.between.len()) as f64, "they are equal");
+        equations.iter().for_each(|&equation| side[equation] = half);
+    }
+    assert_eq!(cut.halves.iter().map(Vec::len).sum::<usize>() + cut.between.len(), size);
+    for column in 0..size {
+        for &row in matrix.pattern().column(column) {
+            assert!(side[row] == side[column] || side[row] == 2 || side[column] == 2, "{row} and {column} are coupled");
+        }
+    }
+}
+
+#[test]
+fn halves_give_the_solution_of_the_whole_and_threads_change_no_bit() {
+    let bodies = body(true);
+    let matrix = bodies.matrix();
+    let right_side = Numbers(3).vector(bodies.nodes.len());
+    let solve = |solver: &mut LinearSolver| {
+        let report = solver.factorise(&matrix, Symmetry::Symmetric).unwrap();
+        assert_eq!((report.method, report.determinant_positive), (Method::Cholesky, Some(true)));
+        let mut x = right_side.clone();
+        let solved = solver.solve(&matrix, &mut x).unwrap();
+        assert!(!solved.refined && solved.relative_residual < 1e-12, "{solved:?}");
+        (x, report)
+    };
+    let (whole, one_piece) = solve(&mut solver(&bodies, &matrix));
+    let mut first = in_halves(&bodies, &matrix, 1);
+    let (one, report) = solve(&mut first);
+    assert_ne!(report.flops, one_piece.flops, "it is cut");
+    assert!(report.flops < one_piece.flops.map(|flops| 1.3 * flops), "{report:?} for {one_piece:?}");
+    let scale = whole.iter().fold(0.0, |greatest: f64, x| greatest.max(x.abs()));
+    for (x, whole) in one.iter().zip(&whole) {
+        assert!((x - whole).abs() < 1e-11 * scale, "{x} for {whole}");
+    }
+    assert_eq!(solve(&mut first).0, one, "a factorisation leaves nothing behind");
+    for threads in [2, 3] {
+        let (several, _) = solve(&mut in_halves(&bodies, &matrix, threads));
+        assert_eq!(several, one, "{threads} threads");
+    }
+}
+
+#[test]
+fn what_is_not_definite_goes_on_to_the_next_method() {
+    let bodies = body(true);
+    let mut matrix = bodies.matrix();
+    soften(&mut matrix);
+    let report = in_halves(&bodies, &matrix, 2).factorise(&matrix, Symmetry::Symmetric).unwrap();
+    assert_eq!(report.method, Method::BlockLu);
+    // what is soft in the cut only
+    let cut = cut(matrix.pattern(), &bodies.nodes, &bodies.positions).unwrap();
+    let mut matrix = bodies.matrix();
+    let place = matrix.pattern().index(cut.between[30], cut.between[30]).unwrap();
+    matrix.values[place] *= 0.1;
+    let report = in_halves(&bodies, &matrix, 2).factorise(&matrix, Symmetry::Symmetric).unwrap();
+    assert_eq!(report.method, Method::BlockLu);
+    // a body that nothing holds
+    let free = body(false);
+    let matrix = free.matrix();
+    let error = in_halves(&free, &matrix, 2).factorise(&matrix, Symmetry::Symmetric).unwrap_err();
+    assert!(matches!(error, SolverError::Singular { .. }), "{error}");
+}
+
+#[test]
+fn there_is_one_position_for_each_equation() {
+    let bodies = body(true);
+    let matrix = bodies.matrix();
+    let error = solver(&bodies, &matrix).with_positions(vec![[0.0; 2]]).map(|_| ()).unwrap_err();
+    assert!(error.to_string().contains("list of positions"), "{error}");
+}

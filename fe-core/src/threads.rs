@@ -1,0 +1,82 @@
+//! Threads that share the work of one analysis.
+//!
+//! What is shared is cut into pieces by the model alone, and joined in their order: results have the same bits for any
+//! number of threads.
+
+use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+
+/// Stack of a thread, bytes: a plugin may keep arrays there.
+const STACK: usize = 1 << 24;
+
+/// One thread, the caller's, or several.
+#[derive(Clone, Debug, Default)]
+pub struct Threads(Option<Arc<ThreadPool>>);
+
+impl Threads {
+    /// So many threads. The caller's is one of them where it can be: to wake another one takes up to half a millisecond,
+    /// and this one has the data. It can be once in its life, so one `Threads` serves all that it does.
+    ///
+    /// # Errors
+    ///
+    /// The system gives none.
+    pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
+        if count.get() == 1 {
+            return Ok(Self::default());
+        }
+        let builder = || ThreadPoolBuilder::new().num_threads(count.get()).stack_size(STACK);
+        let pool = builder().use_current_thread().build().or_else(|_| builder().build())?;
+        Ok(Self(Some(Arc::new(pool))))
+    }
+
+    /// Does both, at the same time if there is a thread for each.
+    pub(crate) fn join<A: Send, B: Send>(
+        &self,
+        first: impl FnOnce() -> A + Send,
+        second: impl FnOnce() -> B + Send,
+    ) -> (A, B) {
+        match &self.0 {
+            None => (first(), second()),
+            Some(pool) => pool.join(first, second),
+        }
+    }
+
+    /// How many.
+    pub(crate) fn count(&self) -> usize {
+        self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
+    }
+
+    /// Does some work on each piece.
+    pub(crate) fn for_each<P: Send>(&self, pieces: &mut [P], work: impl Fn(&mut P) + Send + Sync) {
+        match &self.0 {
+            None => pieces.iter_mut().for_each(work),
+            Some(pool) => {
+                let length = at_a_time(pieces.len(), pool);
+                pool.install(|| pieces.par_iter_mut().with_max_len(length).for_each(work));
+            }
+        }
+    }
+
+    /// What `work` says of each piece where it says something: the one with the least key.
+    pub(crate) fn least<P: Send, R: Send, K: Ord + Send>(
+        &self,
+        pieces: &mut [P],
+        work: impl Fn(&mut P) -> Option<R> + Send + Sync,
+        key: impl Fn(&R) -> K + Send + Sync,
+    ) -> Option<R> {
+        match &self.0 {
+            None => pieces.iter_mut().filter_map(work).min_by_key(key),
+            Some(pool) => {
+                let length = at_a_time(pieces.len(), pool);
+                pool.install(|| pieces.par_iter_mut().with_max_len(length).filter_map(work).min_by_key(key))
+            }
+        }
+    }
+}
+
+/// Some pieces have nothing to do: a thread takes a small part of its share at a time.
+fn at_a_time(pieces: usize, pool: &ThreadPool) -> usize {
+    pieces.div_ceil(16 * pool.current_num_threads()).max(1)
+}
