@@ -1,8 +1,9 @@
 //! What the end-to-end tests share: where the plugins are, sample laws, one material point's memory as a
-//! host would own it, random strain paths, and the compilers of other languages.
+//! host would own it, random strain paths, damaged files, and the compilers of other languages.
 
 pub mod analytical;
 mod clock;
+pub mod fuzz;
 mod memory;
 mod path;
 mod sample;

@@ -4,6 +4,7 @@ mod calculix;
 mod floating_point;
 mod hosts;
 mod numbers;
+mod random;
 mod refusals;
 mod rotation;
 
