@@ -12,6 +12,8 @@ use spade::{
 pub const LEAST_ANGLE: f64 = 27.0;
 /// Points that refinement may add, for each point of the outline.
 const ADDED_POINTS: usize = 1000;
+/// Points that it may add in all: beyond what can be solved.
+const MOST_ADDED_POINTS: usize = 1_000_000;
 
 /// Triangles that fill an outline.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +73,7 @@ pub fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulat
             .keep_constraint_edges()
             .with_max_allowed_area(largest_area)
             .with_angle_limit(AngleLimit::from_deg(LEAST_ANGLE))
-            .with_max_additional_vertices(ADDED_POINTS * outline.len()),
+            .with_max_additional_vertices((ADDED_POINTS * outline.len()).min(MOST_ADDED_POINTS)),
     );
     if !refined.refinement_complete {
         return Err(TriangulationError::Unfinished);

@@ -1,5 +1,6 @@
 //! From the elements and groups of a file to parts and sets.
 
+use std::borrow::Cow;
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
 
@@ -26,7 +27,7 @@ pub(super) fn mesh_definition(
     let mut conversion = Conversion::new(file);
     conversion.add_parts(properties);
     for (element, kind, group) in surfaces {
-        let part = conversion.definition.parts.partition_point(|part| part.name < group);
+        let part = conversion.definition.parts.partition_point(|part| *part.name < *group);
         conversion.add_surface(element, kind, part)?;
     }
     conversion.add_sets()?;
@@ -34,13 +35,16 @@ pub(super) fn mesh_definition(
     Ok(conversion.definition)
 }
 
-/// The surface elements, each with its kind and the name of its group.
-fn surface_elements(file: &File) -> Result<Vec<(&FileElement, ElementKind, String)>, Trouble> {
-    let (mut surfaces, mut outside) = (Vec::new(), Vec::new());
+/// A surface element with its kind and the name of its group.
+type Surface<'f> = (&'f FileElement, ElementKind, Cow<'f, str>);
+
+/// The surface elements.
+fn surface_elements(file: &File) -> Result<Vec<Surface<'_>>, Trouble> {
+    let (mut surfaces, mut outside): (Vec<Surface<'_>>, _) = (Vec::new(), Vec::new());
     let mut element_with: HashMap<Vec<usize>, usize> = HashMap::new();
     for element in &file.elements {
         let ElementType::Surface(kind) = element.element_type else { continue };
-        let groups: Vec<String> = group_names(file, element).into_iter().collect();
+        let groups: Vec<Cow<'_, str>> = group_names(file, element).into_iter().collect();
         let group = match &groups[..] {
             [] => {
                 outside.push(element);
@@ -48,19 +52,19 @@ fn surface_elements(file: &File) -> Result<Vec<(&FileElement, ElementKind, Strin
             }
             [group] => group.clone(),
             [first, second, ..] => {
-                let (first, second) = (first.clone(), second.clone());
+                let (first, second) = (first.to_string(), second.to_string());
                 return Err((Some(element.place), GmshFault::TwoGroups { element: element.tag, first, second }));
             }
         };
         let mut nodes = element.nodes.clone();
         nodes.sort_unstable();
         if let Some(index) = element_with.insert(nodes, surfaces.len()) {
-            let (earlier, _, earlier_group): &(&FileElement, ElementKind, String) = &surfaces[index];
+            let (earlier, _, earlier_group) = &surfaces[index];
             let fault = GmshFault::SameNodes {
                 first: earlier.tag,
                 second: element.tag,
-                first_group: earlier_group.clone(),
-                second_group: group,
+                first_group: earlier_group.to_string(),
+                second_group: group.into_owned(),
             };
             return Err((Some(element.place), fault));
         }
@@ -73,27 +77,25 @@ fn surface_elements(file: &File) -> Result<Vec<(&FileElement, ElementKind, Strin
 }
 
 /// The names of the physical groups of an element. A reversed curve has its group with a minus.
-fn group_names(file: &File, element: &FileElement) -> BTreeSet<String> {
+fn group_names<'f>(file: &'f File, element: &FileElement) -> BTreeSet<Cow<'f, str>> {
     let dimension = element.element_type.dimension();
     let name = |tag: &i64| {
         let tag = tag.saturating_abs();
-        file.names.get(&(dimension, tag)).cloned().unwrap_or_else(|| tag.to_string())
+        file.names.get(&(dimension, tag)).map_or_else(|| tag.to_string().into(), |name| Cow::Borrowed(&**name))
     };
     file.groups[element.groups].iter().map(name).collect()
 }
 
-fn check_part_names(
-    surfaces: &[(&FileElement, ElementKind, String)],
-    properties: &BTreeMap<String, PartProperties>,
-) -> Result<(), Trouble> {
-    let available: BTreeSet<&String> = surfaces.iter().map(|(_, _, group)| group).collect();
+fn check_part_names(surfaces: &[Surface<'_>], properties: &BTreeMap<String, PartProperties>) -> Result<(), Trouble> {
+    let available: BTreeSet<&str> = surfaces.iter().map(|(_, _, group)| &**group).collect();
     let without_properties: Vec<String> =
-        available.iter().filter(|name| !properties.contains_key(**name)).map(|name| (*name).clone()).collect();
-    let without_elements: Vec<String> = properties.keys().filter(|name| !available.contains(name)).cloned().collect();
+        available.iter().filter(|name| !properties.contains_key(**name)).map(|name| (*name).to_owned()).collect();
+    let without_elements: Vec<String> =
+        properties.keys().filter(|name| !available.contains(name.as_str())).cloned().collect();
     if without_properties.is_empty() && without_elements.is_empty() {
         return Ok(());
     }
-    let available = available.into_iter().cloned().collect();
+    let available = available.into_iter().map(str::to_owned).collect();
     Err((None, GmshFault::PartNames { without_properties, without_elements, available }))
 }
 
@@ -172,7 +174,7 @@ impl<'a> Conversion<'a> {
                 ElementType::Surface(_) => continue,
                 ElementType::Point | ElementType::Line(_) => group_names(self.file, element),
             };
-            for group in groups {
+            for group in groups.into_iter().map(Cow::into_owned) {
                 let added = match element.element_type {
                     ElementType::Line(_) => {
                         let edge = self.edge_of(element, &group)?;

@@ -6,6 +6,10 @@ use super::element_type::ElementType;
 use super::error::GmshFault;
 use super::source::{Encoding, Source, Trouble};
 
+/// Most physical groups of an entity. All its elements are in all of them: without a limit a file of a megabyte
+/// makes sets of gigabytes.
+const MOST_GROUPS: u64 = 1000;
+
 /// A node of the file.
 pub(super) struct FileNode {
     pub(super) tag: u64,
@@ -108,7 +112,12 @@ impl File {
                 for _ in 0..if dimension == 0 { 3 } else { 6 } {
                     source.real("a coordinate of an entity")?;
                 }
+                let place = source.position();
                 let group_count = source.size("the number of an entity's physical groups")?;
+                if group_count > MOST_GROUPS {
+                    let expected = format!("at most {MOST_GROUPS} physical groups of an entity");
+                    return Err((place, GmshFault::Expected { expected, found: group_count.to_string() }));
+                }
                 let mut groups = Vec::new();
                 for _ in 0..group_count {
                     groups.push(source.integer("the tag of a physical group")?);

@@ -51,6 +51,14 @@ pub enum StructuredError {
         /// ξ or η.
         line: char,
     },
+    /// More cells than can be computed with.
+    #[error("{columns} × {rows} cells are too many, a mesh has at most {MOST_CELLS}; are the sizes too small?")]
+    Cells {
+        /// Along ξ.
+        columns: usize,
+        /// Along η.
+        rows: usize,
+    },
     /// A map that leaves the plane.
     #[error("the map of a block gives ({}, {}) at ξ = {}, η = {}", position[0], position[1], reference[0], reference[1])]
     Map {
@@ -60,6 +68,9 @@ pub enum StructuredError {
         position: [f64; 2],
     },
 }
+
+/// Most cells of a mesh: beyond what can be solved, within what memory holds.
+pub const MOST_CELLS: usize = 1_000_000;
 
 /// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
 const GLUE_TOLERANCE: f64 = 1e-6;
@@ -81,7 +92,7 @@ impl StructuredMesh {
     ///
     /// # Errors
     ///
-    /// Divisions that do not ascend, a map that is not finite.
+    /// Divisions that do not ascend, more cells than [`MOST_CELLS`], a map that is not finite.
     pub fn block(&mut self, block: &Block<'_>) -> Result<Grid, StructuredError> {
         self.glued_block(block, &[])
     }
@@ -95,6 +106,9 @@ impl StructuredMesh {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
+        if columns.saturating_mul(rows).saturating_add(self.definition.elements.len()) > MOST_CELLS {
+            return Err(StructuredError::Cells { columns, rows });
+        }
         let mut grid = Grid {
             kind: block.kind,
             columns,

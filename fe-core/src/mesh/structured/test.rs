@@ -228,3 +228,15 @@ fn blocks_that_cannot_be_are_refused() {
         "the map of a block gives (inf, 0) at ξ = 1, η = 0"
     );
 }
+
+/// Before anything is allocated for them.
+#[test]
+fn more_cells_than_a_mesh_may_have_are_refused() {
+    let line = Grading::Uniform { count: MOST_DIVISIONS }.positions(1.0).unwrap();
+    let mut mesh = StructuredMesh::default();
+    let error = mesh.block(&Block::new(0, ElementKind::Q8, &line, &line)).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "100000 × 100000 cells are too many, a mesh has at most 1000000; are the sizes too small?"
+    );
+}
