@@ -111,7 +111,9 @@ fn check(call: &Call) {
         BatchArguments { n, ntens, ndi, props, nprops, strain, dstrain, stress, statev, nstatv, ddsdde, celent, status }
     };
     let pointers = null(&mut arguments.clone(), usize::MAX);
-    call.nulls.iter().for_each(|which| drop(null(&mut arguments, which.index(pointers))));
+    for which in &call.nulls {
+        null(&mut arguments, which.index(pointers));
+    }
     let a = &arguments;
     // SAFETY: every pointer is NULL or valid for what the counts tell.
     unsafe {

@@ -299,7 +299,9 @@ fn check_uinter(call: &Call) {
         }
     };
     let pointers = null_of_uinter(&mut arguments.clone(), usize::MAX);
-    call.nulls.iter().for_each(|which| drop(null_of_uinter(&mut arguments, which.index(pointers))));
+    for which in &call.nulls {
+        null_of_uinter(&mut arguments, which.index(pointers));
+    }
     let a = &arguments;
     let given = [
         a.stress,
@@ -438,7 +440,9 @@ fn check_fric(call: &Call) {
         }
     };
     let pointers = null_of_fric(&mut arguments.clone(), usize::MAX);
-    call.nulls.iter().for_each(|which| drop(null_of_fric(&mut arguments, which.index(pointers))));
+    for which in &call.nulls {
+        null_of_fric(&mut arguments, which.index(pointers));
+    }
     let a = &arguments;
     mark(&mut outputs, &[a.tau, a.ddtddg, a.statev, a.ddtddp, a.dslip, a.sed, a.sfd, a.ddtddt], a.nfdir.is_null());
     let (library, named) = call.library(a.ciname);

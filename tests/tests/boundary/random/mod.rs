@@ -11,6 +11,7 @@ mod batch;
 mod contact;
 mod fenced;
 mod umat;
+mod validate;
 
 use end_to_end_tests::fuzz::WILD_NUMBERS;
 use fenced::Fenced;

@@ -192,7 +192,9 @@ fn check(call: &Call) {
         };
     }
     let pointers = null(&mut arguments.clone(), usize::MAX);
-    call.nulls.iter().for_each(|which| drop(null(&mut arguments, which.index(pointers))));
+    for which in &call.nulls {
+        null(&mut arguments, which.index(pointers));
+    }
 
     let a = &arguments;
     for (output, pointer) in
