@@ -111,7 +111,8 @@ unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refu
     finite(&increment.increment, "NaN or infinity in DRDISP")?;
     let request = if a.ddsddr.is_null() { Request::Stress } else { Request::StressAndTangent };
     let response = L::update(&parameters, &increment, state, request)?;
-    for values in [&response.traction[..], response.tangent.as_flattened(), state] {
+    let energies = [response.stored_energy, response.dissipated_energy];
+    for values in [&response.traction[..], response.tangent.as_flattened(), state, &energies] {
         finite(values, "the update overflowed")?;
     }
     // SAFETY: as above; outputs are written all or not at all.
@@ -167,7 +168,15 @@ unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal>
     finite(&[increment.pressure], "NaN or infinity in PRESS")?;
     let request = if a.ddtddg.is_null() { Request::Stress } else { Request::StressAndTangent };
     let response = L::update_tangential(&parameters, &increment, state, request)?;
-    for values in [&response.traction[..], response.slip_tangent.as_flattened(), &response.pressure_tangent, state] {
+    let energies = [response.stored_energy, response.dissipated_energy];
+    for values in [
+        &response.traction[..],
+        response.slip_tangent.as_flattened(),
+        &response.pressure_tangent,
+        &response.inelastic_slip_increment,
+        state,
+        &energies,
+    ] {
         finite(values, "the update overflowed")?;
     }
     // SAFETY: as above; outputs are written all or not at all.

@@ -484,3 +484,29 @@ proptest! {
         check_fric(&call);
     }
 }
+
+/// Slips beyond all measure: DSLIP was infinite in a call that was done.
+#[test]
+fn an_inelastic_slip_that_overflows_is_cut_back() {
+    check_fric(&Call {
+        by_name: false,
+        name: b"bond_slip\0".to_vec(),
+        directions: 1,
+        nstatv: 12,
+        nprops: None,
+        forms: [1.0, 0.0, 0.0],
+        points: 0,
+        factors: Vec::new(),
+        props: Vec::new(),
+        // d of law B, which no update writes
+        statev: vec![(10, 2.113_890_756_901_247_4e300)],
+        virgin: false,
+        traction: Vec::new(),
+        displacement: [0.0; 3],
+        increment: [1e16, 0.0, 0.0],
+        pressure: 0.0,
+        lm: 1,
+        pnewdt: 1.0,
+        nulls: Vec::new(),
+    });
+}
