@@ -7,6 +7,7 @@ use crate::path::{self, Statistics, Stop};
 use crate::pullout::checkpoint::Checkpoints;
 use crate::pullout::{self, COLUMNS, Findings};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// What came of a case that was not refused.
 pub(super) struct Ran {
@@ -22,13 +23,31 @@ pub(super) struct Ran {
     pub statistics: Statistics,
     /// Why it stopped early.
     pub stopped: Option<String>,
+    /// It stopped since it was over its limit.
+    pub over_limit: bool,
 }
 
-/// Keeps the last row.
-#[derive(Default)]
+/// When a run is given up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limit {
+    /// Most increments.
+    pub increments: usize,
+    /// Most time of the processor.
+    pub processor: Duration,
+}
+
+impl Limit {
+    /// None.
+    pub const NONE: Self = Self { increments: usize::MAX, processor: Duration::MAX };
+}
+
+/// Keeps the last row, and ends the run at its limit.
 struct Keeper {
     rows: usize,
     last: Vec<f64>,
+    start: Duration,
+    limit: Limit,
+    over_limit: bool,
 }
 
 impl path::Observer for Keeper {
@@ -36,6 +55,15 @@ impl path::Observer for Keeper {
         self.rows += 1;
         self.last.clear();
         self.last.extend_from_slice(row.values);
+        let spent = thread_time() - self.start;
+        // the first row is the state before the first increment
+        let increments = self.rows - 1;
+        self.over_limit = increments > self.limit.increments || spent > self.limit.processor;
+        if self.over_limit {
+            let seconds = spent.as_secs();
+            let message = format!("over the limit after {increments} increments and {seconds} s of the processor");
+            return Err(std::io::Error::other(message));
+        }
         Ok(())
     }
 
@@ -55,12 +83,26 @@ impl Keeper {
 /// # Errors
 /// It is refused.
 pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder: &Path) -> Result<Ran, BenchError> {
+    run_within(Limit::NONE, file, overrides, plugins, folder)
+}
+
+/// As [`run`], up to a limit.
+///
+/// # Errors
+/// As [`run`].
+pub(super) fn run_within(
+    limit: Limit,
+    file: &Path,
+    overrides: &[String],
+    plugins: &[PathBuf],
+    folder: &Path,
+) -> Result<Ran, BenchError> {
     let program = match case::read(file, overrides, plugins)? {
         Case::Pullout(program) => program,
         Case::Path(_) => return Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
     };
-    let mut keeper = Keeper::default();
     let start = thread_time();
+    let mut keeper = Keeper { rows: 0, last: Vec::new(), start, limit, over_limit: false };
     let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut keeper);
     Ok(Ran {
         seconds: (thread_time() - start).as_secs_f64(),
@@ -73,5 +115,6 @@ pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder
             Stop::Failed(failure) => failure.message,
             Stop::Write(error) => error.to_string(),
         }),
+        over_limit: keeper.over_limit,
     })
 }

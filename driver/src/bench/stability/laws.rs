@@ -1,6 +1,7 @@
 //! Random states thrown at the laws themselves.
 
 use super::Row;
+use super::progress::Progress;
 use crate::bench::BenchError;
 use crate::bench::table::Table;
 use models::stability::{Form, Ledger, forms};
@@ -24,12 +25,14 @@ pub(super) struct Thrown {
 }
 
 /// All laws, so many states each, on all processors.
-pub(super) fn measure(states: u64) -> Result<Vec<Thrown>, BenchError> {
+pub(super) fn measure(states: u64, progress: &Progress) -> Result<Vec<Thrown>, BenchError> {
     let threads = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let mut thrown = Vec::new();
     for form in forms() {
         for (stress_state, name) in STRESS_STATES {
-            let ledger = catch_unwind(AssertUnwindSafe(|| form.throw(stress_state, states, threads)))
+            let what = format!("{}, {name}", subject(&form));
+            let done = |states| progress.advance(states, &what);
+            let ledger = catch_unwind(AssertUnwindSafe(|| form.throw(stress_state, states, threads, &done)))
                 .map_err(|_| BenchError::Failed(format!("{} {} panicked, {name}", form.law, form.label)))?;
             thrown.push(Thrown { form, stress_state: name, ledger });
         }
@@ -37,16 +40,21 @@ pub(super) fn measure(states: u64) -> Result<Vec<Thrown>, BenchError> {
     Ok(thrown)
 }
 
-impl Thrown {
-    fn subject(&self) -> String {
-        format!("{} {}", self.form.law, self.form.label).trim_end().to_owned()
-    }
+/// States of all forms together.
+pub(super) fn total(states: u64) -> u64 {
+    states.saturating_mul((forms().len() * STRESS_STATES.len()) as u64)
+}
 
+fn subject(form: &Form) -> String {
+    format!("{} {}", form.law, form.label).trim_end().to_owned()
+}
+
+impl Thrown {
     /// One line for each promise.
     pub fn rows(&self) -> Vec<Row> {
         let row = |(promise, check): (&'static str, models::stability::Check)| Row {
             part: PART,
-            subject: self.subject(),
+            subject: subject(&self.form),
             situation: self.stress_state.into(),
             case: promise.into(),
             tried: check.tried,
@@ -74,7 +82,7 @@ pub(super) fn summary(thrown: &[Thrown]) -> Table {
     for one in thrown {
         let ledger = &one.ledger;
         table.push([
-            one.subject().into(),
+            subject(&one.form).into(),
             one.stress_state.into(),
             ledger.states.into(),
             ledger.cut_back().into(),

@@ -2,6 +2,7 @@
 
 mod laws;
 mod plugins;
+mod progress;
 mod specimens;
 #[cfg(test)]
 mod test;
@@ -10,6 +11,7 @@ mod variations;
 use super::page::Page;
 use super::table::{Cell, Table};
 use super::{BenchError, Settings};
+use progress::Progress;
 
 /// States of each form of a law and each stress state, unless the user says how many.
 const STATES: u64 = 1_000_000;
@@ -42,10 +44,12 @@ struct Row {
 pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let default = if settings.quick { QUICK_STATES } else { STATES };
     let states = settings.states.unwrap_or(default);
-    let laws = laws::measure(states)?;
+    let laws = laws::measure(states, &Progress::new("laws", laws::total(states)))?;
     let plugins = plugins::measure(settings)?;
     let stride = if settings.quick { QUICK_STRIDE } else { 1 };
-    let runs = specimens::measure(stride, &settings.plugin_paths)?;
+    let runs = specimens::measure(stride, specimens::LIMIT, &settings.plugin_paths, |count| {
+        Progress::new("specimens", count)
+    })?;
     let rows: Vec<Row> =
         laws.iter().map(laws::Thrown::rows).chain([plugins.clone(), specimens::rows(&runs)]).flatten().collect();
     let failed = rows.iter().map(|row| row.failed).sum::<u64>();
@@ -55,6 +59,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
         _ => format!("{failed} of {} failed:", rows.iter().map(|row| row.tried).sum::<u64>()),
     }];
     notes.extend(broken);
+    notes.extend(specimens::exceptions(&runs));
     let summaries = vec![
         ("Laws".to_owned(), laws::summary(&laws)),
         ("What the laws promise".to_owned(), promises(&rows)),
@@ -63,7 +68,10 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     ];
     Ok(Page {
         title: "Numerical stability",
-        method: METHOD.replace("{states}", &states.to_string()),
+        method: METHOD
+            .replace("{states}", &states.to_string())
+            .replace("{increments}", &specimens::LIMIT.increments.to_string())
+            .replace("{seconds}", &specimens::LIMIT.processor.as_secs().to_string()),
         data: data(&rows),
         summaries,
         notes,
@@ -80,7 +88,8 @@ subnormal numbers, NaN and ±∞, principal strains that are equal, apart by one
 compared with fourth-order differences along a random direction; excluded are those within the reach of the differences of a kink and those
 that rounding of the stress hides. *Worst* is the worst error over the one that is allowed. *Plugins*: the same laws through their
 libraries, poisoned arguments, wrong counts and NULL among them. *Specimens*: variations of small cases; *refused* is a message before anything runs,
-*stopped* an end before the last increment, with a message and the rows up to there.";
+*stopped* an end before the last increment, with a message and the rows up to there, *over the limit* a run that the benchmark ended after
+{increments} increments or {seconds} s of a processor, *known limit* a failure that is explained in its row and in the notes.";
 
 fn description(row: &Row) -> String {
     let Row { subject, situation, case, failed, tried, note, .. } = row;

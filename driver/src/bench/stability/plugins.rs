@@ -1,6 +1,7 @@
 //! The laws through their libraries: what `pullout plugin check` says, the ABI's poisoned arguments among it.
 
 use super::Row;
+use super::progress::Progress;
 use crate::bench::table::Table;
 use crate::bench::{BenchError, Settings};
 use crate::conformance::{self, Options, Verdict};
@@ -28,6 +29,7 @@ const QUICK_HISTORIES: usize = 40;
 
 /// Checks all of them.
 pub(super) fn measure(settings: &Settings) -> Result<Vec<Row>, BenchError> {
+    let progress = Progress::new("plugins", PLUGINS.len() as u64);
     let searched = search_paths(&settings.plugin_paths);
     let states = if settings.quick { QUICK_HISTORIES } else { HISTORIES };
     let mut rows = Vec::new();
@@ -41,6 +43,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Row>, BenchError> {
             let report = conformance::check(&plugin, &Options { states, ..Options::default() });
             rows.extend(report.rows.into_iter().map(|row| of_check(name, row)));
         }
+        progress.advance(1, name);
     }
     Ok(rows)
 }

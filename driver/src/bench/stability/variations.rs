@@ -25,6 +25,18 @@ pub(super) struct Variation {
     pub label: String,
     /// As texts of `--set`.
     pub set: Vec<String>,
+    /// Why it may fail, if that is known.
+    pub known_limit: Option<&'static str>,
+}
+
+impl Family {
+    /// Some of its values may fail, for a known reason.
+    fn limited(mut self, labels: &[&str], reason: &'static str) -> Self {
+        for variation in self.variations.iter_mut().filter(|variation| labels.contains(&variation.label.as_str())) {
+            variation.known_limit = Some(reason);
+        }
+        self
+    }
 }
 
 /// `key` at each of the values, and what comes with each.
@@ -35,7 +47,7 @@ fn family<V: ToString>(
 ) -> Family {
     let variation = |value: V| {
         let label = value.to_string();
-        Variation { set: set(&label), label }
+        Variation { set: set(&label), label, known_limit: None }
     };
     Family { name, variations: values.into_iter().map(variation).collect() }
 }
@@ -117,6 +129,12 @@ fn inclined() -> Vec<Family> {
     families
 }
 
+/// Of penalties on the curved channel. Measured: rounding over pressure in the first increment, and imbalance there.
+const ROUNDED_GAPS: &str = "\
+positions of 10 mm are rounded to 1.8e-15 mm, which a penalty of 4.3e10 (4.3e11) N/mm³ makes 7.7e-5 (7.7e-4) MPa; the stiffer the contact, the smaller the \
+first increment that converges on a curved surface, and its pressure is no more than that: rounding is 0.9 % of it at a factor of 1e4, with an imbalance of \
+5e-4, 70 % at 1e5, with 5e-2, and 140 % at 1e6, where points open and close at random and no increment follows";
+
 /// All of them.
 pub(super) fn bases() -> Vec<Base> {
     const COARSE: &[&str] = &[
@@ -164,7 +182,7 @@ pub(super) fn bases() -> Vec<Base> {
             case: include_str!("../../../../cases/verification/capstan-bond.json"),
             set: &["output.plots=false"],
             families: vec![
-                penalty(),
+                penalty().limited(&["1e5", "1e6"], ROUNDED_GAPS),
                 friction(),
                 family("increments", [1, 2, 5, 10, 100, 1000], key("steps.1.increments")),
             ],

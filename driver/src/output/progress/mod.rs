@@ -166,13 +166,14 @@ impl Pace {
 /// When a line is due: about every tenth of the run, not sooner than [`LEAST_PAUSE`] after the last, not later than
 /// [`GREATEST_PAUSE`]. A run of under two seconds prints none.
 #[derive(Default)]
-struct Schedule {
+pub(crate) struct Schedule {
     last: Duration,
     tenths: u64,
 }
 
 impl Schedule {
-    fn due(&mut self, done: u64, total: u64, now: Duration) -> bool {
+    /// Whether a line is due now; if so, it is the last one.
+    pub(crate) fn due(&mut self, done: u64, total: u64, now: Duration) -> bool {
         let tenths = 10 * done / total.max(1);
         let pause = now.saturating_sub(self.last);
         let due = pause >= LEAST_PAUSE && (tenths > self.tenths || pause >= GREATEST_PAUSE);

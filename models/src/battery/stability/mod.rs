@@ -52,13 +52,13 @@ const COMPARED: usize = 40;
 const PATHS: f64 = 0.05;
 
 impl Form {
-    /// Throws states at it, on several threads.
+    /// Throws states at it, on several threads. `done` is told of each share of the states, in any order.
     ///
     /// # Panics
     /// If the law panics.
-    pub fn throw(&self, stress_state: StressState, states: u64, threads: usize) -> Ledger {
+    pub fn throw(&self, stress_state: StressState, states: u64, threads: usize, done: &(dyn Fn(u64) + Sync)) -> Ledger {
         let chunks = usize::try_from(states.div_ceil(CHUNK)).unwrap_or(usize::MAX);
-        let (next, done) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let (next, thrown) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
         let size = |chunk: usize| CHUNK.min(states - CHUNK * chunk as u64);
         std::thread::scope(|scope| {
             for _ in 0..threads {
@@ -69,12 +69,13 @@ impl Form {
                             break;
                         }
                         let ledger = (self.chunk)(stress_state, chunk as u64, size(chunk));
-                        done.lock().expect("no thread panicked").push((chunk, ledger));
+                        thrown.lock().expect("no thread panicked").push((chunk, ledger));
+                        done(size(chunk));
                     }
                 });
             }
         });
-        let mut ledgers = done.into_inner().expect("no thread panicked");
+        let mut ledgers = thrown.into_inner().expect("no thread panicked");
         ledgers.sort_unstable_by_key(|(chunk, _)| *chunk);
         let mut sum = Ledger::default();
         for (chunk, ledger) in ledgers {

@@ -9,7 +9,7 @@ const STATES: u64 = 10_000;
 fn withstands(law: &str, label: &str) {
     let form = forms().into_iter().find(|form| form.law == law && form.label == label).expect("a form");
     for stress_state in STRESS_STATES {
-        let ledger = form.throw(stress_state, STATES, 2);
+        let ledger = form.throw(stress_state, STATES, 2, &|_| {});
         println!("{law} {label} {stress_state:?}: {ledger}");
         assert_eq!(ledger.failures(), 0, "{law} {label} {stress_state:?}: {ledger}");
     }

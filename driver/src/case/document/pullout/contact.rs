@@ -39,7 +39,8 @@ pub struct Pair {
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
     pub width: Option<Piece<Width>>,
-    /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100).
+    /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
+    /// of positions can show in the pressure.
     pub penalty_factor: Option<Piece<Positive>>,
     /// How the hard normal law is enforced (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
