@@ -8,10 +8,11 @@ use super::problem::{Place, Problem, hint, shown};
 use crate::study::document::StudyFile;
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
-use jsonschema::{JsonType, ValidationError};
+use jsonschema::{JsonType, ValidationError, Validator};
 use schemars::SchemaGenerator;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
+use std::sync::OnceLock;
 
 /// A kind of case: its name and its part of the schema.
 type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
@@ -46,12 +47,20 @@ pub fn schema() -> Value {
     })
 }
 
-/// The part of the schema that a case of this kind must obey.
-fn schema_of_kind(kind: &str) -> Option<Value> {
+/// The part of the schema that a case of some kind must obey, and what checks it; or why it cannot.
+type Checker = Result<(Value, Validator), String>;
+
+/// What checks a kind, made once: a study reads the cases of all its runs.
+fn checker(kind: &str) -> Option<&'static Checker> {
+    static CHECKERS: [OnceLock<Checker>; KINDS.len() + 1] = [const { OnceLock::new() }; KINDS.len() + 1];
     let index = kinds().chain([STUDY]).position(|name| name == kind)?;
-    let mut whole = schema();
-    let branch = whole["oneOf"][index].take();
-    Some(json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() }))
+    Some(CHECKERS[index].get_or_init(|| {
+        let mut whole = schema();
+        let branch = whole["oneOf"][index].take();
+        let own = json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() });
+        let validator = jsonschema::draft202012::new(&own).map_err(|error| error.to_string())?;
+        Ok((own, validator))
+    }))
 }
 
 /// The kind that a document names.
@@ -80,19 +89,28 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
     }
 }
 
-/// Checks a document of a kind; removes unknown keys and sets missing ones to null, so that the rest of the
-/// document can be read and checked as well.
+/// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
+/// something else (serde would read their elements as members), so that the rest of the document can be read and
+/// checked as well.
 pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
-    let Some(schema) = schema_of_kind(kind) else { return Vec::new() };
-    let validator = match jsonschema::draft202012::new(&schema) {
-        Ok(validator) => validator,
-        Err(error) => return vec![Problem::new(Place::root(), format!("the schema itself is invalid: {error}"))],
+    let (schema, validator) = match checker(kind) {
+        None => return Vec::new(),
+        Some(Ok((schema, validator))) => (schema, validator),
+        Some(Err(error)) => {
+            return vec![Problem::new(Place::root(), format!("the schema itself is invalid: {error}"))];
+        }
     };
-    let mut findings = Findings { schema: &schema, problems: Vec::new(), unknown: Vec::new(), missing: Vec::new() };
+    let mut findings =
+        Findings { schema, problems: Vec::new(), unknown: Vec::new(), missing: Vec::new(), no_arrays: Vec::new() };
     for error in validator.iter_errors(document) {
         findings.describe(&error);
     }
-    let Findings { problems, unknown, missing, .. } = findings;
+    let Findings { problems, unknown, missing, no_arrays, .. } = findings;
+    for pointer in no_arrays {
+        if let Some(value) = document.pointer_mut(&pointer) {
+            *value = Value::Null;
+        }
+    }
     for (pointer, key) in unknown {
         if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
             members.shift_remove(&key);
@@ -112,6 +130,8 @@ struct Findings<'s> {
     /// JSON pointer of an object, and a key in it.
     unknown: Vec<(String, String)>,
     missing: Vec<(String, String)>,
+    /// JSON pointers of arrays where there should be none.
+    no_arrays: Vec<String>,
 }
 
 impl Findings<'_> {
@@ -145,7 +165,12 @@ impl Findings<'_> {
             Kind::MinLength { .. } => "is empty".to_owned(),
             Kind::MaxLength { limit } => format!("must have at most {limit} characters"),
             _ => match expected(error) {
-                Some(expected) => format!("expected {expected}, found {}", found()),
+                Some(expected) => {
+                    if error.instance().is_array() {
+                        self.no_arrays.push(pointer);
+                    }
+                    format!("expected {expected}, found {}", found())
+                }
                 None => error.to_string(),
             },
         };
@@ -186,6 +211,9 @@ impl Findings<'_> {
         collect_expectations(context, here, &mut expectations);
         if expectations.iter().any(|text| text.starts_with('"')) {
             expectations.retain(|text| text != type_name(JsonType::String));
+        }
+        if error.instance().is_array() {
+            self.no_arrays.push(here.as_str().to_owned());
         }
         let hint = word_hint(error.instance(), &expectations);
         let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance()));

@@ -5,8 +5,10 @@ use super::{Case, CaseErrors, read, schema};
 use crate::path::program::Program;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
+use std::sync::LazyLock;
 use tempfile::TempDir;
 
+mod damaged;
 mod malformed;
 mod parameters;
 mod random;
@@ -50,14 +52,14 @@ impl Bench {
         self.0.path().join("case.json")
     }
 
-    fn read_text(&self, text: &str, overrides: &[&str]) -> Result<Case, CaseErrors> {
+    fn read_text(&self, text: impl AsRef<[u8]>, overrides: &[&str]) -> Result<Case, CaseErrors> {
         std::fs::write(self.path(), text).expect("the case file");
         let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
         read(&self.path(), &overrides, &[])
     }
 
     fn read(&self, case: &Value, overrides: &[&str]) -> Result<Case, CaseErrors> {
-        self.read_text(&case.to_string(), overrides)
+        self.read_text(case.to_string(), overrides)
     }
 
     /// Reads a case of a material or contact point.
@@ -95,7 +97,9 @@ fn interface_case() -> Value {
 
 /// Whether the printed schema accepts a document.
 fn schema_accepts(document: &Value) -> bool {
-    jsonschema::draft202012::new(&schema()).expect("a valid schema").is_valid(document)
+    static VALIDATOR: LazyLock<jsonschema::Validator> =
+        LazyLock::new(|| jsonschema::draft202012::new(&schema()).expect("a valid schema"));
+    VALIDATOR.is_valid(document)
 }
 
 /// A document after `--set`.

@@ -349,6 +349,16 @@ fn failure(case: &Value, overrides: &[&str]) -> (u8, String) {
     (errors.exit_code(), errors.to_string())
 }
 
+/// Not read as if its elements were the members.
+#[test]
+fn an_array_in_place_of_an_object_is_told_once() {
+    let mut case = super::specimen::pullout_case();
+    case["mesh"] = json!([{ "s22": 1 }]);
+    let errors = Bench::new().read(&case, &[]).expect_err("no mesh");
+    let told: Vec<String> = errors.problems.iter().map(ToString::to_string).collect();
+    assert_eq!(told, [r#"$.mesh: expected an object, found [{"s22":1}]"#]);
+}
+
 #[test]
 fn a_plugin_that_cannot_be_loaded_is_exit_code_3() {
     let symbol = ["material.symbol=umat_of_mine"];

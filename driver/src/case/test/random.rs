@@ -1,11 +1,17 @@
 //! Mutated documents: no panic, and no word of the machinery in a message.
+//!
+//! The long form, with a limit on memory:
+//! `(ulimit -v 8000000; PROPTEST_CASES=1000000 cargo test -p driver --lib case::test::random)`; so for `case::test::damaged`.
 
 use super::super::structure;
 use super::specimen::pullout_case;
 use super::{Bench, interface_case, point_case, schema_accepts};
+use end_to_end_tests::fuzz::{self, WILD_NUMBERS, WILD_WORDS};
+use proptest::test_runner::TestRunner;
 use serde_json::{Value, json};
+use std::cell::Cell;
 
-/// xorshift64*: the same documents in every run.
+/// xorshift64*: a seed is a document.
 struct Random(u64);
 
 impl Random {
@@ -47,8 +53,25 @@ impl Random {
             json!({ "hard": {} }),
             json!("hole"),
             json!(18_446_744_073_709_551_615_u64),
+            json!(i64::MIN),
+            json!("NaN"),
+            json!("linear_elastic"),
+            json!(WILD_WORDS[self.below(WILD_WORDS.len())]),
+            // not finite: null in JSON
+            json!(WILD_NUMBERS[self.below(WILD_NUMBERS.len())]),
+            self.nested(),
         ];
         choices[self.below(choices.len())].clone()
+    }
+
+    /// Arrays, objects or cycles in each other, no deeper than what JSON text is read.
+    fn nested(&mut self) -> Value {
+        let (depth, what) = (self.below(60), self.below(3));
+        (0..depth).fold(json!(1), |inner, _| match what {
+            0 => json!([inner]),
+            1 => json!({ "steps": inner }),
+            _ => json!([{ "repeat": 1, "steps": inner }]),
+        })
     }
 
     fn key(&mut self) -> &'static str {
@@ -116,7 +139,6 @@ impl Random {
 #[test]
 fn mutated_documents_are_refused_in_plain_words_or_read() {
     let bench = Bench::new();
-    let mut random = Random(0x9e37_79b9_7f4a_7c15);
     let mut full = point_case();
     full["initial"] = json!({ "strain": [0, 0, 0, 0, 0, 0], "statev": [0, 0], "time": 1 });
     full["until"] = json!({ "quantity": "abs(e11)", "greater_than": 1 });
@@ -134,9 +156,10 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
         { "slip": 0.1, "drives": { "side": 1 }, "increments": { "initial": 0.1 } },
         { "repeat": 2, "steps": [{ "slip": 0, "increments": 3 }] }
     ]);
-    let (mut accepted, mut refused) = (0, 0);
-    for round in 0..800 {
-        let mut document = match round % 4 {
+    let (accepted, refused) = (Cell::new(0), Cell::new(0));
+    let check = |round: u8, seed: u64| {
+        let mut random = Random(seed);
+        let mut document = match round {
             0 => interface_case(),
             1 => specimen.clone(),
             _ => full.clone(),
@@ -147,11 +170,11 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
         let fits = schema_accepts(&document);
         match bench.read(&document, &[]) {
             Ok(_) => {
-                accepted += 1;
+                accepted.set(accepted.get() + 1);
                 assert!(fits, "read, but not by the schema: {document}");
             }
             Err(errors) => {
-                refused += 1;
+                refused.set(refused.get() + 1);
                 let text = errors.to_string();
                 assert!(!errors.problems.is_empty() && [2, 3].contains(&errors.exit_code()));
                 for noise in
@@ -164,6 +187,12 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
                 assert_eq!(structural, !fits, "{document}:\n{text}");
             }
         }
-    }
-    assert!(accepted > 20 && refused > 300, "{accepted} accepted, {refused} refused");
+    };
+    let documents = (0..4_u8, 1..=u64::MAX);
+    let outcome = TestRunner::new(fuzz::config(1600)).run(&documents, |(round, seed)| {
+        check(round, seed);
+        Ok(())
+    });
+    outcome.unwrap_or_else(|error| panic!("{error}"));
+    assert!(accepted.get() > 20 && refused.get() > 300, "{} accepted, {} refused", accepted.get(), refused.get());
 }
