@@ -55,7 +55,7 @@ use crate::model::Model;
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;
-use record::{Body, Record, blocks};
+use record::{Body, Record, blocks, may_share_threads};
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -86,6 +86,8 @@ pub struct Solids {
     relaxation_time: f64,
     skip_unchanged: bool,
     tangent_form: TangentForm,
+    /// Whether the laws may be called by several threads.
+    may_share_threads: bool,
     threads: Threads,
     blocks: Vec<Block>,
     /// Of each element.
@@ -104,11 +106,13 @@ impl Solids {
     ///
     /// A part without a usable law.
     pub fn new(model: &Model) -> Result<Self, SolidsError> {
-        let (blocks, places) = blocks(model)?;
+        let may_share_threads = may_share_threads(&model.laws);
+        let (blocks, places) = blocks(model, may_share_threads)?;
         Ok(Self {
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
             tangent_form: TangentForm::default(),
+            may_share_threads,
             threads: Threads::default(),
             active: vec![true; places.len()],
             version: 0,
@@ -121,7 +125,15 @@ impl Solids {
 
     /// The threads that evaluate blocks. Without an effect where a law may be called by one thread only.
     pub fn set_threads(&mut self, threads: &Threads) {
-        self.threads = threads.clone();
+        if self.may_share_threads {
+            self.threads = threads.clone();
+        }
+    }
+
+    /// How many threads evaluate blocks.
+    #[cfg(test)]
+    pub(crate) fn thread_count(&self) -> usize {
+        self.threads.count()
     }
 
     /// Which elements are evaluated: the others are left as they are, and give no forces.

@@ -125,7 +125,8 @@ impl Body {
 }
 
 /// The elements of a model block by block, in the order of the first element of each, and the place of each element.
-pub(super) fn blocks(model: &Model) -> Result<(Vec<Block>, Vec<BlockPlace>), SolidsError> {
+/// Where threads do not share them a part is one block.
+pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<(Vec<Block>, Vec<BlockPlace>), SolidsError> {
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
     if laws.len() != parts.len() {
@@ -137,7 +138,7 @@ pub(super) fn blocks(model: &Model) -> Result<(Vec<Block>, Vec<BlockPlace>), Sol
     if nlgeom.len() != parts.len() {
         return Err(SolidsError::LargeDisplacementCount { parts: parts.len(), choices: nlgeom.len() });
     }
-    let groups = groups(mesh, if may_share_threads(laws) { ELEMENTS_PER_BLOCK } else { usize::MAX });
+    let groups = groups(mesh, if share_threads { ELEMENTS_PER_BLOCK } else { usize::MAX });
     let shared = laws
         .iter()
         .enumerate()
@@ -165,7 +166,7 @@ pub(super) fn blocks(model: &Model) -> Result<(Vec<Block>, Vec<BlockPlace>), Sol
 }
 
 /// Whether UMATs may be called from several threads: all say so, and none is watched.
-fn may_share_threads(laws: &[PluginLaw]) -> bool {
+pub(super) fn may_share_threads(laws: &[PluginLaw]) -> bool {
     let is_safe = |law: &PluginLaw| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0);
     laws.iter().all(is_safe) && recorder::installed().is_none()
 }

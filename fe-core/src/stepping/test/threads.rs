@@ -56,3 +56,18 @@ fn the_first_element_in_trouble_is_told_by_any_number_of_threads() {
         assert_eq!(trouble(threads), one, "{threads} threads");
     }
 }
+
+/// Two parts would be two threads' work: their libraries may share what only one of them may touch.
+#[test]
+fn a_law_that_does_not_say_that_it_is_thread_safe_is_called_by_one_thread() {
+    let mut model = plate(512, false);
+    let threads = Threads::new(NonZeroUsize::new(3).unwrap()).unwrap();
+    let count = |model: &Model| {
+        let mut solids = Solids::new(model).unwrap();
+        solids.set_threads(&threads);
+        solids.thread_count()
+    };
+    assert_eq!(count(&model), 3);
+    model.laws[0].law = None;
+    assert_eq!(count(&model), 1);
+}
