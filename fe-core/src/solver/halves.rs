@@ -7,7 +7,7 @@ use faer::{Mat, MatMut, Par, Spec};
 
 use super::analysis::NONE;
 use super::cut::{Cut, cut};
-use super::zone::Zone;
+use super::zone::{Zone, dense_cholesky_flops};
 use super::{Pattern, SINGULAR_PIVOT, SolverError};
 use crate::threads::Threads;
 
@@ -65,7 +65,7 @@ impl Halves {
         let halves = [half(&first)?, half(&second)?];
         let size = between.len();
         let inside: f64 = halves.iter().map(|half| half.zone.flops()).sum();
-        if dense_flops(size) + halves.iter().map(|half| dense_flops(half.zone.len())).sum::<f64>()
+        if dense_cholesky_flops(size) + halves.iter().map(|half| dense_cholesky_flops(half.zone.len())).sum::<f64>()
             > LARGEST_CUT * inside
         {
             return Ok(None);
@@ -148,7 +148,7 @@ impl Halves {
 
     /// Multiplications and additions of a factorisation.
     pub(super) fn flops(&self) -> f64 {
-        self.halves.iter().map(|half| half.zone.flops()).sum::<f64>() + dense_flops(self.between.len())
+        self.halves.iter().map(|half| half.zone.flops()).sum::<f64>() + dense_cholesky_flops(self.between.len())
     }
 
     /// How many numbers the factors have.
@@ -211,11 +211,6 @@ impl Half {
         self.zone.backward(&mut self.ordered);
         self.zone.scatter(&self.ordered, &mut self.x);
     }
-}
-
-/// Multiplications and additions of a dense LLᵀ.
-fn dense_flops(size: usize) -> f64 {
-    (size as f64).powi(3) / 3.0
 }
 
 fn parameters() -> Spec<LltParams, f64> {

@@ -66,7 +66,7 @@ impl Zone {
 
     /// Multiplications and additions of LLᵀ and of S.
     pub(super) fn flops(&self) -> f64 {
-        self.cholesky.analysis.flops + (self.len() as f64).powi(3) / 3.0
+        self.cholesky.analysis.flops + dense_cholesky_flops(self.len())
     }
 
     /// How many numbers the factor has.
@@ -168,6 +168,11 @@ impl Zone {
     pub(super) fn scatter(&self, from: &[f64], to: &mut [f64]) {
         from.iter().zip(&self.cholesky.analysis.order).for_each(|(from, &equation)| to[equation] = *from);
     }
+}
+
+/// Multiplications and additions of a dense LLᵀ, or of a triangle times its transpose.
+pub(super) fn dense_cholesky_flops(size: usize) -> f64 {
+    (size as f64).powi(3) / 3.0
 }
 
 /// Dense LU of S + contact.
