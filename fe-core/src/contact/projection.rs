@@ -9,6 +9,9 @@ const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;
 
+/// Places of an edge are within this × the distance of its farthest node from any centre: Σ|N| ≤ 5/4 on a quadratic edge,
+/// and something for rounding.
+const REACH: f64 = 1.26;
 /// So far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
 const OVERSHOOT: f64 = 1e-3;
 
@@ -80,23 +83,47 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
         is_inside.then_some(Foot { edge, coordinate, corner: false })
     }
 
-    /// The foot on the whole chain.
+    /// The foot on the whole chain. Edges that are farther away than a place that is known are passed over.
     pub fn anywhere(&self, point: [f64; 2]) -> Option<Foot> {
+        let edges = || 0..self.chain.len() as i64;
+        let clearances = edges().map(|edge| (self.clearance(point, edge), edge));
+        let (_, first) = clearances.min_by(|(a, _), (b, _)| a.total_cmp(b))?;
+        let (known, _) = self.nearest_on(point, first);
         let mut nearest = (f64::INFINITY, Foot { edge: 0, coordinate: 0.0, corner: false });
-        for edge in 0..self.chain.len() as i64 {
-            for start in [-1.0, 0.0, 1.0] {
-                let coordinate = match self.on_edge(point, edge, start) {
-                    OnEdge::Inside(coordinate) => coordinate,
-                    OnEdge::Before => -1.0,
-                    OnEdge::After => 1.0,
-                };
-                let distance = self.distance(point, edge, coordinate);
-                if distance < nearest.0 {
-                    nearest = (distance, Foot { edge, coordinate, corner: false });
-                }
+        for edge in edges().filter(|&edge| edge == first || self.clearance(point, edge) <= known) {
+            let (distance, coordinate) = self.nearest_on(point, edge);
+            if distance < nearest.0 {
+                nearest = (distance, Foot { edge, coordinate, corner: false });
             }
         }
         self.near(point, nearest.1)
+    }
+
+    /// |d| at the nearest place of an edge, and ξ there.
+    fn nearest_on(&self, point: [f64; 2], edge: i64) -> (f64, f64) {
+        let mut nearest = (f64::INFINITY, 0.0);
+        for start in [-1.0, 0.0, 1.0] {
+            let coordinate = match self.on_edge(point, edge, start) {
+                OnEdge::Inside(coordinate) => coordinate,
+                OnEdge::Before => -1.0,
+                OnEdge::After => 1.0,
+            };
+            let distance = self.distance(point, edge, coordinate);
+            if distance < nearest.0 {
+                nearest = (distance, coordinate);
+            }
+        }
+        nearest
+    }
+
+    /// No place of an edge is nearer: they lie in a circle around the middle of its ends.
+    pub fn clearance(&self, point: [f64; 2], edge: i64) -> f64 {
+        let nodes = self.chain.nodes(edge);
+        let [a, b] = [0, 1].map(|end| (self.position)(nodes[end]));
+        let centre = [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+        let from_centre = |place: [f64; 2]| (place[0] - centre[0]).hypot(place[1] - centre[1]);
+        let radius = nodes.iter().map(|&node| from_centre((self.position)(node))).fold(0.0, f64::max);
+        from_centre(point) - REACH * radius
     }
 
     /// |d| at a place.

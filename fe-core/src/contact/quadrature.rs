@@ -182,6 +182,10 @@ fn segment_bounds(mesh: &Mesh, edge: &SlaveEdge, master: &Chain) -> Vec<f64> {
     for index in 0..master.len() as i64 {
         for &node in &master.nodes(index)[..2] {
             let point = mesh.nodes()[node];
+            // most of the master is far from an edge of the slave
+            if projection.clearance(point, 0) > reach {
+                continue;
+            }
             let Some(foot) = projection.anywhere(point) else { continue };
             let on = edge.kind().point(&edge.reference, foot.coordinate).position;
             if (point[0] - on[0]).hypot(point[1] - on[1]) <= reach {

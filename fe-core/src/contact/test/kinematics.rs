@@ -173,6 +173,43 @@ fn feet_on_random_curves_are_the_nearest_places() {
     assert!(inside > 30);
 }
 
+/// Nothing of an edge is nearer than its clearance, which is not far below the distance.
+#[test]
+fn a_clearance_is_a_bound_of_the_distance() {
+    let mut random = Random(12);
+    let scene = Scene::new(
+        Row { kind: Q8, from: 0.0, to: 3.0, count: 3 },
+        Row { kind: Q8, from: 0.0, to: 3.0, count: 3 },
+        |_| 0.0,
+        PlaneModel::PlaneStrain,
+    );
+    let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
+    for _ in 0..200 {
+        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.3 * random.next()).collect();
+        let position = |node: usize| {
+            let [x, y] = scene.mesh.nodes()[node];
+            [x + displacements[2 * node], y + displacements[2 * node + 1]]
+        };
+        let projection = Projection { chain: &chain, position };
+        let point = [1.5 + 4.0 * random.next(), 4.0 * random.next()];
+        for edge in 0..3 {
+            let clearance = projection.clearance(point, edge);
+            let distances = (0..=200).map(|step| {
+                let shape = chain.shape(edge, -1.0 + 0.01 * f64::from(step));
+                let place = [0, 1].map(|i| {
+                    let along = chain.nodes(edge).iter().zip(&shape.values);
+                    along.map(|(&node, value)| value * position(node)[i]).sum::<f64>()
+                });
+                (place[0] - point[0]).hypot(place[1] - point[1])
+            });
+            let least = distances.fold(f64::INFINITY, f64::min);
+            assert!(clearance <= least, "{clearance} {least}");
+            // of edges of length 1 that are moved by 0.3
+            assert!(clearance >= least - 2.2, "{clearance} {least}");
+        }
+    }
+}
+
 /// In the wedge of a convex corner the distance is that of the corner: its derivatives against differences of the gap.
 #[test]
 fn a_convex_corner_holds_the_foot() {
