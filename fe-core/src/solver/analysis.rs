@@ -1,60 +1,16 @@
-//! Everything about a factorisation that follows from the pattern: order of elimination, supernodes, fill.
+//! Everything about a factorisation that follows from the pattern: supernodes, fill, for an order of elimination.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::sparse::linalg::SymbolicSupernodalParams;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::simplicial::{
     EliminationTreeRef, prefactorize_symbolic_cholesky, prefactorize_symbolic_cholesky_scratch,
 };
 use faer::sparse::linalg::cholesky::supernodal;
 use faer::sparse::{SymbolicSparseColMat, SymbolicSparseColMatRef};
 
+use super::graph::NONE;
 use super::pattern::accumulate;
 use super::{Pattern, SolverError};
-
-/// Not an index.
-pub(super) const NONE: usize = usize::MAX;
-
-/// An order of elimination of all equations, that of least fill known for those outside `last`, and then `last` as
-/// they are. The graph of the nodes is ordered and expanded: three times faster than that of the equations.
-pub(super) fn elimination_order(pattern: &Pattern, nodes: &[usize], last: &[usize]) -> Result<Vec<usize>, SolverError> {
-    let mut is_last = vec![false; pattern.size()];
-    last.iter().for_each(|&equation| is_last[equation] = true);
-    // The first equations: those of a node together, `starts` of each node.
-    let mut equations: Vec<usize> = (0..pattern.size()).filter(|&equation| !is_last[equation]).collect();
-    equations.sort_by_key(|&equation| nodes[equation]);
-    let mut starts = Vec::new();
-    let mut node_of = vec![NONE; pattern.size()];
-    for (place, &equation) in equations.iter().enumerate() {
-        if place == 0 || nodes[equation] != nodes[equations[place - 1]] {
-            starts.push(place);
-        }
-        node_of[equation] = starts.len() - 1;
-    }
-    let node_count = starts.len();
-    starts.push(equations.len());
-
-    let (mut graph_starts, mut graph_rows, mut seen) = (vec![0], Vec::new(), vec![NONE; node_count]);
-    for node in 0..node_count {
-        seen[node] = node;
-        for &equation in &equations[starts[node]..starts[node + 1]] {
-            for &row in pattern.column(equation) {
-                let other = node_of[row];
-                if other != NONE && seen[other] != node {
-                    seen[other] = node;
-                    graph_rows.push(other);
-                }
-            }
-        }
-        graph_starts.push(graph_rows.len());
-    }
-    let graph = SymbolicSparseColMatRef::new_unsorted_checked(node_count, node_count, &graph_starts, None, &graph_rows);
-    let (mut order, mut places) = (vec![0; node_count], vec![0; node_count]);
-    let mut memory = MemBuffer::try_new(amd::order_maybe_unsorted_scratch::<usize>(node_count, graph_rows.len()))?;
-    amd::order_maybe_unsorted(&mut order, &mut places, graph, amd::Control::default(), MemStack::new(&mut memory))?;
-    let expanded = order.iter().flat_map(|&node| &equations[starts[node]..starts[node + 1]]);
-    Ok(expanded.chain(last).copied().collect())
-}
 
 /// `equations` body by body (a body: what the pattern connects), ascending in each: eliminated in this order, the
 /// equations of one body have columns of one shape.

@@ -15,7 +15,8 @@ use faer::linalg::triangular_solve::{
 use faer::{Accum, MatMut, MatRef, Par, Spec};
 
 use super::SolverError;
-use super::analysis::{Analysis, NONE};
+use super::analysis::Analysis;
+use super::graph::NONE;
 
 /// The least pivot, relative to the greatest entry of its column before elimination.
 const SMALLEST_PIVOT: f64 = 1e-8;

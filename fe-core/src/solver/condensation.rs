@@ -36,7 +36,7 @@ impl Superelement {
         check_length("list of nodes", pattern.size(), nodes.len())?;
         marked(pattern.size(), border)?;
         pattern.check_finite(values)?;
-        let mut zone = Zone::new(pattern, nodes, border)?;
+        let mut zone = Zone::new(pattern, nodes, &[], border)?;
         zone.condense(values).map_err(|refusal| match refusal {
             Refusal::NotDefinite { place } => SolverError::NotDefinite { equation: zone.equation(place) },
             Refusal::Singular { place } => SolverError::Singular { equation: Some(zone.equation(place)) },

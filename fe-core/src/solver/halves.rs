@@ -5,8 +5,8 @@ use faer::linalg::cholesky::llt::factor::{LltParams, LltRegularization, cholesky
 use faer::linalg::cholesky::llt::solve::solve_in_place;
 use faer::{Mat, MatMut, Par, Spec};
 
-use super::analysis::NONE;
 use super::cut::{Cut, cut};
+use super::graph::{NONE, NodeGraph};
 use super::zone::{Zone, dense_cholesky_flops};
 use super::{Pattern, SINGULAR_PIVOT, SolverError};
 use crate::threads::Threads;
@@ -58,10 +58,13 @@ impl Halves {
         if pattern.size() < LEAST_EQUATIONS || positions.len() != pattern.size() {
             return Ok(None);
         }
-        let Some(Cut { halves: [first, second], between }) = cut(pattern, nodes, positions) else { return Ok(None) };
+        let graph = NodeGraph::new(pattern, nodes, &[]);
+        let Some(Cut { halves, between }) = cut(&graph.graph, &graph.positions(positions)) else { return Ok(None) };
+        let [first, second] = halves.map(|half| graph.all_equations(&half));
+        let between = graph.all_equations(&between);
         let mut places = vec![NONE; pattern.size()];
         between.iter().enumerate().for_each(|(place, &equation)| places[equation] = place);
-        let half = |equations: &[usize]| Half::new(pattern, nodes, equations, &places);
+        let half = |equations: &[usize]| Half::new(pattern, nodes, positions, equations, &places);
         let halves = [half(&first)?, half(&second)?];
         let size = between.len();
         let inside: f64 = halves.iter().map(|half| half.zone.flops()).sum();
@@ -159,7 +162,13 @@ impl Halves {
 
 impl Half {
     /// The half of these equations; `places` has the place in the cut of its equations.
-    fn new(pattern: &Pattern, nodes: &[usize], inside: &[usize], places: &[usize]) -> Result<Self, SolverError> {
+    fn new(
+        pattern: &Pattern,
+        nodes: &[usize],
+        positions: &[[f64; 2]],
+        inside: &[usize],
+        places: &[usize],
+    ) -> Result<Self, SolverError> {
         let mut is_border = vec![false; pattern.size()];
         for &equation in inside {
             pattern.column(equation).iter().filter(|row| places[**row] != NONE).for_each(|&row| is_border[row] = true);
@@ -170,7 +179,8 @@ impl Half {
         let (own, from) = pattern.restricted_to(&equations);
         let own_nodes: Vec<usize> = equations.iter().map(|&equation| nodes[equation]).collect();
         let last: Vec<usize> = (0..equations.len()).filter(|&k| is_border[equations[k]]).collect();
-        let zone = Zone::new(&own, &own_nodes, &last)?;
+        let own_positions: Vec<[f64; 2]> = equations.iter().map(|&equation| positions[equation]).collect();
+        let zone = Zone::new(&own, &own_nodes, &own_positions, &last)?;
         let mut border = vec![NONE; last.len()];
         last.iter().for_each(|&k| border[zone.place_of(k)] = places[equations[k]]);
         let size = equations.len();

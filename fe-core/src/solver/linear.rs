@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use super::analysis::{cholesky_flops, elimination_order};
+use super::analysis::cholesky_flops;
+use super::ordering::elimination_order;
 use super::pattern::check_length;
 use super::whole::{Outcome, Whole};
 use super::zone::{DenseLu, Zone};
@@ -250,7 +251,7 @@ impl LinearSolver {
                 Method::Condensed | Method::Cholesky => {
                     whole.factorise_cholesky(&self.nodes, &self.positions, &self.threads)
                 }
-                Method::BlockLu => whole.factorise_block_lu(&self.nodes),
+                Method::BlockLu => whole.factorise_block_lu(&self.nodes, &self.positions),
                 Method::GeneralLu => whole.factorise_general_lu(matrix.norm()),
             };
             match outcome {
@@ -319,12 +320,12 @@ fn worthwhile_zone(
     let affordable = match options.first_method {
         Some(Method::Condensed) => f64::INFINITY,
         Some(_) => return Ok(None),
-        None => CONDENSATION_ADVANTAGE * cholesky_flops(pattern, &elimination_order(pattern, nodes, &[])?)?,
+        None => CONDENSATION_ADVANTAGE * cholesky_flops(pattern, &elimination_order(pattern, nodes, &[], &[])?)?,
     };
     if dense_flops(contact.len()) > affordable {
         return Ok(None);
     }
-    let zone = Zone::new(pattern, nodes, contact)?;
+    let zone = Zone::new(pattern, nodes, &[], contact)?;
     if zone.flops() + dense_flops(zone.len()) > affordable {
         return Ok(None);
     }

@@ -2,11 +2,12 @@
 
 use std::sync::Arc;
 
-use super::analysis::{Analysis, elimination_order};
+use super::analysis::Analysis;
 use super::block_lu::BlockLu;
 use super::cholesky::Cholesky;
 use super::general_lu::GeneralLu;
 use super::halves::Halves;
+use super::ordering::elimination_order;
 use super::{LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
 use crate::assembly::Blocks;
 use crate::threads::Threads;
@@ -125,10 +126,10 @@ impl Whole {
         contact.iter().zip(&mut self.contact).all(|((rows, _), places)| places.find(rows, &self.pattern))
     }
 
-    fn analysis(&mut self, nodes: &[usize]) -> Result<Arc<Analysis>, SolverError> {
+    fn analysis(&mut self, nodes: &[usize], positions: &[[f64; 2]]) -> Result<Arc<Analysis>, SolverError> {
         let analysis = match self.analysis.take() {
             Some(analysis) => analysis,
-            None => Arc::new(Analysis::new(&self.pattern, elimination_order(&self.pattern, nodes, &[])?)?),
+            None => Arc::new(Analysis::new(&self.pattern, elimination_order(&self.pattern, nodes, positions, &[])?)?),
         };
         self.analysis = Some(Arc::clone(&analysis));
         Ok(analysis)
@@ -154,7 +155,7 @@ impl Whole {
             Some(definite) => definite,
             None => match Halves::new(&self.pattern, nodes, positions)? {
                 Some(halves) => Definite::Two(Box::new(halves)),
-                None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes)?)?)),
+                None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes, positions)?)?)),
             },
         };
         let is_definite = match self.definite.insert(definite) {
@@ -165,8 +166,12 @@ impl Whole {
     }
 
     /// LU with pivoting inside supernodes; refused if that is not enough.
-    pub(super) fn factorise_block_lu(&mut self, nodes: &[usize]) -> Result<Outcome, SolverError> {
-        let analysis = self.analysis(nodes)?;
+    pub(super) fn factorise_block_lu(
+        &mut self,
+        nodes: &[usize],
+        positions: &[[f64; 2]],
+    ) -> Result<Outcome, SolverError> {
+        let analysis = self.analysis(nodes, positions)?;
         let block_lu = get_or_try_insert(&mut self.block_lu, || BlockLu::new(analysis))?;
         Ok(block_lu.factorise(&self.values).map_or(Outcome::Refused, |positive| Outcome::Done(Some(positive))))
     }

@@ -9,8 +9,10 @@ use faer::linalg::matmul::triangular::{self, BlockStructure};
 use faer::perm::PermRef;
 use faer::{Accum, Mat, MatMut, Par, Spec};
 
-use super::analysis::{Analysis, NONE, body_by_body, elimination_order};
+use super::analysis::{Analysis, body_by_body};
 use super::cholesky::{Cholesky, Refusal};
+use super::graph::NONE;
+use super::ordering::elimination_order;
 use super::{Pattern, SINGULAR_PIVOT, SolverError};
 use crate::assembly::Blocks;
 
@@ -37,10 +39,15 @@ pub(super) struct Zone {
 }
 
 impl Zone {
-    /// Analyses a pattern for the zone of these equations.
-    pub(super) fn new(pattern: &Pattern, nodes: &[usize], equations: &[usize]) -> Result<Self, SolverError> {
+    /// Analyses a pattern for the zone of these equations. `positions` of all equations: as for the order of elimination.
+    pub(super) fn new(
+        pattern: &Pattern,
+        nodes: &[usize],
+        positions: &[[f64; 2]],
+        equations: &[usize],
+    ) -> Result<Self, SolverError> {
         let zone = body_by_body(pattern, equations);
-        let order = elimination_order(pattern, nodes, &zone)?;
+        let order = elimination_order(pattern, nodes, positions, &zone)?;
         let mut place_of = vec![NONE; pattern.size()];
         zone.iter().enumerate().for_each(|(place, &equation)| place_of[equation] = place);
         let count = zone.len();
