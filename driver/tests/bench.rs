@@ -114,6 +114,75 @@ fn specimens_are_measured() {
 }
 
 #[test]
+fn threads_change_time_and_no_bit() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "threads", "--quick", "--out", "results"]).expect(0);
+    let (_, rows) = csv(&desk.path("results").join("threads.csv"));
+    assert!(rows.len() >= 4);
+    for row in &rows {
+        assert_eq!(row[6], "yes", "{row:?}");
+        assert!(row[3].parse::<f64>().is_ok_and(|seconds| seconds > 0.0), "{row:?}");
+    }
+}
+
+#[test]
+fn cost_is_measured_against_unknowns() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "scaling", "--quick", "--out", "results"]).expect(0);
+    let results = desk.path("results");
+    let data = results.join("scaling.csv");
+    let of =
+        |column: &str| numbers(&data, column).into_iter().map(|number| number.expect("a number")).collect::<Vec<f64>>();
+    // two sizes of two specimens in turns
+    let freedoms = of("freedoms");
+    assert_eq!(freedoms.len(), 4);
+    assert!(freedoms[0] < freedoms[2] && freedoms[1] < freedoms[3], "{freedoms:?}");
+    let parts = ["set_up_s", "solids_s", "assembly_s", "factorisation_s", "solution_s", "rest_s"].map(of);
+    assert!(parts.iter().flatten().all(|part| *part > 0.0), "{parts:?}");
+    let contact = of("contact_s");
+    for (k, whole) in of("cpu_s").iter().enumerate() {
+        let sum: f64 = parts.iter().map(|part| part[k]).sum::<f64>() + contact[k];
+        assert!((sum / whole - 1.0).abs() < 1e-9, "{sum} of {whole}");
+    }
+    for (column, count) in [("cpu_per_increment_s", "increments"), ("cpu_per_iteration_s", "iterations")] {
+        let (whole, set_up) = (of("cpu_s"), of("set_up_s"));
+        for (k, (each, count)) in of(column).iter().zip(of(count)).enumerate() {
+            assert!((each * count / (whole[k] - set_up[k]) - 1.0).abs() < 1e-9, "{column}");
+        }
+    }
+    assert_eq!(pictures(&results), 1);
+}
+
+#[test]
+fn peers_do_the_same_work_or_are_not_installed() {
+    let desk = Desk::new();
+    desk.pullout(["bench", "peers", "--quick", "--out", "results"]).expect(0);
+    let results = desk.path("results");
+    let data = results.join("peers.csv");
+    let (_, rows) = csv(&data);
+    let column = |name: &str| numbers(&data, name);
+    let (own, times) = (column("result"), column("time_over_ours"));
+    // two plates, the strip, two laws of a point; ours, then the peer's
+    assert_eq!(rows.len(), 10);
+    for k in (0..rows.len()).step_by(2) {
+        assert_eq!((rows[k][2].as_str(), times[k]), ("pullout", Some(1.0)), "{:?}", rows[k]);
+        let ours = own[k].expect("a result");
+        match own[k + 1] {
+            // penalty contact: CalculiX's drag is what it is
+            Some(theirs) if rows[k][1].contains("strip") => assert!((theirs / ours - 1.0).abs() < 0.05),
+            Some(theirs) => assert!((theirs / ours - 1.0).abs() < 1e-3, "{ours} {theirs}"),
+            None => assert_eq!(times[k + 1], None),
+        }
+        assert_eq!(own[k + 1].is_some(), times[k + 1].is_some_and(|ratio| ratio.is_finite() && ratio > 0.0));
+    }
+    let errors = column("exact_error");
+    assert!((errors[4].expect("a drag")) < 5e-3);
+    assert!([errors[6], errors[8]].iter().all(|error| error.is_some_and(|error| error < 1e-12)), "{errors:?}");
+    let page = std::fs::read_to_string(results.join("peers.md")).expect("a page");
+    assert_eq!(page.contains("not installed"), own.iter().any(Option::is_none), "{page}");
+}
+
+#[test]
 fn an_unknown_item_is_refused_with_the_known_ones() {
     let desk = Desk::new();
     let outcome = desk.pullout(["bench", "nonsense"]).expect(2);

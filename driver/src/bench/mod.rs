@@ -1,5 +1,5 @@
-//! `pullout bench`: run time against error of laws and specimens, what skipping saves, the cost of the plugin ABI,
-//! throughput, numerical stability.
+//! `pullout bench`: run time against error of laws and specimens, what skipping saves, cost against unknowns, the same
+//! work in other programs, the cost of the plugin ABI, throughput, numerical stability.
 //!
 //! Each item leaves its numbers as CSV, its pictures as SVG and one page of Markdown with the machine they were
 //! measured on. Times are those of the calling thread's processor, of ways that take turns: what a figure
@@ -10,10 +10,14 @@ mod fibre;
 mod laws;
 mod machine;
 mod page;
+mod peers;
 mod runs;
+mod scaling;
+mod slope;
 mod solid;
 mod stability;
 mod table;
+mod threads;
 mod throughput;
 mod timing;
 
@@ -37,6 +41,12 @@ pub enum Item {
     Fe,
     /// What skipping saves: each item, all of them, and what a larger far field costs.
     Skipping,
+    /// What a specimen costs against its number of unknowns, and which part of it grows how.
+    Scaling,
+    /// One run by one thread and by several: time, and whether the bits are the same.
+    Threads,
+    /// The same work in CalculiX and simcoon, where they are installed.
+    Peers,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
     Stability,
     /// What a call of a plugin costs: against the linked law, with the host's safeguards, against Fortran.
@@ -45,8 +55,17 @@ pub enum Item {
 
 impl Item {
     /// All of them, in the order in which they run: the last one leaves a recorder of calls installed in the process.
-    pub const ALL: &'static [Self] =
-        &[Self::Laws, Self::Throughput, Self::Fe, Self::Skipping, Self::Stability, Self::Abi];
+    pub const ALL: &'static [Self] = &[
+        Self::Laws,
+        Self::Throughput,
+        Self::Fe,
+        Self::Skipping,
+        Self::Scaling,
+        Self::Threads,
+        Self::Peers,
+        Self::Stability,
+        Self::Abi,
+    ];
 
     /// The stem of its files.
     pub fn name(self) -> &'static str {
@@ -55,6 +74,9 @@ impl Item {
             Self::Throughput => "throughput",
             Self::Fe => "fe",
             Self::Skipping => "skipping",
+            Self::Scaling => "scaling",
+            Self::Threads => "threads",
+            Self::Peers => "peers",
             Self::Stability => "stability",
             Self::Abi => "abi",
         }
@@ -66,6 +88,9 @@ impl Item {
             Self::Throughput => throughput::measure(settings),
             Self::Fe => fibre::precision::measure(settings),
             Self::Skipping => fibre::skipping::measure(settings),
+            Self::Scaling => scaling::measure(settings),
+            Self::Threads => threads::measure(settings),
+            Self::Peers => peers::measure(settings),
             Self::Stability => stability::measure(settings),
             Self::Abi => abi::measure(settings),
         }
@@ -79,6 +104,8 @@ pub struct Settings {
     pub quick: bool,
     /// States thrown at each form of a law in each stress state; `None`: a million, or few if quick.
     pub states: Option<u64>,
+    /// A Python with the modules of peers; `None`: `python3` of the PATH.
+    pub python: Option<PathBuf>,
     /// Searched for plugins before the usual folders.
     pub plugin_paths: Vec<PathBuf>,
 }

@@ -5,13 +5,13 @@ use super::timing::thread_time;
 use crate::case::{self, Case};
 use crate::path::{self, Statistics, Stop};
 use crate::pullout::checkpoint::Checkpoints;
-use crate::pullout::{self, COLUMNS, Findings};
+use crate::pullout::{self, COLUMNS, Findings, Program};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 /// What came of a case that was not refused.
 pub(super) struct Ran {
-    /// Time of the processor, s, with everything from the model to the end.
+    /// Time of the processors on this process, s, from the model to the end.
     pub seconds: f64,
     /// Freedoms of its mesh.
     pub freedoms: usize,
@@ -97,14 +97,27 @@ pub(super) fn run_within(
     plugins: &[PathBuf],
     folder: &Path,
 ) -> Result<Ran, BenchError> {
-    let program = match case::read(file, overrides, plugins)? {
-        Case::Pullout(program) => program,
-        Case::Path(_) => return Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
-    };
+    let program = read(file, overrides, plugins)?;
+    Ok(run_program(&program, limit, folder))
+}
+
+/// Reads a case with overrides, and meshes it.
+///
+/// # Errors
+/// It is refused.
+pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Result<Box<Program>, BenchError> {
+    match case::read(file, overrides, plugins)? {
+        Case::Pullout(program) => Ok(program),
+        Case::Path(_) => Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
+    }
+}
+
+/// Runs what was read, on this thread, whose stack must do for plugins.
+pub(super) fn run_program(program: &Program, limit: Limit, folder: &Path) -> Ran {
     let start = thread_time();
     let mut keeper = Keeper { rows: 0, last: Vec::new(), start, limit, over_limit: false };
-    let outcome = pullout::run(&program, folder, &Checkpoints::default(), &mut keeper);
-    Ok(Ran {
+    let outcome = pullout::run(program, folder, &Checkpoints::default(), &mut keeper);
+    Ran {
         seconds: (thread_time() - start).as_secs_f64(),
         freedoms: 2 * program.model.mesh.nodes().len(),
         rows: keeper.rows,
@@ -116,5 +129,5 @@ pub(super) fn run_within(
             Stop::Write(error) => error.to_string(),
         }),
         over_limit: keeper.over_limit,
-    })
+    }
 }

@@ -1,5 +1,7 @@
 //! Times of ways that take turns: what else the machine does then meets all of them alike.
 
+use nix::sys::resource::{UsageWho, getrusage};
+use nix::sys::time::{TimeVal, TimeValLike};
 use std::time::Duration;
 
 /// How long and how often.
@@ -59,6 +61,18 @@ impl Timing {
 pub(super) fn thread_time() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::try_from(time).unwrap_or_default()
+}
+
+/// Time that the processors spent on all threads of this process.
+pub(super) fn process_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::try_from(time).unwrap_or_default()
+}
+
+/// Time that the processors spent on programs that this one started and waited for.
+pub(super) fn children_time() -> Duration {
+    let of = |time: TimeVal| Duration::from_micros(u64::try_from(time.num_microseconds()).unwrap_or(0));
+    getrusage(UsageWho::RUSAGE_CHILDREN).map_or(Duration::ZERO, |usage| of(usage.user_time()) + of(usage.system_time()))
 }
 
 /// Seconds of a call, by way and round.

@@ -19,6 +19,9 @@ pub(super) struct Arguments {
     /// Directory of the results.
     #[arg(long, value_name = "DIR", default_value = "bench/results")]
     out: PathBuf,
+    /// peers: a Python that has simcoon (default: PULLOUT_PYTHON, or python3 of the PATH).
+    #[arg(long, value_name = "PYTHON")]
+    python: Option<PathBuf>,
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
@@ -30,8 +33,12 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     items.sort_unstable();
     items.dedup();
     let items = if items.is_empty() { Item::ALL } else { &items };
-    let settings =
-        Settings { quick: arguments.quick, states: arguments.states, plugin_paths: arguments.plugin_paths.clone() };
+    let settings = Settings {
+        quick: arguments.quick,
+        states: arguments.states,
+        python: arguments.python.clone().or_else(|| std::env::var_os("PULLOUT_PYTHON").map(PathBuf::from)),
+        plugin_paths: arguments.plugin_paths.clone(),
+    };
     let measure = |item: &Item| match bench::measure(*item, &settings, &arguments.out) {
         Ok(Findings { text, failed }) => {
             say(&format!("{text}\n-> {}\n\n", arguments.out.join(format!("{}.md", item.name())).display()));

@@ -37,7 +37,7 @@ fn difference(ours: &[f64], theirs: &[f64], scale: f64) -> f64 {
 #[test]
 fn the_laws_in_fortran_are_the_laws() {
     let folder = tempfile::tempdir().expect("a folder");
-    let settings = Settings { quick: true, states: None, plugin_paths: Vec::new() };
+    let settings = Settings { quick: true, states: None, python: None, plugin_paths: Vec::new() };
     let mut compared = 0;
     for solid in solids() {
         let path = match fortran::library(solid.law, Target::Portable, folder.path()).expect("sources that compile") {
@@ -78,7 +78,7 @@ fn the_laws_in_fortran_are_the_laws() {
 
 #[test]
 fn situations_are_what_they_are_called() {
-    let settings = Settings { quick: true, states: None, plugin_paths: Vec::new() };
+    let settings = Settings { quick: true, states: None, python: None, plugin_paths: Vec::new() };
     for solid in solids().iter().filter(|solid| solid.law != "linear_elastic") {
         let library = solid.library(&settings).expect("a plugin that Cargo built");
         for situation in Situation::ALL {

@@ -18,7 +18,7 @@ const FIRST_INCREMENT: f64 = 2e-4;
 const LEAST_INCREMENT: f64 = 2e-9;
 
 /// The case as a file, for runs of it.
-struct Specimen<'s> {
+pub(super) struct Specimen<'s> {
     folder: TempDir,
     settings: &'s Settings,
     /// Pulled so far, mm.
@@ -26,7 +26,7 @@ struct Specimen<'s> {
 }
 
 impl<'s> Specimen<'s> {
-    fn new(settings: &'s Settings, end: f64) -> Result<Self, BenchError> {
+    pub fn new(settings: &'s Settings, end: f64) -> Result<Self, BenchError> {
         let specimen = Self { folder: tempfile::tempdir()?, settings, end };
         std::fs::write(specimen.file(), CASE)?;
         Ok(specimen)
@@ -40,7 +40,7 @@ impl<'s> Specimen<'s> {
     ///
     /// # Errors
     /// It is refused, or does not reach the end: it always does.
-    fn run(&self, largest_increment: f64, set: &[String]) -> Result<Ran, BenchError> {
+    pub fn run(&self, largest_increment: f64, set: &[String]) -> Result<Ran, BenchError> {
         let part = |increment: f64| (increment / self.end).min(1.0);
         let mut overrides = vec![
             format!("steps.0.slip={}", self.end),

@@ -42,6 +42,14 @@ impl Driven {
             "steps": steps(subject, path, n),
             "output": { "plots": false },
         });
+        Self::read(document, plugin_paths)
+    }
+
+    /// A point as a case describes it, in three dimensions.
+    ///
+    /// # Errors
+    /// It is refused.
+    pub fn read(document: Value, plugin_paths: &[PathBuf]) -> Result<Self, BenchError> {
         let case = case::read_document(document, &PathBuf::from("bench.json"), plugin_paths)?;
         let Case::Path(program) = case else { unreachable!("the document is of kind point") };
         let columns = program.columns();

@@ -1,6 +1,7 @@
 //! Errors of stresses, and how fast they fall.
 
 use super::path::Components;
+use crate::bench::slope::exponent;
 
 /// What rounding may leave of an exact result, relative to the largest stress of a path: a good implementation in double
 /// precision is this close to 40 digits.
@@ -29,14 +30,6 @@ pub fn error(stresses: &[Components], reference: &[Components], scale: f64) -> f
 /// than three of them are above rounding and small enough to be errors of the method.
 pub fn order(errors: &[(usize, f64)]) -> Option<f64> {
     let counts = errors.iter().filter(|(_, error)| (100.0 * ROUND_OFF..0.1).contains(error));
-    let points: Vec<(f64, f64)> = counts.map(|&(n, error)| ((n as f64).ln(), error.ln())).collect();
-    if points.len() < 3 {
-        return None;
-    }
-    let count = points.len() as f64;
-    let (x, y) = points.iter().fold((0.0, 0.0), |(x, y), point| (x + point.0 / count, y + point.1 / count));
-    let (above, below) = points.iter().fold((0.0, 0.0), |(above, below), point| {
-        (above + (point.0 - x) * (point.1 - y), below + (point.0 - x).powi(2))
-    });
-    Some(-above / below)
+    let points: Vec<(f64, f64)> = counts.map(|&(n, error)| (n as f64, error)).collect();
+    if points.len() < 3 { None } else { exponent(&points).map(|power| -power) }
 }

@@ -1,6 +1,6 @@
 //! Work–precision of the laws: error against run time over the number of increments.
 
-mod driven;
+pub(super) mod driven;
 mod error;
 mod forty_digits;
 mod path;

@@ -7,7 +7,7 @@ use umat_abi::law::Request;
 
 #[test]
 fn batches_of_all_laws_are_those_of_single_calls() {
-    let settings = Settings { quick: true, states: None, plugin_paths: Vec::new() };
+    let settings = Settings { quick: true, states: None, python: None, plugin_paths: Vec::new() };
     for solid in solids() {
         let library = solid.library(&settings).expect("a plugin that Cargo built");
         for situation in Situation::ALL {
@@ -20,7 +20,7 @@ fn batches_of_all_laws_are_those_of_single_calls() {
 
 #[test]
 fn all_cores_make_no_more_than_their_number_allows() {
-    let settings = Settings { quick: true, states: None, plugin_paths: Vec::new() };
+    let settings = Settings { quick: true, states: None, python: None, plugin_paths: Vec::new() };
     let solid = &solids()[0];
     let library = solid.library(&settings).expect("a plugin that Cargo built");
     let cores = cores::measure(solid, &library, Situation::Elastic, Request::Stress, &settings).expect("a throughput");

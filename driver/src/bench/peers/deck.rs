@@ -1,10 +1,10 @@
 //! CalculiX decks of models: what the two cases need and no more.
 
+use crate::bench::BenchError;
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{LoadKind, Model, PluginLaw, StepControl};
 use std::fmt::Write as _;
-use std::path::Path;
 
 /// The element type: that of a part's model, reduced as ours.
 fn element_type(kind: ElementKind, model: PlaneModel) -> String {
@@ -22,8 +22,12 @@ fn element_type(kind: ElementKind, model: PlaneModel) -> String {
     format!("{family}{shape}")
 }
 
-fn material(law: &PluginLaw, name: &str) -> String {
-    let [modulus, poisson, hardening @ ..] = &law.props[..] else { panic!("a law with E and nu") };
+fn unknown(what: &str) -> BenchError {
+    BenchError::Failed(format!("no deck of CalculiX is written of {what}"))
+}
+
+fn material(law: &PluginLaw, name: &str) -> Result<String, BenchError> {
+    let [modulus, poisson, hardening @ ..] = &law.props[..] else { return Err(unknown("a law without E and nu")) };
     let mut text = format!("*MATERIAL, NAME={name}\n*ELASTIC\n{modulus}, {poisson}\n");
     if !hardening.is_empty() {
         text.push_str("*PLASTIC\n");
@@ -31,11 +35,11 @@ fn material(law: &PluginLaw, name: &str) -> String {
             let _ = writeln!(text, "{}, {}", pair[0], pair[1]);
         }
     }
-    text
+    Ok(text)
 }
 
 /// Nodes, elements by part, materials, sections.
-fn bodies(model: &Model) -> String {
+fn bodies(model: &Model) -> Result<String, BenchError> {
     let mesh = &model.mesh;
     let mut text = String::from("*NODE, NSET=NALL\n");
     for (node, [x, y]) in mesh.nodes().iter().enumerate() {
@@ -51,10 +55,10 @@ fn bodies(model: &Model) -> String {
             let nodes: Vec<String> = element.nodes().iter().map(|node| (node + 1).to_string()).collect();
             let _ = writeln!(text, "{}, {}", number + 1, nodes.join(", "));
         }
-        text.push_str(&material(law, &format!("LAW{index}")));
+        text.push_str(&material(law, &format!("LAW{index}"))?);
         let _ = writeln!(text, "*SOLID SECTION, ELSET=PART{index}, MATERIAL=LAW{index}\n{}", part.thickness);
     }
-    text
+    Ok(text)
 }
 
 fn set(text: &mut String, name: &str, nodes: &[usize]) {
@@ -78,7 +82,7 @@ fn supports(model: &Model) -> String {
     text
 }
 
-fn step(model: &Model, index: usize, body: &str) -> String {
+fn step(model: &Model, index: usize, body: &str) -> Result<String, BenchError> {
     let step = &model.steps[index];
     let nlgeom = if model.has_large_displacements() { ", NLGEOM" } else { "" };
     let sizes = match step.control {
@@ -93,10 +97,10 @@ fn step(model: &Model, index: usize, body: &str) -> String {
             maximum * step.time
         ),
     };
-    let measured = model.measured.support.expect("the cases measure a load");
-    format!(
+    let measured = model.measured.support.ok_or_else(|| unknown("a case that measures no load"))?;
+    Ok(format!(
         "*STEP, INC=100000{nlgeom}\n{sizes}{body}*NODE PRINT, NSET=S{measured}, TOTALS=ONLY, FREQUENCY=100000\nRF\n*END STEP\n"
-    )
+    ))
 }
 
 /// Values of supports that drives move, at the end of a step.
@@ -112,10 +116,13 @@ fn driven(model: &Model, step: usize) -> String {
     text
 }
 
-/// The plate with a hole.
-pub fn plate(model: &Model) -> String {
-    let steps: String = (0..model.steps.len()).map(|index| step(model, index, &driven(model, index))).collect();
-    bodies(model) + &supports(model) + &steps
+/// Bodies, supports and steps: the plate with a hole.
+pub fn plate(model: &Model) -> Result<String, BenchError> {
+    let mut text = bodies(model)? + &supports(model);
+    for index in 0..model.steps.len() {
+        text += &step(model, index, &driven(model, index))?;
+    }
+    Ok(text)
 }
 
 /// A surface. Faces of plane elements are their edges, counted from 1 in the order in which ours count from 0.
@@ -136,9 +143,9 @@ const TENSION_AND_CLEARANCE: [f64; 2] = [1.0, 1e-3];
 const FRICTION: [f64; 2] = [0.3, 0.01 * NORMAL_PENALTY];
 
 /// The drag-out strip: node-to-surface penalty contact with friction.
-pub fn strip(model: &Model) -> String {
-    let pair = &model.contacts[0];
-    let mut text = bodies(model) + &supports(model);
+pub fn strip(model: &Model) -> Result<String, BenchError> {
+    let [pair] = &model.contacts[..] else { return Err(unknown("anything but one pair of surfaces")) };
+    let mut text = bodies(model)? + &supports(model);
     faces(&mut text, "SLAVE", &pair.slave);
     faces(&mut text, "MASTER", &pair.master);
     let [tension, clearance] = TENSION_AND_CLEARANCE;
@@ -154,21 +161,15 @@ pub fn strip(model: &Model) -> String {
         for load in &model.loads {
             let value =
                 model.steps[..=index].iter().filter_map(|step| step.targets[load.drive]).next_back().unwrap_or(0.0);
-            let LoadKind::Pressure { edges, pressure } = &load.kind else { panic!("the strip is pressed") };
+            let LoadKind::Pressure { edges, pressure } = &load.kind else {
+                return Err(unknown("a load that is no pressure"));
+            };
             body.push_str("*DLOAD\n");
             for edge in edges {
                 let _ = writeln!(body, "{}, P{}, {}", edge.element + 1, edge.edge + 1, pressure * value);
             }
         }
-        text.push_str(&step(model, index, &body));
+        text += &step(model, index, &body)?;
     }
-    text
-}
-
-/// Iterations in all, from the job's `.cvg` file; 0 if it tells none.
-pub fn iterations(folder: &Path) -> u64 {
-    let text = std::fs::read_to_string(folder.join("job.cvg")).unwrap_or_default();
-    let rows =
-        text.lines().filter(|line| line.split_whitespace().next().is_some_and(|word| word.parse::<u32>().is_ok()));
-    rows.count() as u64
+    Ok(text)
 }
