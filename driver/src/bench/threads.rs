@@ -121,7 +121,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
 }
 
 const METHOD: &str = "\
-One analysis shared among threads (`pullout run --threads`): blocks of elements, the matrix, the two halves of its factor. *clock*: from the model to the last row, the
+One analysis shared among threads (`pullout run --threads`): blocks of elements, the matrix, the parts of its factor. *clock*: from the model to the last row, the
 median of turns; *processors*: of all threads together; *speedup*: the median over the turns of the time by one thread over that by so many; *same bits*: every number
 of every row is that of one thread.";
 

@@ -75,7 +75,7 @@ impl LinearSolver {
         })
     }
 
-    /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in two halves.
+    /// Tells where the node of each equation is, mm: a large definite matrix is then factorised in parts.
     ///
     /// # Errors
     ///
@@ -86,7 +86,7 @@ impl LinearSolver {
         Ok(self)
     }
 
-    /// The threads that work on the halves. Their number changes no bit of a solution.
+    /// The threads that work on the parts. Their number changes no bit of a solution.
     pub fn set_threads(&mut self, threads: &Threads) {
         self.threads = threads.clone();
     }

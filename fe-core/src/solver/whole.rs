@@ -6,8 +6,8 @@ use super::analysis::Analysis;
 use super::block_lu::BlockLu;
 use super::cholesky::Cholesky;
 use super::general_lu::GeneralLu;
-use super::halves::Halves;
 use super::ordering::elimination_order;
+use super::parts::Parts;
 use super::{LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
 use crate::assembly::Blocks;
 use crate::threads::Threads;
@@ -34,8 +34,8 @@ pub(super) struct Whole {
 enum Definite {
     /// In one piece.
     One(Box<Cholesky>),
-    /// In two, which have analyses of their own.
-    Two(Box<Halves>),
+    /// In parts, which have analyses of their own.
+    Parts(Box<Parts>),
 }
 
 /// Where the entries of a contact block are, row by row. Most points stay where they are from one matrix to the next.
@@ -139,7 +139,7 @@ impl Whole {
     pub(super) fn is_analysed(&self, method: Method) -> bool {
         match method {
             Method::GeneralLu => self.general_lu.is_some(),
-            Method::Cholesky if matches!(self.definite, Some(Definite::Two(_))) => true,
+            Method::Cholesky if matches!(self.definite, Some(Definite::Parts(_))) => true,
             _ => self.analysis.is_some(),
         }
     }
@@ -153,14 +153,14 @@ impl Whole {
     ) -> Result<Outcome, SolverError> {
         let definite = match self.definite.take() {
             Some(definite) => definite,
-            None => match Halves::new(&self.pattern, nodes, positions)? {
-                Some(halves) => Definite::Two(Box::new(halves)),
+            None => match Parts::new(&self.pattern, nodes, positions)? {
+                Some(parts) => Definite::Parts(Box::new(parts)),
                 None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes, positions)?)?)),
             },
         };
         let is_definite = match self.definite.insert(definite) {
             Definite::One(cholesky) => cholesky.factorise(&self.values, &[]).is_ok(),
-            Definite::Two(halves) => halves.factorise(&self.values, threads),
+            Definite::Parts(parts) => parts.factorise(&self.values, threads),
         };
         Ok(if is_definite { Outcome::Done(Some(true)) } else { Outcome::Refused })
     }
@@ -197,8 +197,8 @@ impl Whole {
         if method == Method::GeneralLu {
             return self.general_lu.iter_mut().for_each(|factor| factor.solve(x));
         }
-        if let (Method::Cholesky, Some(Definite::Two(halves))) = (method, &mut self.definite) {
-            return halves.solve(x, threads);
+        if let (Method::Cholesky, Some(Definite::Parts(parts))) = (method, &mut self.definite) {
+            return parts.solve(x, threads);
         }
         let Some(analysis) = &self.analysis else { return };
         self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
@@ -218,7 +218,7 @@ impl Whole {
         let flops = self.analysis.as_ref().map(|analysis| analysis.flops);
         match method {
             Method::Cholesky => match &self.definite {
-                Some(Definite::Two(halves)) => (Some(halves.flops()), Some(halves.entries())),
+                Some(Definite::Parts(parts)) => (Some(parts.flops()), Some(parts.entries())),
                 Some(Definite::One(cholesky)) => (flops, Some(cholesky.entries())),
                 None => (None, None),
             },

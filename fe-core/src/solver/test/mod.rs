@@ -9,7 +9,7 @@ use faer::linalg::solvers::{PartialPivLu, Solve};
 use grid::{Bodies, Numbers};
 
 mod grid;
-mod halves;
+mod parts;
 
 /// A held body and a free one on top of it; contact equations where they meet.
 struct Scene {

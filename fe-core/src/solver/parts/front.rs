@@ -1,0 +1,225 @@
+//! What was cut in two: dense on the cut and the border.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::prelude::{Reborrow, ReborrowMut};
+use faer::{Accum, Mat, MatMut, MatRef, Par, Spec};
+
+use super::{Elimination, Part};
+use crate::solver::graph::NONE;
+use crate::solver::zone::dense_cholesky_flops;
+use crate::solver::{Pattern, SINGULAR_PIVOT, SolverError};
+use crate::threads::Threads;
+
+pub(super) struct Front {
+    pub(super) parts: [Part; 2],
+    /// The equations of the cut and of the border in the system, ascending each; in this order they are in F.
+    equations: Vec<usize>,
+    cut: usize,
+    /// The place in F of the border of each part.
+    places: [Vec<usize>; 2],
+    /// What the leaves do not have once.
+    own: Vec<Own>,
+    /// F, then L_CC, W and S: the lower triangle.
+    matrix: Mat<f64>,
+    /// Whether it is that of the parts.
+    is_factorised: bool,
+    x: Vec<f64>,
+    memory: MemBuffer,
+}
+
+/// An entry of A between equations of a front.
+struct Own {
+    /// Its place in the pattern.
+    from: usize,
+    row: usize,
+    column: usize,
+    /// How many times less than once the leaves have it.
+    times: f64,
+    value: f64,
+}
+
+impl Front {
+    /// Joins two parts at the equations of a cut, ascending. `is_inside` tells which equations are in the parts or the
+    /// cut.
+    pub(super) fn new(
+        pattern: &Pattern,
+        parts: [Part; 2],
+        cut: &[usize],
+        is_inside: impl Fn(usize) -> bool,
+    ) -> Result<Self, SolverError> {
+        let coupled = cut.iter().flat_map(|&equation| pattern.column(equation)).copied();
+        let of_parts = parts.iter().flat_map(Part::border).copied();
+        let mut border: Vec<usize> = coupled.chain(of_parts).filter(|&equation| !is_inside(equation)).collect();
+        border.sort_unstable();
+        border.dedup();
+        let equations = [cut, &border].concat();
+        let mut place_of = vec![NONE; pattern.size()];
+        equations.iter().enumerate().for_each(|(place, &equation)| place_of[equation] = place);
+        let places = parts.each_ref().map(|part| part.border().iter().map(|&equation| place_of[equation]).collect());
+        let own = own_entries(pattern, &parts, cut, &place_of, equations.len());
+        let size = equations.len();
+        let memory = cholesky_in_place_scratch::<f64>(cut.len(), Par::Seq, parameters());
+        Ok(Self {
+            parts,
+            cut: cut.len(),
+            equations,
+            places,
+            own,
+            matrix: Mat::zeros(size, size),
+            is_factorised: false,
+            x: vec![0.0; size],
+            memory: MemBuffer::try_new(memory)?,
+        })
+    }
+
+    pub(super) fn border(&self) -> &[usize] {
+        &self.equations[self.cut..]
+    }
+
+    pub(super) fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination {
+        let [first, second] = &mut self.parts;
+        let (first, second) = threads.join(|| first.factorise(values, threads), || second.factorise(values, threads));
+        let parts = first.and(second);
+        let mut is_same = self.is_factorised && parts == Elimination::Unchanged;
+        for own in &mut self.own {
+            is_same &= own.value.to_bits() == values[own.from].to_bits();
+            own.value = values[own.from];
+        }
+        if is_same {
+            return Elimination::Unchanged;
+        }
+        self.is_factorised = parts != Elimination::Refused && self.eliminate();
+        if self.is_factorised { parts.and(Elimination::Done(self.flops())) } else { Elimination::Refused }
+    }
+
+    /// Assembles F and eliminates the cut; `false` if it is not definite.
+    fn eliminate(&mut self) -> bool {
+        self.matrix.fill(0.0);
+        for own in &self.own {
+            self.matrix[(own.row, own.column)] += own.times * own.value;
+        }
+        for (part, places) in self.parts.iter().zip(&self.places) {
+            let matrix = &mut self.matrix;
+            part.each_entry(|row, column, value| {
+                let (row, column) = (places[row], places[column]);
+                matrix[(row.max(column), row.min(column))] += value;
+            });
+        }
+        let scales: Vec<f64> = (0..self.cut).map(|place| self.matrix[(place, place)]).collect();
+        let (mut of_cut, _, mut coupling, schur) = self.matrix.as_mut().split_at_mut(self.cut, self.cut);
+        let factorised = cholesky_in_place(
+            of_cut.rb_mut(),
+            LltRegularization::default(),
+            Par::Seq,
+            MemStack::new(&mut self.memory),
+            parameters(),
+        );
+        let is_sound = |(place, scale): (usize, &f64)| of_cut[(place, place)].powi(2) > SINGULAR_PIVOT * scale;
+        if factorised.is_err() || !scales.iter().enumerate().all(is_sound) {
+            return false;
+        }
+        solve_lower_triangular_in_place(of_cut.rb(), coupling.rb_mut().transpose_mut(), Par::Seq);
+        triangular::matmul(
+            schur,
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            coupling.rb(),
+            BlockStructure::Rectangular,
+            coupling.rb().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::Seq,
+        );
+        true
+    }
+
+    /// S, its lower triangle.
+    pub(super) fn schur(&self) -> MatRef<'_, f64> {
+        let border = self.border().len();
+        self.matrix.as_ref().submatrix(self.cut, self.cut, border, border)
+    }
+
+    /// Of the elimination of the cut.
+    fn flops(&self) -> f64 {
+        let (cut, border) = (self.cut as f64, self.border().len() as f64);
+        dense_cholesky_flops(self.cut) + cut * border * (cut + border)
+    }
+
+    pub(super) fn forward(&mut self, right_side: &[f64], threads: &Threads) {
+        let [first, second] = &mut self.parts;
+        threads.join(|| first.forward(right_side, threads), || second.forward(right_side, threads));
+        let (in_cut, in_border) = self.x.split_at_mut(self.cut);
+        in_cut.iter_mut().zip(&self.equations).for_each(|(value, &equation)| *value = right_side[equation]);
+        in_border.fill(0.0);
+        for (part, places) in self.parts.iter().zip(&self.places) {
+            places.iter().zip(part.border_part()).for_each(|(&place, value)| self.x[place] += value);
+        }
+        let (of_cut, _, coupling, _) = self.matrix.as_ref().split_at(self.cut, self.cut);
+        let (in_cut, in_border) = self.x.split_at_mut(self.cut);
+        solve_lower_triangular_in_place(of_cut, column(in_cut), Par::Seq);
+        matmul(column(in_border), Accum::Add, coupling, column(in_cut).rb(), -1.0, Par::Seq);
+    }
+
+    pub(super) fn border_part(&self) -> &[f64] {
+        &self.x[self.cut..]
+    }
+
+    pub(super) fn backward(&mut self, x: &[f64], places: &[usize], threads: &Threads) {
+        let (in_cut, in_border) = self.x.split_at_mut(self.cut);
+        in_border.iter_mut().zip(places).for_each(|(value, &place)| *value = x[place]);
+        let (of_cut, _, coupling, _) = self.matrix.as_ref().split_at(self.cut, self.cut);
+        matmul(column(in_cut), Accum::Add, coupling.transpose(), column(in_border).rb(), -1.0, Par::Seq);
+        solve_upper_triangular_in_place(of_cut.transpose(), column(in_cut), Par::Seq);
+        let ([first, second], [at_first, at_second], x) = (&mut self.parts, &self.places, &self.x);
+        threads.join(|| first.backward(x, at_first, threads), || second.backward(x, at_second, threads));
+    }
+
+    pub(super) fn collect(&self, x: &mut [f64]) {
+        self.parts.iter().for_each(|part| part.collect(x));
+        self.equations[..self.cut].iter().zip(&self.x).for_each(|(&equation, value)| x[equation] = *value);
+    }
+
+    pub(super) fn entries(&self) -> usize {
+        self.parts.iter().map(Part::entries).sum::<usize>() + self.equations.len() * self.cut
+    }
+}
+
+/// Entries of the lower triangle between the cut and all of a front, that not just one of the leaves has.
+fn own_entries(pattern: &Pattern, parts: &[Part; 2], cut: &[usize], place_of: &[usize], size: usize) -> Vec<Own> {
+    let (mut leaves_at, mut count) = (vec![Vec::new(); size], 0_usize);
+    for part in parts {
+        part.each_leaf(&mut |leaf| {
+            let places = leaf.border().iter().map(|&equation| place_of[equation]);
+            places.filter(|&place| place != NONE).for_each(|place| leaves_at[place].push(count));
+            count += 1;
+        });
+    }
+    let mut own = Vec::new();
+    for (column, &equation) in cut.iter().enumerate() {
+        for (offset, &row) in pattern.column(equation).iter().enumerate() {
+            let row = place_of[row];
+            if row == NONE || row < column {
+                continue;
+            }
+            let times = leaves_at[row].iter().filter(|leaf| leaves_at[column].contains(leaf)).count();
+            if times != 1 {
+                let from = pattern.column_starts()[equation] + offset;
+                own.push(Own { from, row, column, times: 1.0 - times as f64, value: 0.0 });
+            }
+        }
+    }
+    own
+}
+
+fn column(values: &mut [f64]) -> MatMut<'_, f64> {
+    let size = values.len();
+    MatMut::from_column_major_slice_mut(values, size, 1)
+}
+
+fn parameters() -> Spec<LltParams, f64> {
+    Spec::default()
+}
