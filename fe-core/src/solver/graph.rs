@@ -26,15 +26,15 @@ impl Graph {
         (&self.starts, &self.neighbours)
     }
 
-    /// The graph between some nodes, in their numbering. `numbers` is [`NONE`] for each node, before and after.
-    pub(super) fn restricted_to(&self, nodes: &[usize], numbers: &mut [usize]) -> Self {
+    /// The graph between some nodes, in their numbering.
+    pub(super) fn restricted_to(&self, nodes: &[usize]) -> Self {
+        let mut numbers = vec![NONE; self.len()];
         nodes.iter().enumerate().for_each(|(number, &node)| numbers[node] = number);
         let (mut starts, mut neighbours) = (vec![0], Vec::new());
         for &node in nodes {
             neighbours.extend(self.neighbours(node).iter().map(|&other| numbers[other]).filter(|&other| other != NONE));
             starts.push(neighbours.len());
         }
-        nodes.iter().for_each(|&node| numbers[node] = NONE);
         Self { starts, neighbours }
     }
 }

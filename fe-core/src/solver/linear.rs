@@ -249,10 +249,10 @@ impl LinearSolver {
             let symbolic_reused = pattern_reused && whole.is_analysed(method);
             let outcome = match method {
                 Method::Condensed | Method::Cholesky => {
-                    whole.factorise_cholesky(&self.nodes, &self.positions, &self.threads)
+                    whole.factorise_cholesky(matrix, &self.nodes, &self.positions, &self.threads)
                 }
-                Method::BlockLu => whole.factorise_block_lu(&self.nodes, &self.positions),
-                Method::GeneralLu => whole.factorise_general_lu(matrix.norm()),
+                Method::BlockLu => whole.factorise_block_lu(matrix, &self.nodes, &self.positions),
+                Method::GeneralLu => whole.factorise_general_lu(matrix),
             };
             match outcome {
                 Ok(Outcome::Refused) => {}

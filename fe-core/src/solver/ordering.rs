@@ -6,7 +6,7 @@ use faer::sparse::linalg::amd;
 
 use super::analysis::cholesky_flops;
 use super::cut::{Cut, cut};
-use super::graph::{Graph, NONE, NodeGraph};
+use super::graph::{Graph, NodeGraph};
 use super::{Pattern, SolverError};
 
 /// Smaller systems are ordered by least degree alone, which is as good there and sooner done.
@@ -64,9 +64,8 @@ fn dissect(
         order.extend(least_degree(graph)?.into_iter().map(|node| names[node]));
         return Ok(());
     };
-    let mut numbers = vec![NONE; graph.len()];
     for half in halves {
-        let part = graph.restricted_to(&half, &mut numbers);
+        let part = graph.restricted_to(&half);
         let part_positions: Vec<_> = half.iter().map(|&node| positions[node]).collect();
         dissect(&part, &part_positions, half.iter().map(|&node| names[node]).collect(), order)?;
     }

@@ -21,6 +21,7 @@ pub(super) struct Whole {
     /// Place of each value of the solids.
     solids: Vec<usize>,
     contact: Vec<Places>,
+    /// Of all; empty if that is what the matrix itself has.
     values: Vec<f64>,
     analysis: Option<Arc<Analysis>>,
     definite: Option<Definite>,
@@ -86,7 +87,7 @@ impl Whole {
         Self {
             solids: places,
             contact: Vec::new(),
-            values: vec![0.0; pattern.entries()],
+            values: Vec::new(),
             analysis: None,
             definite: None,
             block_lu: None,
@@ -107,11 +108,9 @@ impl Whole {
             *self = Self::over(if accepted { superset } else { own }, matrix.pattern());
             self.fits(&matrix.contact);
         }
-        if self.values.len() == matrix.values.len() {
-            // Nothing but the solids' entries, in their order.
-            self.values.copy_from_slice(&matrix.values);
-        } else {
-            self.values.fill(0.0);
+        self.values.clear();
+        if self.pattern.entries() != matrix.values.len() || !matrix.contact.is_empty() {
+            self.values.resize(self.pattern.entries(), 0.0);
             self.solids.iter().zip(&matrix.values).for_each(|(&place, value)| self.values[place] = *value);
         }
         for ((_, values), Places { places, .. }) in matrix.contact.iter().zip(&self.contact) {
@@ -124,6 +123,11 @@ impl Whole {
     fn fits(&mut self, contact: &Blocks) -> bool {
         self.contact.resize_with(contact.len(), Places::default);
         contact.iter().zip(&mut self.contact).all(|((rows, _), places)| places.find(rows, &self.pattern))
+    }
+
+    /// The values of the matrix that was taken last.
+    fn values<'v>(own: &'v [f64], matrix: &'v SystemMatrix) -> &'v [f64] {
+        if own.is_empty() { &matrix.values } else { own }
     }
 
     fn analysis(&mut self, nodes: &[usize], positions: &[[f64; 2]]) -> Result<Arc<Analysis>, SolverError> {
@@ -144,23 +148,25 @@ impl Whole {
         }
     }
 
-    /// LLᵀ; refused if the values are not definite.
+    /// LLᵀ of the matrix that was taken last; refused if it is not definite.
     pub(super) fn factorise_cholesky(
         &mut self,
+        matrix: &SystemMatrix,
         nodes: &[usize],
         positions: &[[f64; 2]],
         threads: &Threads,
     ) -> Result<Outcome, SolverError> {
         let definite = match self.definite.take() {
             Some(definite) => definite,
-            None => match Parts::new(&self.pattern, nodes, positions)? {
+            None => match Parts::new(&self.pattern, nodes, positions, threads)? {
                 Some(parts) => Definite::Parts(Box::new(parts)),
                 None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes, positions)?)?)),
             },
         };
+        let values = Self::values(&self.values, matrix);
         let is_definite = match self.definite.insert(definite) {
-            Definite::One(cholesky) => cholesky.factorise(&self.values, &[]).is_ok(),
-            Definite::Parts(parts) => parts.factorise(&self.values, threads),
+            Definite::One(cholesky) => cholesky.factorise(values, &[]).is_ok(),
+            Definite::Parts(parts) => parts.factorise(values, threads),
         };
         Ok(if is_definite { Outcome::Done(Some(true)) } else { Outcome::Refused })
     }
@@ -168,25 +174,27 @@ impl Whole {
     /// LU with pivoting inside supernodes; refused if that is not enough.
     pub(super) fn factorise_block_lu(
         &mut self,
+        matrix: &SystemMatrix,
         nodes: &[usize],
         positions: &[[f64; 2]],
     ) -> Result<Outcome, SolverError> {
         let analysis = self.analysis(nodes, positions)?;
         let block_lu = get_or_try_insert(&mut self.block_lu, || BlockLu::new(analysis))?;
-        Ok(block_lu.factorise(&self.values).map_or(Outcome::Refused, |positive| Outcome::Done(Some(positive))))
+        let values = Self::values(&self.values, matrix);
+        Ok(block_lu.factorise(values).map_or(Outcome::Refused, |positive| Outcome::Done(Some(positive))))
     }
 
     /// LU with full partial pivoting. Singular if a right side of ones with changing signs is answered by a vector
     /// that is greater than a regular matrix of this size could make it.
-    pub(super) fn factorise_general_lu(&mut self, norm: f64) -> Result<Outcome, SolverError> {
+    pub(super) fn factorise_general_lu(&mut self, matrix: &SystemMatrix) -> Result<Outcome, SolverError> {
         let general_lu = get_or_try_insert(&mut self.general_lu, || GeneralLu::new(&self.pattern))?;
-        general_lu.factorise(&self.values)?;
+        general_lu.factorise(Self::values(&self.values, matrix))?;
         // The signs follow the bits of the golden ratio's multiples: no smooth mode is orthogonal to them.
         let signs = (1..=self.ordered.len() as u64).map(|i| (i.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 63) as f64);
         self.ordered.iter_mut().zip(signs).for_each(|(entry, sign)| *entry = 1.0 - 2.0 * sign);
         general_lu.solve(&mut self.ordered);
         let greatest = self.ordered.iter().map(|x| if x.is_nan() { f64::INFINITY } else { x.abs() });
-        if greatest.fold(0.0, f64::max) * norm > LARGEST_GROWTH {
+        if greatest.fold(0.0, f64::max) * matrix.norm() > LARGEST_GROWTH {
             return Err(SolverError::Singular { equation: None });
         }
         Ok(Outcome::Done(None))

@@ -19,8 +19,7 @@ pub(super) struct Front {
     /// The equations of the cut and of the border in the system, ascending each; in this order they are in F.
     equations: Vec<usize>,
     cut: usize,
-    /// The place in F of the border of each part.
-    places: [Vec<usize>; 2],
+    places: [Places; 2],
     /// What the leaves do not have once.
     own: Vec<Own>,
     /// F, then L_CC, W and S: the lower triangle.
@@ -29,6 +28,22 @@ pub(super) struct Front {
     is_factorised: bool,
     x: Vec<f64>,
     memory: MemBuffer,
+}
+
+/// The place in F of each equation of a part's border.
+struct Places {
+    all: Vec<usize>,
+    /// Those in the cut, and those in the border of the front: number among `all` and place, ascending.
+    in_cut: Vec<[usize; 2]>,
+    in_border: Vec<[usize; 2]>,
+}
+
+impl Places {
+    fn new(all: Vec<usize>, cut: usize) -> Self {
+        let pairs = all.iter().enumerate().map(|(number, &place)| [number, place]);
+        let (in_cut, in_border) = pairs.partition(|[_, place]| *place < cut);
+        Self { all, in_cut, in_border }
+    }
 }
 
 /// An entry of A between equations of a front.
@@ -59,7 +74,9 @@ impl Front {
         let equations = [cut, &border].concat();
         let mut place_of = vec![NONE; pattern.size()];
         equations.iter().enumerate().for_each(|(place, &equation)| place_of[equation] = place);
-        let places = parts.each_ref().map(|part| part.border().iter().map(|&equation| place_of[equation]).collect());
+        let places = parts
+            .each_ref()
+            .map(|part| Places::new(part.border().iter().map(|&equation| place_of[equation]).collect(), cut.len()));
         let own = own_entries(pattern, &parts, cut, &place_of, equations.len());
         let size = equations.len();
         let memory = cholesky_in_place_scratch::<f64>(cut.len(), Par::Seq, parameters());
@@ -92,25 +109,15 @@ impl Front {
         if is_same {
             return Elimination::Unchanged;
         }
-        self.is_factorised = parts != Elimination::Refused && self.eliminate();
+        self.is_factorised = parts != Elimination::Refused && self.eliminate(threads);
         if self.is_factorised { parts.and(Elimination::Done(self.flops())) } else { Elimination::Refused }
     }
 
     /// Assembles F and eliminates the cut; `false` if it is not definite.
-    fn eliminate(&mut self) -> bool {
-        self.matrix.fill(0.0);
-        for own in &self.own {
-            self.matrix[(own.row, own.column)] += own.times * own.value;
-        }
-        for (part, places) in self.parts.iter().zip(&self.places) {
-            let matrix = &mut self.matrix;
-            part.each_entry(|row, column, value| {
-                let (row, column) = (places[row], places[column]);
-                matrix[(row.max(column), row.min(column))] += value;
-            });
-        }
+    fn eliminate(&mut self, threads: &Threads) -> bool {
+        self.assemble(threads);
         let scales: Vec<f64> = (0..self.cut).map(|place| self.matrix[(place, place)]).collect();
-        let (mut of_cut, _, mut coupling, schur) = self.matrix.as_mut().split_at_mut(self.cut, self.cut);
+        let (mut of_cut, _, coupling, schur) = self.matrix.as_mut().split_at_mut(self.cut, self.cut);
         let factorised = cholesky_in_place(
             of_cut.rb_mut(),
             LltRegularization::default(),
@@ -122,19 +129,55 @@ impl Front {
         if factorised.is_err() || !scales.iter().enumerate().all(is_sound) {
             return false;
         }
-        solve_lower_triangular_in_place(of_cut.rb(), coupling.rb_mut().transpose_mut(), Par::Seq);
-        triangular::matmul(
-            schur,
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            coupling.rb(),
-            BlockStructure::Rectangular,
-            coupling.rb().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            Par::Seq,
+        // The border in two pieces, whatever the threads are: S_11 and S_22 take as long as S_21.
+        let half = coupling.nrows() / 2;
+        let of_cut = of_cut.rb();
+        let (mut first, mut second) = coupling.split_at_row_mut(half);
+        threads.join(
+            || solve_lower_triangular_in_place(of_cut, first.rb_mut().transpose_mut(), Par::Seq),
+            || solve_lower_triangular_in_place(of_cut, second.rb_mut().transpose_mut(), Par::Seq),
+        );
+        let (first, second) = (first.rb(), second.rb());
+        let (of_first, _, between, of_second) = schur.split_at_mut(half, half);
+        threads.join(
+            || {
+                subtract_square(of_first, first);
+                subtract_square(of_second, second);
+            },
+            || matmul(between, Accum::Add, second, first.transpose(), -1.0, Par::Seq),
         );
         true
+    }
+
+    /// F, its lower triangle.
+    fn assemble(&mut self, threads: &Threads) {
+        let (cut, own, places) = (self.cut, &self.own, &self.places);
+        let schurs = self.parts.each_ref().map(Part::schur);
+        let (mut of_cut, of_border) = self.matrix.as_mut().split_at_col_mut(cut);
+        let (_, mut of_border) = of_border.split_at_row_mut(cut);
+        let of_cut_columns = || {
+            clear_lower(of_cut.rb_mut());
+            own.iter().for_each(|own| of_cut[(own.row, own.column)] += own.times * own.value);
+            for (schur, Places { in_cut, in_border, .. }) in schurs.iter().zip(places) {
+                for (k, &[column, to_column]) in in_cut.iter().enumerate() {
+                    in_cut[k..].iter().for_each(|&[row, to]| of_cut[(to, to_column)] += schur[(row, column)]);
+                    for &[row, to] in in_border {
+                        of_cut[(to, to_column)] += schur[(row.max(column), row.min(column))];
+                    }
+                }
+            }
+        };
+        let of_border_columns = || {
+            clear_lower(of_border.rb_mut());
+            for (schur, Places { in_border, .. }) in schurs.iter().zip(places) {
+                for (k, &[column, to_column]) in in_border.iter().enumerate() {
+                    for &[row, to] in &in_border[k..] {
+                        of_border[(to - cut, to_column - cut)] += schur[(row, column)];
+                    }
+                }
+            }
+        };
+        threads.join(of_cut_columns, of_border_columns);
     }
 
     /// S, its lower triangle.
@@ -156,7 +199,7 @@ impl Front {
         in_cut.iter_mut().zip(&self.equations).for_each(|(value, &equation)| *value = right_side[equation]);
         in_border.fill(0.0);
         for (part, places) in self.parts.iter().zip(&self.places) {
-            places.iter().zip(part.border_part()).for_each(|(&place, value)| self.x[place] += value);
+            places.all.iter().zip(part.border_part()).for_each(|(&place, value)| self.x[place] += value);
         }
         let (of_cut, _, coupling, _) = self.matrix.as_ref().split_at(self.cut, self.cut);
         let (in_cut, in_border) = self.x.split_at_mut(self.cut);
@@ -175,7 +218,7 @@ impl Front {
         matmul(column(in_cut), Accum::Add, coupling.transpose(), column(in_border).rb(), -1.0, Par::Seq);
         solve_upper_triangular_in_place(of_cut.transpose(), column(in_cut), Par::Seq);
         let ([first, second], [at_first, at_second], x) = (&mut self.parts, &self.places, &self.x);
-        threads.join(|| first.backward(x, at_first, threads), || second.backward(x, at_second, threads));
+        threads.join(|| first.backward(x, &at_first.all, threads), || second.backward(x, &at_second.all, threads));
     }
 
     pub(super) fn collect(&self, x: &mut [f64]) {
@@ -186,6 +229,29 @@ impl Front {
     pub(super) fn entries(&self) -> usize {
         self.parts.iter().map(Part::entries).sum::<usize>() + self.equations.len() * self.cut
     }
+}
+
+/// The diagonal and what is below it.
+fn clear_lower(mut matrix: MatMut<'_, f64>) {
+    let size = matrix.nrows();
+    for (column, entries) in matrix.rb_mut().col_iter_mut().enumerate() {
+        entries.subrows_mut(column, size - column).fill(0.0);
+    }
+}
+
+/// S ← S − W Wᵀ, the lower triangle.
+fn subtract_square(schur: MatMut<'_, f64>, coupling: MatRef<'_, f64>) {
+    triangular::matmul(
+        schur,
+        BlockStructure::TriangularLower,
+        Accum::Add,
+        coupling,
+        BlockStructure::Rectangular,
+        coupling.transpose(),
+        BlockStructure::Rectangular,
+        -1.0,
+        Par::Seq,
+    );
 }
 
 /// Entries of the lower triangle between the cut and all of a front, that not just one of the leaves has.

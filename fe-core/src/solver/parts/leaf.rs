@@ -1,6 +1,6 @@
 //! A part that is not cut: sparse, its border condensed.
 
-use faer::Mat;
+use faer::{Mat, MatRef};
 
 use super::Elimination;
 use crate::solver::zone::Zone;
@@ -88,7 +88,7 @@ impl Leaf {
         Elimination::Done(self.zone.flops())
     }
 
-    pub(super) fn schur(&self) -> faer::MatRef<'_, f64> {
+    pub(super) fn schur(&self) -> MatRef<'_, f64> {
         self.schur.as_ref()
     }
 

@@ -4,6 +4,8 @@ mod front;
 mod leaf;
 mod plan;
 
+use faer::MatRef;
+
 use super::{Pattern, SolverError};
 use crate::threads::Threads;
 use front::Front;
@@ -87,14 +89,11 @@ impl Part {
         }
     }
 
-    /// Gives the entries of S's lower triangle: rows and columns of the border, ascending.
-    fn each_entry(&self, mut give: impl FnMut(usize, usize, f64)) {
-        let schur = match self {
+    /// S, its lower triangle: rows and columns of the border, ascending.
+    fn schur(&self) -> MatRef<'_, f64> {
+        match self {
             Self::Leaf(leaf) => leaf.schur(),
             Self::Front(front) => front.schur(),
-        };
-        for column in 0..schur.ncols() {
-            (column..schur.nrows()).for_each(|row| give(row, column, schur[(row, column)]));
         }
     }
 
@@ -140,11 +139,16 @@ impl Part {
 impl Parts {
     /// Cuts a pattern; `None` if it is small, or cannot be cut where few nodes are. `nodes` and `positions` are those of
     /// each equation.
-    pub(super) fn new(pattern: &Pattern, nodes: &[usize], positions: &[[f64; 2]]) -> Result<Option<Self>, SolverError> {
+    pub(super) fn new(
+        pattern: &Pattern,
+        nodes: &[usize],
+        positions: &[[f64; 2]],
+        threads: &Threads,
+    ) -> Result<Option<Self>, SolverError> {
         if pattern.size() < LEAST_EQUATIONS || positions.len() != pattern.size() {
             return Ok(None);
         }
-        Ok(plan::plan(pattern, nodes, positions)?.map(|root| Self { root, flops: 0.0 }))
+        Ok(plan::plan(pattern, nodes, positions, threads)?.map(|root| Self { root, flops: 0.0 }))
     }
 
     /// Factorises; `false` if the matrix is not definite.

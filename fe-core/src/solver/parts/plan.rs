@@ -4,8 +4,9 @@ use super::Part;
 use super::front::Front;
 use super::leaf::Leaf;
 use crate::solver::cut::{Cut, cut};
-use crate::solver::graph::{Graph, NONE, NodeGraph};
+use crate::solver::graph::{Graph, NodeGraph};
 use crate::solver::{Pattern, SolverError};
+use crate::threads::Threads;
 
 /// Parts of fewer nodes are not cut. Smaller leaves stay more often but solve more slowly: half as many or twice as many
 /// nodes make no difference that can be measured.
@@ -15,9 +16,14 @@ const LEAST_NODES: usize = 1_500;
 const LARGEST_CUT: f64 = 0.1;
 
 /// Cuts in two until parts are small; `None` if there is nothing to cut.
-pub(super) fn plan(pattern: &Pattern, nodes: &[usize], positions: &[[f64; 2]]) -> Result<Option<Front>, SolverError> {
+pub(super) fn plan(
+    pattern: &Pattern,
+    nodes: &[usize],
+    positions: &[[f64; 2]],
+    threads: &Threads,
+) -> Result<Option<Front>, SolverError> {
     let graph = NodeGraph::new(pattern, nodes, &[]);
-    let mut planner = Planner { pattern, nodes, positions, graph: &graph, numbers: vec![NONE; graph.graph.len()] };
+    let planner = Planner { pattern, nodes, positions, graph: &graph, threads };
     let all = (0..graph.graph.len()).collect();
     Ok(match planner.part(&graph.graph, &graph.positions(positions), all)? {
         Part::Front(front) => Some(*front),
@@ -30,38 +36,28 @@ struct Planner<'p> {
     nodes: &'p [usize],
     positions: &'p [[f64; 2]],
     graph: &'p NodeGraph,
-    /// For [`Graph::restricted_to`].
-    numbers: Vec<usize>,
+    threads: &'p Threads,
 }
 
 impl Planner<'_> {
     /// The part of these nodes; `names` has them in the whole.
-    fn part(&mut self, graph: &Graph, positions: &[[f64; 2]], names: Vec<usize>) -> Result<Part, SolverError> {
+    fn part(&self, graph: &Graph, positions: &[[f64; 2]], names: Vec<usize>) -> Result<Part, SolverError> {
         let is_short = |cut: &Cut| cut.between.len() as f64 <= LARGEST_CUT * graph.len() as f64;
         let cut = if graph.len() < LEAST_NODES { None } else { cut(graph, positions).filter(is_short) };
-        let Some(Cut { halves, between }) = cut else {
+        let Some(Cut { halves: [first, second], between }) = cut else {
             let inside = self.graph.all_equations(&names);
             return Ok(Part::Leaf(Box::new(Leaf::new(self.pattern, self.nodes, self.positions, &inside)?)));
         };
-        let [first, second] = halves;
-        let parts = [self.half(graph, positions, &names, &first)?, self.half(graph, positions, &names, &second)?];
+        let half = |half: &[usize]| {
+            let positions: Vec<[f64; 2]> = half.iter().map(|&node| positions[node]).collect();
+            self.part(&graph.restricted_to(half), &positions, half.iter().map(|&node| names[node]).collect())
+        };
+        let (first, second) = self.threads.join(|| half(&first), || half(&second));
         let between: Vec<usize> = between.into_iter().map(|node| names[node]).collect();
+        let between = self.graph.all_equations(&between);
         let mut is_inside = vec![false; self.pattern.size()];
         names.iter().flat_map(|&node| self.graph.equations(node)).for_each(|&equation| is_inside[equation] = true);
-        let front =
-            Front::new(self.pattern, parts, &self.graph.all_equations(&between), |equation| is_inside[equation])?;
+        let front = Front::new(self.pattern, [first?, second?], &between, |equation| is_inside[equation])?;
         Ok(Part::Front(Box::new(front)))
-    }
-
-    fn half(
-        &mut self,
-        graph: &Graph,
-        positions: &[[f64; 2]],
-        names: &[usize],
-        half: &[usize],
-    ) -> Result<Part, SolverError> {
-        let part = graph.restricted_to(half, &mut self.numbers);
-        let positions: Vec<[f64; 2]> = half.iter().map(|&node| positions[node]).collect();
-        self.part(&part, &positions, half.iter().map(|&node| names[node]).collect())
     }
 }
