@@ -156,7 +156,8 @@ fn bracketed(residual: impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64)
         a = (x, value);
         let (better, width) = (if a.1.abs() < b.1.abs() { a } else { b }, (b.0 - a.0).abs());
         let least = f64::EPSILON * better.0 / width;
-        if least > 0.5 {
+        // NaN between ends that are not finite, which states beyond all strains can ask for
+        if least.is_nan() || least > 0.5 {
             break;
         }
         let xi = (a.0 - b.0) / (c.0 - b.0);

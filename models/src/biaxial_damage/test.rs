@@ -388,3 +388,38 @@ fn strain_that_is_no_number_is_refused() {
         }
     }
 }
+
+#[test]
+fn states_beyond_all_strains_are_answered_or_refused() {
+    // no history leads here, but a host may hand over what it likes
+    let strain = [-4.106297753317099e-5, -0.00021034487489688042, 0.0, 0.0, 0.0, 0.0];
+    let sound = [
+        0.0,
+        0.0,
+        0.0,
+        8.512683191341754e-4,
+        0.0,
+        1.6986321589258931e-3,
+        0.0,
+        6.46821541104438e-5,
+        1.0164238776384739e-5,
+    ];
+    for weights in [IMPLICIT, LAGGED] {
+        for stress_state in STRESS_STATES {
+            for (component, size) in (0..9).flat_map(|k| [-1e304, -1e150, 1e150, 1e304, f64::MAX].map(|size| (k, size)))
+            {
+                let props = props(BLEND, weights);
+                let parameters = BiaxialDamage::parameters(&props).expect("parameters");
+                let mut state = sound;
+                state[component] = size;
+                let increment = Increment { strain, ..Increment::at_rest(stress_state) };
+                let result = BiaxialDamage::update(&parameters, &increment, &mut state, Request::StressAndTangent);
+                let is_sound = match &result {
+                    Ok(response) => response.stress.iter().all(|stress| stress.is_finite()),
+                    Err(failure) => matches!(failure, Failure::CutBack { .. }),
+                };
+                assert!(is_sound, "{component} {size} {result:?}");
+            }
+        }
+    }
+}
