@@ -8,12 +8,12 @@ use crate::bench::{BenchError, Settings};
 use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::quantity::Quantity;
 
-/// Inclinations, degrees.
-const ANGLES: [u32; 2] = [0, 45];
 /// Factors on all sizes of the mesh, the finest last: it is what the others are compared with.
 const MESHES: [f64; 5] = [2.0, 1.41, 1.0, 0.71, 0.5];
-/// Largest increments, mm, likewise.
-const INCREMENTS: [f64; 5] = [0.08, 0.04, 0.02, 0.01, 0.005];
+/// Inclinations, degrees, with largest increments, mm, the finest last. Cracks at the exit of an inclined fibre let no
+/// increment grow to more than the first of its own.
+const ANGLES: [(u32, [f64; 5]); 2] =
+    [(0, [0.08, 0.04, 0.02, 0.01, 0.005]), (45, [5e-3, 2.5e-3, 1.25e-3, 6.25e-4, 3.125e-4])];
 /// The mesh while the increment is varied.
 const USUAL_MESH: f64 = 1.0;
 /// Both peaks lie before it, mm.
@@ -52,9 +52,9 @@ pub(in crate::bench) fn measure(settings: &Settings) -> Result<Page, BenchError>
     let (levels, end) = if settings.quick { (2, QUICK_END) } else { (MESHES.len(), END) };
     let specimen = Specimen::new(settings, end)?;
     let mut rows = Vec::new();
-    for angle in ANGLES {
+    for (angle, increments) in ANGLES {
         for varied in Varied::ALL {
-            let values = if varied == Varied::Mesh { MESHES } else { INCREMENTS };
+            let values = if varied == Varied::Mesh { MESHES } else { increments };
             let mut of_series = Vec::new();
             for value in &values[..levels] {
                 let (mesh, increment) =
@@ -204,10 +204,9 @@ fn figure(name: &str, title: &str, rows: &[Level], quantity: usize) -> Figure {
         style: Style { color, dash },
         marked: true,
     };
-    let series = ANGLES
-        .into_iter()
-        .enumerate()
-        .flat_map(|angle| Varied::ALL.into_iter().enumerate().map(move |varied| (angle, varied)));
+    let series = ANGLES.into_iter().enumerate().flat_map(|(number, (angle, _))| {
+        Varied::ALL.into_iter().enumerate().map(move |varied| ((number, angle), varied))
+    });
     Figure {
         name: name.into(),
         title: format!("{title}, against the finest level"),

@@ -10,7 +10,8 @@ use crate::output::plots::quantity::Quantity;
 /// Errors below are drawn here: a logarithm has no zero.
 const LEAST_ERROR: f64 = 1e-3 * ROUND_OFF;
 
-/// One picture of the laws for each path, and one for each law that has an algorithm of the thesis.
+/// One picture of the laws for each path, one for each law that has an algorithm of the thesis, one of model IV and what
+/// it was made into.
 pub(super) fn figures(subjects: &[Subject], measurements: &[Measurement]) -> Vec<Figure> {
     let of_path = |path: Path| {
         let lines = subjects.iter().enumerate().filter_map(|(k, subject)| {
@@ -32,7 +33,26 @@ pub(super) fn figures(subjects: &[Subject], measurements: &[Measurement]) -> Vec
         Some(figure(format!("{}-thesis", subject.law), subject.name.into(), lines.collect()))
     };
     let paths = Path::ALL.into_iter().map(of_path);
-    paths.chain(subjects.iter().enumerate().filter_map(of_thesis)).collect()
+    let with_thesis = subjects.iter().enumerate().filter_map(of_thesis);
+    paths.chain(with_thesis).chain([concrete(subjects, measurements)]).collect()
+}
+
+/// `concrete_damage`, model IV and its box: a proportional path, one with reversals, one that turns.
+fn concrete(subjects: &[Subject], measurements: &[Measurement]) -> Figure {
+    let number = |name: &str| subjects.iter().position(|subject| subject.name.starts_with(name));
+    let series = [
+        ("concrete_damage (IV-H)", Series::Law, "concrete_damage"),
+        ("biaxial_damage", Series::Law, "model IV"),
+        ("biaxial_damage", Series::Thesis, "model IV by Box 5.1"),
+    ];
+    let paths = [Path::Compression, Path::Cyclic, Path::NonProportional].into_iter().enumerate();
+    let lines = paths.flat_map(|(color, path)| {
+        series.into_iter().enumerate().filter_map(move |(dash, (name, series, shown))| {
+            let label = format!("{shown}, {}", path.name());
+            line(measurements, number(name)?, path, series, label, Style { color, dash })
+        })
+    });
+    figure("concrete".into(), "Error against run time: concrete_damage and model IV".into(), lines.collect())
 }
 
 /// Colours of lines before they come again with dashes.

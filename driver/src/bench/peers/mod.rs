@@ -222,22 +222,22 @@ fn point_table(points: &[points::Compared], which: usize, seconds: impl Fn(&poin
 fn figure(specimens: &[specimens::Compared], points: &[points::Compared]) -> Option<Figure> {
     let of_specimens = specimens.iter().filter_map(|compared| {
         let name = if compared.name.starts_with("plate") {
+            // labels stand side by side
             let size = compared.name.split(' ').nth(1).unwrap_or_default();
-            let is_large = compared.name.contains("large");
-            format!("plate {size}{}", if is_large { ", large" } else { "" })
+            format!("{size}{}", if compared.name.contains("large") { "*" } else { "" })
         } else {
             "strip".to_owned()
         };
         compared.share.map(|share| (name, share.recip()))
     });
     let of_points = points.iter().filter_map(|compared| {
-        let name = if compared.law == "linear_elastic" { "point, elastic" } else { "point, J2" };
+        let name = if compared.law == "linear_elastic" { "elastic" } else { "J2" };
         compared.ratios.map(|[analysis, _]| (name.to_owned(), analysis))
     });
     let (names, ratios): (Vec<String>, Vec<f64>) = of_specimens.chain(of_points).unzip();
     (!ratios.is_empty()).then(|| Figure {
         name: "ratios".into(),
-        title: "Time of CalculiX and simcoon over ours".into(),
+        title: "Time over ours: CalculiX (plates, * large displacements; strip), simcoon (points)".into(),
         x: Quantity { name: String::new(), unit: String::new() },
         y: Quantity { name: "time ratio".into(), unit: String::new() },
         lines: vec![Line {
