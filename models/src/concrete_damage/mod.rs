@@ -376,8 +376,7 @@ impl PointResponse {
             (true, Some(_)) => elasticity.plane_stress_stiffness(),
             (false, normal) => {
                 let full = self.evolution.tangent(parameters);
-                let (principal, shear) =
-                    normal.map_or(full, |k| plane_stress::condense(full, k, elasticity.youngs_modulus));
+                let (principal, shear) = normal.map_or(full, |k| plane_stress::condense(full, k));
                 self.axes.tangent(&principal, &shear)
             }
         }

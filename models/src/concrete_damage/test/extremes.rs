@@ -45,6 +45,33 @@ fn tangent_is_right_at_repeated_strains() {
     }
 }
 
+/// Cracks in the plane whose 1 − D_t is 3e-12 to 1e-102: σ33 = 0 where the third direction opens too, and the row that is
+/// condensed is of that order as a whole. First a state that `pullout bench stability` found.
+#[test]
+fn tangent_is_right_in_plane_stress_however_far_a_crack_opens() {
+    let plastic = variants()[1].0;
+    let mut point = Point::<ConcreteDamage>::virgin(&plastic, StressState::PlaneStress);
+    point.strain = [0.4737325320116396, 0.38829897142842096, 0.0, -0.18277335674371506, 0.0, 0.0];
+    point.state[0] = 2466841926.139529;
+    point.state[2] = 3355.4758187819184;
+    point.state[5..9].copy_from_slice(&[0.14209605335580308, 0.1164702603967923, 0.0, -0.0548228607863718]);
+    point.state[11] = -5.830709788942858e-11;
+    let strain = [-0.6047770494304883, -3.7242527461778048, 0.0, -7.91097488712112, 0.0, 0.0];
+    let error = battery::tangent_error(&point, &strain);
+    assert!(error < 1e-8, "{error:e}");
+    for b_c in [0.0, 0.2] {
+        let props = with(plastic, &[("b_c", b_c), ("B_t", 6.0)]);
+        for size in [1e-2, 1.0, 1e2, 1e4] {
+            let point = Point::<ConcreteDamage>::virgin(&props, StressState::PlaneStress);
+            let strain = [-0.6, -3.7, 0.0, -7.9, 0.0, 0.0].map(|e| size * e);
+            let eta_t = point.trial(&strain).1[0];
+            assert!(eta_t > 1e28, "{eta_t:e}");
+            let error = battery::tangent_error(&point, &strain);
+            assert!(error < 1e-6, "b_c = {b_c}, {size:e}: {error:e}");
+        }
+    }
+}
+
 /// A thousand times the peak strain, and from nothing to there in one step.
 #[test]
 fn full_damage_leaves_the_right_sign_and_no_overflow() {
