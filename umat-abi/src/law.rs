@@ -145,12 +145,25 @@ impl Response {
     /// [`Failure::CutBack`] otherwise.
     #[inline(always)]
     pub fn finite(self, state: &[f64]) -> Result<Self, Failure> {
+        let is_finite = all_finite(self.tangent.as_flattened());
+        self.finite_beside_tangent(is_finite, state)
+    }
+
+    /// [`Self::finite`] of a law whose tangent is isotropic plus a symmetric dyad: its diagonal is finite only where all of
+    /// it is (|a_i a_j| ≤ max(a_i², a_j²)).
+    ///
+    /// # Errors
+    /// As [`Self::finite`].
+    #[inline(always)]
+    pub fn finite_by_diagonal(self, state: &[f64]) -> Result<Self, Failure> {
+        let diagonal: [f64; 6] = std::array::from_fn(|i| self.tangent[i][i]);
+        self.finite_beside_tangent(all_finite(&diagonal), state)
+    }
+
+    #[inline(always)]
+    fn finite_beside_tangent(self, tangent_is_finite: bool, state: &[f64]) -> Result<Self, Failure> {
         let energies = [self.stored_energy, self.dissipated_energy];
-        if all_finite(&self.stress)
-            & all_finite(self.tangent.as_flattened())
-            & all_finite(&energies)
-            & all_finite(state)
-        {
+        if tangent_is_finite & all_finite(&self.stress) & all_finite(&energies) & all_finite(state) {
             Ok(self)
         } else {
             Err(Failure::CutBack { fraction: 0.25, reason: "a result is not a finite number" })
@@ -158,10 +171,11 @@ impl Response {
     }
 }
 
-/// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises.
+/// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
+/// and NaN of anything else (in the default rounding mode, in which laws run).
 #[inline(always)]
 pub(crate) fn all_finite(values: &[f64]) -> bool {
-    values.iter().fold(true, |finite, x| finite & x.is_finite())
+    values.iter().fold(0, |bits, x| bits | (x - x).to_bits()) == 0
 }
 
 /// How many points [`Law::update_block`] advances: two registers of AVX2, four of SSE2.
@@ -329,6 +343,10 @@ pub trait Law {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure>;
+
+    /// Whether every number of a response and of a new state is finite, [`Self::update`] failing otherwise
+    /// ([`Response::finite`]): the boundary does not look at them again.
+    const FINITE_OR_FAILS: bool = false;
 
     /// Whether [`Self::update_block`] is there.
     const UPDATES_BLOCKS: bool = false;

@@ -60,6 +60,8 @@ impl Law for InelasticDamage {
             | flags::ISOTROPIC,
     };
 
+    const FINITE_OR_FAILS: bool = true;
+
     type Parameters<'p> = Parameters;
 
     fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
@@ -111,7 +113,7 @@ impl Law for InelasticDamage {
                 * (end.twice_shear * split.deviator_norm_squared() + end.bulk * end.elastic_trace * end.elastic_trace),
             dissipated_energy: state[2],
         };
-        response.finite(state)
+        response.finite_by_diagonal(state)
     }
 }
 

@@ -51,6 +51,8 @@ impl Law for PureDamage {
             | flags::ISOTROPIC,
     };
 
+    const FINITE_OR_FAILS: bool = true;
+
     type Parameters<'p> = Parameters;
 
     #[inline(always)]
@@ -93,7 +95,7 @@ impl Law for PureDamage {
             increment.strain[2]
         };
         // dearer than all the rest: only where it can change (0: of a state that a host began with)
-        if eta > eta_before || state[3] == 0.0 {
+        if eta > eta_before || (state[3] == 0.0 && eta > 0.0) {
             // the closed form is monotone but for its last digit
             state[3] = state[3].max(damage_law.dissipation(eta));
         }
@@ -103,6 +105,6 @@ impl Law for PureDamage {
             stored_energy: omega * release_rate,
             dissipated_energy: state[3],
         };
-        response.finite(state)
+        response.finite_by_diagonal(state)
     }
 }

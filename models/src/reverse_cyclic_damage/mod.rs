@@ -64,6 +64,8 @@ impl Law for ReverseCyclicDamage {
             | flags::ISOTROPIC,
     };
 
+    const FINITE_OR_FAILS: bool = true;
+
     type Parameters<'p> = Parameters;
 
     fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {

@@ -65,15 +65,20 @@ impl IsotropicSplit {
 #[inline(always)]
 pub fn isotropic_stiffness(stress_state: StressState, twice_shear_modulus: f64, bulk_modulus: f64) -> [[f64; 6]; 6] {
     let directions = normal_directions(stress_state);
-    let coupling = bulk_modulus - twice_shear_modulus / directions as f64;
-    let mut stiffness = [[0.0; 6]; 6];
-    for i in 0..directions {
-        stiffness[i][..directions].fill(coupling);
-        stiffness[i][i] += twice_shear_modulus;
+    let c = bulk_modulus - twice_shear_modulus / directions as f64;
+    let (d, s) = (c + twice_shear_modulus, 0.5 * twice_shear_modulus);
+    // entry by entry: what stays in registers need not be read back from memory in pairs
+    if directions == 3 {
+        [
+            [d, c, c, 0.0, 0.0, 0.0],
+            [c, d, c, 0.0, 0.0, 0.0],
+            [c, c, d, 0.0, 0.0, 0.0],
+            [0.0, 0.0, 0.0, s, 0.0, 0.0],
+            [0.0, 0.0, 0.0, 0.0, s, 0.0],
+            [0.0, 0.0, 0.0, 0.0, 0.0, s],
+        ]
+    } else {
+        const NONE: [f64; 6] = [0.0; 6];
+        [[d, c, 0.0, 0.0, 0.0, 0.0], [c, d, 0.0, 0.0, 0.0, 0.0], NONE, [0.0, 0.0, 0.0, s, 0.0, 0.0], NONE, NONE]
     }
-    let shears = if directions == 3 { 3..6 } else { 3..4 };
-    for i in shears {
-        stiffness[i][i] = 0.5 * twice_shear_modulus;
-    }
-    stiffness
 }

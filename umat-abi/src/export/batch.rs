@@ -305,7 +305,7 @@ unsafe fn update_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize)
         increment.characteristic_length = usable_length(load(a.celent, 0));
     }
     let response: Response = L::update(&plan.parameters, &increment, states, plan.request)?;
-    check_response(&response, states, plan.request)?;
+    check_response::<L>(&response, states, plan.request)?;
     for (row, &i) in components.iter().enumerate() {
         store(a.stress, row, response.stress[i]);
         if plan.request.wants_tangent() {

@@ -1,29 +1,33 @@
 //! The body of `umat_`.
 
 use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
-use crate::law::{Increment, Law, Request, Response, StressState, check_properties_of};
+use crate::law::{Increment, Law, Request, Response, StressState, all_finite, check_properties_of};
 use crate::metadata::{StateVariable, flags};
 use crate::umat::UmatArguments;
 
 /// The arguments that a law of a solid uses: less than half of UMAT's. The rest is not even copied.
+///
+/// No two that are neighbours on the host's stack are neighbours here: a compiler that sees such pairs copies them by
+/// one load of 16 bytes, which waits until both of the host's stores of 8 have left the pipeline (7 ns of a call).
 #[derive(Clone, Copy)]
+#[repr(C)]
 struct Arguments {
-    stress: *mut f64,
-    statev: *mut f64,
-    ddsdde: *mut f64,
-    sse: *mut f64,
-    spd: *mut f64,
-    scd: *mut f64,
     stran: *const f64,
-    dstran: *const f64,
     ndi: *const i32,
-    nshr: *const i32,
+    stress: *mut f64,
     ntens: *const i32,
-    nstatv: *const i32,
     props: *const f64,
-    nprops: *const i32,
+    statev: *mut f64,
+    dstran: *const f64,
+    nshr: *const i32,
+    ddsdde: *mut f64,
+    nstatv: *const i32,
     drot: *const f64,
+    sse: *mut f64,
+    nprops: *const i32,
+    spd: *mut f64,
     celent: *const f64,
+    scd: *mut f64,
 }
 
 /// Runs law `L` as a UMAT.
@@ -136,7 +140,7 @@ unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<
         Ok(response) => response,
         Err(failure) => return Err((*failure).into()),
     };
-    check_response(response, state, request)?;
+    check_response::<L>(response, state, request)?;
     // SAFETY: as above; nothing fails from here on, so that outputs are written all or not at all.
     unsafe { write(a, stress_state, response, state) };
     Ok(())
@@ -170,14 +174,20 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
 
 /// A result that is not finite must not reach the host.
 #[inline(always)]
-pub(super) fn check_response(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
+pub(super) fn check_response<L: Law>(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
     const REASON: &str = "the update overflowed";
-    finite(&response.stress, REASON)?;
-    finite(state, REASON)?;
+    if L::FINITE_OR_FAILS {
+        return Ok(());
+    }
     if request.wants_tangent() {
         finite(response.tangent.as_flattened(), REASON)?;
     }
-    finite(&[response.stored_energy], REASON)
+    // one decision: they are independent, a branch for each would not be
+    if all_finite(&response.stress) & all_finite(state) & all_finite(&[response.stored_energy]) {
+        Ok(())
+    } else {
+        Err(Refusal::CutBack { fraction: CUT_BACK, reason: REASON })
+    }
 }
 
 #[inline(always)]
