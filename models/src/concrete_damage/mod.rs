@@ -159,6 +159,9 @@ impl Law for ConcreteDamage {
         flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::ISOTROPIC,
     };
 
+    /// Of elastic points by their thresholds: energies below them are those of finite strains.
+    const FINITE_OR_FAILS: bool = true;
+
     type Parameters<'p> = Parameters;
 
     #[inline(always)]
@@ -288,7 +291,8 @@ fn advance(
     let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
     point.commit(state, dissipation);
     state[CRACK_BAND] = crack_band;
-    Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: state[DISSIPATED_ENERGY_STATE] })
+    let dissipated_energy = state[DISSIPATED_ENERGY_STATE];
+    Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)
 }
 
 /// Stress and energy of the virgin solid.
