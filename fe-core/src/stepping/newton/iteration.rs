@@ -63,7 +63,7 @@ impl Equilibrium<'_> {
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
             self.prepare_factor(trial, context, statistics)?;
             let direction = self.direction(start, trial, target, (pending, context), statistics)?;
-            let request = if pending { Request::StressAndTangent } else { self.request_after(residual, scale) };
+            let request = if pending { Request::StressAndTangent } else { self.request_after() };
             let step_length = self.advance(trial, &direction, context, (pending, residual, request), statistics)?;
             let after = largest(&self.residual);
             self.last_reduction = if pending { 1.0 } else { after / residual };
@@ -153,18 +153,28 @@ impl Equilibrium<'_> {
         self.model.skipping.factor_reuse && was_easy && self.factorised && self.last_reduction < FAST_REDUCTION
     }
 
-    /// What to ask of the points after a correction: no tangents if the next iteration will not use them.
-    fn request_after(&self, residual: f64, scale: f64) -> Request {
-        let expected = self.last_reduction * residual;
-        let converges = expected < NEGLIGIBLE_RESIDUAL * self.model.controls.force_tolerance * scale;
-        if self.model.skipping.unused_tangents
-            && self.last_reduction < FAST_REDUCTION
-            && (converges || self.may_reuse_factor())
-        {
+    /// What to ask of the points after a correction: no tangents if an old factor serves the next iteration. The tangents
+    /// of the last iteration of an increment are not for nothing: the next increment begins with them.
+    fn request_after(&self) -> Request {
+        if self.model.skipping.unused_tangents && self.last_reduction < FAST_REDUCTION && self.may_reuse_factor() {
             Request::Stress
         } else {
             Request::StressAndTangent
         }
+    }
+
+    /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
+    /// nothing grows, would be of an unloading solid, and predict badly.
+    pub(super) fn prepare_next(
+        &mut self,
+        trial: &Committed,
+        context: IncrementContext,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        if self.has_tangents || self.may_reuse_factor() {
+            return Ok(());
+        }
+        self.evaluate(trial, context, Request::StressAndTangent, statistics)
     }
 
     /// Factorises what has changed since the last time.

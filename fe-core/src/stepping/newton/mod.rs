@@ -209,15 +209,17 @@ impl<'m> Equilibrium<'m> {
                     return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
                 }
                 statistics.settlements += 1;
-            } else if self.far_field_holds(&mut trial, context)? {
-                break;
             } else {
+                self.last_iterations = iterations.len();
+                self.prepare_next(&trial, context, statistics)?;
+                if self.far_field_holds(&mut trial, context)? {
+                    break;
+                }
                 statistics.expansions += 1;
             }
             let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
             self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
         }
-        self.last_iterations = iterations.len();
         trial.mean_slip = self.contact.mean_slip();
         trial.dissipation = self.solids.trial_dissipation();
         trial.external.clone_from(&self.external);
