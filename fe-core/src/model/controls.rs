@@ -69,7 +69,7 @@ impl Default for Controls {
 /// the result by more than the solver's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skipping {
-    /// Stiffnesses of elements whose tangents and geometry did not change are kept.
+    /// Stiffnesses of elements whose tangents and geometry did not change are kept, and what only they are factorised to.
     pub unchanged_elements: bool,
     /// Elements that stay elastic are condensed onto the zone that does not.
     pub elastic_far_field: bool,

@@ -30,6 +30,15 @@ pub(super) struct BlockLu {
     panels: Vec<Panel>,
     lower: Vec<f64>,
     upper: Vec<f64>,
+    /// The values that it is the factor of, and whether it is.
+    values: Vec<f64>,
+    is_factor: bool,
+    /// Of each supernode, whether the determinant of its block is positive.
+    positive: Vec<bool>,
+    /// Supernodes that something below them in the tree of elimination has changed.
+    changed: Vec<bool>,
+    /// Multiplications and additions of the last factorisation.
+    flops: f64,
     /// The row of its block that comes to each place.
     permutation: Vec<usize>,
     /// The greatest entry of each column of A.
@@ -116,6 +125,11 @@ impl BlockLu {
         Ok(Self {
             lower: vec![0.0; supernodes.len_val()],
             upper: vec![0.0; upper],
+            values: Vec::new(),
+            is_factor: false,
+            positive: vec![true; count],
+            changed: vec![true; count],
+            flops: 0.0,
             permutation: vec![0; size],
             scales: vec![0.0; size],
             queue: Queue { heads: vec![NONE; count], next: vec![NONE; count], passed: vec![0; count], owner },
@@ -134,32 +148,69 @@ impl BlockLu {
         self.lower.len() + self.upper.len()
     }
 
+    /// Multiplications and additions of the last factorisation: what was done, not what could stay.
+    pub(super) fn flops(&self) -> f64 {
+        self.flops
+    }
+
+    /// Nothing of it stays at the next factorisation.
+    pub(super) fn forget(&mut self) {
+        self.is_factor = false;
+    }
+
     /// Factorises; returns whether the determinant is positive, `None` if a pivot is too small.
+    ///
+    /// A supernode stays as it is, to the last bit, if its own values are those of the last factorisation and nothing that
+    /// it subtracts has changed: that comes from its descendants in the tree of elimination, whose next row is in their
+    /// parent.
     pub(super) fn factorise(&mut self, values: &[f64]) -> Option<bool> {
         self.set_scales(values);
-        self.lower.fill(0.0);
-        self.upper.fill(0.0);
         self.queue.heads.fill(NONE);
         self.queue.passed.fill(0);
+        self.changed.fill(!self.is_factor);
+        self.is_factor = false;
+        self.flops = 0.0;
         let analysis = Arc::clone(&self.analysis);
-        let mut positive = true;
         for index in 0..self.panels.len() {
             let panel = self.panels[index];
             let rows = analysis.supernodes.supernode(index).pattern();
-            (panel.start..panel.end()).chain(rows.iter().copied()).zip(0..).for_each(|(row, local)| {
-                self.local[row] = local;
-            });
-            self.assemble(&analysis, panel, values);
+            let changed = self.changed[index] || self.differs(&analysis, panel, values);
             let mut earlier = std::mem::replace(&mut self.queue.heads[index], NONE);
+            if changed {
+                (panel.start..panel.end()).chain(rows.iter().copied()).zip(0..).for_each(|(row, local)| {
+                    self.local[row] = local;
+                });
+                self.assemble(&analysis, panel, values);
+            }
             while earlier != NONE {
                 let next = self.queue.next[earlier];
-                self.subtract(earlier, analysis.supernodes.supernode(earlier).pattern(), panel);
+                let rows = analysis.supernodes.supernode(earlier).pattern();
+                let (begin, shared) = self.pass(earlier, rows, panel);
+                if changed {
+                    self.subtract(earlier, &rows[begin..], (begin, shared), panel);
+                }
                 earlier = next;
             }
-            positive ^= !self.eliminate(panel)?;
+            if changed {
+                self.positive[index] = self.eliminate(panel)?;
+                if let Some(&row) = rows.first() {
+                    self.changed[self.queue.owner[row]] = true;
+                }
+            }
             self.queue.wait(index, rows);
         }
-        Some(positive)
+        self.values.clear();
+        self.values.extend_from_slice(values);
+        self.is_factor = true;
+        Some(self.positive.iter().filter(|positive| !**positive).count().is_multiple_of(2))
+    }
+
+    /// Whether a value of A in a panel is another one than at the last factorisation.
+    fn differs(&self, analysis: &Analysis, panel: Panel, values: &[f64]) -> bool {
+        let starts = analysis.lower.col_ptr();
+        let entries = starts[panel.start]..starts[panel.end()];
+        let places = analysis.from[entries.clone()].iter().chain(&analysis.mirror_from[entries]);
+        places.into_iter().any(|&place| values[place].to_bits() != self.values[place].to_bits())
     }
 
     fn set_scales(&mut self, values: &[f64]) {
@@ -177,6 +228,8 @@ impl BlockLu {
     /// Writes A into a panel.
     fn assemble(&mut self, analysis: &Analysis, panel: Panel, values: &[f64]) {
         let (starts, rows) = (analysis.lower.col_ptr(), analysis.lower.row_idx());
+        self.lower[panel.lower..][..panel.height() * panel.columns].fill(0.0);
+        self.upper[panel.upper..][..panel.below * panel.columns].fill(0.0);
         for column in panel.start..panel.end() {
             let place = column - panel.start;
             for entry in starts[column]..starts[column + 1] {
@@ -193,13 +246,20 @@ impl BlockLu {
         }
     }
 
-    /// Subtracts what the elimination of an earlier supernode with these rows takes from a panel.
-    fn subtract(&mut self, earlier: usize, rows: &[usize], panel: Panel) {
+    /// Takes an earlier supernode with these rows past a panel: the first of its rows that the panel has, and how many.
+    fn pass(&mut self, earlier: usize, rows: &[usize], panel: Panel) -> (usize, usize) {
         let begin = self.queue.passed[earlier];
         let shared = rows[begin..].partition_point(|&row| row < panel.end());
         self.queue.passed[earlier] = begin + shared;
         self.queue.wait(earlier, &rows[begin + shared..]);
-        let (rows, from) = (&rows[begin..], self.panels[earlier]);
+        (begin, shared)
+    }
+
+    /// Subtracts what the elimination of an earlier supernode takes from a panel: `rows` are those from `begin` on, the
+    /// first `shared` of them are the panel's.
+    fn subtract(&mut self, earlier: usize, rows: &[usize], (begin, shared): (usize, usize), panel: Panel) {
+        let from = self.panels[earlier];
+        self.flops += (2 * from.columns * shared * (2 * rows.len() - shared)) as f64;
 
         let (before, present) = self.lower.split_at_mut(panel.lower);
         let lower = from.lower(before).split_at_row(from.columns + begin).1;
@@ -228,6 +288,8 @@ impl BlockLu {
     /// Factorises the block of a panel and divides the rest by it; returns whether the block's determinant is
     /// positive, `None` if a pivot is too small.
     fn eliminate(&mut self, panel: Panel) -> Option<bool> {
+        let (columns, below) = (panel.columns as f64, panel.below as f64);
+        self.flops += columns * columns * (2.0 / 3.0 * columns + 2.0 * below);
         let values = &mut self.lower[panel.lower..][..panel.height() * panel.columns];
         let lower = MatMut::from_column_major_slice_mut(values, panel.height(), panel.columns);
         let (mut block, below) = lower.split_at_row_mut(panel.columns);

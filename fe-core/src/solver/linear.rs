@@ -238,6 +238,9 @@ impl LinearSolver {
         symmetry: Symmetry,
     ) -> Result<FactorisationReport, SolverError> {
         let mut whole = self.whole.take().unwrap_or_else(|| Whole::new(matrix));
+        if self.options.forgets {
+            whole.forget_factors();
+        }
         let pattern_reused = whole.fill(matrix);
         let first = self.options.first_method.unwrap_or(Method::Condensed);
         let is_symmetric = symmetry == Symmetry::Symmetric && is_symmetric(&matrix.contact);

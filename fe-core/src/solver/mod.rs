@@ -84,6 +84,8 @@ pub enum Method {
 pub struct SolverOptions {
     /// The first method to try wherever it applies; `None`: chosen by the number of operations.
     pub first_method: Option<Method>,
+    /// Whether all of a factor is computed anew each time, also what would come out the same.
+    pub forgets: bool,
 }
 
 /// What a factorisation did.

@@ -221,6 +221,14 @@ impl Whole {
         self.ordered.iter().zip(&analysis.order).for_each(|(from, &equation)| x[equation] = *from);
     }
 
+    /// Nothing of a factor stays at the next factorisation.
+    pub(super) fn forget_factors(&mut self) {
+        self.block_lu.iter_mut().for_each(BlockLu::forget);
+        if let Some(Definite::Parts(parts)) = &mut self.definite {
+            parts.forget();
+        }
+    }
+
     /// Flops of the last factorisation by this method, as far as known before, and the numbers in its factor.
     pub(super) fn size_of(&self, method: Method) -> (Option<f64>, Option<usize>) {
         let flops = self.analysis.as_ref().map(|analysis| analysis.flops);
@@ -230,7 +238,9 @@ impl Whole {
                 Some(Definite::One(cholesky)) => (flops, Some(cholesky.entries())),
                 None => (None, None),
             },
-            Method::BlockLu => (flops.map(|flops| 2.0 * flops), self.block_lu.as_ref().map(BlockLu::entries)),
+            Method::BlockLu => {
+                (self.block_lu.as_ref().map(BlockLu::flops), self.block_lu.as_ref().map(BlockLu::entries))
+            }
             Method::Condensed | Method::GeneralLu => (None, None),
         }
     }

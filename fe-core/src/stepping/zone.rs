@@ -89,6 +89,7 @@ impl Zone {
     ) -> Result<System, SolverError> {
         let condensation =
             self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: coupled });
-        System::new(&model.mesh, equations, coupled, condensation, SolverOptions::default())
+        let options = SolverOptions { forgets: !model.skipping.unchanged_elements, ..SolverOptions::default() };
+        System::new(&model.mesh, equations, coupled, condensation, options)
     }
 }

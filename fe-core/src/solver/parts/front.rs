@@ -97,6 +97,11 @@ impl Front {
         &self.equations[self.cut..]
     }
 
+    pub(super) fn forget(&mut self) {
+        self.is_factorised = false;
+        self.parts.iter_mut().for_each(Part::forget);
+    }
+
     pub(super) fn factorise(&mut self, values: &[f64], threads: &Threads) -> Elimination {
         let [first, second] = &mut self.parts;
         let (first, second) = threads.join(|| first.factorise(values, threads), || second.factorise(values, threads));

@@ -66,6 +66,10 @@ impl Leaf {
         &self.border
     }
 
+    pub(super) fn forget(&mut self) {
+        self.is_factorised = false;
+    }
+
     pub(super) fn factorise(&mut self, values: &[f64]) -> Elimination {
         let mut is_same = self.is_factorised;
         for (value, &from) in self.values.iter_mut().zip(&self.from) {

@@ -89,6 +89,13 @@ impl Part {
         }
     }
 
+    fn forget(&mut self) {
+        match self {
+            Self::Leaf(leaf) => leaf.forget(),
+            Self::Front(front) => front.forget(),
+        }
+    }
+
     /// S, its lower triangle: rows and columns of the border, ascending.
     fn schur(&self) -> MatRef<'_, f64> {
         match self {
@@ -149,6 +156,11 @@ impl Parts {
             return Ok(None);
         }
         Ok(plan::plan(pattern, nodes, positions, threads)?.map(|root| Self { root, flops: 0.0 }))
+    }
+
+    /// No part stays at the next factorisation.
+    pub(super) fn forget(&mut self) {
+        self.root.forget();
     }
 
     /// Factorises; `false` if the matrix is not definite.

@@ -49,7 +49,7 @@ impl Scene {
     }
 
     fn solver(&self, first_method: Option<Method>) -> LinearSolver {
-        let options = SolverOptions { first_method };
+        let options = SolverOptions { first_method, ..SolverOptions::default() };
         LinearSolver::new(self.matrix.pattern(), &self.bodies.nodes, &self.contact, options).unwrap()
     }
 
@@ -267,12 +267,56 @@ fn lu_keeps_its_analysis_while_the_blocks_fit() {
 }
 
 #[test]
+fn lu_does_again_what_changed_and_what_is_above_it_to_the_same_bits() {
+    let mut scene = Scene::new();
+    scene.couple(1, 0);
+    disturb(&mut scene.matrix);
+    let mut kept = scene.solver(Some(Method::BlockLu));
+    let options = SolverOptions { first_method: Some(Method::BlockLu), forgets: true };
+    let mut forgetful =
+        LinearSolver::new(scene.matrix.pattern(), &scene.bodies.nodes, &scene.contact, options).unwrap();
+    let size = scene.size();
+    let all = kept.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap().flops.unwrap();
+    let mut done = Vec::new();
+    for round in 0..size {
+        match round % 3 {
+            // a single number, of another equation each time; contact by other numbers; nothing
+            0 => {
+                let place = scene.matrix.pattern().index(round, round).unwrap();
+                scene.matrix.values[place] *= if round % 2 == 0 { 1.1 } else { -1.0 };
+            }
+            1 => scene.couple(round as u64, 0),
+            _ => {}
+        }
+        let report = kept.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap();
+        let expected = forgetful.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap();
+        assert_eq!((report.method, expected.flops), (Method::BlockLu, Some(all)));
+        assert_eq!(report.determinant_positive, expected.determinant_positive);
+        done.push(report.flops.unwrap() / all);
+        let (mut x, mut y) = (Numbers(9).vector(size), Numbers(9).vector(size));
+        kept.solve(&scene.matrix, &mut x).unwrap();
+        forgetful.solve(&scene.matrix, &mut y).unwrap();
+        assert_eq!(x, y, "round {round}");
+    }
+    assert!(done.iter().skip(2).step_by(3).all(|part| *part == 0.0), "nothing has changed: {done:?}");
+    let of_one: Vec<f64> = done.iter().step_by(3).copied().collect();
+    let mean = of_one.iter().sum::<f64>() / of_one.len() as f64;
+    assert!(of_one.iter().all(|part| *part > 0.0) && mean < 0.7, "a number changes its panel and those above: {mean}");
+    // a matrix that is refused on the way leaves nothing that could stay
+    let mut singular = scene.matrix.clone();
+    singular.values.fill(0.0);
+    assert!(kept.factorise(&singular, Symmetry::Unsymmetric).is_err());
+    assert_eq!(kept.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap().flops, Some(all));
+    check_solution(&mut kept, &scene.matrix);
+}
+
+#[test]
 fn lu_forgets_old_blocks_when_they_outweigh_the_present_ones() {
     let pattern = Arc::new(Pattern::from_groups(40, std::iter::empty()));
     let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
     matrix.values.fill(50.0);
     let nodes: Vec<usize> = (0..40).collect();
-    let options = SolverOptions { first_method: Some(Method::BlockLu) };
+    let options = SolverOptions { first_method: Some(Method::BlockLu), ..SolverOptions::default() };
     let mut solver = LinearSolver::new(&pattern, &nodes, &nodes, options).unwrap();
     let mut factor_entries = Vec::new();
     for start in [0, 20, 0] {
@@ -404,7 +448,9 @@ fn nothing_to_solve_is_solved() {
     let matrix = SystemMatrix::new(Arc::clone(&pattern));
     for first_method in [None, Some(Method::Condensed), Some(Method::BlockLu), Some(Method::GeneralLu)] {
         for symmetry in [Symmetry::Symmetric, Symmetry::Unsymmetric] {
-            let mut solver = LinearSolver::new(&pattern, &[], &[], SolverOptions { first_method }).unwrap();
+            let mut solver =
+                LinearSolver::new(&pattern, &[], &[], SolverOptions { first_method, ..SolverOptions::default() })
+                    .unwrap();
             solver.factorise(&matrix, symmetry).unwrap();
             solver.factorise_contact(&matrix).unwrap();
             assert_eq!(solver.solve(&matrix, &mut []).unwrap().relative_residual, 0.0);
@@ -417,7 +463,7 @@ fn every_equation_may_be_in_contact() {
     let pattern = Arc::new(Pattern::from_groups(3, std::iter::empty()));
     let mut matrix = SystemMatrix::new(Arc::clone(&pattern));
     matrix.contact.push(&[2, 0, 1], &[0.0, 1.0, 0.0, 0.0, 0.0, 2.0, 4.0, 0.0, 1.0]);
-    let options = SolverOptions { first_method: Some(Method::Condensed) };
+    let options = SolverOptions { first_method: Some(Method::Condensed), ..SolverOptions::default() };
     let mut solver = LinearSolver::new(&pattern, &[0, 1, 2], &[2, 1, 0], options).unwrap();
     assert_eq!(solver.factorise(&matrix, Symmetry::Symmetric).unwrap().method, Method::Condensed);
     check_solution(&mut solver, &matrix);
