@@ -119,7 +119,7 @@ fn history(states: &[Lane], lane: usize) -> History {
 /// The components of one point.
 #[inline(always)]
 fn of(components: &[Lane; 6], lane: usize) -> [f64; 6] {
-    components.map(|component| component[lane])
+    std::array::from_fn(|i| components[i][lane])
 }
 
 #[inline(always)]

@@ -79,16 +79,17 @@ impl Law for LinearElastic {
     #[inline(always)]
     fn update_block(elasticity: &Elasticity, block: &Block, state: &mut [Lane]) -> Option<BlockResponse> {
         let mut response = BlockResponse { stress: [[0.0; LANES]; 6], stored_energy: [0.0; LANES] };
+        let mut strain_33 = [0.0; LANES];
         let plane_stress = block.stress_state == StressState::PlaneStress;
         for lane in 0..LANES {
-            let elastic = Elastic::new(elasticity, plane_stress, block.strain.map(|component| component[lane]));
+            let elastic = Elastic::new(elasticity, plane_stress, std::array::from_fn(|i| block.strain[i][lane]));
             for i in 0..6 {
                 response.stress[i][lane] = elastic.stress[i];
             }
             response.stored_energy[lane] = elastic.energy;
-            state[0][lane] = elastic.strain_33;
-            state[1][lane] = 0.0;
+            strain_33[lane] = elastic.strain_33;
         }
+        state[..2].copy_from_slice(&[strain_33, [0.0; LANES]]);
         Some(response)
     }
 }

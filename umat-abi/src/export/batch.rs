@@ -7,7 +7,9 @@
 use super::solid::check_response;
 use super::{Refusal, finite, report, slice};
 use crate::floating_point::in_default_environment;
-use crate::law::{Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, check_properties_of};
+use crate::law::{
+    Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, all_finite, check_properties_of,
+};
 use crate::metadata::{batch_results, flags};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -218,11 +220,12 @@ unsafe fn advance_block<L: Law>(
     for (row, state) in states.iter_mut().enumerate() {
         *state = load(a.statev, row);
     }
-    if !all_finite(&block.strain) || !all_finite(states) {
+    if !(all_finite(block.strain.as_flattened()) & all_finite(states.as_flattened())) {
         return false;
     }
     let Some(response) = L::update_block(&plan.parameters, block, states) else { return false };
-    if !all_finite(&response.stress) || !all_finite(states) || !all_finite(&[response.stored_energy]) {
+    let is_finite = all_finite(response.stress.as_flattened()) & all_finite(states.as_flattened());
+    if !(is_finite & all_finite(&response.stored_energy)) {
         return false;
     }
     for (row, &i) in components.iter().enumerate() {
@@ -236,18 +239,6 @@ unsafe fn advance_block<L: Law>(
         unsafe { std::slice::from_raw_parts_mut(a.status.add(k), LANES) }.fill(batch_results::DONE);
     }
     true
-}
-
-/// Without an early exit: that vectorises. 0 · ±∞ and 0 · NaN are NaN.
-#[inline(always)]
-fn all_finite(lanes: &[Lane]) -> bool {
-    let mut sums = [0.0; LANES];
-    for lane in lanes {
-        for k in 0..LANES {
-            sums[k] += 0.0 * lane[k];
-        }
-    }
-    sums.iter().all(|sum| *sum == 0.0)
 }
 
 /// CELENT if it is one.
