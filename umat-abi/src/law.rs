@@ -149,7 +149,7 @@ impl Response {
         self.finite_beside_tangent(is_finite, state)
     }
 
-    /// [`Self::finite`] of a law whose tangent is isotropic plus a symmetric dyad: its diagonal is finite only where all of
+    /// [`Self::finite`] of a law whose tangent is isotropic, or that and a symmetric dyad: its diagonal is finite only where all of
     /// it is (|a_i a_j| ≤ max(a_i², a_j²)).
     ///
     /// # Errors

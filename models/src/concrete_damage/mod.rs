@@ -159,7 +159,6 @@ impl Law for ConcreteDamage {
         flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::ISOTROPIC,
     };
 
-    /// Of elastic points by their thresholds: energies below them are those of finite strains.
     const FINITE_OR_FAILS: bool = true;
 
     type Parameters<'p> = Parameters;
@@ -237,7 +236,7 @@ impl Law for ConcreteDamage {
             } else {
                 increment.strain[2]
             };
-            return Ok(Response {
+            let response = Response {
                 stress: elastic.stress,
                 tangent: match (request.wants_tangent(), plane_stress) {
                     (false, _) => [[0.0; 6]; 6],
@@ -247,7 +246,8 @@ impl Law for ConcreteDamage {
                 stored_energy: elastic.energy,
                 // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
                 dissipated_energy: state[DISSIPATED_ENERGY_STATE],
-            });
+            };
+            return response.finite_by_diagonal(state);
         }
         advance(parameters, increment, state, request, crack_band, &history, trial)
     }

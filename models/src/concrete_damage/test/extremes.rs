@@ -111,3 +111,18 @@ fn bad_numbers_are_sent_back() {
         }
     }
 }
+
+#[test]
+fn a_modulus_too_great_for_its_stiffness_is_sent_back() {
+    let mut props = defaults();
+    props[0] = f64::MAX;
+    let parameters = ConcreteDamage::parameters(&props).expect("within its bounds");
+    for stress_state in STRESS_STATES {
+        let increment = Increment::at_rest(stress_state);
+        let outcome = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::StressAndTangent);
+        match outcome {
+            Ok(response) => assert!(response.tangent.as_flattened().iter().all(|x| x.is_finite()), "{stress_state:?}"),
+            Err(failure) => assert!(matches!(failure, Failure::CutBack { .. }), "{failure:?}"),
+        }
+    }
+}
