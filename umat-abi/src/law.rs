@@ -174,6 +174,7 @@ impl Response {
 /// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
 /// and NaN of anything else (in the default rounding mode, in which laws run).
 #[inline(always)]
+#[expect(clippy::eq_op, reason = "x - x is not 0 of every x")]
 pub(crate) fn all_finite(values: &[f64]) -> bool {
     values.iter().fold(0, |bits, x| bits | (x - x).to_bits()) == 0
 }
