@@ -186,7 +186,7 @@ fn page(ways: &[Measured], blocks: &[Measured], end: f64, quick: bool) -> Page {
             let what = format!("A far field {} times as large costs a factor of", measured.name);
             notes.push(target(&what, measured.over_first, most, false));
         }
-        if let [.., large, unskipped] = &blocks[..] {
+        if let [.., large, unskipped] = blocks {
             notes.push(format!(
                 "On the largest block skipping saves a factor of {}.",
                 significant(unskipped.seconds / large.seconds, 3)
