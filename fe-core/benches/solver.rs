@@ -54,7 +54,8 @@ fn system(rows: usize, bonded: usize, friction: f64) -> (Bodies, SystemMatrix, V
 fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
     let friction = if method == Method::Cholesky { 0.0 } else { 0.3 };
     let (bodies, matrix, contact) = system(rows, bonded, friction);
-    let options = SolverOptions { first_method: Some(method) };
+    // the same values each time: all of it would stay
+    let options = SolverOptions { first_method: Some(method), forgets: true };
     let symmetry = if method < Method::BlockLu { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
     let fresh = || LinearSolver::new(matrix.pattern(), &bodies.nodes, &contact, options).expect("memory");
     let first = median(repeats, || {
