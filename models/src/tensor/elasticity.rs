@@ -1,5 +1,6 @@
 //! Isotropic linear elasticity (models.md §1.1).
 
+use super::isotropic::stiffness_of;
 use super::trace;
 
 /// Lamé's constants and relatives of an isotropic solid, MPa.
@@ -75,15 +76,7 @@ impl Elasticity {
     #[inline(always)]
     pub fn stiffness(&self) -> [[f64; 6]; 6] {
         let (l, mu) = (self.lambda, self.shear_modulus);
-        let d = l + 2.0 * mu;
-        [
-            [d, l, l, 0.0, 0.0, 0.0],
-            [l, d, l, 0.0, 0.0, 0.0],
-            [l, l, d, 0.0, 0.0, 0.0],
-            [0.0, 0.0, 0.0, mu, 0.0, 0.0],
-            [0.0, 0.0, 0.0, 0.0, mu, 0.0],
-            [0.0, 0.0, 0.0, 0.0, 0.0, mu],
-        ]
+        stiffness_of(3, l + 2.0 * mu, l, mu)
     }
 
     /// The ε33 for which σ33 = 0: −ν/(1−ν)(ε11 + ε22).
@@ -98,8 +91,6 @@ impl Elasticity {
     pub fn plane_stress_stiffness(&self) -> [[f64; 6]; 6] {
         let nu = self.poisson_ratio;
         let d = self.youngs_modulus / (1.0 - nu * nu);
-        let (l, mu) = (nu * d, self.shear_modulus);
-        const NONE: [f64; 6] = [0.0; 6];
-        [[d, l, 0.0, 0.0, 0.0, 0.0], [l, d, 0.0, 0.0, 0.0, 0.0], NONE, [0.0, 0.0, 0.0, mu, 0.0, 0.0], NONE, NONE]
+        stiffness_of(2, d, nu * d, self.shear_modulus)
     }
 }

@@ -65,9 +65,16 @@ impl IsotropicSplit {
 #[inline(always)]
 pub fn isotropic_stiffness(stress_state: StressState, twice_shear_modulus: f64, bulk_modulus: f64) -> [[f64; 6]; 6] {
     let directions = normal_directions(stress_state);
-    let c = bulk_modulus - twice_shear_modulus / directions as f64;
-    let (d, s) = (c + twice_shear_modulus, 0.5 * twice_shear_modulus);
-    // entry by entry: what stays in registers need not be read back from memory in pairs
+    let coupling = bulk_modulus - twice_shear_modulus / directions as f64;
+    stiffness_of(directions, coupling + twice_shear_modulus, coupling, 0.5 * twice_shear_modulus)
+}
+
+/// The stiffness with `direct` on the diagonal of the normal components of n directions, `coupling` beside it, and `shear`.
+///
+/// Entry by entry: what stays in registers need not be read back from memory in pairs.
+#[inline(always)]
+pub(super) fn stiffness_of(directions: usize, direct: f64, coupling: f64, shear: f64) -> [[f64; 6]; 6] {
+    let (d, c, s) = (direct, coupling, shear);
     if directions == 3 {
         [
             [d, c, c, 0.0, 0.0, 0.0],

@@ -156,7 +156,7 @@ impl Equilibrium<'_> {
     /// What to ask of the points after a correction: no tangents if an old factor serves the next iteration. The tangents
     /// of the last iteration of an increment are not for nothing: the next increment begins with them.
     fn request_after(&self) -> Request {
-        if self.model.skipping.unused_tangents && self.last_reduction < FAST_REDUCTION && self.may_reuse_factor() {
+        if self.model.skipping.unused_tangents && self.may_reuse_factor() {
             Request::Stress
         } else {
             Request::StressAndTangent
