@@ -83,10 +83,24 @@ impl DamageLaw {
     /// ∫₀^D (Y₀ + Z(D')) dD': what growing D from 0 dissipates when its conjugate force is Y itself
     /// (models I, II and III, or uniaxial tension of IV-H); N·mm/mm³. Exact for any η.
     pub fn dissipation(&self, eta: f64) -> f64 {
+        self.dissipation_with(eta, eta.powf(1.0 / self.b))
+    }
+
+    /// [`Self::dissipation`] of an η = η̂(Y): η^(1/B) = A (Y − Y₀) is known then.
+    pub fn dissipation_on_curve(&self, eta: f64, damage_energy_release_rate: f64) -> f64 {
+        if eta >= ETA_MAX {
+            return self.dissipation(eta);
+        }
+        self.dissipation_with(eta, self.a * (damage_energy_release_rate - self.threshold))
+    }
+
+    /// `root` = η^(1/B).
+    #[inline]
+    fn dissipation_with(&self, eta: f64, root: f64) -> f64 {
         if eta <= 0.0 {
             return 0.0;
         }
-        self.threshold * damage(eta) + excess_integral(eta, 1.0 / self.b) / self.a
+        self.threshold * damage(eta) + excess_integral_with(eta, 1.0 / self.b, root) / self.a
     }
 
     /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
@@ -107,15 +121,21 @@ const POLE_DISTANCE: f64 = 0.02;
 
 /// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p).
 pub(crate) fn excess_integral(eta: f64, p: f64) -> f64 {
+    excess_integral_with(eta, p, eta.powf(p))
+}
+
+/// `power` = η^p.
+#[inline]
+fn excess_integral_with(eta: f64, p: f64, power: f64) -> f64 {
     if eta <= 1.0 {
-        return lower_integral(eta, p);
+        return lower_integral(eta, p, power);
     }
     if p < 2.0 - POLE_DISTANCE && (p - p.round()).abs() > POLE_DISTANCE {
         // B_D(1+p, 1−p) = B(1+p, 1−p) − B_{1−D}(1−p, 1+p), by continuation also for p > 1
         let angle = std::f64::consts::PI * p;
-        return angle / angle.sin() - lower_integral(1.0 / eta, -p);
+        return angle / angle.sin() - lower_integral(1.0 / eta, -p, power);
     }
-    upper_integral(eta, p) + lower_integral(1.0, p)
+    upper_integral(eta, p) + lower_integral(1.0, p, 1.0)
 }
 
 /// The part between D = 1/2 and D, for any p: ∫_ω^{1/2} (1−w)^p w^−p dw with the binomial series of (1−w)^p. Each term
@@ -140,30 +160,41 @@ fn upper_integral(eta: f64, p: f64) -> f64 {
     upper
 }
 
-/// Levels of the continued fraction at D = 1/2, where each gains a factor of (√2 − 1)² = 0.17.
-const MOST_LEVELS: f64 = 24.0;
+/// Pairs of levels of the continued fraction at D = 1/2, where each level gains a factor of (√2 − 1)² = 0.17.
+const MOST_PAIRS: u32 = 12;
+/// Bits that the levels together have to gain.
+const BITS: u32 = 58;
 
-/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D), p > −2 and no negative integer.
+/// How many pairs of levels bring gain^levels below rounding: gain = (1−√ω)/(1+√ω) = D/(1+√ω)², at most 0.3432 D for
+/// D ≤ 1/2, rounded up to a power of two.
+#[inline]
+fn pairs_of_levels(d: f64) -> u32 {
+    let exponent = ((0.3432 * d).to_bits() >> 52) as u32;
+    let bits_per_level = 1022_u32.saturating_sub(exponent).max(1);
+    BITS.div_ceil(2 * bits_per_level).min(MOST_PAIRS)
+}
+
+/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D), p > −2 and no negative integer; `power` = η^p.
 ///
 /// Gauss's continued fraction ₂F₁(2, 1; c; z) = 1/(1 + d₁z/(1 + d₂z/(1 + …))) with
-/// d_{2k+1} = −(2+k)(c−1+k)/((c−1+2k)(c+2k)), d_{2k} = −k(c−3+k)/((c−2+2k)(c−1+2k)), from the last level that counts.
-fn lower_integral(eta: f64, p: f64) -> f64 {
+/// d_{2k+1} = −(2+k)(c−1+k)/((c−1+2k)(c+2k)), d_{2k} = −k(c−3+k)/((c−2+2k)(c−1+2k)), from the last level that counts, as
+/// one numerator and one denominator: a division is all that it waits for, at its end.
+fn lower_integral(eta: f64, p: f64, power: f64) -> f64 {
     let d = damage(eta);
     let w = integrity(eta);
-    let root = w.sqrt();
-    let gain = (1.0 - root) / (1.0 + root);
-    // half the levels that bring gain^levels below rounding
-    let pairs = (0.5 * (f64::EPSILON.ln() - 4.0) / gain.max(f64::MIN_POSITIVE).ln()).ceil().min(0.5 * MOST_LEVELS);
     let c = 2.0 + p;
-    let mut fraction = 1.0;
-    let mut k = pairs;
+    let (mut numerator, mut denominator) = (1.0, 1.0);
+    let mut k = f64::from(pairs_of_levels(d));
     while k >= 1.0 {
-        let even = -k * (c - 3.0 + k) / ((c - 2.0 + 2.0 * k) * (c - 1.0 + 2.0 * k));
-        let j = k - 1.0;
-        let odd = -(2.0 + j) * (c - 1.0 + j) / ((c - 1.0 + 2.0 * j) * (c + 2.0 * j));
-        fraction = 1.0 + odd * d / (1.0 + even * d / fraction);
+        // level 2k, then 2k − 1, each as n/m z
+        let even = [-k * (c - 3.0 + k), (c - 2.0 + 2.0 * k) * (c - 1.0 + 2.0 * k)];
+        let odd = [-(1.0 + k) * (c - 2.0 + k), (c - 3.0 + 2.0 * k) * (c - 2.0 + 2.0 * k)];
+        let inner = even[1] * numerator + even[0] * d * denominator;
+        let outer = odd[1] * inner;
+        numerator = outer + odd[0] * d * even[1] * numerator;
+        denominator = outer;
         k -= 1.0;
     }
     // D^(1+p) (1−D)^(1−p) = η^(1+p) (1−D)²
-    eta.powf(1.0 + p) * w * w / ((1.0 + p) * fraction)
+    eta * power * w * w * denominator / ((1.0 + p) * numerator)
 }

@@ -104,8 +104,11 @@ impl Law for InelasticDamage {
             StressState::PlaneStress => end.strain_33,
             _ => increment.strain[2],
         };
-        // the closed form is monotone but for its last digit
-        state[2] = state[2].max(parameters.damage_law.dissipation(eta));
+        // dearer than all the rest: only where it can change (0: of a state that a host began with)
+        if eta > eta_before || (state[2] == 0.0 && eta > 0.0) {
+            // the closed form is monotone but for its last digit
+            state[2] = state[2].max(parameters.damage_law.dissipation(eta));
+        }
         let response = Response {
             stress: split.stress(end.twice_shear, end.bulk * end.elastic_trace),
             tangent,
