@@ -4,7 +4,7 @@ use super::rotation::rotation_error;
 use super::{Point, Random, Sample};
 use crate::linear_elastic::LinearElastic;
 use crate::tensor::Elasticity;
-use umat_abi::law::{Law, StressState};
+use umat_abi::law::{Law, Request, StressState};
 
 /// [`rotation_error`] of many histories.
 pub fn check_rotation<L: Law>(sample: &Sample<'_>, stress_state: StressState, count: usize) {
@@ -38,6 +38,7 @@ pub fn check_invariants<L: Law>(
             let (again, again_state) = point.trial(&strain);
             assert_eq!(first.stress, again.stress);
             assert_eq!(first_state, again_state);
+            check_early_way_out(&point, &strain, &mut random);
             let response = point.advance(&strain);
             assert!(response.stress.iter().chain(response.tangent.iter().flatten()).all(|x| x.is_finite()));
             for &k in &monotone {
@@ -57,6 +58,34 @@ pub fn check_invariants<L: Law>(
                 assert!((still_state[k] - point.state[k]).abs() <= 1e-13 * point.state[k].abs());
             }
         }
+    }
+}
+
+/// What [`Law::elastic`] says is what the update says, and its state is untouched where it says nothing: at NaN and
+/// infinity too, which nobody looked for before.
+fn check_early_way_out<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], random: &mut Random) {
+    let early = |strain: &[f64; 6]| {
+        let mut state = point.state.clone();
+        let request = Request::StressAndTangent;
+        (L::elastic(&point.parameters, &point.increment(strain), &mut state, request), state)
+    };
+    match early(strain) {
+        (Some(response), state) => {
+            let (expected, expected_state) = point.trial(strain);
+            assert_eq!(
+                (response.stress, response.tangent, response.stored_energy, state),
+                (expected.stress, expected.tangent, expected.stored_energy, expected_state)
+            );
+            assert_eq!(response.dissipated_energy, expected.dissipated_energy);
+        }
+        (None, state) => assert_eq!(state, point.state),
+    }
+    let components = point.stress_state.components();
+    for poison in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, f64::MAX] {
+        let mut strain = *strain;
+        strain[components[(random.unit() * components.len() as f64) as usize]] = poison;
+        let (response, state) = early(&strain);
+        assert!(response.is_none() && state == point.state, "{response:?} at {strain:?}");
     }
 }
 

@@ -142,14 +142,18 @@ impl<'p, L: Law> Point<'p, L> {
     /// The response at a strain from the committed state, which stays as it is, and the states there.
     pub fn respond(&self, strain: &[f64; 6], request: Request) -> (Result<Response, Failure>, Vec<f64>) {
         let mut state = self.state.clone();
-        let increment = Increment {
+        (L::update(&self.parameters, &self.increment(strain), &mut state, request), state)
+    }
+
+    /// The increment to a strain.
+    pub fn increment(&self, strain: &[f64; 6]) -> Increment {
+        Increment {
             stress_state: self.stress_state,
             strain: *strain,
             strain_increment: std::array::from_fn(|i| strain[i] - self.strain[i]),
             stress: self.stress,
             characteristic_length: self.characteristic_length,
-        };
-        (L::update(&self.parameters, &increment, &mut state, request), state)
+        }
     }
 
     /// The same of a law that answers.

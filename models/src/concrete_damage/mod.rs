@@ -20,7 +20,7 @@ mod test;
 
 use crate::damage_law::DamageLaw;
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
-use crate::tensor::{Elasticity, Spectral, stress_norm_squared, work};
+use crate::tensor::{Elasticity, Spectral, stress_norm_squared};
 use crack_band::CrackBand;
 use dissipation::Start;
 use evolution::Evolution;
@@ -143,6 +143,9 @@ const STATES: [StateVariable; 13] = [
 ];
 
 const CRACK_BAND: usize = 4;
+const CRACK_BAND_OFF: f64 = 0.0;
+const CRACK_BAND_ON: f64 = 1.0;
+const CRACK_BAND_UNUSABLE: f64 = 2.0;
 const INELASTIC_STRAIN: usize = 5;
 const STRAIN_33_STATE: usize = 11;
 const DISSIPATED_ENERGY_STATE: usize = 12;
@@ -201,6 +204,28 @@ impl Law for ConcreteDamage {
         Ok(())
     }
 
+    #[inline(always)]
+    fn elastic(
+        parameters: &Parameters,
+        increment: &Increment,
+        state: &mut [f64],
+        request: Request,
+    ) -> Option<Response> {
+        let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
+            (false, _) => CRACK_BAND_OFF,
+            (true, None) => CRACK_BAND_UNUSABLE,
+            // the first call of a point, where the length is checked
+            (true, Some(_)) if state[CRACK_BAND] != CRACK_BAND_ON => return None,
+            (true, Some(_)) => CRACK_BAND_ON,
+        };
+        if state[0] != 0.0 || state[1] != 0.0 {
+            return None;
+        }
+        let trial = trial_strain(increment, state);
+        let elastic = elastic_response(parameters, increment.stress_state, &trial)?;
+        elastic.response(parameters, increment, &trial, crack_band, state, request).ok()
+    }
+
     #[inline]
     fn update(
         parameters: &Parameters,
@@ -208,48 +233,10 @@ impl Law for ConcreteDamage {
         state: &mut [f64],
         request: Request,
     ) -> Result<Response, Failure> {
-        increment.check_strain()?;
-        let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
-            (false, _) => 0.0,
-            (true, None) => 2.0,
-            (true, Some(length)) => {
-                // a UMAT has no set-up phase: the first call of a point is where the length is checked
-                if state[CRACK_BAND] != 1.0 {
-                    Self::check_characteristic_length(parameters, length)?;
-                }
-                1.0
-            }
-        };
-        let history = History {
-            tension: Branch { eta: state[0], maximum: state[2] },
-            compression: Branch { eta: state[1], maximum: state[3] },
-        };
-        let trial: [f64; 6] = std::array::from_fn(|i| increment.strain[i] - state[INELASTIC_STRAIN + i]);
-        if history.tension.eta == 0.0
-            && history.compression.eta == 0.0
-            && let Some(elastic) = elastic_response(parameters, increment.stress_state, &trial)
-        {
-            let plane_stress = increment.stress_state == StressState::PlaneStress;
-            state[CRACK_BAND] = crack_band;
-            state[STRAIN_33_STATE] = if plane_stress {
-                parameters.elasticity.plane_stress_strain_33(&trial) + state[INELASTIC_STRAIN + 2]
-            } else {
-                increment.strain[2]
-            };
-            let response = Response {
-                stress: elastic.stress,
-                tangent: match (request.wants_tangent(), plane_stress) {
-                    (false, _) => [[0.0; 6]; 6],
-                    (true, false) => parameters.elasticity.stiffness(),
-                    (true, true) => parameters.elasticity.plane_stress_stiffness(),
-                },
-                stored_energy: elastic.energy,
-                // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
-                dissipated_energy: state[DISSIPATED_ENERGY_STATE],
-            };
-            return response.finite_by_diagonal(state);
+        if let Some(response) = Self::elastic(parameters, increment, state, request) {
+            return Ok(response);
         }
-        advance(parameters, increment, state, request, crack_band, &history, trial)
+        advance(parameters, increment, state, request)
     }
 
     const UPDATES_BLOCKS: bool = true;
@@ -260,22 +247,53 @@ impl Law for ConcreteDamage {
     }
 }
 
-/// The update of a point that is damaged or may become so. A function of its own: the elastic one stays short.
+/// ε − ε_p.
+#[inline(always)]
+fn trial_strain(increment: &Increment, state: &[f64]) -> [f64; 6] {
+    let mut trial = increment.strain;
+    for i in 0..6 {
+        trial[i] -= state[INELASTIC_STRAIN + i];
+    }
+    trial
+}
+
+/// The update of a point that is damaged or may become so, or that is called for the first time. A function of its own: the
+/// elastic one stays short.
 #[inline(never)]
 fn advance(
     parameters: &Parameters,
     increment: &Increment,
     state: &mut [f64],
     request: Request,
-    crack_band: f64,
-    history: &History,
-    trial: [f64; 6],
 ) -> Result<Response, Failure> {
+    increment.check_strain()?;
+    let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
+        (false, _) => CRACK_BAND_OFF,
+        (true, None) => CRACK_BAND_UNUSABLE,
+        (true, Some(length)) => {
+            // a UMAT has no set-up phase: the first call of a point is where the length is checked
+            if state[CRACK_BAND] != CRACK_BAND_ON {
+                ConcreteDamage::check_characteristic_length(parameters, length)?;
+            }
+            CRACK_BAND_ON
+        }
+    };
+    let history = History {
+        tension: Branch { eta: state[0], maximum: state[2] },
+        compression: Branch { eta: state[1], maximum: state[3] },
+    };
+    let trial = trial_strain(increment, state);
+    if history.tension.eta == 0.0
+        && history.compression.eta == 0.0
+        && let Some(elastic) = elastic_response(parameters, increment.stress_state, &trial)
+    {
+        return elastic.response(parameters, increment, &trial, crack_band, state, request);
+    }
     let softening = parameters.softening(increment.characteristic_length);
-    let point = solve_point(parameters, &softening, history, increment, state, trial)?;
+    let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
     let stress = point.stress(parameters);
     let dissipation = if point.dissipates() {
-        let start = point.start(history, increment, state);
+        let start = point.start(&history, increment, state);
         let axes = Spectral::of_strain(&start.elastic_strain);
         dissipation::increment(parameters, &softening, &start, &axes.values, &point.evolution, &point.axes, &stress)
     } else {
@@ -283,7 +301,7 @@ fn advance(
     };
     let energy = point.evolution.solid.energy();
     if !point.is_finite(energy, dissipation, &stress) {
-        if let (true, Some(length)) = (crack_band == 1.0, increment.characteristic_length) {
+        if let (true, Some(length)) = (crack_band == CRACK_BAND_ON, increment.characteristic_length) {
             ConcreteDamage::check_characteristic_length(parameters, length)?;
         }
         return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
@@ -301,9 +319,45 @@ struct ElasticResponse {
     energy: f64,
 }
 
+impl ElasticResponse {
+    /// Writes the state, if all is finite; what is not written stays.
+    #[inline(always)]
+    fn response(
+        self,
+        parameters: &Parameters,
+        increment: &Increment,
+        trial: &[f64; 6],
+        crack_band: f64,
+        state: &mut [f64],
+        request: Request,
+    ) -> Result<Response, Failure> {
+        let elasticity = &parameters.elasticity;
+        let plane_stress = increment.stress_state == StressState::PlaneStress;
+        let response = Response {
+            stress: self.stress,
+            tangent: match (request.wants_tangent(), plane_stress) {
+                (false, _) => [[0.0; 6]; 6],
+                (true, false) => elasticity.stiffness(),
+                (true, true) => elasticity.plane_stress_stiffness(),
+            },
+            stored_energy: self.energy,
+            // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
+            dissipated_energy: state[DISSIPATED_ENERGY_STATE],
+        };
+        let response = response.finite_by_diagonal(&[])?;
+        state[CRACK_BAND] = crack_band;
+        state[STRAIN_33_STATE] = if plane_stress {
+            elasticity.plane_stress_strain_33(trial) + state[INELASTIC_STRAIN + 2]
+        } else {
+            increment.strain[2]
+        };
+        Ok(response)
+    }
+}
+
 /// The response of the virgin solid, if a bound without principal values shows that nothing can grow:
-/// s̄_1² ≤ s̄ : s̄ bounds Y_t, and Y_c ≤ ½ s̄ : ε.
-#[inline]
+/// s̄_1² ≤ s̄ : s̄ bounds Y_t = ⟨s̄_1⟩²/(2E), and Y_c ≤ ½ s̄ : ε.
+#[inline(always)]
 fn elastic_response(parameters: &Parameters, stress_state: StressState, strain: &[f64; 6]) -> Option<ElasticResponse> {
     let elasticity = &parameters.elasticity;
     let plane_stress = stress_state == StressState::PlaneStress;
@@ -312,10 +366,11 @@ fn elastic_response(parameters: &Parameters, stress_state: StressState, strain: 
         strain[2] = elasticity.plane_stress_strain_33(&strain);
     }
     let mut stress = elasticity.stress(&strain);
-    let energy = 0.5 * work(&stress, &strain);
-    let tension = stress_norm_squared(&stress) / (2.0 * elasticity.youngs_modulus);
+    let energy = elasticity.stored_energy(&strain);
+    // a square that overflows is none below
+    let limit = (2.0 * elasticity.youngs_modulus * parameters.tension.threshold).min(f64::MAX);
     // false for NaN too
-    if !(tension <= parameters.tension.threshold && energy <= parameters.compression.threshold) {
+    if !(stress_norm_squared(&stress) <= limit && energy <= parameters.compression.threshold) {
         return None;
     }
     if plane_stress {

@@ -8,12 +8,12 @@ use umat_abi::law::ConfigurationError;
 #[derive(Clone, Copy, Debug)]
 pub struct Hardening<'p> {
     points: &'p [[f64; 2]],
-    least: f64,
 }
 
 impl<'p> Hardening<'p> {
     /// Checks the table: starts at p = 0, p strictly increasing, softening slopes mild enough for a
     /// unique return in every stress state (see the notes of the law).
+    #[inline(always)]
     pub(super) fn new(props: &'p [f64], elasticity: &Elasticity) -> Result<Self, ConfigurationError> {
         let (points, _) = props.as_chunks::<2>();
         if points[0][1] != 0.0 {
@@ -31,26 +31,25 @@ impl<'p> Hardening<'p> {
                     value: end,
                 });
             }
-            let slope = (end_stress - start_stress) / (end - start);
-            if !slope.is_finite() || slope <= steepest {
+            // this runs in every call: no division
+            let (rise, run) = (end_stress - start_stress, end - start);
+            if !(rise.abs() < f64::MAX * run && rise > steepest * run) {
                 return Err(ConfigurationError::Inconsistent {
                     rule: "hardening slopes must be finite and above -E/(2(1-nu))",
-                    value: slope,
+                    value: rise / run,
                 });
             }
         }
-        let least = points.iter().fold(f64::INFINITY, |least, point| least.min(point[0]));
-        Ok(Self { points, least })
+        Ok(Self { points })
     }
 
     /// The least yield stress of the table, MPa.
-    #[inline]
     pub fn least(&self) -> f64 {
-        self.least
+        self.points.iter().fold(f64::INFINITY, |least, point| least.min(point[0]))
     }
 
     /// σ_y(p), MPa.
-    #[inline]
+    #[inline(always)]
     pub fn yield_stress(&self, peeq: f64) -> f64 {
         let segment = self.segment(peeq);
         let [stress, start] = self.points[segment];
@@ -97,10 +96,13 @@ impl<'p> Hardening<'p> {
         }
     }
 
+    #[inline(always)]
     fn segment(&self, peeq: f64) -> usize {
-        self.points.partition_point(|point| point[1] <= peeq).saturating_sub(1)
+        // reading the table looked at all of it: no search is worth its while
+        self.points[1..].iter().take_while(|point| point[1] <= peeq).count()
     }
 
+    #[inline(always)]
     fn slope_of(&self, segment: usize) -> f64 {
         match self.points.get(segment + 1) {
             Some(next) => {
@@ -114,6 +116,7 @@ impl<'p> Hardening<'p> {
 
 /// −dq/dp of the plane-stress return in equibiaxial stress, E/(2(1 − ν)): the least of all stress
 /// states (3μ in shear and in three dimensions).
+#[inline(always)]
 fn equibiaxial_modulus(elasticity: &Elasticity) -> f64 {
     0.5 * elasticity.youngs_modulus / (1.0 - elasticity.poisson_ratio)
 }

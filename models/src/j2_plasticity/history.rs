@@ -20,6 +20,9 @@ pub(crate) const STATES: [StateVariable; 9] = [
     DISSIPATED_ENERGY,
 ];
 
+/// Number of the total strain 33 among them.
+pub(crate) const STRAIN_33_STATE: usize = 7;
+
 /// The same as numbers.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct PlasticHistory {
@@ -40,7 +43,7 @@ impl PlasticHistory {
         Self {
             peeq: state[0],
             plastic_strain: std::array::from_fn(|i| state[1 + i]),
-            strain_33: state[7],
+            strain_33: state[STRAIN_33_STATE],
             dissipated_energy: state[8],
         }
     }
@@ -50,7 +53,7 @@ impl PlasticHistory {
     pub fn write(&self, state: &mut [f64]) {
         state[0] = self.peeq;
         state[1..7].copy_from_slice(&self.plastic_strain);
-        state[7] = self.strain_33;
+        state[STRAIN_33_STATE] = self.strain_33;
         state[8] = self.dissipated_energy;
     }
 

@@ -1,10 +1,10 @@
 //! Plane stress: the projected return of Simo & Taylor. In sum, difference and shear
 //! S = σ11 + σ22, D = σ11 − σ22, T = σ12 everything is diagonal, and one scalar κ remains.
 
-use super::{Parameters, Returned, YIELD_ROUNDING};
+use super::{Parameters, Returned, Start, admissible_stress};
 use crate::bracketed_newton::bracketed_newton;
 use crate::tensor::{Elasticity, add_dyad};
-use umat_abi::law::Request;
+use umat_abi::law::{Failure, Request, Response};
 
 /// The moduli of S and D at a given κ = 3Δp/(2q), and the in-plane stress that goes with them.
 struct Projected {
@@ -99,16 +99,19 @@ fn solve_kappa(parameters: &Parameters<'_>, trial: &[f64; 6], trial_stress: f64,
 }
 
 /// Returns the trial state with in-plane elastic strain `trial`.
+#[inline(never)]
 pub(super) fn plane_stress_return(
     parameters: &Parameters<'_>,
-    trial: &[f64; 6],
-    peeq: f64,
+    start: &Start,
+    state: &mut [f64],
     request: Request,
-) -> Returned {
+) -> Result<Response, Failure> {
     let Parameters { elasticity, hardening } = parameters;
+    let Start { trial, history, .. } = start;
+    let peeq = history.peeq;
     let elastic = Projected::new(elasticity, trial, 0.0);
     let trial_stress = elastic.equivalent_stress();
-    let plastic = trial_stress > hardening.yield_stress(peeq) * (1.0 + YIELD_ROUNDING);
+    let plastic = trial_stress > admissible_stress(hardening, peeq);
     let kappa = if plastic { solve_kappa(parameters, trial, trial_stress, peeq) } else { 0.0 };
     let projected = if plastic { Projected::new(elasticity, trial, kappa) } else { elastic };
     let q = projected.equivalent_stress();
@@ -127,6 +130,7 @@ pub(super) fn plane_stress_return(
         }
     }
     let plastic_increment = flow.map(|s| kappa * s);
+    let elastic_strain_33 = -elasticity.poisson_ratio / elasticity.youngs_modulus * projected.sum;
     Returned {
         equivalent_stress: q,
         mean_stress: projected.sum / 3.0,
@@ -134,6 +138,7 @@ pub(super) fn plane_stress_return(
         tangent,
         peeq_increment,
         plastic_increment,
-        strain_33: -elasticity.poisson_ratio / elasticity.youngs_modulus * projected.sum + plastic_increment[2],
+        strain_33: history.plastic_strain[2] + (elastic_strain_33 + plastic_increment[2]),
     }
+    .finish(parameters, *history, state)
 }

@@ -1,61 +1,95 @@
 //! Three dimensions, plane strain, axisymmetry: the return is radial in deviatoric stress and
 //! ends in closed form.
 
-use super::{Parameters, Returned, YIELD_ROUNDING};
-use crate::tensor::{add_dyad, deviator, strain_norm_squared};
-use umat_abi::law::Request;
+use super::{Parameters, Returned, Start};
+use crate::tensor::{Elasticity, add_dyad, deviator, strain_norm_squared, trace};
+use umat_abi::law::{Failure, Request, Response};
 
-/// Returns the trial state with elastic strain `trial` (of the end strain and the old plastic strain).
-///
-/// `volumetric` is tr ε of the total strain: plastic flow keeps the volume, and the trace of the
-/// stored plastic strain is only rounding, which a bulk modulus at ν → ½ would magnify.
-#[inline]
+/// The stress without flow: s = 2μ e, mean stress k tr ε.
+pub(super) struct TrialState {
+    deviator: [f64; 6],
+    /// e : e.
+    norm_squared: f64,
+    mean_stress: f64,
+    volumetric: f64,
+}
+
+impl TrialState {
+    /// The volumetric strain is that of the total strain: plastic flow keeps the volume, and the trace of the
+    /// stored plastic strain is only rounding, which a bulk modulus at ν → ½ would magnify.
+    #[inline(always)]
+    pub fn new(elasticity: &Elasticity, start: &Start) -> Self {
+        let deviator = deviator(&start.trial);
+        let norm_squared = strain_norm_squared(&deviator);
+        let volumetric = trace(&start.strain);
+        Self { deviator, norm_squared, volumetric, mean_stress: elasticity.bulk_modulus * volumetric }
+    }
+
+    /// q² = 3/2 s:s, MPa².
+    #[inline(always)]
+    pub fn equivalent_stress_squared(&self, elasticity: &Elasticity) -> f64 {
+        6.0 * (elasticity.shear_modulus * elasticity.shear_modulus) * self.norm_squared
+    }
+
+    /// The stress with the deviator's share of another shear modulus.
+    #[inline(always)]
+    fn stress(&self, shear_modulus: f64) -> [f64; 6] {
+        let (mean, normal, shear) = (self.mean_stress, 2.0 * shear_modulus, shear_modulus);
+        let means = [mean, mean, mean, 0.0, 0.0, 0.0];
+        let moduli = [normal, normal, normal, shear, shear, shear];
+        let mut stress = [0.0; 6];
+        for i in 0..6 {
+            stress[i] = means[i] + moduli[i] * self.deviator[i];
+        }
+        stress
+    }
+
+    /// Nothing flows.
+    #[inline(always)]
+    pub fn elastic_response(&self, elasticity: &Elasticity, dissipated_energy: f64, request: Request) -> Response {
+        let Elasticity { shear_modulus, .. } = *elasticity;
+        Response {
+            stress: self.stress(shear_modulus),
+            tangent: if request.wants_tangent() { elasticity.stiffness() } else { [[0.0; 6]; 6] },
+            stored_energy: shear_modulus * self.norm_squared + 0.5 * self.mean_stress * self.volumetric,
+            dissipated_energy,
+        }
+    }
+}
+
+/// Returns the trial state to the yield surface.
+#[inline(never)]
 pub(super) fn radial_return(
     parameters: &Parameters<'_>,
-    trial: &[f64; 6],
-    volumetric: f64,
-    peeq: f64,
+    start: &Start,
+    trial: &TrialState,
+    state: &mut [f64],
     request: Request,
-) -> Returned {
+) -> Result<Response, Failure> {
     let Parameters { elasticity, hardening } = parameters;
-    let mu = elasticity.shear_modulus;
-    // s = 2μ e, q = √(3/2 s:s)
-    let mean_stress = elasticity.bulk_modulus * volumetric;
-    let trial_deviator = deviator(trial);
-    let trial_stress = mu * (6.0 * strain_norm_squared(&trial_deviator)).sqrt();
-    let complete = |s: &[f64; 6], factor: f64| {
-        std::array::from_fn(|i| if i < 3 { mean_stress + 2.0 * factor * s[i] } else { factor * s[i] })
-    };
-    let mut returned = Returned {
-        equivalent_stress: trial_stress,
-        mean_stress,
-        stress: complete(&trial_deviator, mu),
-        tangent: [[0.0; 6]; 6],
-        peeq_increment: 0.0,
-        plastic_increment: [0.0; 6],
-        strain_33: 0.0,
-    };
-    if trial_stress <= hardening.yield_stress(peeq) * (1.0 + YIELD_ROUNDING) {
-        if request.wants_tangent() {
-            returned.tangent = elasticity.stiffness();
-        }
-        return returned;
-    }
+    let (mu, peeq) = (elasticity.shear_modulus, start.history.peeq);
+    let trial_stress = mu * (6.0 * trial.norm_squared).sqrt();
     let (peeq_increment, slope) = hardening.radial_return(trial_stress, peeq, 3.0 * mu);
     let yield_stress = hardening.yield_stress(peeq + peeq_increment);
     let ratio = yield_stress / trial_stress;
-    returned.equivalent_stress = yield_stress;
-    returned.peeq_increment = peeq_increment;
-    returned.stress = complete(&trial_deviator, ratio * mu);
-    // Δεᵖ = Δp (3/2) s/q, as a strain
-    returned.plastic_increment = trial_deviator.map(|e| 3.0 * mu * peeq_increment / trial_stress * e);
+    let mut tangent = [[0.0; 6]; 6];
     if request.wants_tangent() {
-        returned.tangent = elasticity.with_shear_modulus(ratio * mu).stiffness();
+        tangent = elasticity.with_shear_modulus(ratio * mu).stiffness();
         // N = s/q
         let direction: [f64; 6] =
-            std::array::from_fn(|i| trial_deviator[i] * mu / trial_stress * if i < 3 { 2.0 } else { 1.0 });
+            std::array::from_fn(|i| trial.deviator[i] * mu / trial_stress * if i < 3 { 2.0 } else { 1.0 });
         let factor = 3.0 * mu * (slope / (3.0 * mu + slope) - ratio);
-        add_dyad(&mut returned.tangent, factor, &direction, &direction);
+        add_dyad(&mut tangent, factor, &direction, &direction);
     }
-    returned
+    Returned {
+        equivalent_stress: yield_stress,
+        mean_stress: trial.mean_stress,
+        stress: trial.stress(ratio * mu),
+        tangent,
+        peeq_increment,
+        // Δεᵖ = Δp (3/2) s/q, as a strain
+        plastic_increment: trial.deviator.map(|e| 3.0 * mu * peeq_increment / trial_stress * e),
+        strain_33: start.strain[2],
+    }
+    .finish(parameters, start.history, state)
 }

@@ -1,6 +1,6 @@
 #![doc = include_str!("doc.md")]
 
-use crate::tensor::{Elasticity, work};
+use crate::tensor::Elasticity;
 use umat_abi::law::{
     Block, BlockResponse, ConfigurationError, Failure, Increment, LANES, Lane, Law, LawInfo, Request, Response,
     StressState,
@@ -69,11 +69,23 @@ impl Law for LinearElastic {
             (true, false) => elasticity.stiffness(),
             (true, true) => elasticity.plane_stress_stiffness(),
         };
-        state[0] = strain_33;
-        state[1] = 0.0;
-        Ok(Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 })
+        let response = Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 };
+        let response = response.finite_by_diagonal(&[strain_33])?;
+        state[..2].copy_from_slice(&[strain_33, 0.0]);
+        Ok(response)
     }
 
+    #[inline(always)]
+    fn elastic(
+        elasticity: &Elasticity,
+        increment: &Increment,
+        state: &mut [f64],
+        request: Request,
+    ) -> Option<Response> {
+        Self::update(elasticity, increment, state, request).ok()
+    }
+
+    const FINITE_OR_FAILS: bool = true;
     const UPDATES_BLOCKS: bool = true;
 
     #[inline(always)]
@@ -111,6 +123,6 @@ impl Elastic {
         if plane_stress {
             stress[2] = 0.0;
         }
-        Self { strain_33: strain[2], stress, energy: 0.5 * work(&stress, &strain) }
+        Self { strain_33: strain[2], stress, energy: elasticity.stored_energy(&strain) }
     }
 }

@@ -1,7 +1,7 @@
 //! Isotropic linear elasticity (models.md §1.1).
 
 use super::isotropic::stiffness_of;
-use super::trace;
+use super::{strain_norm_squared, trace};
 
 /// Lamé's constants and relatives of an isotropic solid, MPa.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +70,13 @@ impl Elasticity {
             mu * strain[4],
             mu * strain[5],
         ]
+    }
+
+    /// ½ ε : K₀ : ε = ½ (λ tr²(ε) + 2μ ε : ε): of the strains alone, beside the stress.
+    #[inline(always)]
+    pub fn stored_energy(&self, strain: &[f64; 6]) -> f64 {
+        let trace = trace(strain);
+        0.5 * self.lambda * (trace * trace) + self.shear_modulus * strain_norm_squared(strain)
     }
 
     /// K₀ in components: ∂σ_i/∂ε_j with engineering shear.

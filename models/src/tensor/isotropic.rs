@@ -1,6 +1,7 @@
 //! Isotropic linear relations in n normal directions (models.md §4.1): n = 3, or n = 2 in plane
 //! stress, where the law of the plane is as simple as that of space once σ33 = 0 is built in.
 
+use super::{deviator, trace};
 use umat_abi::law::StressState;
 
 /// ε split into the n-dimensional deviator e (with the shears) and the trace θ.
@@ -24,15 +25,15 @@ impl IsotropicSplit {
     /// Splits a strain; in plane stress ε33 is not looked at.
     #[inline(always)]
     pub fn new(stress_state: StressState, strain: &[f64; 6]) -> Self {
-        let directions = normal_directions(stress_state);
-        let trace: f64 = strain[..directions].iter().sum();
-        let mean = trace / directions as f64;
-        let mut deviator = *strain;
-        deviator[directions..3].fill(0.0);
-        for normal in &mut deviator[..directions] {
-            *normal -= mean;
+        if normal_directions(stress_state) == 3 {
+            return Self { directions: 3, deviator: deviator(strain), trace: trace(strain) };
         }
-        Self { directions, deviator, trace }
+        let half_difference = 0.5 * (strain[0] - strain[1]);
+        Self {
+            directions: 2,
+            deviator: [half_difference, -half_difference, 0.0, strain[3], strain[4], strain[5]],
+            trace: strain[0] + strain[1],
+        }
     }
 
     /// n.

@@ -15,20 +15,23 @@ pub use spectral::Spectral;
 mod test;
 
 /// tr ε (or tr σ).
-#[inline]
+#[inline(always)]
 pub fn trace(tensor: &[f64; 6]) -> f64 {
     tensor[0] + tensor[1] + tensor[2]
 }
 
-/// Deviator of a strain; the engineering shears stay as they are.
-#[inline]
+/// Deviator of a strain; the engineering shears stay as they are. From differences of the normal strains, which equal ones
+/// leave without a trace of rounding.
+#[inline(always)]
 pub fn deviator(strain: &[f64; 6]) -> [f64; 6] {
-    let mean = trace(strain) / 3.0;
-    [strain[0] - mean, strain[1] - mean, strain[2] - mean, strain[3], strain[4], strain[5]]
+    const THIRD: f64 = 1.0 / 3.0;
+    let [a, b, c, ..] = *strain;
+    let (ab, bc, ca) = (a - b, b - c, c - a);
+    [THIRD * (ab - ca), THIRD * (bc - ab), THIRD * (ca - bc), strain[3], strain[4], strain[5]]
 }
 
 /// ε : ε of a strain with engineering shear, Σ ε_ii² + ½ Σ γ_ij².
-#[inline]
+#[inline(always)]
 pub fn strain_norm_squared(strain: &[f64; 6]) -> f64 {
     let [a, b, c, d, e, f] = *strain;
     a * a + b * b + c * c + 0.5 * (d * d + e * e + f * f)

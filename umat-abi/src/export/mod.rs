@@ -93,7 +93,18 @@ impl fmt::Display for Refusal {
 /// Runs the body of an entry point with panics caught, in the default floating-point environment.
 #[inline]
 fn guarded(body: impl FnOnce() -> Result<(), Refusal>) -> Result<(), Refusal> {
-    in_default_environment(|| catch_unwind(AssertUnwindSafe(body)).unwrap_or(Err(Refusal::Panic)))
+    in_default_environment(|| {
+        // the refusal beside the closure's value, which is copied: a bit, where all is well
+        let mut refusal = Refusal::Panic;
+        let done = catch_unwind(AssertUnwindSafe(|| match body() {
+            Ok(()) => true,
+            Err(why) => {
+                refusal = why;
+                false
+            }
+        }));
+        if let Ok(true) = done { Ok(()) } else { Err(refusal) }
+    })
 }
 
 /// Prints the first refusal of the process that a user has to act on.

@@ -134,16 +134,23 @@ unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<
         }
     }
     let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
+    // nothing fails from a finite response on, so that outputs are written all or not at all
+    if let Some(response) = L::elastic(&parameters, &increment, state, request) {
+        // SAFETY: as above.
+        unsafe { write(a, stress_state, &response, state) };
+        return Ok(());
+    }
+    finite(&increment.strain, "NaN or infinity in STRAN or DSTRAN")?;
     // matched in place: a response is not worth a copy
-    let outcome = L::update(&parameters, &increment, state, request);
-    let response = match &outcome {
-        Ok(response) => response,
-        Err(failure) => return Err((*failure).into()),
-    };
-    check_response::<L>(response, state, request)?;
-    // SAFETY: as above; nothing fails from here on, so that outputs are written all or not at all.
-    unsafe { write(a, stress_state, response, state) };
-    Ok(())
+    match &L::update(&parameters, &increment, state, request) {
+        Ok(response) => {
+            check_response::<L>(response, state, request)?;
+            // SAFETY: as above.
+            unsafe { write(a, stress_state, response, state) };
+            Ok(())
+        }
+        Err(failure) => Err((*failure).into()),
+    }
 }
 
 #[inline(always)]
@@ -163,7 +170,6 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
         increment.strain_increment[i] = dstran[k];
         increment.stress[i] = stress[k];
     }
-    finite(&increment.strain, "NaN or infinity in STRAN or DSTRAN")?;
     if const { L::INFO.flags & flags::USES_CELENT != 0 } {
         // SAFETY: CELENT is NULL or valid.
         increment.characteristic_length =
@@ -215,7 +221,8 @@ unsafe fn write_components<const N: usize>(a: &Arguments, response: &Response, c
     // SAFETY: forwarded to the caller.
     unsafe {
         for k in 0..N {
-            a.stress.add(k).write(response.stress[components[k]]);
+            // one by one: a pair that a law has just written as two numbers would have to wait for both
+            a.stress.add(k).write_volatile(response.stress[components[k]]);
         }
         if !a.ddsdde.is_null() {
             for column in 0..N {
@@ -241,7 +248,7 @@ const fn first_tensor_state(states: &[StateVariable]) -> Option<usize> {
 }
 
 /// DROT if it is there and is no identity.
-#[inline]
+#[inline(always)]
 unsafe fn incremental_rotation(drot: *const f64) -> Result<Option<[[f64; 3]; 3]>, Refusal> {
     if drot.is_null() {
         return Ok(None);
