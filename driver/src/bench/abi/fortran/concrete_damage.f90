@@ -152,9 +152,9 @@ contains
       p = 1 / c%b
       closing = 1 - c%rho
       w = 1 / (1 + eta)
-      excess = c%beta / c%rho * excess_integral(eta, p)
+      excess = c%beta / c%rho * excess_integral(eta, p, eta**p)
       if (c%rho > c%beta .and. closing > 0) &
-         excess = excess + (c%rho - c%beta) / c%rho * closing**(-p) * excess_integral(closing * eta, p)
+         excess = excess + (c%rho - c%beta) / c%rho * closing**(-p) * excess_integral(closing * eta, p, (closing * eta)**p)
       d = c%threshold * (1 - w * (1 - c%beta + c%beta * w) / (1 - c%rho + c%rho * w)) + excess / c%a
    end function curve_dissipation
 
@@ -328,8 +328,9 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       block
          real(dp) :: sigma(6), stiffness(6, 6), energy
          call elastic(virgin, strain, sigma, stiffness)
-         energy = 0.5_dp * dot_product(sigma, strain)
-         if ((sum(sigma(1:3)**2) + 2 * sum(sigma(4:6)**2)) / (2 * props(1)) <= props(5) .and. energy <= props(8)) then
+         energy = 0.5_dp * virgin%lambda * (strain(1) + strain(2) + strain(3))**2 &
+            + virgin%mu * (sum(strain(1:3)**2) + 0.5_dp * sum(strain(4:6)**2))
+         if (sum(sigma(1:3)**2) + 2 * sum(sigma(4:6)**2) <= 2 * props(1) * props(5) .and. energy <= props(8)) then
             stress(1:6) = sigma
             ddsdde(1:6, 1:6) = stiffness
             sse = energy

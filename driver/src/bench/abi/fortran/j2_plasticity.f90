@@ -56,7 +56,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    implicit none
    include 'arguments.inc'
    real(dp) :: strain(6), deviator(6), direction(6), mu, bulk, volume, mean, trial, peeq, increment, hardening, ratio
-   real(dp) :: equivalent, factor, shear
+   real(dp) :: equivalent, factor, shear, difference(3), square, admissible
    integer :: n, k, i, j
    n = (nprops - 2) / 2
    mu = props(1) / (2 * (1 + props(2)))
@@ -66,13 +66,19 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    mean = bulk * volume
    peeq = statev(1)
    deviator = strain - statev(2:7)
-   deviator(1:3) = deviator(1:3) - (deviator(1) + deviator(2) + deviator(3)) / 3
-   trial = mu * sqrt(6 * (sum(deviator(1:3)**2) + 0.5_dp * sum(deviator(4:6)**2)))
+   difference = [deviator(1) - deviator(2), deviator(2) - deviator(3), deviator(3) - deviator(1)]
+   deviator(1) = (difference(1) - difference(3)) * (1._dp / 3)
+   deviator(2) = (difference(2) - difference(1)) * (1._dp / 3)
+   deviator(3) = (difference(3) - difference(2)) * (1._dp / 3)
+   square = sum(deviator(1:3)**2) + 0.5_dp * sum(deviator(4:6)**2)
+   admissible = yield_stress(props(3:), n, peeq) * (1 + 8 * epsilon(1._dp))
    ratio = 1
    increment = 0
    hardening = 0
-   equivalent = trial
-   if (trial > yield_stress(props(3:), n, peeq) * (1 + 8 * epsilon(1._dp))) then
+   if (6 * mu**2 * square <= admissible**2) then
+      sse = mu * square + 0.5_dp * mean * volume
+   else
+      trial = mu * sqrt(6 * square)
       ! the last joint that the return passes
       k = 1
       do while (k < n)
@@ -87,6 +93,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       end if
       equivalent = yield_stress(props(3:), n, peeq + increment)
       ratio = equivalent / trial
+      sse = equivalent**2 / (6 * mu) + mean**2 / (2 * bulk)
    end if
    shear = ratio * mu
    stress(1:3) = mean + 2 * shear * deviator(1:3)
@@ -111,7 +118,6 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
       statev(1) = peeq + increment
    end if
    statev(8) = strain(3)
-   sse = equivalent**2 / (6 * mu) + mean**2 / (2 * bulk)
    spd = statev(9)
    scd = 0
 contains

@@ -5,12 +5,13 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    implicit none
    integer, parameter :: dp = kind(1d0)
    include 'arguments.inc'
-   real(dp) :: strain(6), lambda, mu, volumetric
+   real(dp) :: strain(6), lambda, mu, volume, volumetric
    integer :: i
    lambda = props(1) * props(2) / ((1 + props(2)) * (1 - 2 * props(2)))
    mu = props(1) / (2 * (1 + props(2)))
    strain = stran(1:6) + dstran(1:6)
-   volumetric = lambda * (strain(1) + strain(2) + strain(3))
+   volume = strain(1) + strain(2) + strain(3)
+   volumetric = lambda * volume
    stress(1:3) = volumetric + 2 * mu * strain(1:3)
    stress(4:6) = mu * strain(4:6)
    ddsdde = 0
@@ -21,7 +22,7 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    end do
    statev(1) = strain(3)
    statev(2) = 0
-   sse = 0.5_dp * dot_product(stress, strain)
+   sse = 0.5_dp * lambda * volume**2 + mu * (sum(strain(1:3)**2) + 0.5_dp * sum(strain(4:6)**2))
    spd = 0
    scd = 0
 end subroutine umat

@@ -12,14 +12,17 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    use twin
    implicit none
    include 'arguments.inc'
-   real(dp) :: strain(6), deviator(6), undamaged(6), twice_mu, bulk, volume, y, eta, eta_before, integrity, rate
+   real(dp) :: strain(6), deviator(6), undamaged(6), difference(3), twice_mu, bulk, volume, y, eta, eta_before, integrity, rate
    integer :: i, j
    twice_mu = props(1) / (1 + props(2))
    bulk = props(1) / (3 * (1 - 2 * props(2)))
    strain = stran(1:6) + dstran(1:6)
    volume = strain(1) + strain(2) + strain(3)
    deviator = strain
-   deviator(1:3) = strain(1:3) - volume / 3
+   difference = [strain(1) - strain(2), strain(2) - strain(3), strain(3) - strain(1)]
+   deviator(1) = (difference(1) - difference(3)) * (1._dp / 3)
+   deviator(2) = (difference(2) - difference(1)) * (1._dp / 3)
+   deviator(3) = (difference(3) - difference(2)) * (1._dp / 3)
    undamaged(1:3) = twice_mu * deviator(1:3) + bulk * volume
    undamaged(4:6) = 0.5_dp * twice_mu * deviator(4:6)
    y = 0.5_dp * (twice_mu * (sum(deviator(1:3)**2) + 0.5_dp * sum(deviator(4:6)**2)) + bulk * volume * volume)
@@ -44,7 +47,8 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
    statev(1) = eta
    statev(2) = max(statev(2), y)
    statev(3) = strain(3)
-   if (eta > 0) statev(4) = max(statev(4), props(5) * eta / (1 + eta) + excess_integral(eta, 1 / props(4)) / props(3))
+   if (eta > eta_before) statev(4) = max(statev(4), props(5) * eta / (1 + eta) &
+      + excess_integral(eta, 1 / props(4), props(3) * (y - props(5))) / props(3))
    sse = integrity * y
    spd = statev(4)
    scd = 0
