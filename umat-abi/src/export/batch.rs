@@ -7,9 +7,7 @@
 use super::solid::check_response;
 use super::{Refusal, finite, report, slice};
 use crate::floating_point::in_default_environment;
-use crate::law::{
-    Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, all_finite, check_properties_of,
-};
+use crate::law::{Block, Increment, LANES, Lane, Law, MAX_STATES, Request, Response, StressState, check_properties_of};
 use crate::metadata::{batch_results, flags};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -220,12 +218,11 @@ unsafe fn advance_block<L: Law>(
     for (row, state) in states.iter_mut().enumerate() {
         *state = load(a.statev, row);
     }
-    if !(all_finite(block.strain.as_flattened()) & all_finite(states.as_flattened())) {
+    if !(are_finite(&block.strain) & are_finite(states)) {
         return false;
     }
     let Some(response) = L::update_block(&plan.parameters, block, states) else { return false };
-    let is_finite = all_finite(response.stress.as_flattened()) & all_finite(states.as_flattened());
-    if !(is_finite & all_finite(&response.stored_energy)) {
+    if !(are_finite(&response.stress) & are_finite(states) & are_finite(&[response.stored_energy])) {
         return false;
     }
     for (row, &i) in components.iter().enumerate() {
@@ -241,6 +238,19 @@ unsafe fn advance_block<L: Law>(
     true
 }
 
+/// Whether none is NaN or infinite: x − x is 0 of a number and NaN of anything else.
+#[inline(always)]
+#[expect(clippy::eq_op, reason = "x - x is not 0 of every x")]
+fn are_finite(rows: &[Lane]) -> bool {
+    let mut sum = [0.0; LANES];
+    for row in rows {
+        for lane in 0..LANES {
+            sum[lane] += row[lane] - row[lane];
+        }
+    }
+    sum == [0.0; LANES]
+}
+
 /// CELENT if it is one.
 #[inline(always)]
 fn usable_length(length: f64) -> Option<f64> {
@@ -251,10 +261,20 @@ fn usable_length(length: f64) -> Option<f64> {
 ///
 /// # Safety
 /// As for [`advance`]; `k` < `n`.
-#[inline]
+#[inline(never)]
 unsafe fn advance_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize) {
-    // SAFETY: forwarded to the caller.
-    let status = match unsafe { update_point::<L>(plan, a, k) } {
+    // constants, for which the compiler unrolls the loops over components
+    let outcome = match plan.stress_state {
+        // SAFETY: forwarded to the caller.
+        StressState::ThreeD => unsafe { update_point::<L>(plan, StressState::ThreeD, a, k) },
+        StressState::PlaneStrainOrAxisymmetric => {
+            // SAFETY: as above.
+            unsafe { update_point::<L>(plan, StressState::PlaneStrainOrAxisymmetric, a, k) }
+        }
+        // SAFETY: as above.
+        StressState::PlaneStress => unsafe { update_point::<L>(plan, StressState::PlaneStress, a, k) },
+    };
+    let status = match outcome {
         Ok(()) => batch_results::DONE,
         Err(Refusal::CutBack { .. }) => batch_results::CUT_BACK,
         Err(refusal) => {
@@ -272,34 +292,60 @@ unsafe fn advance_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize
 
 /// # Safety
 /// As for [`advance_point`].
-#[inline]
-unsafe fn update_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize) -> Result<(), Refusal> {
-    let components = plan.stress_state.components();
+#[inline(always)]
+unsafe fn update_point<L: Law>(
+    plan: &Plan<'_, L>,
+    stress_state: StressState,
+    a: &BatchArguments,
+    k: usize,
+) -> Result<(), Refusal> {
     // SAFETY: row `row` of an array of n columns, column k.
     let load = |first: *const f64, row: usize| unsafe { first.add(row * a.n + k).read() };
-    // SAFETY: as above.
-    let store = |first: *mut f64, row: usize, value: f64| unsafe { first.add(row * a.n + k).write(value) };
     let mut states = [0.0; MAX_STATES];
-    let states = &mut states[..plan.states];
+    let states = &mut states[..L::INFO.states.len()];
     for (row, state) in states.iter_mut().enumerate() {
         *state = load(a.statev, row);
     }
     finite(states, "NaN or infinity in STATEV")?;
-    let mut increment = Increment::at_rest(plan.stress_state);
-    for (row, &i) in components.iter().enumerate() {
+    let mut increment = Increment::at_rest(stress_state);
+    for (row, &i) in stress_state.components().iter().enumerate() {
         increment.strain_increment[i] = load(a.dstrain, row);
         increment.strain[i] = load(a.strain, row) + increment.strain_increment[i];
         increment.stress[i] = load(a.stress, row);
     }
-    finite(&increment.strain, "NaN or infinity in STRAIN or DSTRAIN")?;
     if const { L::INFO.flags & flags::USES_CELENT != 0 } && !a.celent.is_null() {
         increment.characteristic_length = usable_length(load(a.celent, 0));
     }
-    let response: Response = L::update(&plan.parameters, &increment, states, plan.request)?;
-    check_response::<L>(&response, states, plan.request)?;
+    if let Some(response) = L::elastic(&plan.parameters, &increment, states, plan.request) {
+        // SAFETY: forwarded to the caller.
+        unsafe { write_point(plan.request, stress_state, a, k, &response, states) };
+        return Ok(());
+    }
+    finite(&increment.strain, "NaN or infinity in STRAN or DSTRAN")?;
+    let response = &L::update(&plan.parameters, &increment, states, plan.request)?;
+    check_response::<L>(response, states, plan.request)?;
+    // SAFETY: forwarded to the caller.
+    unsafe { write_point(plan.request, stress_state, a, k, response, states) };
+    Ok(())
+}
+
+/// # Safety
+/// As for [`advance_point`].
+#[inline(always)]
+unsafe fn write_point(
+    request: Request,
+    stress_state: StressState,
+    a: &BatchArguments,
+    k: usize,
+    response: &Response,
+    states: &[f64],
+) {
+    // SAFETY: row `row` of an array of n columns, column k.
+    let store = |first: *mut f64, row: usize, value: f64| unsafe { first.add(row * a.n + k).write(value) };
+    let components = stress_state.components();
     for (row, &i) in components.iter().enumerate() {
         store(a.stress, row, response.stress[i]);
-        if plan.request.wants_tangent() {
+        if request.wants_tangent() {
             for (column, &j) in components.iter().enumerate() {
                 store(a.ddsdde, column * components.len() + row, response.tangent[i][j]);
             }
@@ -308,7 +354,6 @@ unsafe fn update_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize)
     for (row, state) in states.iter().enumerate() {
         store(a.statev, row, *state);
     }
-    Ok(())
 }
 
 /// Fills a point's stress and tangent with NaN: hosts that ignore STATUS would go on with the old ones.
