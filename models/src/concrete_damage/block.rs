@@ -53,26 +53,16 @@ fn damaged(
 ) -> Option<()> {
     let softening = parameters.softening(None);
     let axes = Spectral::of_strains(trial);
-    let mut points = [const { None }; LANES];
-    for lane in (0..LANES).filter(|&lane| !is_elastic[lane]) {
-        let history = history(states, lane);
-        let evolution = Evolution::new(parameters, &softening, &history, &axes[lane].values);
-        points[lane] = Some(PointResponse { trial: of(trial, lane), axes: axes[lane], normal: None, evolution });
-    }
     // where something grows, what it dissipates depends on the strain at the start
-    let mut starts = [[0.0; 3]; LANES];
-    if points.iter().flatten().any(PointResponse::dissipates) {
-        let mut strain = [[0.0; LANES]; 6];
-        for i in 0..6 {
-            for lane in 0..LANES {
-                let total = block.strain[i][lane] - block.strain_increment[i][lane];
-                strain[i][lane] = total - states[INELASTIC_STRAIN + i][lane];
-            }
-        }
-        starts = Spectral::of_strains(&strain).map(|axes| axes.values);
-    }
-    for (lane, point) in points.iter().enumerate() {
-        let Some(point) = point else { continue };
+    let mut starts = None;
+    for lane in (0..LANES).filter(|&lane| !is_elastic[lane]) {
+        let before = history(states, lane);
+        let point = PointResponse {
+            trial: of(trial, lane),
+            axes: axes[lane],
+            normal: None,
+            evolution: Evolution::new(parameters, &softening, &before, &axes[lane].values),
+        };
         let mut state = [0.0; STATES.len()];
         for (value, lanes) in state.iter_mut().zip(&*states) {
             *value = lanes[lane];
@@ -86,9 +76,14 @@ fn damaged(
                 stress: of(&block.stress, lane),
                 characteristic_length: None,
             };
-            let start = point.start(&history(states, lane), &increment, &state);
+            let start = point.start(&before, &increment, &state);
+            // no closure: it would not be compiled for wide registers
+            let strains = match starts {
+                Some(strains) => strains,
+                None => *starts.insert(principal_strains_at_start(block, states)),
+            };
             let (end, axes) = (&point.evolution, &point.axes);
-            dissipation::increment(parameters, &softening, &start, &starts[lane], end, axes, &stress)
+            dissipation::increment(parameters, &softening, &start, &strains[lane], end, axes, &stress)
         } else {
             0.0
         };
@@ -105,6 +100,19 @@ fn damaged(
         response.stored_energy[lane] = energy;
     }
     Some(())
+}
+
+/// Of all lanes; those that have been advanced no longer need theirs.
+#[inline(always)]
+fn principal_strains_at_start(block: &Block, states: &[Lane]) -> [[f64; 3]; LANES] {
+    let mut strain = [[0.0; LANES]; 6];
+    for i in 0..6 {
+        for lane in 0..LANES {
+            let total = block.strain[i][lane] - block.strain_increment[i][lane];
+            strain[i][lane] = total - states[INELASTIC_STRAIN + i][lane];
+        }
+    }
+    Spectral::of_strains(&strain).map(|axes| axes.values)
 }
 
 /// The history of one point.

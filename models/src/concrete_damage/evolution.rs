@@ -41,10 +41,10 @@ fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f6
 
 impl Evolution {
     /// Advances `history` to the principal trial strain (descending).
-    #[inline]
+    #[inline(always)]
     pub fn new(parameters: &Parameters, softening: &[Softening; 2], history: &History, strain: &[f64; 3]) -> Self {
         let flow = Flow::new(parameters, history, strain);
-        let elastic_strain = flow.map_or(*strain, |flow| flow.elastic_strain);
+        let elastic_strain = flow.as_ref().map_or(*strain, |flow| flow.elastic_strain);
         let criteria = Criteria::new(parameters, &elastic_strain);
         let mut history = *history;
         // ε_e = ε − ε_p is recovered from the state with rounding: the same point must stay the same point

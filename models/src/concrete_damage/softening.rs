@@ -61,7 +61,7 @@ impl Softening {
             return if short(SIXTH_ORDER_REACH) {
                 self.sixth_order(start, end)
             } else {
-                self.curve.dissipation(end.eta) - self.curve.dissipation(start.eta)
+                self.curve.dissipation_between(start, end)
             };
         };
         let before = match stretch.at(&self.curve, start.maximum, Some(last)) {

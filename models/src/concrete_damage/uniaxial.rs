@@ -5,7 +5,8 @@
 //! - tension: E* = E, β = ρ = 1, so f = 1 − D. The axial strain is x (1 − κD), κ = 2ν²/(1−ν), because the
 //!   cracked sides recover their contraction (models.md §8.4 neglects this).
 
-use crate::damage_law::{DamageLaw, damage, excess_integral, integrity};
+use super::Branch;
+use crate::damage_law::{DamageLaw, damage, excess_integrals, integrity};
 use crate::tensor::Elasticity;
 
 /// One branch under uniaxial stress.
@@ -19,6 +20,8 @@ pub(super) struct Uniaxial {
     pub modulus: f64,
     beta: f64,
     rho: f64,
+    /// (1 − ρ)^(1/B), 0 where nothing needs it.
+    closing_root: f64,
     /// κ: the axial strain is x − κ (x − σ/E); 0 in compression.
     pub recovery: f64,
 }
@@ -31,7 +34,7 @@ impl Uniaxial {
         let e = elasticity.youngs_modulus;
         // for ν < 0 the sides extend: nothing to recover
         let recovery = if nu > 0.0 { 2.0 * nu * nu / (1.0 - nu) } else { 0.0 };
-        Self { law, youngs_modulus: e, modulus: e, beta: 1.0, rho: 1.0, recovery }
+        Self { law, youngs_modulus: e, modulus: e, beta: 1.0, rho: 1.0, closing_root: 0.0, recovery }
     }
 
     /// The compressive branch.
@@ -40,12 +43,15 @@ impl Uniaxial {
         let nu = elasticity.poisson_ratio;
         let (deviatoric, hydrostatic) = (2.0 * (1.0 + nu) / 3.0, (1.0 - 2.0 * nu) / 3.0);
         let e = elasticity.youngs_modulus;
+        let rho = 1.0 - deviatoric * (1.0 - beta);
+        let closing = 1.0 - rho;
         Self {
             law,
             youngs_modulus: e,
             modulus: e * (deviatoric + beta * hydrostatic),
             beta,
-            rho: 1.0 - deviatoric * (1.0 - beta),
+            rho,
+            closing_root: if rho > beta && closing > 0.0 { closing.powf(1.0 / law.b) } else { 0.0 },
             recovery: 0.0,
         }
     }
@@ -91,30 +97,43 @@ impl Uniaxial {
     }
 
     /// ∫₀^D Y (−f') dD: E/E* of it is dissipated in uniaxial stress.
+    pub fn dissipation(&self, eta: f64) -> f64 {
+        let [dissipation] = self.dissipations([eta], [eta.powf(1.0 / self.law.b)]);
+        dissipation
+    }
+
+    /// [`Self::dissipation`] between two points of the curve, η and Y of each.
+    pub fn dissipation_between(&self, start: &Branch, end: &Branch) -> f64 {
+        let root = |branch: &Branch| self.law.root_on_curve(branch.eta, branch.maximum);
+        let [before, after] = self.dissipations([start.eta, end.eta], [root(start), root(end)]);
+        (after - before).max(0.0)
+    }
+
+    /// Of several η ≥ 0 with `roots` = η^(1/B).
     ///
     /// Partial fractions of f leave ∫ Z dD and ∫ Z/(1 − ρD)² dD, both incomplete beta functions, the second
     /// one of (1 − ρ)η.
-    pub fn dissipation(&self, eta: f64) -> f64 {
-        if eta <= 0.0 {
-            return 0.0;
-        }
+    #[inline]
+    fn dissipations<const N: usize>(&self, etas: [f64; N], roots: [f64; N]) -> [f64; N] {
         let p = 1.0 / self.law.b;
-        let closing = 1.0 - self.rho;
-        let mut excess = self.beta / self.rho * excess_integral(eta, p);
-        if self.rho > self.beta && closing > 0.0 {
-            let weight = (self.rho - self.beta) / self.rho * closing.powf(-p);
-            excess += weight * excess_integral(closing * eta, p);
+        let (closing, closing_root) = (1.0 - self.rho, self.closing_root);
+        let mut excess = excess_integrals(etas, p, roots).map(|integral| self.beta / self.rho * integral);
+        if closing_root > 0.0 {
+            let weight = (self.rho - self.beta) / (self.rho * closing_root);
+            let rest = excess_integrals(etas.map(|eta| closing * eta), p, roots.map(|root| closing_root * root));
+            for i in 0..N {
+                excess[i] += weight * rest[i];
+            }
         }
-        self.law.threshold * (1.0 - self.stiffness_ratio(eta)) + excess / self.law.a
+        std::array::from_fn(|i| self.law.threshold * (1.0 - self.stiffness_ratio(etas[i])) + excess[i] / self.law.a)
     }
 
     /// The limit of [`Self::dissipation`] for D → 1; B > 1.
     pub fn total_dissipation(&self) -> f64 {
         let p = 1.0 / self.law.b;
-        let closing = 1.0 - self.rho;
         let mut weight = self.beta / self.rho;
-        if self.rho > self.beta && closing > 0.0 {
-            weight += (self.rho - self.beta) / self.rho * closing.powf(-p);
+        if self.closing_root > 0.0 {
+            weight += (self.rho - self.beta) / (self.rho * self.closing_root);
         }
         let beta_function = std::f64::consts::PI * p / (std::f64::consts::PI * p).sin();
         self.law.threshold + weight * beta_function / self.law.a

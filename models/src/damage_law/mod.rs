@@ -86,12 +86,17 @@ impl DamageLaw {
         self.dissipation_with(eta, eta.powf(1.0 / self.b))
     }
 
-    /// [`Self::dissipation`] of an η = η̂(Y): η^(1/B) = A (Y − Y₀) is known then.
+    /// [`Self::dissipation`] of an η = η̂(Y).
     pub fn dissipation_on_curve(&self, eta: f64, damage_energy_release_rate: f64) -> f64 {
-        if eta >= ETA_MAX {
-            return self.dissipation(eta);
-        }
-        self.dissipation_with(eta, self.a * (damage_energy_release_rate - self.threshold))
+        self.dissipation_with(eta, self.root_on_curve(eta, damage_energy_release_rate))
+    }
+
+    /// η^(1/B) of an η = η̂(Y): A (Y − Y₀), but where η has reached its largest value, and of a state that a host began
+    /// with, without Y.
+    #[inline]
+    pub(crate) fn root_on_curve(&self, eta: f64, damage_energy_release_rate: f64) -> f64 {
+        let root = self.a * (damage_energy_release_rate - self.threshold);
+        if eta < ETA_MAX && root > 0.0 { root } else { eta.powf(1.0 / self.b) }
     }
 
     /// `root` = η^(1/B).
@@ -100,7 +105,8 @@ impl DamageLaw {
         if eta <= 0.0 {
             return 0.0;
         }
-        self.threshold * damage(eta) + excess_integral_with(eta, 1.0 / self.b, root) / self.a
+        let [excess] = excess_integrals([eta], 1.0 / self.b, [root]);
+        self.threshold * damage(eta) + excess / self.a
     }
 
     /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
@@ -119,23 +125,34 @@ const SERIES_TERMS: u32 = 64;
 /// The complement of the integral loses digits (it is the difference of two poles) as p comes this close to an integer.
 const POLE_DISTANCE: f64 = 0.02;
 
-/// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p).
-pub(crate) fn excess_integral(eta: f64, p: f64) -> f64 {
-    excess_integral_with(eta, p, eta.powf(p))
-}
-
-/// `power` = η^p.
+/// ∫₀^η t^p/(1 + t)² dt = ∫₀^D (d/(1−d))^p dd, p > 0: the incomplete beta function B_D(1+p, 1−p). Of several η at once;
+/// `powers` = η^p.
 #[inline]
-fn excess_integral_with(eta: f64, p: f64, power: f64) -> f64 {
-    if eta <= 1.0 {
-        return lower_integral(eta, p, power);
+pub(crate) fn excess_integrals<const N: usize>(etas: [f64; N], p: f64, powers: [f64; N]) -> [f64; N] {
+    if etas.iter().all(|&eta| eta <= 1.0) {
+        return lower_integrals(etas, p, powers);
     }
     if p < 2.0 - POLE_DISTANCE && (p - p.round()).abs() > POLE_DISTANCE {
         // B_D(1+p, 1−p) = B(1+p, 1−p) − B_{1−D}(1−p, 1+p), by continuation also for p > 1
         let angle = std::f64::consts::PI * p;
-        return angle / angle.sin() - lower_integral(1.0 / eta, -p, power);
+        let whole = angle / angle.sin();
+        if etas.iter().all(|&eta| eta > 1.0) {
+            return lower_integrals(etas.map(f64::recip), -p, powers).map(|rest| whole - rest);
+        }
+        return std::array::from_fn(|i| {
+            if etas[i] <= 1.0 {
+                let [lower] = lower_integrals([etas[i]], p, [powers[i]]);
+                lower
+            } else {
+                let [rest] = lower_integrals([etas[i].recip()], -p, [powers[i]]);
+                whole - rest
+            }
+        });
     }
-    upper_integral(eta, p) + lower_integral(1.0, p, 1.0)
+    std::array::from_fn(|i| {
+        let [lower] = lower_integrals([etas[i].min(1.0)], p, [powers[i].min(1.0)]);
+        if etas[i] <= 1.0 { lower } else { upper_integral(etas[i], p) + lower }
+    })
 }
 
 /// The part between D = 1/2 and D, for any p: ∫_ω^{1/2} (1−w)^p w^−p dw with the binomial series of (1−w)^p. Each term
@@ -160,41 +177,53 @@ fn upper_integral(eta: f64, p: f64) -> f64 {
     upper
 }
 
-/// Pairs of levels of the continued fraction at D = 1/2, where each level gains a factor of (√2 − 1)² = 0.17.
-const MOST_PAIRS: u32 = 12;
-/// Bits that the levels together have to gain.
-const BITS: u32 = 58;
+/// How many pairs of levels of the continued fraction bring gain^levels below rounding (58 bits), where a level gains so many
+/// bits: from D = 1/2, where it is 2.54, on.
+const PAIRS: [u8; 30] = {
+    let mut pairs = [12; 30];
+    let mut bits = 3;
+    while bits < pairs.len() {
+        pairs[bits] = 58_u8.div_ceil(2 * bits as u8);
+        bits += 1;
+    }
+    pairs
+};
 
-/// How many pairs of levels bring gain^levels below rounding: gain = (1−√ω)/(1+√ω) = D/(1+√ω)², at most 0.3432 D for
-/// D ≤ 1/2, rounded up to a power of two.
+/// gain = (1−√ω)/(1+√ω) = D/(1+√ω)², at most 0.3432 D for D ≤ 1/2, rounded up to a power of two.
 #[inline]
-fn pairs_of_levels(d: f64) -> u32 {
-    let exponent = ((0.3432 * d).to_bits() >> 52) as u32;
-    let bits_per_level = 1022_u32.saturating_sub(exponent).max(1);
-    BITS.div_ceil(2 * bits_per_level).min(MOST_PAIRS)
+fn pairs_of_levels(d: f64) -> u8 {
+    let exponent = ((0.3432 * d).to_bits() >> 52) as usize;
+    PAIRS[1022_usize.saturating_sub(exponent).min(PAIRS.len() - 1)]
 }
 
-/// The part D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D), p > −2 and no negative integer; `power` = η^p.
+/// The parts D ≤ 1/2: D^(1+p) (1−D)^(1−p)/(1+p) · ₂F₁(2, 1; 2+p; D), p > −2 and no negative integer; `powers` = η^p.
 ///
 /// Gauss's continued fraction ₂F₁(2, 1; c; z) = 1/(1 + d₁z/(1 + d₂z/(1 + …))) with
 /// d_{2k+1} = −(2+k)(c−1+k)/((c−1+2k)(c+2k)), d_{2k} = −k(c−3+k)/((c−2+2k)(c−1+2k)), from the last level that counts, as
 /// one numerator and one denominator: a division is all that it waits for, at its end.
-fn lower_integral(eta: f64, p: f64, power: f64) -> f64 {
-    let d = damage(eta);
-    let w = integrity(eta);
+#[inline]
+fn lower_integrals<const N: usize>(etas: [f64; N], p: f64, powers: [f64; N]) -> [f64; N] {
+    let damages = etas.map(damage);
     let c = 2.0 + p;
-    let (mut numerator, mut denominator) = (1.0, 1.0);
-    let mut k = f64::from(pairs_of_levels(d));
+    let (mut numerators, mut denominators) = ([1.0; N], [1.0; N]);
+    let mut k = f64::from(damages.iter().fold(0, |most, &d| most.max(pairs_of_levels(d))));
     while k >= 1.0 {
         // level 2k, then 2k − 1, each as n/m z
         let even = [-k * (c - 3.0 + k), (c - 2.0 + 2.0 * k) * (c - 1.0 + 2.0 * k)];
         let odd = [-(1.0 + k) * (c - 2.0 + k), (c - 3.0 + 2.0 * k) * (c - 2.0 + 2.0 * k)];
-        let inner = even[1] * numerator + even[0] * d * denominator;
-        let outer = odd[1] * inner;
-        numerator = outer + odd[0] * d * even[1] * numerator;
-        denominator = outer;
+        for i in 0..N {
+            let widened = even[1] * numerators[i];
+            let outer = odd[1] * (widened + even[0] * (damages[i] * denominators[i]));
+            numerators[i] = outer + odd[0] * (damages[i] * widened);
+            denominators[i] = outer;
+        }
         k -= 1.0;
     }
-    // D^(1+p) (1−D)^(1−p) = η^(1+p) (1−D)²
-    eta * power * w * w * denominator / ((1.0 + p) * numerator)
+    let mut integrals = [0.0; N];
+    for i in 0..N {
+        // D^(1+p) (1−D)^(1−p) = η^(1+p) (1−D)²
+        let w = integrity(etas[i]);
+        integrals[i] = etas[i] * powers[i] * w * w * denominators[i] / ((1.0 + p) * numerators[i]);
+    }
+    integrals
 }

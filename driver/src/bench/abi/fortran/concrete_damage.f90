@@ -7,9 +7,10 @@ module twin
       real(dp) :: e, nu, lambda, mu, bulk
    end type solid
 
-   ! A branch in uniaxial stress: D(Y), and E_c/E = (1 - D)(1 - beta D)/(1 - rho D).
+   ! A branch in uniaxial stress: D(Y), and E_c/E = (1 - D)(1 - beta D)/(1 - rho D);
+   ! closing_root is (1 - rho)**(1/B) where rho > beta, or 0.
    type :: branch
-      real(dp) :: a, b, threshold, beta, rho
+      real(dp) :: a, b, threshold, beta, rho, closing_root
    end type branch
 
    ! The no-tension split: region, compressive strain and its stress.
@@ -142,19 +143,20 @@ contains
          / (c%rho * (1 - c%rho + c%rho / (1 + eta_0)) * (1 - c%rho + c%rho / (1 + eta_1)))
    end function stiffness_loss
 
-   ! Integral of Y (-f') from the virgin state.
-   pure real(dp) function curve_dissipation(c, eta) result(d)
+   ! Integral of Y (-f') from the virgin state to a point of the curve.
+   pure real(dp) function curve_dissipation(c, eta, y) result(d)
       type(branch), intent(in) :: c
-      real(dp), intent(in) :: eta
-      real(dp) :: p, closing, excess, w
+      real(dp), intent(in) :: eta, y
+      real(dp) :: p, closing, excess, w, root
       d = 0
       if (eta <= 0) return
       p = 1 / c%b
+      root = c%a * (y - c%threshold)
       closing = 1 - c%rho
       w = 1 / (1 + eta)
-      excess = c%beta / c%rho * excess_integral(eta, p, eta**p)
-      if (c%rho > c%beta .and. closing > 0) &
-         excess = excess + (c%rho - c%beta) / c%rho * closing**(-p) * excess_integral(closing * eta, p, (closing * eta)**p)
+      excess = c%beta / c%rho * excess_integral(eta, p, root)
+      if (c%closing_root > 0) excess = excess + (c%rho - c%beta) / (c%rho * c%closing_root) &
+         * excess_integral(closing * eta, p, c%closing_root * root)
       d = c%threshold * (1 - w * (1 - c%beta + c%beta * w) / (1 - c%rho + c%rho * w)) + excess / c%a
    end function curve_dissipation
 
@@ -170,7 +172,7 @@ contains
          call slopes(c, eta_1, y_1, first_1, second_1)
          d = 0.5_dp * (y_0 + y_1) * drop + step * step * ((first_1 - first_0) / 10 - step * (second_0 + second_1) / 120)
       else
-         d = curve_dissipation(c, eta_1) - curve_dissipation(c, eta_0)
+         d = curve_dissipation(c, eta_1, y_1) - curve_dissipation(c, eta_0, y_0)
       end if
    end function branch_dissipation
 
@@ -340,8 +342,9 @@ subroutine umat(stress, statev, ddsdde, sse, spd, scd, rpl, ddsddt, drplde, drpl
          end if
       end block
    end if
-   tension = branch(props(3), props(4), props(5), 1._dp, 1._dp)
-   compression = branch(props(6), props(7), props(8), beta, 1 - 2 * (1 + props(2)) / 3 * (1 - beta))
+   tension = branch(props(3), props(4), props(5), 1._dp, 1._dp, 0._dp)
+   compression = branch(props(6), props(7), props(8), beta, 1 - 2 * (1 + props(2)) / 3 * (1 - beta), 0._dp)
+   if (compression%rho > beta .and. compression%rho < 1) compression%closing_root = (1 - compression%rho)**(1 / props(7))
    ! 2: energy release rates
    call principal(strain, e, v)
    undamaged = principal_stress(virgin, e)
