@@ -586,19 +586,15 @@ impl ClosedBounds {
     #[inline(always)]
     fn admit(&self, props: &[f64]) -> bool {
         let Some([fixed, size, minimum]) = self.counts else { return false };
-        let (once, groups) = match props.split_at_checked(fixed) {
-            Some(parts) if size != 0 => parts,
-            Some((once, [])) => (once, &[] as &[f64]),
-            _ => return false,
-        };
-        let within = |k: usize, x: f64| self.lower[k] <= x && x <= self.upper[k];
+        let Some((once, groups)) = props.split_at_checked(fixed) else { return false };
+        let within = |k: usize, x: f64| (self.lower[k] <= x) & (x <= self.upper[k]);
+        // one decision: they are independent, a branch for each would not be
+        let mut all_within = true;
         for k in 0..fixed {
-            if !within(k, once[k]) {
-                return false;
-            }
+            all_within &= within(k, once[k]);
         }
-        if size == 0 {
-            return true;
+        if !all_within || size == 0 {
+            return all_within && groups.is_empty();
         }
         let groups = groups.chunks_exact(size);
         if groups.len() < minimum || !groups.remainder().is_empty() {
