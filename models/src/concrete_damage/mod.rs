@@ -211,19 +211,13 @@ impl Law for ConcreteDamage {
         state: &mut [f64],
         request: Request,
     ) -> Option<Response> {
-        let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
-            (false, _) => CRACK_BAND_OFF,
-            (true, None) => CRACK_BAND_UNUSABLE,
-            // the first call of a point, where the length is checked
-            (true, Some(_)) if state[CRACK_BAND] != CRACK_BAND_ON => return None,
-            (true, Some(_)) => CRACK_BAND_ON,
-        };
-        if state[0] != 0.0 || state[1] != 0.0 {
+        let crack_band = crack_band(parameters, increment);
+        if length_is_unchecked(crack_band, state) || state[0] != 0.0 || state[1] != 0.0 {
             return None;
         }
         let trial = trial_strain(increment, state);
         let elastic = elastic_response(parameters, increment.stress_state, &trial)?;
-        elastic.response(parameters, increment, &trial, crack_band, state, request).ok()
+        elastic.response(parameters, increment, &trial, crack_band, state, request)
     }
 
     #[inline]
@@ -247,6 +241,22 @@ impl Law for ConcreteDamage {
     }
 }
 
+/// What the state of that name says after the increment.
+#[inline(always)]
+fn crack_band(parameters: &Parameters, increment: &Increment) -> f64 {
+    match (parameters.wants_crack_band(), increment.characteristic_length) {
+        (false, _) => CRACK_BAND_OFF,
+        (true, None) => CRACK_BAND_UNUSABLE,
+        (true, Some(_)) => CRACK_BAND_ON,
+    }
+}
+
+/// A UMAT has no set-up phase: the first call of a point is where the length is checked.
+#[inline(always)]
+fn length_is_unchecked(crack_band: f64, state: &[f64]) -> bool {
+    crack_band == CRACK_BAND_ON && state[CRACK_BAND] != CRACK_BAND_ON
+}
+
 /// ε − ε_p.
 #[inline(always)]
 fn trial_strain(increment: &Increment, state: &[f64]) -> [f64; 6] {
@@ -267,28 +277,19 @@ fn advance(
     request: Request,
 ) -> Result<Response, Failure> {
     increment.check_strain()?;
-    let crack_band = match (parameters.wants_crack_band(), increment.characteristic_length) {
-        (false, _) => CRACK_BAND_OFF,
-        (true, None) => CRACK_BAND_UNUSABLE,
-        (true, Some(length)) => {
-            // a UMAT has no set-up phase: the first call of a point is where the length is checked
-            if state[CRACK_BAND] != CRACK_BAND_ON {
-                ConcreteDamage::check_characteristic_length(parameters, length)?;
-            }
-            CRACK_BAND_ON
+    let crack_band = crack_band(parameters, increment);
+    if let (true, Some(length)) = (length_is_unchecked(crack_band, state), increment.characteristic_length) {
+        ConcreteDamage::check_characteristic_length(parameters, length)?;
+        state[CRACK_BAND] = crack_band;
+        if let Some(response) = ConcreteDamage::elastic(parameters, increment, state, request) {
+            return Ok(response);
         }
-    };
+    }
     let history = History {
         tension: Branch { eta: state[0], maximum: state[2] },
         compression: Branch { eta: state[1], maximum: state[3] },
     };
     let trial = trial_strain(increment, state);
-    if history.tension.eta == 0.0
-        && history.compression.eta == 0.0
-        && let Some(elastic) = elastic_response(parameters, increment.stress_state, &trial)
-    {
-        return elastic.response(parameters, increment, &trial, crack_band, state, request);
-    }
     let softening = parameters.softening(increment.characteristic_length);
     let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
     let stress = point.stress(parameters);
@@ -320,7 +321,7 @@ struct ElasticResponse {
 }
 
 impl ElasticResponse {
-    /// Writes the state, if all is finite; what is not written stays.
+    /// Writes the state; `None`, and nothing written, if a number is not finite.
     #[inline(always)]
     fn response(
         self,
@@ -330,28 +331,24 @@ impl ElasticResponse {
         crack_band: f64,
         state: &mut [f64],
         request: Request,
-    ) -> Result<Response, Failure> {
+    ) -> Option<Response> {
         let elasticity = &parameters.elasticity;
         let plane_stress = increment.stress_state == StressState::PlaneStress;
         let response = Response {
             stress: self.stress,
-            tangent: match (request.wants_tangent(), plane_stress) {
-                (false, _) => [[0.0; 6]; 6],
-                (true, false) => elasticity.stiffness(),
-                (true, true) => elasticity.plane_stress_stiffness(),
-            },
+            tangent: elasticity.tangent(plane_stress, request),
             stored_energy: self.energy,
             // inelastic strain can be dissipated before η leaves 0 (underflow of a steep damage function)
             dissipated_energy: state[DISSIPATED_ENERGY_STATE],
         };
-        let response = response.finite_by_diagonal(&[])?;
+        let response = response.finite_by_diagonal(&[]).ok()?;
         state[CRACK_BAND] = crack_band;
         state[STRAIN_33_STATE] = if plane_stress {
             elasticity.plane_stress_strain_33(trial) + state[INELASTIC_STRAIN + 2]
         } else {
             increment.strain[2]
         };
-        Ok(response)
+        Some(response)
     }
 }
 

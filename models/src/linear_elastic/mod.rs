@@ -64,11 +64,7 @@ impl Law for LinearElastic {
     ) -> Result<Response, Failure> {
         let plane_stress = increment.stress_state == StressState::PlaneStress;
         let Elastic { strain_33, stress, energy } = Elastic::new(elasticity, plane_stress, increment.strain);
-        let tangent = match (request.wants_tangent(), plane_stress) {
-            (false, _) => [[0.0; 6]; 6],
-            (true, false) => elasticity.stiffness(),
-            (true, true) => elasticity.plane_stress_stiffness(),
-        };
+        let tangent = elasticity.tangent(plane_stress, request);
         let response = Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 };
         let response = response.finite_by_diagonal(&[strain_33])?;
         state[..2].copy_from_slice(&[strain_33, 0.0]);

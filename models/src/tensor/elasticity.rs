@@ -2,6 +2,7 @@
 
 use super::isotropic::stiffness_of;
 use super::{strain_norm_squared, trace};
+use umat_abi::law::Request;
 
 /// Lamé's constants and relatives of an isotropic solid, MPa.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -99,5 +100,15 @@ impl Elasticity {
         let nu = self.poisson_ratio;
         let d = self.youngs_modulus / (1.0 - nu * nu);
         stiffness_of(2, d, nu * d, self.shear_modulus)
+    }
+
+    /// The stiffness of the stress state, 0 if no tangent is wanted.
+    #[inline(always)]
+    pub fn tangent(&self, plane_stress: bool, request: Request) -> [[f64; 6]; 6] {
+        match (request.wants_tangent(), plane_stress) {
+            (false, _) => [[0.0; 6]; 6],
+            (true, false) => self.stiffness(),
+            (true, true) => self.plane_stress_stiffness(),
+        }
     }
 }

@@ -64,7 +64,6 @@ struct Plan<'p, L: Law> {
     parameters: L::Parameters<'p>,
     stress_state: StressState,
     request: Request,
-    states: usize,
 }
 
 /// # Safety
@@ -114,7 +113,7 @@ unsafe fn plan<L: Law>(a: &BatchArguments) -> Result<Plan<'_, L>, Refusal> {
         return Err(Refusal::Null { argument });
     }
     let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
-    Ok(Plan { parameters: L::parameters(props)?, stress_state, request, states })
+    Ok(Plan { parameters: L::parameters(props)?, stress_state, request })
 }
 
 /// How far a batch is; it outlives a panic.
@@ -164,7 +163,7 @@ unsafe fn advance_here<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, progress:
         characteristic_length: [None; LANES],
     };
     let mut states = [[0.0; LANES]; MAX_STATES];
-    let states = &mut states[..plan.states];
+    let states = &mut states[..L::INFO.states.len()];
     let blocks = L::UPDATES_BLOCKS && plan.request == Request::Stress;
     while progress.next.get() < a.n {
         let k = progress.next.get();
