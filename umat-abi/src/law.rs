@@ -4,7 +4,7 @@
 //! The same table makes the metadata of the shared library, the checks of PROPS and the printed
 //! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
 
-use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable, stress_states};
+use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable, open_bounds, stress_states};
 use std::ffi::CStr;
 use std::fmt;
 
@@ -240,6 +240,8 @@ pub enum ConfigurationError {
         lower: f64,
         /// Greatest admissible value.
         upper: f64,
+        /// Which of them are not admissible themselves ([`crate::metadata::open_bounds`]).
+        open_bounds: u32,
     },
     /// A selecting parameter has a value that names no variant.
     NotAChoice {
@@ -254,6 +256,11 @@ pub enum ConfigurationError {
         rule: &'static str,
         /// The number that breaks it.
         value: f64,
+    },
+    /// A crack band is asked for, and CELENT is NULL, NaN, infinite or not positive.
+    CharacteristicLengthMissing {
+        /// Which fracture energy: the parameter's name.
+        parameter: &'static str,
     },
     /// The crack band cannot dissipate the fracture energy over so long an element.
     CharacteristicLengthTooLarge {
@@ -272,13 +279,22 @@ impl fmt::Display for ConfigurationError {
             Self::ParameterCount { given, expected } => {
                 write!(f, "{given} properties given, {expected} expected")
             }
-            Self::OutOfBounds { parameter, value, lower, upper } => {
-                write!(f, "{parameter} = {value} is outside its bounds [{lower}, {upper}]")
+            Self::OutOfBounds { parameter, value, lower, upper, open_bounds } => {
+                // no number is infinite: such a bound is open
+                let is_open = |bit: u32, bound: f64| open_bounds & bit != 0 || bound.is_infinite();
+                let left = if is_open(open_bounds::LOWER, lower) { '(' } else { '[' };
+                let right = if is_open(open_bounds::UPPER, upper) { ')' } else { ']' };
+                write!(f, "{parameter} = {value} is outside its bounds {left}{lower}, {upper}{right}")
             }
             Self::NotAChoice { parameter, value } => {
                 write!(f, "{parameter} = {value} is none of its listed values")
             }
             Self::Inconsistent { rule, value } => write!(f, "{rule} (found {value})"),
+            Self::CharacteristicLengthMissing { parameter } => write!(
+                f,
+                "{parameter} > 0 asks for a crack band, which needs the element's length (CELENT > 0), but this program \
+                 gives none: set {parameter} to 0 for the law without crack band, or let the program give the length"
+            ),
             Self::CharacteristicLengthTooLarge { parameter, length, limit } => write!(
                 f,
                 "characteristic length {length} mm is too large for {parameter}: the limit is {limit:.6} mm; \
@@ -481,13 +497,14 @@ pub trait InterfaceLaw {
     ) -> Result<TangentialResponse, Failure>;
 }
 
-/// The error for parameter number `index` of `info`.
-fn out_of_bounds(parameter: &'static Parameter, value: f64) -> ConfigurationError {
+/// The error for a value that the parameter's row of the table does not admit.
+pub fn out_of_bounds(parameter: &'static Parameter, value: f64) -> ConfigurationError {
     ConfigurationError::OutOfBounds {
         parameter: parameter.name(),
         value,
         lower: parameter.lower,
         upper: parameter.upper,
+        open_bounds: parameter.open_bounds,
     }
 }
 

@@ -7,10 +7,11 @@
 use super::crack_band::peak;
 use super::degraded::degraded_elasticity;
 use super::uniaxial::Uniaxial;
-use super::{PARAMETERS, Parameters};
+use super::{ConcreteDamage, Parameters};
 use crate::damage_law::DamageLaw;
 use crate::tensor::Elasticity;
-use umat_abi::law::ConfigurationError;
+use umat_abi::law::{ConfigurationError, Law, out_of_bounds};
+use umat_abi::metadata::open_bounds;
 
 /// A_t f_t²/E of the default set.
 const TENSILE_RATE: f64 = 1.926_101;
@@ -62,13 +63,14 @@ pub fn properties_with_exponent(
         concrete;
     for (parameter, value) in [("f_t", ft), ("f_c", fc)] {
         if !(value > 0.0 && value.is_finite()) {
-            return Err(ConfigurationError::OutOfBounds { parameter, value, lower: 0.0, upper: f64::INFINITY });
+            let (lower, upper, open_bounds) = (0.0, f64::INFINITY, open_bounds::LOWER);
+            return Err(ConfigurationError::OutOfBounds { parameter, value, lower, upper, open_bounds });
         }
     }
+    let table = ConcreteDamage::INFO.parameters;
     for (index, value) in [(0, e), (1, nu), (6, compressive_exponent)] {
-        let (lower, upper) = (PARAMETERS[index].lower, PARAMETERS[index].upper);
-        if PARAMETERS[index].check(value).is_err() {
-            return Err(ConfigurationError::OutOfBounds { parameter: PARAMETERS[index].name(), value, lower, upper });
+        if table[index].check(value).is_err() {
+            return Err(out_of_bounds(&table[index], value));
         }
     }
     let (rate, beta) = compression(nu, compressive_exponent).ok_or(ConfigurationError::Inconsistent {

@@ -70,6 +70,12 @@ impl Parameters {
         self.fracture_energy > 0.0 || self.crushing_energy > 0.0
     }
 
+    /// The refusal of an increment without a usable length.
+    fn missing_length(&self) -> ConfigurationError {
+        let parameter = if self.fracture_energy > 0.0 { "G_f" } else { "G_c" };
+        ConfigurationError::CharacteristicLengthMissing { parameter }
+    }
+
     /// The two branches, with crack bands as far as energies and a length are given.
     #[inline]
     fn softening(&self, length: Option<f64>) -> [Softening; 2] {
@@ -131,7 +137,7 @@ const STATES: [StateVariable; 13] = [
     StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)"),
     StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate above Y_t0 so far"),
     StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate above Y_c0 so far"),
-    StateVariable::new(c"crack_band", c"-", c"0 off, 1 on, 2 asked for but CELENT unusable"),
+    StateVariable::new(c"crack_band", c"-", c"0 off, 1 on"),
     StateVariable::new(c"inelastic_strain_11", c"-", c"inelastic strain").strain_component(1),
     StateVariable::new(c"inelastic_strain_22", c"-", c"inelastic strain").strain_component(2),
     StateVariable::new(c"inelastic_strain_33", c"-", c"inelastic strain").strain_component(3),
@@ -145,7 +151,6 @@ const STATES: [StateVariable; 13] = [
 const CRACK_BAND: usize = 4;
 const CRACK_BAND_OFF: f64 = 0.0;
 const CRACK_BAND_ON: f64 = 1.0;
-const CRACK_BAND_UNUSABLE: f64 = 2.0;
 const INELASTIC_STRAIN: usize = 5;
 const STRAIN_33_STATE: usize = 11;
 const DISSIPATED_ENERGY_STATE: usize = 12;
@@ -211,13 +216,12 @@ impl Law for ConcreteDamage {
         state: &mut [f64],
         request: Request,
     ) -> Option<Response> {
-        let crack_band = crack_band(parameters, increment);
-        if length_is_unchecked(crack_band, state) || state[0] != 0.0 || state[1] != 0.0 {
+        if length_is_unchecked(parameters, increment, state) || state[0] != 0.0 || state[1] != 0.0 {
             return None;
         }
         let trial = trial_strain(increment, state);
         let elastic = elastic_response(parameters, increment.stress_state, &trial)?;
-        elastic.response(parameters, increment, &trial, crack_band, state, request)
+        elastic.response(parameters, increment, &trial, state, request)
     }
 
     #[inline]
@@ -241,20 +245,16 @@ impl Law for ConcreteDamage {
     }
 }
 
-/// What the state of that name says after the increment.
+/// What the state of that name says after an increment.
 #[inline(always)]
-fn crack_band(parameters: &Parameters, increment: &Increment) -> f64 {
-    match (parameters.wants_crack_band(), increment.characteristic_length) {
-        (false, _) => CRACK_BAND_OFF,
-        (true, None) => CRACK_BAND_UNUSABLE,
-        (true, Some(_)) => CRACK_BAND_ON,
-    }
+fn crack_band(parameters: &Parameters) -> f64 {
+    if parameters.wants_crack_band() { CRACK_BAND_ON } else { CRACK_BAND_OFF }
 }
 
-/// A UMAT has no set-up phase: the first call of a point is where the length is checked.
+/// A UMAT has no set-up phase: the first call of a point is where the length is checked. None at all is seen in any.
 #[inline(always)]
-fn length_is_unchecked(crack_band: f64, state: &[f64]) -> bool {
-    crack_band == CRACK_BAND_ON && state[CRACK_BAND] != CRACK_BAND_ON
+fn length_is_unchecked(parameters: &Parameters, increment: &Increment, state: &[f64]) -> bool {
+    parameters.wants_crack_band() && (increment.characteristic_length.is_none() || state[CRACK_BAND] != CRACK_BAND_ON)
 }
 
 /// ε − ε_p.
@@ -277,10 +277,10 @@ fn advance(
     request: Request,
 ) -> Result<Response, Failure> {
     increment.check_strain()?;
-    let crack_band = crack_band(parameters, increment);
-    if let (true, Some(length)) = (length_is_unchecked(crack_band, state), increment.characteristic_length) {
+    if length_is_unchecked(parameters, increment, state) {
+        let length = increment.characteristic_length.ok_or_else(|| parameters.missing_length())?;
         ConcreteDamage::check_characteristic_length(parameters, length)?;
-        state[CRACK_BAND] = crack_band;
+        state[CRACK_BAND] = CRACK_BAND_ON;
         if let Some(response) = ConcreteDamage::elastic(parameters, increment, state, request) {
             return Ok(response);
         }
@@ -302,14 +302,14 @@ fn advance(
     };
     let energy = point.evolution.solid.energy();
     if !point.is_finite(energy, dissipation, &stress) {
-        if let (true, Some(length)) = (crack_band == CRACK_BAND_ON, increment.characteristic_length) {
+        if let Some(length) = increment.characteristic_length {
             ConcreteDamage::check_characteristic_length(parameters, length)?;
         }
         return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
     }
     let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
     point.commit(state, dissipation);
-    state[CRACK_BAND] = crack_band;
+    state[CRACK_BAND] = crack_band(parameters);
     let dissipated_energy = state[DISSIPATED_ENERGY_STATE];
     Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)
 }
@@ -328,7 +328,6 @@ impl ElasticResponse {
         parameters: &Parameters,
         increment: &Increment,
         trial: &[f64; 6],
-        crack_band: f64,
         state: &mut [f64],
         request: Request,
     ) -> Option<Response> {
@@ -342,7 +341,7 @@ impl ElasticResponse {
             dissipated_energy: state[DISSIPATED_ENERGY_STATE],
         };
         let response = response.finite_by_diagonal(&[]).ok()?;
-        state[CRACK_BAND] = crack_band;
+        state[CRACK_BAND] = crack_band(parameters);
         state[STRAIN_33_STATE] = if plane_stress {
             elasticity.plane_stress_strain_33(trial) + state[INELASTIC_STRAIN + 2]
         } else {

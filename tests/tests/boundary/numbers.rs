@@ -1,4 +1,5 @@
-//! NaN and infinity in what changes from call to call: nothing is written, and a cut-back asked for.
+//! NaN and infinity in what changes from call to call: nothing is written, and a cut-back asked for; without PNEWDT, stress
+//! becomes NaN.
 
 use crate::{Loaded, for_each_law};
 use end_to_end_tests::PointMemory;
@@ -11,6 +12,14 @@ fn expect_cut_back(loaded: &Loaded, mut point: PointMemory, what: &str) {
         assert!(point.pnewdt > 0.0 && point.pnewdt < 1.0, "{}, {what}: PNEWDT {}", loaded.law.name, point.pnewdt);
         assert_eq!(point.output_bits(), before, "{}, {what}", loaded.law.name);
     }
+    let before = point.clone();
+    let mut arguments = point.arguments();
+    arguments.pnewdt = std::ptr::null_mut();
+    // SAFETY: what is not NULL is valid.
+    unsafe { arguments.call(loaded.umat) };
+    assert!(point.stress().iter().all(|x| x.is_nan()), "{}, {what}: {:?}", loaded.law.name, point.stress());
+    point.stress = before.stress;
+    assert_eq!(point.output_bits(), before.output_bits(), "{}, {what}: no PNEWDT", loaded.law.name);
 }
 
 #[test]

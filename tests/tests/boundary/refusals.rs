@@ -1,7 +1,8 @@
 //! Configuration errors: STRESS and DDSDDE become NaN, PNEWDT 0.5, one message a process.
 
 use crate::{Loaded, for_each_law, stderr_of_child};
-use end_to_end_tests::{LAWS, PointMemory, sample};
+use end_to_end_tests::{LAWS, PointMemory, Sample, sample, strain_path};
+use umat_abi::host::Validation;
 use umat_abi::law::StressState;
 
 /// Calls and checks that the point was refused, and that states and energies were left alone.
@@ -96,6 +97,86 @@ fn properties_out_of_bounds_are_refused() {
             }
         }
     });
+}
+
+/// `concrete_damage` with a fracture energy for one branch.
+fn with_crack_band(index: usize) -> Sample {
+    let mut props = sample("concrete_damage").props.to_vec();
+    props[index] = [0.1, 20.0][index - 12];
+    Sample { props: props.leak(), ..*sample("concrete_damage") }
+}
+
+#[test]
+fn a_fracture_energy_without_a_length_is_refused() {
+    for index in [12, 13] {
+        let law: &'static Sample = Box::leak(Box::new(with_crack_band(index)));
+        let loaded = Loaded::new(law);
+        for stress_state in Sample::STRESS_STATES {
+            let mut cracked = PointMemory::new(law, stress_state);
+            for increment in strain_path(7, cracked.ntens(), law.strain, 8) {
+                cracked.advance(loaded.umat, &increment);
+            }
+            assert!(cracked.stress().iter().all(|x| x.is_finite()) && cracked.statev[4] == 1.0);
+            for point in [PointMemory::new(law, stress_state), cracked] {
+                for length in [0.0, -0.0, -10.0, f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+                    let point = PointMemory { celent: length, ..point.clone() };
+                    expect_refusal(&loaded, point, &format!("CELENT {length}"));
+                }
+                let mut nowhere = point;
+                let mut arguments = nowhere.arguments();
+                arguments.celent = std::ptr::null();
+                // SAFETY: what is not NULL is valid.
+                unsafe { arguments.call(loaded.umat) };
+                assert!(nowhere.stress().iter().chain(nowhere.tangent()).all(|x| x.is_nan()));
+                assert_eq!(nowhere.pnewdt, 0.5);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_missing_length_is_told_once() {
+    let stderr = stderr_of_child("refusals::child_gives_no_length");
+    let messages: Vec<_> = stderr.lines().filter(|line| line.contains("pullout")).collect();
+    let expected = "pullout: concrete_damage: G_f > 0 asks for a crack band, which needs the element's length (CELENT > 0), \
+                    but this program gives none: set G_f to 0 for the law without crack band, or let the program give \
+                    the length";
+    assert_eq!(messages, [expected], "{stderr}");
+}
+
+#[test]
+#[ignore = "runs as a process of its own: a_missing_length_is_told_once"]
+fn child_gives_no_length() {
+    let law: &'static Sample = Box::leak(Box::new(with_crack_band(12)));
+    let loaded = Loaded::new(law);
+    for celent in [0.0, -1.0, f64::NAN] {
+        let mut point = PointMemory { celent, ..PointMemory::new(law, StressState::ThreeD) };
+        point.call(loaded.umat);
+        assert!(point.stress[0].is_nan());
+    }
+}
+
+#[test]
+fn an_open_bound_is_printed_as_one() {
+    let library = Loaded::new(sample("linear_elastic")).library;
+    let law = &library.laws()[0];
+    for (props, expected) in [
+        ([210e3, -1.0], "nu = -1 is outside its bounds (-1, 0.5)"),
+        ([0.0, 0.3], "E = 0 is outside its bounds (0, inf)"),
+    ] {
+        assert_eq!(law.validate(&props, None), Validation::Invalid(expected.to_owned()));
+    }
+    let library = Loaded::new(sample("concrete_damage")).library;
+    let mut props = sample("concrete_damage").props.to_vec();
+    for (index, value, expected) in [
+        (8, 1.5, "beta = 1.5 is outside its bounds [0, 1]"),
+        (10, 1.0, "b_t = 1 is outside its bounds [0, 1)"),
+        (12, -1.0, "G_f = -1 is outside its bounds [0, inf)"),
+    ] {
+        let before = std::mem::replace(&mut props[index], value);
+        assert_eq!(library.laws()[0].validate(&props, None), Validation::Invalid(expected.to_owned()));
+        props[index] = before;
+    }
 }
 
 #[test]

@@ -275,7 +275,8 @@ unsafe fn advance_point<L: Law>(plan: &Plan<'_, L>, a: &BatchArguments, k: usize
     };
     let status = match outcome {
         Ok(()) => batch_results::DONE,
-        Err(Refusal::CutBack { .. }) => batch_results::CUT_BACK,
+        // without STATUS the host would take the old stress for the new one
+        Err(Refusal::CutBack { .. }) if !a.status.is_null() => batch_results::CUT_BACK,
         Err(refusal) => {
             report(L::INFO.name, &refusal);
             // SAFETY: forwarded to the caller.

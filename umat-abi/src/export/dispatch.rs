@@ -60,7 +60,7 @@ pub unsafe fn umat_by_name(entries: &[NamedEntry<unsafe fn(&UmatArguments)>], ar
             Some(function) => function(arguments),
             None => {
                 let &UmatArguments { ntens, stress, ddsdde, pnewdt, .. } = arguments;
-                super::solid::refuse(ntens, stress, ddsdde, pnewdt, LIBRARY, &Refusal::UnknownLaw);
+                super::solid::refuse_umat(ntens, stress, ddsdde, pnewdt, LIBRARY, &Refusal::UnknownLaw);
             }
         }
     }

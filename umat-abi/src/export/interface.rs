@@ -1,6 +1,6 @@
 //! The bodies of `uinter_` and `fric_`.
 
-use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
+use super::{Answer, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
 use crate::fric::FricArguments;
 use crate::law::{InterfaceIncrement, InterfaceLaw, Request, TangentialIncrement, check_properties};
 use crate::uinter::UinterArguments;
@@ -36,39 +36,22 @@ pub unsafe fn fric<L: InterfaceLaw>(arguments: &FricArguments) {
 /// As for [`uinter`].
 #[cold]
 pub(super) unsafe fn refuse_uinter(a: &UinterArguments, name: &CStr, refusal: &Refusal) {
+    let &UinterArguments { stress, ddsddr: tangent, pnewdt, .. } = a;
     // SAFETY: STRESS(NDIR), DDSDDR(NDIR,NDIR), PNEWDT: NULL or valid.
-    unsafe { refuse(name, refusal, optional(a.ndir), a.stress, a.ddsddr, a.pnewdt) }
+    unsafe {
+        refuse(name, refusal, &Answer { components: optional(a.ndir), most_components: 3, stress, tangent, pnewdt })
+    }
 }
 
 /// # Safety
 /// As for [`fric`].
 #[cold]
 pub(super) unsafe fn refuse_fric(a: &FricArguments, name: &CStr, refusal: &Refusal) {
+    let &FricArguments { tau: stress, ddtddg: tangent, pnewdt, .. } = a;
     // SAFETY: TAU(NFDIR), DDTDDG(NFDIR,NFDIR), PNEWDT: NULL or valid.
-    unsafe { refuse(name, refusal, optional(a.nfdir), a.tau, a.ddtddg, a.pnewdt) }
-}
-
-unsafe fn refuse(
-    name: &CStr,
-    refusal: &Refusal,
-    directions: Option<i32>,
-    traction: *mut f64,
-    tangent: *mut f64,
-    pnewdt: *mut f64,
-) {
-    report(name, refusal);
-    let mut fraction = CUT_BACK;
-    if let Refusal::CutBack { fraction: wanted, .. } = *refusal {
-        fraction = wanted;
-    } else if let Some(n @ 1..=3) = directions {
-        // SAFETY: the caller's promise.
-        unsafe {
-            fill_nan(traction, n as usize);
-            fill_nan(tangent, (n * n) as usize);
-        }
+    unsafe {
+        refuse(name, refusal, &Answer { components: optional(a.nfdir), most_components: 3, stress, tangent, pnewdt })
     }
-    // SAFETY: the caller's promise.
-    unsafe { store(pnewdt, fraction) };
 }
 
 /// A count of directions within its range.

@@ -4,8 +4,8 @@
 //! DDSDDE full of garbage, missing CHARACTER lengths, wrong counts, NaN. It validates, embeds the
 //! components, rotates tensor states by DROT, runs the law on a copy of STATEV, and only then writes.
 //! Configuration errors fill STRESS and DDSDDE with NaN (hosts that ignore PNEWDT would go on with
-//! zeros); numerical failures leave everything as it was and ask for a cut-back. No allocation, lock
-//! or I/O on the way; no panic leaves.
+//! zeros); numerical failures leave everything as it was and ask for a cut-back, or, without PNEWDT, make
+//! STRESS NaN. No allocation, lock or I/O on the way; no panic leaves.
 
 mod batch;
 mod dispatch;
@@ -112,6 +112,45 @@ fn report(name: &std::ffi::CStr, refusal: &Refusal) {
     if !matches!(refusal, Refusal::CutBack { .. }) && !REPORTED.swap(true, Ordering::Relaxed) {
         // A closed stderr is no reason to fail.
         let _ = writeln!(std::io::stderr(), "pullout: {}: {refusal}", name.to_string_lossy());
+    }
+}
+
+/// Where a host hears of a refusal.
+struct Answer {
+    /// NTENS, NDIR or NFDIR, if given.
+    components: Option<i32>,
+    /// The largest that is one.
+    most_components: i32,
+    /// STRESS or TAU.
+    stress: *mut f64,
+    /// DDSDDE, DDSDDR or DDTDDG.
+    tangent: *mut f64,
+    pnewdt: *mut f64,
+}
+
+/// Tells the host that nothing was computed. A numerical failure leaves stresses as they were and asks for a cut-back; a host
+/// that cannot be asked (PNEWDT is NULL) would take the old stress for the new one, and gets NaN.
+///
+/// # Safety
+/// Every pointer is NULL or valid for what the number of components tells.
+#[cold]
+unsafe fn refuse(name: &std::ffi::CStr, refusal: &Refusal, host: &Answer) {
+    report(name, refusal);
+    let (fraction, is_numerical) = match *refusal {
+        Refusal::CutBack { fraction, .. } => (fraction, true),
+        _ => (CUT_BACK, false),
+    };
+    // SAFETY: the caller's promise.
+    unsafe {
+        if let Some(n) = host.components.filter(|n| (1..=host.most_components).contains(n)) {
+            if !is_numerical || host.pnewdt.is_null() {
+                fill_nan(host.stress, n as usize);
+            }
+            if !is_numerical {
+                fill_nan(host.tangent, (n * n) as usize);
+            }
+        }
+        store(host.pnewdt, fraction);
     }
 }
 

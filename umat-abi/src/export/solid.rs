@@ -1,9 +1,10 @@
 //! The body of `umat_`.
 
-use super::{CUT_BACK, Refusal, count, fill_nan, finite, guarded, optional, report, slice, states, store};
+use super::{Answer, CUT_BACK, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
 use crate::law::{Increment, Law, Request, Response, StressState, all_finite, check_properties_of};
 use crate::metadata::{StateVariable, flags};
 use crate::umat::UmatArguments;
+use std::ffi::CStr;
 
 /// The arguments that a law of a solid uses: less than half of UMAT's. The rest is not even copied.
 ///
@@ -60,39 +61,27 @@ pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
     let outcome = guarded(move || unsafe { update::<L>(&used) });
     if let Err(refusal) = outcome {
         // SAFETY: forwarded to the caller.
-        unsafe { refuse(ntens, stress, ddsdde, pnewdt, L::INFO.name, &refusal) };
+        unsafe { refuse_umat(ntens, stress, ddsdde, pnewdt, L::INFO.name, &refusal) };
     }
 }
 
-/// Tells the host that nothing was computed.
+/// Of the few arguments that it needs: all of them together would have to lie in memory before each call.
 ///
 /// # Safety
 /// As for [`umat`].
 #[cold]
-pub(super) unsafe fn refuse(
+pub(super) unsafe fn refuse_umat(
     ntens: *const i32,
     stress: *mut f64,
-    ddsdde: *mut f64,
+    tangent: *mut f64,
     pnewdt: *mut f64,
-    name: &std::ffi::CStr,
+    name: &CStr,
     refusal: &Refusal,
 ) {
-    report(name, refusal);
-    let fraction = match *refusal {
-        Refusal::CutBack { fraction, .. } => fraction,
-        _ => {
-            // SAFETY: STRESS and DDSDDE have NTENS and NTENS² values.
-            unsafe {
-                if let Some(ntens @ 1..=6) = optional(ntens) {
-                    fill_nan(stress, ntens as usize);
-                    fill_nan(ddsdde, (ntens * ntens) as usize);
-                }
-            }
-            CUT_BACK
-        }
-    };
-    // SAFETY: PNEWDT is NULL or valid.
-    unsafe { store(pnewdt, fraction) };
+    // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS), PNEWDT: NULL or valid.
+    unsafe {
+        refuse(name, refusal, &Answer { components: optional(ntens), most_components: 6, stress, tangent, pnewdt })
+    }
 }
 
 #[inline(always)]

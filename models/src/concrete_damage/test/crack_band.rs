@@ -116,14 +116,34 @@ fn a_length_that_grows_too_large_is_refused() {
     ));
 }
 
+/// Without a length the law would be another one: it does not go on, at whichever increment.
+#[test]
+fn a_fracture_energy_asks_for_a_length_in_every_increment() {
+    for (energy, strains) in [("G_f", [1e-5, 3e-4]), ("G_c", [-1e-5, -3e-3])] {
+        let props = with(defaults(), &[(energy, 20.0)]);
+        for before in 0..3 {
+            let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+            point.characteristic_length = Some(5.0);
+            strains[..before.min(2)].iter().for_each(|strain| drop(point.advance(&[*strain, 0.0, 0.0, 0.0, 0.0, 0.0])));
+            let mut increment = Increment::at_rest(StressState::ThreeD);
+            increment.strain[0] = strains[0];
+            let missing = ConfigurationError::CharacteristicLengthMissing { parameter: energy };
+            let outcome = ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress);
+            assert_eq!(outcome.err(), Some(Failure::Configuration(missing)), "{energy}, {before}");
+        }
+    }
+}
+
 #[test]
 fn the_state_says_whether_the_band_works() {
     let props = with(defaults(), &[("G_f", 0.1)]);
-    for (length, expected) in [(None, 2.0), (Some(20.0), 1.0)] {
+    for (props, expected) in [(defaults(), 0.0), (props, 1.0)] {
         let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
-        point.characteristic_length = length;
-        point.advance(&[1e-5, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        assert_eq!(point.state[CRACK_BAND], expected);
+        point.characteristic_length = Some(20.0);
+        for strain in [1e-5, 4e-4] {
+            point.advance(&[strain, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            assert_eq!(point.state[CRACK_BAND], expected);
+        }
     }
     for change in [("B_t", 1.0), ("B_t", 0.9)] {
         assert!(matches!(

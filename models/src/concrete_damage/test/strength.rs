@@ -103,11 +103,16 @@ fn calibrated_concrete_has_the_strengths_asked_for() {
         crushing_energy: None,
     };
     let props = properties(&concrete).expect("a calibration");
+    let peak = |ratio: f64, end: f64, steps: u32| {
+        let mut path = StressRatio::virgin(&props, ratio);
+        path.point.characteristic_length = Some(50.0);
+        path.peak(end, steps)
+    };
     let ends = [2.4 / 28_000.0 * 2.0, -34.8 / 28_000.0 * 3.0];
-    assert_abs_diff_eq!(StressRatio::virgin(&props, 0.0).peak(ends[0], 2000), 2.4, epsilon = 1e-3);
-    let crushing = StressRatio::virgin(&props, 0.0).peak(ends[1], 3000);
+    assert_abs_diff_eq!(peak(0.0, ends[0], 2000), 2.4, epsilon = 1e-3);
+    let crushing = peak(0.0, ends[1], 3000);
     assert_abs_diff_eq!(crushing, 34.8, epsilon = 1e-3);
-    assert_abs_diff_eq!(StressRatio::virgin(&props, 1.0).peak(ends[1], 3000) / crushing, 1.160, epsilon = 1e-4);
+    assert_abs_diff_eq!(peak(1.0, ends[1], 3000) / crushing, 1.160, epsilon = 1e-4);
     assert_eq!(props[12..], [0.08, 0.0]);
     assert!(properties(&Concrete { compressive_strength: -30.0, ..concrete }).is_err());
     assert!(properties(&Concrete { poisson_ratio: 0.5, ..concrete }).is_err());

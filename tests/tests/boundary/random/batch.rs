@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use std::sync::LazyLock;
 use umat_abi::export::BatchArguments;
-use umat_abi::host::Library;
+use umat_abi::host::{Library, Validation};
 use umat_abi::law::{LANES, StressState};
 use umat_abi::metadata::{BATCH_SYMBOL, UmatBatch, batch_results};
 
@@ -143,8 +143,9 @@ fn check(call: &Call) {
         let described = &library.laws()[0];
         let accepted = sound && is_accepted(&described.validate(&props, None));
         // a length is checked at a point's first call; α of inelastic_damage for the dimension of the stress state
-        let may_be_refused =
-            !is_accepted(&described.validate(&props, length)) || sample.name == "inelastic_damage" && changed;
+        let validation = described.validate(&props, length);
+        let lacks_length = matches!(validation, Validation::NeedsCharacteristicLength(_));
+        let may_be_refused = !is_accepted(&validation) || sample.name == "inelastic_damage" && changed;
         let strains = (0..rows).all(|row| (strain[row * n + k] + dstrain[row * n + k]).is_finite());
         let finite = strains && (0..sample.states.min(states)).all(|row| statev[row * n + k].is_finite());
         let (stress, stress_kept) = of_point(0, k, rows);
@@ -157,14 +158,15 @@ fn check(call: &Call) {
         let done = numbers(&stress)
             && numbers(&states[..sample.states.min(states.len())])
             && if a.ddsdde.is_null() { tangent_kept } else { numbers(&tangent) };
-        let kept = stress_kept && states_kept && tangent_kept;
         let refused = states_kept && spoilt(&stress, a.stress, stress_kept) && spoilt(&tangent, a.ddsdde, tangent_kept);
-        // without STATUS any of the three
+        // without STATUS a cut-back is told by the stress
+        let kept = if a.status.is_null() { refused } else { stress_kept && states_kept && tangent_kept };
         let told = |result: i32| a.status.is_null() || status[k + 1] == result;
         let well = match (accepted, finite) {
             (false, true) => refused && told(batch_results::REFUSED),
             (false, false) => refused && told(batch_results::REFUSED) || kept && told(batch_results::CUT_BACK),
             (true, false) => kept && told(batch_results::CUT_BACK),
+            (true, true) if lacks_length => refused && told(batch_results::REFUSED),
             (true, true) => {
                 done && told(batch_results::DONE)
                     || kept && told(batch_results::CUT_BACK)

@@ -8,7 +8,7 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use std::ffi::c_char;
 use std::sync::LazyLock;
-use umat_abi::host::Library;
+use umat_abi::host::{Library, Validation};
 use umat_abi::law::StressState;
 use umat_abi::umat::{UmatArguments, UmatFunction};
 
@@ -218,7 +218,9 @@ fn check(call: &Call) {
     let length = (!a.celent.is_null()).then_some(call.celent);
     // a length is checked at a point's first call; α of inelastic_damage for the dimension of the stress state
     let changed = !call.props.is_empty() || !call.factors.is_empty();
-    let may_be_refused = !is_accepted(&described.validate(&props, length)) || law.name == "inelastic_damage" && changed;
+    let validation = described.validate(&props, length);
+    let may_be_refused = !is_accepted(&validation) || law.name == "inelastic_damage" && changed;
+    let lacks_length = matches!(validation, Validation::NeedsCharacteristicLength(_));
     let sound = present
         && named
         && StressState::from_counts(ntens, ndi, nshr).is_some()
@@ -233,6 +235,7 @@ fn check(call: &Call) {
         (false, true) => &[Answer::Refused],
         (false, false) => &[Answer::Refused, Answer::Untouched],
         (true, false) => &[Answer::Untouched],
+        (true, true) if lacks_length => &[Answer::Refused],
         (true, true) if may_be_refused => &[Answer::Done, Answer::Untouched, Answer::Refused],
         (true, true) => &[Answer::Done, Answer::Untouched],
     };
