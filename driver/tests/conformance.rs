@@ -3,13 +3,13 @@
 use driver::conformance::{Options, Report, Row, Verdict, check};
 use driver::path::program::Plugin;
 use std::path::PathBuf;
-use umat_abi::host::{Found, Library, search_paths};
+use umat_abi::host::{Found, search_paths};
 
 /// The plugin of that name, built into target/*/deps/ as a dev-dependency.
 fn plugin(name: &str) -> Plugin {
     let paths: Vec<PathBuf> = search_paths(&[]);
     let found = Found::by_name(name, &paths).unwrap_or_else(|| panic!("{name} is not in {paths:?}"));
-    let library = Library::open(&found.path).expect("a plugin");
+    let library = end_to_end_tests::open(&found.path);
     let law = library.laws().first().cloned().expect("metadata");
     let nstatv = law.states.len();
     Plugin { library, law: Some(law), name: name.into(), symbol: None, cmname: name.into(), props: vec![], nstatv }

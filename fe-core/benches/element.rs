@@ -79,7 +79,7 @@ fn square(case: &Case) -> Mesh {
 }
 
 fn linear_elastic() -> PluginLaw {
-    let library = Library::open(&end_to_end_tests::plugin("linear_elastic")).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&end_to_end_tests::plugin("linear_elastic"));
     let law = library.laws().first().cloned();
     let name = "linear_elastic".to_owned();
     let nstatv = law.as_ref().map_or(0, |law| law.states.len());

@@ -13,7 +13,6 @@ use models::{
 use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::export::umat;
-use umat_abi::host::Library;
 use umat_abi::law::{Increment, Law, Request, StressState};
 use umat_abi::umat::UmatFunction;
 
@@ -77,7 +76,7 @@ impl Start {
 }
 
 fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
-    let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin(law.name));
     let function = black_box(library.umat(None).expect("umat_"));
     let mut start = Start::new(law, function);
     let linked = black_box(linked);

@@ -7,7 +7,7 @@
 use end_to_end_tests::{plugin, sample, strain_path};
 use std::hint::black_box;
 use std::time::Instant;
-use umat_abi::host::{Library, UinterCall, UmatCall, recorder};
+use umat_abi::host::{UinterCall, UmatCall, recorder};
 use umat_abi::law::{Request, StressState};
 
 /// Calls of each way in all.
@@ -25,7 +25,7 @@ type Maker = Box<dyn Fn() -> Box<dyn FnMut()>>;
 fn umat(name: &'static str, extra_states: usize) -> Maker {
     Box::new(move || {
         let law = sample(name);
-        let library = Library::open(&plugin(name)).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin(name));
         let states = law.states + extra_states;
         let mut call =
             UmatCall::new(&library, None, name, StressState::ThreeD, states, law.props).expect("umat_ of the plugin");
@@ -40,7 +40,7 @@ fn umat(name: &'static str, extra_states: usize) -> Maker {
 
 fn uinter() -> Maker {
     Box::new(|| {
-        let library = Library::open(&plugin("bond_slip")).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin("bond_slip"));
         let law = library.laws()[0].clone();
         let mut props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
         if let Some(group) = &law.group {

@@ -44,6 +44,15 @@ pub fn plugin(name: &str) -> PathBuf {
     plugin_folder().join(umat_abi::host::library_file_name(name))
 }
 
+/// Opens a library that Cargo or the test itself built.
+///
+/// # Panics
+/// If it cannot be loaded.
+pub fn open(path: &Path) -> umat_abi::host::Library {
+    // SAFETY: what tests load are plugins of this workspace and of compilers that the tests call.
+    unsafe { umat_abi::host::Library::open(path) }.unwrap_or_else(|error| panic!("{error}"))
+}
+
 /// A file of this crate or of its neighbours, relative to the workspace.
 ///
 /// # Panics

@@ -16,7 +16,7 @@ struct Both {
 
 impl Both {
     fn new(law: &Sample, stress_state: StressState, count: usize) -> Self {
-        let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin(law.name));
         let batch = BatchCall::new(&library, stress_state, law.states, law.props, count).expect("a batch function");
         let mut points = vec![PointMemory::new(law, stress_state); count];
         points.iter_mut().for_each(|point| point.celent = 0.0);
@@ -178,7 +178,7 @@ fn refused_parameters_are_told_of_every_point() {
     let (index, value) = law.inadmissible;
     let mut props = law.props.to_vec();
     props[index] = value;
-    let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin(law.name));
     let mut wrong = [
         BatchCall::new(&library, StressState::ThreeD, law.states, &props, 11).expect("a batch function"),
         BatchCall::new(&library, StressState::ThreeD, law.states, &law.props[1..], 11).expect("a batch function"),
@@ -195,7 +195,7 @@ fn refused_parameters_are_told_of_every_point() {
 /// A law that panics at some strains, as `umat_` reports it.
 #[test]
 fn a_panic_is_that_of_its_point() {
-    let library = Library::open(&plugin("panicking")).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin("panicking"));
     let law = &library.laws()[0];
     let props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
     let mut batch =
@@ -209,7 +209,7 @@ fn a_panic_is_that_of_its_point() {
 #[test]
 fn no_point_is_no_work() {
     let law = sample("concrete_damage");
-    let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin(law.name));
     BatchCall::new(&library, StressState::ThreeD, law.states, law.props, 0)
         .expect("a batch function")
         .call(Request::Stress);

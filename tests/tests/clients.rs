@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use umat_abi::host::{Library, UmatCall, library_file_name};
+use umat_abi::host::{UmatCall, library_file_name};
 use umat_abi::law::{Request, StressState};
 
 /// The laws whose plugins are linked into programs: all of them, so a new row of the table is tested here too.
@@ -47,7 +47,7 @@ fn feed(command: &mut Command, input: &str) -> std::process::Output {
 
 /// The stresses that our host computes along the path.
 fn expected(law: &Sample, stress_state: StressState, path: &[[f64; 6]]) -> Vec<Vec<f64>> {
-    let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin(law.name));
     let mut call = UmatCall::new(&library, None, law.name, stress_state, law.states, law.props).expect("umat_");
     let stress = |increment: &[f64; 6]| {
         call.dstran = *increment;
@@ -142,7 +142,7 @@ fn a_c_program_reads_the_description() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let Some(client) = c_client(law.name, folder.path()) else { return };
         let output = feed(&mut Command::new(&client), &input(law, StressState::ThreeD, &[]));
-        let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin(law.name));
         let described = &library.laws()[0];
         let names: Vec<_> = described.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
         let expected = format!("{} {} {}", law.name, described.states.len(), names.join(" "));

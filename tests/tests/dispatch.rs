@@ -5,7 +5,7 @@ use umat_abi::host::Library;
 use umat_abi::law::StressState;
 
 fn library() -> Library {
-    Library::open(&plugin("pullout_laws")).expect("a plugin that Cargo built")
+    end_to_end_tests::open(&plugin("pullout_laws"))
 }
 
 /// A point after some increments, with CMNAME as given.
@@ -37,7 +37,7 @@ fn each_name_runs_its_own_law() {
     let library = library();
     assert_eq!(library.laws().len(), LAWS.len() + 1, "the solids and bond_slip");
     for law in LAWS {
-        let own = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+        let own = end_to_end_tests::open(&plugin(law.name));
         let expected = run(&own, law, None).output_bits();
         let name = law.name;
         let upper = name.to_uppercase();

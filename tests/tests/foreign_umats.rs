@@ -42,9 +42,9 @@ fn compile(foreign: &Foreign) -> Option<(tempfile::TempDir, PathBuf)> {
 
 fn compare(foreign: &Foreign, law: &str, props: &[f64], stress_state: StressState, strain: f64) {
     let Some((_folder, path)) = compile(foreign) else { return };
-    let theirs = Library::open(&path).expect("a library just built");
+    let theirs = end_to_end_tests::open(&path);
     assert!(theirs.laws().is_empty(), "a plain UMAT describes nothing");
-    let ours = Library::open(&plugin(law)).expect("a plugin that Cargo built");
+    let ours = end_to_end_tests::open(&plugin(law));
     let states = ours.laws()[0].states.len();
     let mut ours = UmatCall::new(&ours, None, law, stress_state, states, props).expect("umat_");
     let mut theirs =
@@ -126,7 +126,7 @@ fn shared_names_do_not_disturb() {
         let library = folder.path().join("libshared.so");
         compiler.args(["-shared", "-fPIC", "-std=legacy", "-I"]).arg(include.path()).arg("-o").arg(&library);
         run(compiler.arg(workspace("tests/umats").join(source)));
-        Some((folder, Library::open(&library).expect("a library just built")))
+        Some((folder, end_to_end_tests::open(&library)))
     };
     let (Some((_a, a)), Some((_b, b))) = (library("common_a.f"), library("common_b.f")) else { return };
     let call = |library: &Library| {

@@ -93,7 +93,7 @@ impl Solid {
     pub fn library(&self, settings: &Settings) -> Result<Library, BenchError> {
         let searched = search_paths(&settings.plugin_paths);
         match Found::by_name(self.law, &searched) {
-            Some(found) => Ok(Library::open(&found.path)?),
+            Some(found) => Ok(crate::isolation::load(&found.path)?),
             None => Err(BenchError::Missing { plugin: self.law.into(), searched }),
         }
     }

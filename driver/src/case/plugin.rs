@@ -56,7 +56,8 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
     let mut library = open(reader, &path, place_of_plugin.clone())?;
     if material.thread_safe == Some(true) {
-        library = library.thread_safe();
+        // SAFETY: the case vouches for it.
+        library = unsafe { library.thread_safe() };
     }
     let law = choose_law(reader, &library, material, place)?;
     let usable = match &law {
@@ -87,8 +88,9 @@ fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
     if let Some(library) = reader.libraries.get(path) {
         return Some(library.clone());
     }
-    let library =
-        Library::open(path).map_err(|error| reader.problems.push(Problem::plugin(place, error.to_string()))).ok()?;
+    let library = crate::isolation::load(path)
+        .map_err(|error| reader.problems.push(Problem::plugin(place, error.to_string())))
+        .ok()?;
     if library.changes_floating_point() {
         reader.warnings.push(format!(
             "{}: loading it switched the processor's floating-point modes (flush to zero); they were restored",

@@ -4,9 +4,10 @@
 use super::{Case, CaseErrors, read, schema};
 use crate::path::program::Program;
 use serde_json::{Value, json};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::LazyLock;
 use tempfile::TempDir;
+use umat_abi::host::{Found, search_paths};
 
 mod damaged;
 mod malformed;
@@ -80,17 +81,16 @@ fn point_case() -> Value {
     })
 }
 
-/// A library without metadata that every test process has: the C library, with any function in it as entry point.
+/// A library without metadata.
 fn plain_library() -> String {
-    let maps = std::fs::read_to_string("/proc/self/maps").expect("the list of loaded libraries");
-    let path = maps.split_whitespace().find(|word| Path::new(word).is_absolute() && word.contains("libc.so"));
-    path.expect("the C library").to_owned()
+    let found = Found::by_name("undescribed", &search_paths(&[])).expect("a plugin that Cargo built");
+    found.path.to_str().expect("UTF-8").to_owned()
 }
 
 fn interface_case() -> Value {
     json!({
         "kind": "interface",
-        "material": { "plugin": plain_library(), "symbol": "abs", "nstatv": 2, "props": [1, 2.5] },
+        "material": { "plugin": plain_library(), "symbol": "my_uinter_", "nstatv": 2, "props": [1, 2.5] },
         "steps": [ { "increments": 4, "target": { "slip": 0.1 } } ]
     })
 }

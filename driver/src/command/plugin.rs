@@ -113,7 +113,7 @@ fn with_library(
     if let Some(code) = isolated::supervised(&file, case, &action.command_line(), plugin_paths) {
         return code;
     }
-    match Library::open(&file) {
+    match crate::isolation::load(&file) {
         Ok(library) => work(&library),
         Err(error) => {
             complain(error);
@@ -127,7 +127,7 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
     // other libraries (compiler plugins beside the executable) are not even loaded
     for found in Found::all(&paths).into_iter().filter(|found| describes_laws(&found.path)) {
-        match Library::open(&found.path) {
+        match crate::isolation::load(&found.path) {
             Ok(library) => rows.extend(library.laws().iter().map(|law| {
                 [law.name.clone(), law.version.clone(), entry_points(law).join(" "), found.path.display().to_string()]
             })),

@@ -55,3 +55,16 @@ pub use need::{Need, describes_laws, need, need_of_library};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, program};
 pub use worker::{Stage, Task};
+
+use std::path::Path;
+use umat_abi::host::{Library, LoadError};
+
+/// Loads a library into this process.
+///
+/// # Errors
+/// As of [`Library::open`].
+pub fn load(library: &Path) -> Result<Library, LoadError> {
+    // SAFETY: a library that nobody vouches for is loaded by a worker only, which `need` and `need_of_library` see to:
+    // what it does to that process is found by the one that watches it.
+    unsafe { Library::open(library) }
+}

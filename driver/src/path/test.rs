@@ -4,7 +4,7 @@ use super::program::*;
 use super::{Observer, Row, Statistics, Stop, run};
 use std::io;
 use std::path::PathBuf;
-use umat_abi::host::{Found, Library, search_paths};
+use umat_abi::host::{Found, search_paths};
 
 /// Keeps every row.
 #[derive(Default)]
@@ -24,7 +24,7 @@ impl Observer for Rows {
 
 fn plugin(name: &str, props: &[f64]) -> Plugin {
     let found = Found::by_name(name, &search_paths(&[])).expect("plugins are built beside the tests");
-    let library = Library::open(&found.path).expect("a library");
+    let library = crate::isolation::load(&found.path).expect("a library");
     let law = library.laws()[0].clone();
     Plugin {
         nstatv: law.states.len(),

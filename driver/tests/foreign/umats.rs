@@ -184,6 +184,25 @@ fn another_symbol_is_called_where_the_case_names_it() {
     );
 }
 
+/// What a library only depends on is not its own: the loader finds a UMAT there, or `system` in the C library.
+#[test]
+fn a_symbol_of_another_library_is_no_entry_point() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let Some(mut gcc) = find(Tool::C) else { return };
+    desk.write("empty.c", "int nothing_of_the_kind;\n");
+    let needs = library.as_str().expect("a file");
+    let arguments = ["-shared", "-fPIC", "-o", "libempty.so", "empty.c", "-Wl,--no-as-needed", needs];
+    let output = gcc.current_dir(desk.path("")).args(arguments).output().expect("gcc");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let case = point(json!({ "plugin": "./libempty.so", "props": [E, NU], "nstatv": 1 }), "3d", tension(2, 1e-3));
+    desk.case("case.json", &case);
+    let outcome = desk.pullout(["check", "case.json"]).expect(3);
+    assert!(outcome.stderr.contains("has none of the symbols umat_"), "{}", outcome.stderr);
+    let outcome = desk.pullout(["run", "case.json", "--set", "material.symbol=system"]).expect(3);
+    assert!(outcome.stderr.contains("'system' is not the name of an entry point"), "{}", outcome.stderr);
+}
+
 /// gfortran -Ofast links a start-up routine that switches on flush-to-zero for the whole process.
 #[test]
 fn flush_to_zero_is_neutralised_and_named() {

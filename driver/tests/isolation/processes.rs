@@ -31,7 +31,7 @@ fn bad_input_is_told_before_anything_runs() {
     }
     assert!(desk.pullout(["check", "good.json"]).expect(0).stdout.contains("good.json: no errors"));
     let mut case = point(material("misbehaving", Fault::None as u32));
-    case["material"]["symbol"] = json!("absent_");
+    case["material"]["symbol"] = json!("absent_umat_");
     desk.case("absent.json", &case);
     desk.pullout(["run", "absent.json"]).expect(3);
     assert!(!desk.has_results());

@@ -3,7 +3,6 @@
 
 use crate::Loaded;
 use end_to_end_tests::{LAWS, PointMemory, plugin, strain_path};
-use umat_abi::host::Library;
 use umat_abi::law::StressState;
 
 /// PNEWDT on entry: below 0, so that what a UMAT asks for shows.
@@ -27,7 +26,7 @@ fn its_conventions_are_honoured() {
         let capitals = law.name.replace('_', "").to_uppercase();
         let copy = folder.path().join(format!("lib{capitals}.so"));
         std::fs::copy(plugin(law.name), &copy).expect("a copy");
-        let library = Library::open(&copy).expect("a plugin under another name");
+        let library = end_to_end_tests::open(&copy);
         let umat = library.umat(Some("UMAT")).expect("the symbol in capitals");
         let loaded = Loaded { law, library, umat };
 

@@ -22,7 +22,7 @@ struct Loaded {
 
 impl Loaded {
     fn new(law: &'static Sample) -> Self {
-        let library = Library::open(&plugin(law.name)).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin(law.name));
         let umat = library.umat(None).expect("umat_");
         Self { law, library, umat }
     }

@@ -60,9 +60,9 @@ pub struct UmatCall {
     pub temp: f64,
     /// Temperature increment.
     pub dtemp: f64,
-    /// Field variables at the start; at least one value.
+    /// Field variables at the start. A call makes them at least one, and as many as `dpred`, by zeros.
     pub predef: Vec<f64>,
-    /// Their increments; as many.
+    /// Their increments.
     pub dpred: Vec<f64>,
     /// Coordinates of the point.
     pub coords: [f64; 3],
@@ -346,6 +346,12 @@ impl UmatCall {
     }
 
     pub(super) fn arguments(&mut self, stress_only: bool) -> UmatArguments {
+        if self.predef.len() != self.dpred.len() || self.predef.is_empty() {
+            // a UMAT knows by itself how many there are, and reads as many of both
+            let count = self.predef.len().max(self.dpred.len()).max(1);
+            self.predef.resize(count, 0.0);
+            self.dpred.resize(count, 0.0);
+        }
         let [ntens, ndi, nshr] = self.counts();
         let [sse, spd, scd] = &mut self.energies;
         let thermal = self.thermal.as_mut_ptr();

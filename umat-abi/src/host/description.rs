@@ -2,6 +2,7 @@
 
 use crate::metadata::{self, ABI_VERSION, Plugin, Table, Text, derived_forms, open_bounds, validation};
 use std::ffi::{CStr, c_char};
+use std::sync::Arc;
 
 /// A law in a library, as its metadata describes it.
 #[derive(Clone, Debug)]
@@ -27,6 +28,8 @@ pub struct Law {
     /// Quantities that follow from states.
     pub derived: Vec<Derived>,
     validate: metadata::Validate,
+    /// Keeps the code of `validate` loaded.
+    _library: Arc<libloading::Library>,
 }
 
 /// One entry of PROPS.
@@ -177,9 +180,11 @@ impl Law {
     /// A sentence that says what is wrong with it.
     ///
     /// # Safety
-    /// `plugin` is what `pullout_plugin_v1` of a loaded library returned; the library stays loaded as
-    /// long as the result is used.
-    pub(super) unsafe fn read_all(mut plugin: *const Plugin) -> Result<Vec<Self>, String> {
+    /// `plugin` is what `pullout_plugin_v1` of this library returned.
+    pub(super) unsafe fn read_all(
+        mut plugin: *const Plugin,
+        library: &Arc<libloading::Library>,
+    ) -> Result<Vec<Self>, String> {
         const MOST_LAWS: usize = 256;
         let mut laws = Vec::new();
         while !plugin.is_null() {
@@ -198,20 +203,20 @@ impl Law {
             // SAFETY: version and size fit.
             let plugin_reference = unsafe { &*plugin };
             // SAFETY: as above.
-            laws.push(unsafe { Self::read(plugin_reference) }?);
+            laws.push(unsafe { Self::read(plugin_reference, library) }?);
             plugin = plugin_reference.next;
         }
         Ok(laws)
     }
 
-    unsafe fn read(plugin: &Plugin) -> Result<Self, String> {
+    unsafe fn read(plugin: &Plugin, library: &Arc<libloading::Library>) -> Result<Self, String> {
         // SAFETY: forwarded to the caller.
-        let law = unsafe { Self::read_fields(plugin) }?;
+        let law = unsafe { Self::read_fields(plugin, library) }?;
         law.check_consistency()?;
         Ok(law)
     }
 
-    unsafe fn read_fields(plugin: &Plugin) -> Result<Self, String> {
+    unsafe fn read_fields(plugin: &Plugin, library: &Arc<libloading::Library>) -> Result<Self, String> {
         // SAFETY: texts and tables of a description of the right version are static, NUL-terminated or NULL, and
         // `count` elements long; NULL is checked.
         unsafe {
@@ -236,6 +241,7 @@ impl Law {
                     Ok(Derived { name: text(d.name)?, state: d.state as usize, form: d.form })
                 })?,
                 validate: plugin.validate,
+                _library: Arc::clone(library),
             })
         }
     }

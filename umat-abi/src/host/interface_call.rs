@@ -157,10 +157,13 @@ pub struct UinterCall {
 }
 
 impl UinterCall {
-    /// Prepares calls of `library`'s UINTER.
+    /// Prepares calls of `library`'s UINTER in 2 or 3 directions, the normal included.
     ///
     /// # Errors
     /// [`LoadError::Symbol`] if the library has no such entry point.
+    ///
+    /// # Panics
+    /// With another number of directions.
     pub fn new(
         library: &Library,
         symbol: Option<&str>,
@@ -169,6 +172,7 @@ impl UinterCall {
         nstatv: usize,
         props: &[f64],
     ) -> Result<Self, LoadError> {
+        assert!((2..=3).contains(&directions), "UINTER has 2 or 3 directions");
         Ok(Self {
             function: library.uinter(symbol)?,
             common: ContactArrays::new(library, symbol, name, directions, nstatv, props, ["STRESS", "DDSDDR"]),
@@ -338,10 +342,13 @@ pub struct FricCall {
 }
 
 impl FricCall {
-    /// Prepares calls of `library`'s FRIC.
+    /// Prepares calls of `library`'s FRIC in 1 or 2 tangential directions.
     ///
     /// # Errors
     /// [`LoadError::Symbol`] if the library has no such entry point.
+    ///
+    /// # Panics
+    /// With another number of directions.
     pub fn new(
         library: &Library,
         symbol: Option<&str>,
@@ -350,6 +357,7 @@ impl FricCall {
         nstatv: usize,
         props: &[f64],
     ) -> Result<Self, LoadError> {
+        assert!((1..=2).contains(&directions), "FRIC has 1 or 2 directions");
         Ok(Self {
             function: library.fric(symbol)?,
             common: ContactArrays::new(library, symbol, name, directions, nstatv, props, ["TAU", "DDTDDG"]),

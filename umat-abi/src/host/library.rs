@@ -8,6 +8,7 @@ use crate::fric::FricFunction;
 use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin, UmatBatch};
 use crate::uinter::UinterFunction;
 use crate::umat::UmatFunction;
+use std::ffi::{CStr, OsStr, c_void};
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -22,12 +23,17 @@ pub enum LoadError {
         /// The loader's words.
         message: String,
     },
-    /// It has none of the symbols tried.
+    /// It defines none of the symbols tried; what other libraries that it loads define does not count.
     Symbol {
         /// The file.
         path: PathBuf,
         /// The symbols tried, in order.
         tried: Vec<String>,
+    },
+    /// A case names a symbol that is not called like an entry point.
+    NoEntryPoint {
+        /// The symbol.
+        symbol: String,
     },
     /// Its metadata is of another version or inconsistent.
     Metadata {
@@ -45,6 +51,11 @@ impl fmt::Display for LoadError {
             Self::Symbol { path, tried } => {
                 write!(f, "{}: has none of the symbols {}", path.display(), tried.join(", "))
             }
+            Self::NoEntryPoint { symbol } => write!(
+                f,
+                "'{symbol}' is not the name of an entry point: that contains umat, uinter or fric in lower or upper case, or \
+                 is the library's own name with an underscore"
+            ),
             Self::Metadata { path, message } => write!(f, "{}: {message}", path.display()),
         }
     }
@@ -73,10 +84,17 @@ impl Library {
     ///
     /// # Errors
     /// The loader's refusal, or metadata that this program cannot read.
-    pub fn open(path: &Path) -> Result<Self, LoadError> {
+    ///
+    /// # Safety
+    /// The library's initialisers, and later its entry points, run in this process with all that it may do: either
+    /// somebody vouches for them, or the process exists for this library alone and may end with it. What it exports
+    /// as `umat_`, `uinter_`, `fric_`, `sdvini_`, `uexternaldb_` or under a symbol that is asked for has that
+    /// signature, and writes no further than its counts allow.
+    pub unsafe fn open(path: &Path) -> Result<Self, LoadError> {
         let utilities = utilities::load();
         let control = floating_point::control();
-        let opened = recorder::loading(path, || open_locally(path));
+        // SAFETY: the caller vouches for what loading it runs.
+        let opened = recorder::loading(path, || unsafe { open_locally(path) });
         let changed = floating_point::modes(floating_point::control()) != floating_point::modes(control);
         floating_point::set_control(control);
         let handle = opened.map_err(|error| {
@@ -87,14 +105,14 @@ impl Library {
             LoadError::Open { path: path.into(), message: words + &unavailable }
         })?;
         let metadata_error = |message| LoadError::Metadata { path: path.into(), message };
-        // SAFETY: the symbol, if there is one, is the function that abi.md §2 defines.
-        let laws = match unsafe { handle.get::<extern "C" fn() -> *const Plugin>(PLUGIN_SYMBOL) } {
-            // SAFETY: the pointer comes from the library's own function.
-            Ok(description) => unsafe { Law::read_all(description()) }.map_err(metadata_error)?,
-            Err(_) => Vec::new(),
+        let handle = Arc::new(handle);
+        // SAFETY: the symbol, if there is one, is the function that the contract defines.
+        let laws = match unsafe { own_symbol::<extern "C" fn() -> *const Plugin>(&handle, path, PLUGIN_SYMBOL) } {
+            // SAFETY: the pointer comes from the library's own function; each law keeps the library.
+            Some(description) => unsafe { Law::read_all(description(), &handle) }.map_err(metadata_error)?,
+            None => Vec::new(),
         };
         let guard = laws.is_empty().then(|| Guard::new(path));
-        let handle = Arc::new(handle);
         if recorder::installed().is_some() {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
             std::mem::forget(Arc::clone(&handle));
@@ -132,9 +150,12 @@ impl Library {
         self.guard.as_ref().is_some_and(Guard::changed_modes)
     }
 
-    /// The same library, without metadata but known to be thread-safe: calls do not wait for each other.
+    /// Returns the same library, without metadata but known to be thread-safe: calls do not wait for each other.
+    ///
+    /// # Safety
+    /// Its entry points may run in several threads at once.
     #[must_use]
-    pub fn thread_safe(mut self) -> Self {
+    pub unsafe fn thread_safe(mut self) -> Self {
         self.guard = self.guard.map(|guard| guard.of_thread_safe());
         self
     }
@@ -159,13 +180,16 @@ impl Library {
             return None;
         }
         // SAFETY: the symbol, if there is one, is the function that the contract defines; callers keep the library.
-        unsafe { self.handle.get::<UmatBatch>(BATCH_SYMBOL) }.ok().map(|function| *function)
+        unsafe { own_symbol(&self.handle, &self.path, BATCH_SYMBOL) }
     }
 
-    /// The same library, known to keep floating-point modes and to be thread-safe as one with metadata is: nothing is made
-    /// sure of in calls.
+    /// Returns the same library, known to keep floating-point modes and to be thread-safe as one with metadata is: nothing
+    /// is made sure of in calls.
+    ///
+    /// # Safety
+    /// Its entry points may run in several threads at once, and leave floating-point modes as they found them.
     #[must_use]
-    pub fn vouched_for(mut self) -> Self {
+    pub unsafe fn vouched_for(mut self) -> Self {
         self.guard = None;
         self
     }
@@ -188,26 +212,27 @@ impl Library {
         unsafe { self.entry("fric", symbol) }
     }
 
-    /// `name_`, `name`, `NAME`, `<libname>_`, in this order (abi.md §4).
+    /// Finds `symbol`, or else `name_`, `name`, `NAME`, `<libname>_`, in this order.
     ///
     /// # Safety
     /// `F` is the type of the function with that name.
     unsafe fn entry<F: Copy>(&self, name: &str, symbol: Option<&str>) -> Result<F, LoadError> {
+        let stem = self.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        let like_the_library = format!("{}_", stem.strip_prefix("lib").unwrap_or(&stem));
         let tried = match symbol {
-            Some(symbol) => vec![symbol.to_owned()],
-            None => {
-                let stem = self.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-                let library = stem.strip_prefix("lib").unwrap_or(&stem).to_owned();
-                spellings(name).into_iter().chain([format!("{library}_")]).collect()
+            Some(symbol) => {
+                let words = symbol.to_ascii_lowercase();
+                let is_entry_point = ["umat", "uinter", "fric"].iter().any(|entry| words.contains(entry));
+                if !is_entry_point && symbol != like_the_library {
+                    return Err(LoadError::NoEntryPoint { symbol: symbol.to_owned() });
+                }
+                vec![symbol.to_owned()]
             }
+            None => spellings(name).into_iter().chain([like_the_library]).collect(),
         };
-        for symbol in &tried {
-            // SAFETY: forwarded to the caller; the function outlives its use because callers keep the library.
-            if let Ok(function) = unsafe { self.handle.get::<F>(symbol.as_str()) } {
-                return Ok(*function);
-            }
-        }
-        Err(LoadError::Symbol { path: self.path.clone(), tried })
+        // SAFETY: forwarded to the caller; the function outlives its use because callers keep the library.
+        let found = tried.iter().find_map(|symbol| unsafe { own_symbol(&self.handle, &self.path, symbol) });
+        found.ok_or_else(|| LoadError::Symbol { path: self.path.clone(), tried })
     }
 
     /// Which of UMAT, UINTER and FRIC it has, under any of their usual names. One that is called like the library may be
@@ -227,8 +252,50 @@ impl Library {
     /// `F` is the type of the function with that name; it is not used after the library.
     pub(super) unsafe fn find<F: Copy>(&self, name: &str) -> Option<F> {
         // SAFETY: forwarded to the caller.
-        spellings(name).iter().find_map(|symbol| unsafe { self.handle.get::<F>(symbol.as_str()) }.ok().map(|f| *f))
+        spellings(name).iter().find_map(|symbol| unsafe { own_symbol(&self.handle, &self.path, symbol) })
     }
+}
+
+/// Finds a function that the library itself defines. The loader also searches the libraries that it depends on, where
+/// `system` and anything else is: those do not count.
+///
+/// # Safety
+/// `F` is the type of the function with that name; it is not used after the library.
+unsafe fn own_symbol<F: Copy>(handle: &libloading::Library, path: &Path, symbol: &str) -> Option<F> {
+    // SAFETY: forwarded to the caller.
+    let function = unsafe { handle.get::<F>(symbol) }.ok()?;
+    // SAFETY: a function is as large as an address.
+    let address = unsafe { handle.get::<*const c_void>(symbol) }.ok()?;
+    is_own(path, *address).then(|| *function)
+}
+
+/// Returns whether an address that the loader found lies in the library of this path.
+#[cfg(unix)]
+fn is_own(path: &Path, address: *const c_void) -> bool {
+    use std::os::unix::fs::MetadataExt;
+    // a library that was loaded before has the name that it had then
+    let file = |path: &Path| path.metadata().ok().map(|data| (data.dev(), data.ino()));
+    owner_of(address).is_some_and(|owner| owner == path || file(&owner).is_some_and(|owner| file(path) == Some(owner)))
+}
+
+/// The file of the library that an address lies in, as the loader names it.
+#[cfg(unix)]
+fn owner_of(address: *const c_void) -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt;
+    let mut place = std::mem::MaybeUninit::<libc::Dl_info>::uninit();
+    // SAFETY: `dladdr` reads no memory at the address, and fills the place if it returns another value than 0.
+    let name = unsafe {
+        if libc::dladdr(address, place.as_mut_ptr()) == 0 || (*place.as_ptr()).dli_fname.is_null() {
+            return None;
+        }
+        CStr::from_ptr((*place.as_ptr()).dli_fname)
+    };
+    Some(PathBuf::from(OsStr::from_bytes(name.to_bytes())))
+}
+
+#[cfg(not(unix))]
+fn is_own(_path: &Path, _address: *const c_void) -> bool {
+    true
 }
 
 /// Why the loader refused a file; without the file's name, which the reader knows.
@@ -243,19 +310,38 @@ fn spellings(name: &str) -> [String; 3] {
     [format!("{name}_"), name.to_owned(), name.to_ascii_uppercase()]
 }
 
-/// RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND: two plugins that define the same helper or COMMON block must not run
-/// each other's code, and a plugin's own `sinv_` must win over anybody's.
+/// Opens a library with RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND: two plugins that define the same helper or COMMON block
+/// must not run each other's code, and a plugin's own `sinv_` must win over anybody's.
+///
+/// # Safety
+/// As of [`Library::open`].
 #[cfg(target_os = "linux")]
-fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+unsafe fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
     use libloading::os::unix::{Library, RTLD_LOCAL, RTLD_NOW};
-    /// `<dlfcn.h>` of glibc on Linux.
-    const RTLD_DEEPBIND: i32 = if cfg!(target_env = "gnu") { 8 } else { 0 };
-    // SAFETY: loading runs the library's initialisers: that is what loading a plugin means.
-    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND) }.map(Into::into)
+    let deep = if binds_deeply() { libc::RTLD_DEEPBIND } else { 0 };
+    // SAFETY: forwarded to the caller.
+    unsafe { Library::open(Some(path), RTLD_NOW | RTLD_LOCAL | deep) }.map(Into::into)
 }
 
 #[cfg(not(target_os = "linux"))]
-fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
-    // SAFETY: loading runs the library's initialisers: that is what loading a plugin means.
+unsafe fn open_locally(path: &Path) -> Result<libloading::Library, libloading::Error> {
+    // SAFETY: forwarded to the caller.
     unsafe { libloading::Library::new(path) }
+}
+
+/// Returns whether plugins are bound to their own symbols first. Not where `malloc` is another library's than the C
+/// library's (`LD_PRELOAD` of jemalloc or tcmalloc): a plugin bound deeply would take memory from the one and have it
+/// freed by the other.
+#[cfg(all(target_os = "linux", target_env = "gnu"))]
+pub fn binds_deeply() -> bool {
+    let c_library = libc::gnu_get_libc_version as *const c_void;
+    // SAFETY: a name that ends with NUL, looked up among the libraries that the process started with.
+    let malloc = unsafe { libc::dlsym(libc::RTLD_DEFAULT, c"malloc".as_ptr()) };
+    owner_of(malloc) == owner_of(c_library)
+}
+
+/// Returns whether plugins are bound to their own symbols first: the loader cannot.
+#[cfg(not(all(target_os = "linux", target_env = "gnu")))]
+pub fn binds_deeply() -> bool {
+    false
 }

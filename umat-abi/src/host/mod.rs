@@ -26,7 +26,7 @@ pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{Found, library_file_name, library_path, names_a_file, search_paths};
 pub use interface_call::{ContactArrays, FricCall, UinterCall};
-pub use library::{Library, LoadError};
+pub use library::{Library, LoadError, binds_deeply};
 pub use memory::Overrun;
 #[cfg(unix)]
 pub use probe::{Alignment, Probed, Trespass};

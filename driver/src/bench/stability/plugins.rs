@@ -6,7 +6,7 @@ use crate::bench::table::Table;
 use crate::bench::{BenchError, Settings};
 use crate::conformance::{self, Options, Verdict};
 use crate::path::program::Plugin;
-use umat_abi::host::{Found, Library, search_paths};
+use umat_abi::host::{Found, search_paths};
 
 const PART: &str = "plugin";
 
@@ -37,7 +37,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Vec<Row>, BenchError> {
         let Some(found) = Found::by_name(name, &searched) else {
             return Err(BenchError::Missing { plugin: name.into(), searched });
         };
-        let library = Library::open(&found.path)?;
+        let library = crate::isolation::load(&found.path)?;
         for law in library.laws() {
             let plugin = Plugin::with_defaults(&library, law);
             let report = conformance::check(&plugin, &Options { states, ..Options::default() });

@@ -368,6 +368,7 @@ fn a_plugin_that_cannot_be_loaded_is_exit_code_3() {
         (&["material.plugin=lib/nothing.so"], "lib/nothing.so"),
         (&["material.plugin=no_library.so"], "cannot be loaded"),
         (&symbol, "$.material.symbol: "),
+        (&["material.symbol=system"], "$.material.symbol: 'system' is not the name of an entry point"),
     ] {
         let (code, text) = failure(&point_case(), overrides);
         assert!(code == 3 && text.contains(message), "{code}: {text}");
@@ -398,7 +399,7 @@ fn a_law_of_a_solid_is_no_interface_law() {
 #[test]
 fn a_plain_library_needs_nstatv_and_an_array() {
     let mut case = point_case();
-    case["material"] = json!({ "plugin": plain_library(), "symbol": "abs" });
+    case["material"] = json!({ "plugin": plain_library(), "symbol": "umat_" });
     let (code, text) = failure(&case, &[]);
     assert!(code == 2 && text.contains("$.material.nstatv: is missing: the library describes no law"), "{text}");
 }

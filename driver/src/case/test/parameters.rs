@@ -3,7 +3,7 @@
 use super::super::plugin::law_of_name;
 use super::super::props_from_json;
 use serde_json::json;
-use umat_abi::host::{Choice, Found, Group, Law, Library, Parameter, search_paths};
+use umat_abi::host::{Choice, Found, Group, Law, Parameter, search_paths};
 
 fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Parameter {
     Parameter {
@@ -23,7 +23,7 @@ fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Paramete
 /// E, beta_mode (min 0, max 1, blend 2), n_points, then points (slip, traction), at least one.
 fn law(count_parameter: Option<usize>) -> Law {
     let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("the plugin");
-    let mut law = Library::open(&found.path).expect("a library").laws()[0].clone();
+    let mut law = crate::isolation::load(&found.path).expect("a library").laws()[0].clone();
     let mut mode = parameter("beta_mode", 0.0, 0.0, 2.0);
     mode.choices = ["uni", "bi", "blend"]
         .iter()

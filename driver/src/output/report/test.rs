@@ -2,7 +2,7 @@ use super::super::summary;
 use super::*;
 use crate::path::program::*;
 use std::path::PathBuf;
-use umat_abi::host::{Found, Library, search_paths};
+use umat_abi::host::{Found, search_paths};
 
 fn account() -> Account {
     Account {
@@ -89,7 +89,7 @@ fn the_page_is_written_or_the_error_names_it() {
 /// `linear_elastic` along a ramp with a relation, a row of a table and a bound.
 fn program() -> Program {
     let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("plugins are built beside the tests");
-    let library = Library::open(&found.path).expect("a library");
+    let library = crate::isolation::load(&found.path).expect("a library");
     let law = library.laws().iter().find(|law| law.name == "linear_elastic").expect("the law").clone();
     let mut controls = [Control::FREE; 6];
     controls[0] = Control::Strain(-0.005);

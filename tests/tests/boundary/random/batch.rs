@@ -16,7 +16,7 @@ use umat_abi::metadata::{BATCH_SYMBOL, UmatBatch, batch_results};
 static LIBRARIES: LazyLock<Vec<(Library, libloading::Library, UmatBatch)>> = LazyLock::new(|| {
     let open = |law: &Sample| {
         let path = plugin(law.name);
-        let described = Library::open(&path).expect("a plugin that Cargo built");
+        let described = end_to_end_tests::open(&path);
         // SAFETY: a plugin of ours: nothing but a panic hook is set when it is loaded.
         let library = unsafe { libloading::Library::new(&path) }.expect("the same plugin");
         // SAFETY: the symbol is the function that the contract defines; the library stays loaded as long as the program runs.

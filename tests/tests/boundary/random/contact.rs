@@ -16,9 +16,8 @@ const LAW: &str = "bond_slip";
 const SLIP: f64 = 0.05;
 
 /// The law's own library, and the one that goes by CINAME.
-static LIBRARIES: LazyLock<[Library; 2]> = LazyLock::new(|| {
-    [LAW, "pullout_laws"].map(|name| Library::open(&plugin(name)).expect("a plugin that Cargo built"))
-});
+static LIBRARIES: LazyLock<[Library; 2]> =
+    LazyLock::new(|| [LAW, "pullout_laws"].map(|name| end_to_end_tests::open(&plugin(name))));
 
 fn law() -> &'static Law {
     &LIBRARIES[0].laws()[0]

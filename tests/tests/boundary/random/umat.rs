@@ -16,7 +16,7 @@ use umat_abi::umat::{UmatArguments, UmatFunction};
 static OWN: LazyLock<Vec<Loaded>> = LazyLock::new(|| LAWS.iter().map(Loaded::new).collect());
 /// The library of all laws, which goes by CMNAME.
 static ALL: LazyLock<(Library, UmatFunction)> = LazyLock::new(|| {
-    let library = Library::open(&plugin("pullout_laws")).expect("a plugin that Cargo built");
+    let library = end_to_end_tests::open(&plugin("pullout_laws"));
     let umat = library.umat(None).expect("umat_");
     (library, umat)
 });
