@@ -8,6 +8,7 @@ mod finite_strain;
 mod parts;
 #[path = "../program/mod.rs"]
 mod program;
+mod public;
 mod umats;
 mod utilities;
 
@@ -20,16 +21,21 @@ const CLOSE: f64 = 1e-9;
 
 /// A library from a source of tests/umats; `None`, after a notice, where its compiler is not installed.
 fn built(desk: &Desk, source: &str, flags: &[&str]) -> Option<Value> {
-    let tool = match source.rsplit('.').next() {
-        Some("c") => Tool::C,
-        Some("cpp") => Tool::Cpp,
+    built_of(desk, &[source], flags)
+}
+
+/// A library from several sources of one language, named after the first.
+fn built_of(desk: &Desk, sources: &[&str], flags: &[&str]) -> Option<Value> {
+    let (name, suffix) = sources[0].split_once('.')?;
+    find(match suffix {
+        "c" => Tool::C,
+        "cpp" => Tool::Cpp,
         _ => Tool::Fortran,
-    };
-    find(tool)?;
-    let path = workspace("tests/umats").join(source);
-    let library = desk.path(&format!("lib{}.so", source.split('.').next().unwrap_or(source)));
-    let mut arguments = vec!["plugin", "build", path.to_str()?, "-o", library.to_str()?];
-    arguments.extend(flags);
+    })?;
+    let library = desk.path(&format!("lib{name}.so"));
+    let mut arguments = vec!["plugin".into(), "build".into(), "-o".into(), library.clone().into_os_string()];
+    arguments.extend(sources.iter().map(|source| workspace("tests/umats").join(source).into_os_string()));
+    arguments.extend(flags.iter().map(Into::into));
     let outcome = desk.pullout(arguments).expect(0);
     let entries = [": umat_", ": UMAT", ": uinter_"];
     assert!(entries.iter().any(|entry| outcome.stdout.contains(entry)), "{}", outcome.stdout);
