@@ -26,6 +26,8 @@ const FAILED: u8 = 1;
 const BAD_INPUT: u8 = 2;
 /// A plugin cannot be loaded.
 const NO_PLUGIN: u8 = 3;
+/// A check has seen nothing that could have shown an error.
+const NOT_TESTED: u8 = 4;
 
 /// Drives material and contact points through UMAT, UINTER and FRIC plugins.
 #[derive(Debug, Parser)]

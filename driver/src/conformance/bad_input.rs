@@ -213,7 +213,7 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
         let finite = expected.output.iter().chain(&expected.tangent).all(|x| x.is_finite());
         let refused = cut_back(&expected) && not_a_number(&state.from, &expected, expected.output.len());
         if !finite && !refused {
-            let detail = format!("NULL in state {}: {}", state.number, words(&state.from, &expected));
+            let detail = format!("NULL in {state}: {}", words(&state.from, &expected));
             return ledger.add(CHECK, Verdict::Fail, "", detail);
         }
         for value in [0.0, -1.0, f64::NAN, f64::INFINITY] {
@@ -221,7 +221,7 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
             let answer = subject.call(&state.from, &state.step, 0.0, Alteration::None);
             subject.length = length;
             if !answer.same(&expected) {
-                let detail = format!("CELENT {value} in state {} differs from NULL", state.number);
+                let detail = format!("CELENT {value} in {state} differs from NULL");
                 return ledger.add(CHECK, Verdict::Fail, "", detail);
             }
         }

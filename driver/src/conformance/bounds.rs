@@ -28,7 +28,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
                     findings.insert(trespass.to_string().replace(trespass.argument, &argument));
                 }
                 Ok(Probed::Ended(how)) => {
-                    findings.insert(format!("state {}: {how}", state.number));
+                    findings.insert(format!("{state}: {how}"));
                 }
             }
             calls += 1;

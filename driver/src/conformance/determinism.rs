@@ -33,7 +33,7 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger:
     for state in sample {
         let (first, second) = (answer(subject, state), answer(subject, state));
         if !first.same(&second) {
-            let detail = format!("state {}: {}", state.number, difference(&first, &second));
+            let detail = format!("{state}: {}", difference(&first, &second));
             return ledger.add("repeated call", Verdict::Fail, "", detail);
         }
     }
@@ -46,7 +46,7 @@ pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     for (state, before) in sample.iter().zip(&forward).rev() {
         let again = answer(subject, state);
         if !before.same(&again) {
-            let detail = format!("state {} after others: {} (hidden memory)", state.number, difference(before, &again));
+            let detail = format!("{state} after others: {} (hidden memory)", difference(before, &again));
             return ledger.add("order of calls", Verdict::Fail, "", detail);
         }
     }
@@ -104,7 +104,7 @@ pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[State], ledger: &
         let full = answer(subject, state);
         let stress = subject.call(&state.from, &state.step, 0.0, Alteration::Null(tangent));
         if !full.same_response(&stress) || full.outcome != stress.outcome {
-            let detail = format!("state {}: {}", state.number, difference(&full, &stress));
+            let detail = format!("{state}: {}", difference(&full, &stress));
             return ledger.add(CHECK, Verdict::Fail, "", detail);
         }
     }

@@ -1,13 +1,15 @@
 //! A committed point and a step written into the arguments of each entry point, and the answer read back.
 
-use super::subject::{Answer, Committed};
+use super::subject::{Answer, Committed, INSTANT, Setting};
+use crate::path::deformation::columns;
+use nalgebra::Matrix3;
 use umat_abi::host::{Alteration, FricCall, Overrun, UinterCall, UmatCall};
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
 
 /// The arguments of a UMAT.
-pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64]) {
+pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64], share: f64, end: &Matrix3<f64>) {
     let n = step.len();
     call.stran[..n].copy_from_slice(&from.input);
     call.dstran[..n].copy_from_slice(step);
@@ -15,19 +17,21 @@ pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64]) 
     let states = call.statev().len();
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies.copy_from_slice(&from.energies[..3]);
-    call.time = [from.time; 2];
-    call.kinc = from.increment;
+    let Setting { time_increment, temperature, fields } = &from.setting;
+    call.time = from.time;
+    call.dtime = share * time_increment;
+    // in an instant nothing grows warmer, not even by rounding
+    let share = if share > INSTANT { share } else { 0.0 };
+    [call.temp, call.dtemp] = [temperature[0], share * temperature[1]];
+    call.predef.clone_from(&fields[0]);
+    call.dpred.clear();
+    call.dpred.extend(fields[1].iter().map(|increment| share * increment));
+    [call.jstep[0], call.kinc] = from.counters;
+    (call.dfgrd0, call.dfgrd1) = (columns(&from.gradient), columns(end));
 }
 
-pub(super) fn umat(
-    call: &mut UmatCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
-    let n = step.len();
-    prepare_umat(call, from, step);
+pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = call.ntens();
     let result = call.call_altered(filling, alteration).map(|_| ());
     let [stored, plastic, creep] = call.energies;
     let answer = Answer {
@@ -44,7 +48,8 @@ pub(super) fn umat(
 }
 
 /// The arguments of a UINTER.
-pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f64]) {
+pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f64], share: f64) {
+    call.dtime = share * from.setting.time_increment;
     let n = step.len();
     for k in 0..n {
         call.rdisp[k] = from.input[k] + step[k];
@@ -55,19 +60,12 @@ pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f6
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies = from.energies;
     call.flags = from.flags;
-    call.time = [from.time + call.dtime; 2];
-    call.counters[1] = from.increment;
+    call.time = from.time.map(|time| time + call.dtime);
+    [call.counters[0], call.counters[1]] = from.counters;
 }
 
-pub(super) fn uinter(
-    call: &mut UinterCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
-    let n = step.len();
-    prepare_uinter(call, from, step);
+pub(super) fn uinter(call: &mut UinterCall, filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = call.traction().len();
     let result = call.call_altered(filling, alteration).map(|_| ());
     let answer = Answer {
         outcome: call.outcome(),
@@ -83,7 +81,8 @@ pub(super) fn uinter(
 }
 
 /// The arguments of a FRIC.
-pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64]) {
+pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], share: f64) {
+    call.dtime = share * from.setting.time_increment;
     let n = step.len() - 1;
     call.lm = 0;
     call.dgam[..n].copy_from_slice(&step[..n]);
@@ -93,19 +92,12 @@ pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64]) 
     let states = call.statev().len();
     call.statev_mut().copy_from_slice(&from.statev[..states]);
     call.energies.copy_from_slice(&from.energies[..2]);
-    call.time = [from.time + call.dtime; 2];
-    call.counters[1] = from.increment;
+    call.time = from.time.map(|time| time + call.dtime);
+    [call.counters[0], call.counters[1]] = from.counters;
 }
 
-pub(super) fn fric(
-    call: &mut FricCall,
-    from: &Committed,
-    step: &[f64],
-    filling: f64,
-    alteration: Alteration<'_>,
-) -> Called {
-    let n = step.len() - 1;
-    prepare_fric(call, from, step);
+pub(super) fn fric(call: &mut FricCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
+    let n = call.traction().len();
     let result = call.call_altered(filling, alteration).map(|_| ());
     let entry = |row: usize, column: usize| {
         if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }

@@ -38,7 +38,7 @@ pub(super) fn inputs_untouched(subject: &mut Subject<'_>, sample: &[State], ledg
         subject.call(&state.from, &state.step, 0.0, Alteration::None);
         let changed = subject.changed_inputs(&state.from, &state.step);
         if !changed.is_empty() {
-            let detail = format!("state {}: writes to {}", state.number, changed.join(", "));
+            let detail = format!("{state}: writes to {}", changed.join(", "));
             return ledger.add("inputs untouched", Verdict::Fail, "", detail);
         }
     }

@@ -10,12 +10,14 @@
 
 mod bad_input;
 mod bounds;
+mod case_path;
 mod determinism;
 mod energy;
 mod entry_call;
 mod hidden_data;
 mod memory;
 mod metadata;
+mod nonlinear;
 mod null_arguments;
 mod precision;
 mod random;
@@ -32,10 +34,12 @@ mod virgin;
 pub use report::{Report, Row, Verdict};
 pub use subject::Entry;
 
-use crate::path::program::Plugin;
+use crate::path::program::{Plugin, Program};
+use case_path::CasePath;
 use report::Ledger;
+use std::sync::Arc;
 use subject::Subject;
-use umat_abi::host::Law;
+use umat_abi::host::{ExternalDatabases, Law};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 
@@ -54,7 +58,9 @@ pub struct Options {
     pub strain_size: Option<f64>,
     /// NSTATV of a library without metadata; `None`: the plugin's.
     pub nstatv: Option<usize>,
-    /// What a library without metadata is called by: it cannot tell.
+    /// The case whose path tells the law's scale.
+    pub program: Option<Arc<Program>>,
+    /// What a library without metadata is called by, without a case: it cannot tell.
     pub plain_entries: Vec<Entry>,
     /// Told of each row as it is found: a plugin may end the process before the last.
     pub listener: Option<fn(&Row)>,
@@ -69,6 +75,7 @@ impl Default for Options {
             states: 200,
             strain_size: None,
             nstatv: None,
+            program: None,
             plain_entries: vec![Entry::Umat(StressState::ThreeD)],
             listener: None,
         }
@@ -93,10 +100,18 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
     if let Some(law) = &plugin.law {
         metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
     }
+    // SDVINI and the path of the case within one analysis that lasts as long as the check
+    let mut databases = ExternalDatabases::begin([&plugin.library]);
+    let path = options.program.as_deref().map(|program| {
+        let path = CasePath::of(program, &mut databases);
+        case_path::tell(&path, &mut Ledger::new(&mut report, path.entry.label()));
+        Arc::new(path)
+    });
     let mut subjects = Vec::new();
-    for entry in entries(plugin.law.as_ref(), options) {
+    for entry in entries(plugin.law.as_ref(), path.as_deref(), options) {
         let label = entry.label();
-        match Subject::new(plugin, entry, &props, options) {
+        let path = path.clone().filter(|path| path.entry == entry);
+        match Subject::new(plugin, entry, &props, options, path) {
             Ok(subject) => subjects.push(subject),
             Err(error) => {
                 Ledger::new(&mut report, label).add("entry point", Verdict::Fail, "missing", error.to_string());
@@ -114,11 +129,11 @@ pub fn check(plugin: &Plugin, options: &Options) -> Report {
 }
 
 /// Every entry point and set of components that the law claims.
-fn entries(law: Option<&Law>, options: &Options) -> Vec<Entry> {
+fn entries(law: Option<&Law>, path: Option<&CasePath>, options: &Options) -> Vec<Entry> {
     const SOLID: [StressState; 3] =
         [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
     let Some(law) = law else {
-        return options.plain_entries.clone();
+        return path.map_or_else(|| options.plain_entries.clone(), |path| vec![path.entry]);
     };
     let mut entries = Vec::new();
     if law.kinds & kinds::UMAT != 0 {
@@ -142,6 +157,8 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     if sample.is_empty() {
         return;
     }
+    nonlinear::check(subject, &sample, ledger);
+    subject.find_out_what_is_read(&sample);
     tangent::check(subject, &sample, ledger);
     tangent::symmetry(subject, &sample, ledger);
     memory::unset_entries(subject, &sample, ledger);
@@ -157,6 +174,7 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     virgin::strain_33(subject, &sample, ledger);
     rotation::check(subject, options, ledger);
     rotation::incremental_rotation(subject, &sample, options, ledger);
+    rotation::objectivity(subject, &sample, options, ledger);
     step_size::check(subject, options, ledger);
     energy::check(subject, options, ledger);
     bad_input::not_finite(subject, &sample, ledger);

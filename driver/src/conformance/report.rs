@@ -15,6 +15,8 @@ pub enum Verdict {
     Info,
     /// Not applicable: not claimed.
     Skipped,
+    /// Nothing that was looked at could have shown an error.
+    NotTested,
 }
 
 impl fmt::Display for Verdict {
@@ -25,6 +27,7 @@ impl fmt::Display for Verdict {
             Self::Warn => "warn",
             Self::Info => "info",
             Self::Skipped => "-",
+            Self::NotTested => "void",
         })
     }
 }
@@ -63,9 +66,14 @@ pub struct Report {
 }
 
 impl Report {
-    /// True unless a row failed.
+    /// True unless a row failed, or the law was never seen where it is nonlinear.
     pub fn passed(&self) -> bool {
-        self.rows.iter().all(|row| row.verdict != Verdict::Fail)
+        self.failures().next().is_none() && !self.is_vacuous()
+    }
+
+    /// Whether what was looked at says nothing of the law.
+    pub fn is_vacuous(&self) -> bool {
+        self.rows.iter().any(|row| row.verdict == Verdict::NotTested)
     }
 
     /// The rows that failed.
@@ -76,6 +84,9 @@ impl Report {
     /// How many checks failed, in words.
     pub fn conclusion(&self) -> String {
         match self.failures().count() {
+            0 if self.is_vacuous() => {
+                format!("not tested: {} checks, none of them where the law is nonlinear", self.rows.len())
+            }
             0 => format!("{} checks, none failed", self.rows.len()),
             failures => format!("{} checks, {failures} failed", self.rows.len()),
         }

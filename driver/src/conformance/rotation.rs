@@ -3,8 +3,9 @@
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::{State, step_to, target};
-use super::subject::{Entry, Subject, distance, largest};
+use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
 use super::{Options, tolerances};
+use nalgebra::Matrix3;
 use umat_abi::host::Alteration;
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
@@ -83,7 +84,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     let (mut worst, mut refused) = (0.0_f64, 0);
     for _ in 0..options.states {
         let rotation = random_rotation(subject, &mut random);
-        let (mut point, mut turned) = (subject.virgin(), subject.virgin());
+        let (mut point, mut turned) = (subject.blank(), subject.blank());
         for _ in 0..3 {
             let end = target(subject, &mut random);
             let (step, turned_step) = (step_to(&point, &end), step_to(&turned, &rotated(entry, &end, &rotation, 2.0)));
@@ -94,8 +95,8 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
             };
             let expected = rotated(entry, &answer.output, &rotation, 1.0);
             worst = worst.max(relative_error(subject, &end, &turned_answer.output, &expected));
-            point = point.advanced(&step, &answer, subject.time_increment);
-            turned = turned.advanced(&turned_step, &turned_answer, subject.time_increment);
+            point = subject.advanced(&point, &step, &answer);
+            turned = subject.advanced(&turned, &turned_step, &turned_answer);
         }
     }
     let verdict = if worst <= tolerances::ROTATION { Verdict::Pass } else { Verdict::Fail };
@@ -142,6 +143,62 @@ pub(super) fn incremental_rotation(
     }
     let verdict = if worst.0 <= tolerances::ROTATION { Verdict::Pass } else { Verdict::Fail };
     ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), "stress and states against states turned before");
+}
+
+/// NLGEOM: a point that turns as a rigid body, F₁ = Q F₀, and is then strained answers like one that does not turn, turned.
+pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
+    const CHECK: &str = "objectivity";
+    const STATES: usize = 100;
+    if !subject.finite {
+        return;
+    }
+    let mut random = Random(options.seed ^ 0x0B7E);
+    let entry = subject.entry;
+    let (mut worst, mut tried) = ((0.0_f64, String::new()), 0);
+    for state in sample.iter().take(STATES) {
+        let rotation = random_rotation(subject, &mut random);
+        let trace: f64 = (0..3).map(|i| rotation[i][i]).sum();
+        // (Q + I)⁻¹ in DROT amplifies rounding near half a turn
+        if trace < 0.0 {
+            continue;
+        }
+        let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
+        let point = subject.advanced(&state.from, &state.step, &answer);
+        let matrix = Matrix3::from_fn(|i, j| rotation[i][j]);
+        let zero = vec![0.0; state.step.len()];
+        subject.share = INSTANT;
+        let still = subject.evaluate(&point, &zero).map(|answer| subject.advanced(&point, &zero, &answer));
+        let end = matrix * point.gradient;
+        let turned = subject.deform(&point, &end).map(|answer| Committed {
+            input: rotated(entry, &point.input, &rotation, 2.0),
+            gradient: end,
+            ..subject.advanced(&point, &zero, &answer)
+        });
+        subject.share = 1.0;
+        let (Ok(still), Ok(turned)) = (still, turned) else { continue };
+        let turned_step = rotated(entry, &state.step, &rotation, 2.0);
+        let answers = (subject.evaluate(&still, &state.step), subject.evaluate(&turned, &turned_step));
+        let (Ok(expected), Ok(found)) = answers else { continue };
+        tried += 1;
+        for (expected, found, when) in
+            [(&still.output, &turned.output, "turned"), (&expected.output, &found.output, "strained afterwards")]
+        {
+            let expected = rotated(entry, expected, &rotation, 1.0);
+            let error = relative_error(subject, &point.input, found, &expected);
+            if error > worst.0 || error.is_nan() {
+                worst = (error, format!("{state}, {when}: {found:.6?}, expected {expected:.6?}"));
+            }
+        }
+    }
+    if tried == 0 {
+        return ledger.skip(CHECK, "no state could be turned");
+    }
+    let objective = worst.0 <= tolerances::ROTATION;
+    let (verdict, detail) = match objective {
+        true => (Verdict::Pass, format!("F1 = Q F0, then a step: {tried} states")),
+        false => (Verdict::Fail, worst.1),
+    };
+    ledger.add(CHECK, verdict, format!("{:.1e}", worst.0), detail);
 }
 
 /// STATEV with its strain-like tensors turned.

@@ -1,17 +1,47 @@
-//! Random states: committed points after histories of several legs, with a step that leads on.
+//! States with a step that leads on: around the case's path, or committed points after random histories of several legs.
 
 use super::Options;
+use super::case_path::{CasePath, Increment};
 use super::random::Random;
 use super::report::{Ledger, Verdict};
-use super::subject::{Committed, Entry, Subject, Trouble};
+use super::subject::{Committed, Entry, Subject, Trouble, largest};
+use std::fmt;
+use std::time::Instant;
 
 /// One state of the sample.
 #[derive(Clone, Debug)]
 pub(super) struct State {
     /// Its number: with the seed, its name.
     pub(super) number: usize,
+    origin: Origin,
     pub(super) from: Committed,
     pub(super) step: Vec<f64>,
+}
+
+/// Where a state comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Origin {
+    /// A random history.
+    History,
+    /// The neighbourhood of a step and increment of the case.
+    Path([i32; 2]),
+    /// A long step away from them.
+    Excursion([i32; 2]),
+}
+
+impl fmt::Display for State {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let number = self.number;
+        match self.origin {
+            Origin::History => write!(f, "state {number}"),
+            Origin::Path([step, increment]) => {
+                write!(f, "state {number} (around step {step}, increment {increment} of the case)")
+            }
+            Origin::Excursion([step, increment]) => {
+                write!(f, "state {number} (a long step from step {step}, increment {increment} of the case)")
+            }
+        }
+    }
 }
 
 /// A random end point: sizes over two decades, so that elastic, peak and tail states all occur.
@@ -44,52 +74,115 @@ pub(super) fn step_to(point: &Committed, target: &[f64]) -> Vec<f64> {
 /// Draws the sample; a plugin that gives no answer fails here, with the state named.
 pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> Vec<State> {
     let mut sample = Vec::with_capacity(options.states);
-    let (mut cut_backs, mut failures) = (0, 0);
+    let (mut cut_backs, mut failures, mut far) = (0, 0, 0);
     let mut first_failure = String::new();
+    let path = subject.path.clone().filter(|path| !path.increments.is_empty());
+    let (start, calls) = (Instant::now(), subject.calls);
     for number in 0..options.states {
         let mut random = Random(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95));
-        let mut point = subject.virgin();
-        match state(subject, &mut random, &mut point, &mut cut_backs) {
-            Ok(step) => sample.push(State { number, from: point, step }),
+        let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
+        match state(subject, &mut random, origin, ways, &mut point, &mut cut_backs) {
+            Ok(step) => sample.push(State { number, origin, from: point, step }),
+            // what the case never does may be beyond the law
+            Err(_) if matches!(origin, Origin::Excursion(_)) => far += 1,
             Err((trouble, end)) => {
                 failures += 1;
                 if failures == 1 {
+                    let state = State { number, origin, from: point, step: Vec::new() };
                     first_failure = format!(
-                        "state {number}: {trouble}, from {:?} to {end:?}, STATEV {:?}",
-                        point.input, point.statev
+                        "{state}: {trouble}, from {:?} to {end:?}, STATEV {:?}",
+                        state.from.input, state.from.statev
                     );
                 }
             }
         }
     }
+    subject.call_time = start.elapsed().as_secs_f64() / (subject.calls - calls).max(1) as f64;
     let figure = format!("{}/{}", sample.len(), options.states);
+    let mut words = String::from(if path.is_some() { "around the case's path" } else { "random histories" });
+    if cut_backs > 0 {
+        words += &format!("; {cut_backs} cut-backs asked for");
+    }
+    if far > 0 {
+        words += &format!("; {far} long steps away from the path refused");
+    }
     match failures {
-        0 if cut_backs == 0 => ledger.add("answers", Verdict::Pass, figure, "random histories"),
-        0 => ledger.add("answers", Verdict::Pass, figure, format!("random histories; {cut_backs} cut-backs asked for")),
+        0 if sample.is_empty() => ledger.add("answers", Verdict::Fail, figure, words),
+        0 => ledger.add("answers", Verdict::Pass, figure, words),
         _ => ledger.add("answers", Verdict::Fail, figure, first_failure),
     }
     sample
+}
+
+/// Where state `number` comes from, the point to begin with, and the increment of the case whose like are made there.
+fn origin<'p>(
+    subject: &Subject<'_>,
+    path: Option<&'p CasePath>,
+    number: usize,
+    random: &mut Random,
+) -> (Origin, Committed, Option<&'p Increment>) {
+    /// Spreads successive numbers evenly.
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    // who has metadata promises to answer any history
+    let kind = number % 5;
+    let (near, far) = if subject.described() { (kind < 2, false) } else { (kind < 4, kind == 4) };
+    let Some(path) = path.filter(|_| near || far) else { return (Origin::History, subject.virgin(), None) };
+    let along = (GOLDEN * number as f64 + 0.01 * random.unit()).fract();
+    let increment = &path.increments[(along * path.increments.len() as f64) as usize];
+    let place = increment.from.counters;
+    let origin = if near { Origin::Path(place) } else { Origin::Excursion(place) };
+    (origin, increment.from.clone(), Some(increment))
+}
+
+/// An increment like one of the case's, in another direction and of another size.
+fn like(subject: &Subject<'_>, increment: &Increment, random: &mut Random) -> Vec<f64> {
+    const DEVIATION: f64 = 0.5;
+    /// A step that the case does not make at all, relative to what the inputs reach.
+    const LEAST: f64 = 1e-3;
+    let factor = random.magnitude().powf(0.7) * if random.unit() < 0.2 { -1.0 } else { 1.0 };
+    let solid = matches!(subject.entry, Entry::Umat(_));
+    let all = largest(&increment.step);
+    let step = &increment.step;
+    (0..step.len())
+        .map(|k| {
+            let size = if solid { all } else { step[k].abs() }.max(LEAST * subject.size[k]);
+            factor * (step[k] + DEVIATION * size * random.signed())
+        })
+        .collect()
 }
 
 /// Leads `point` along up to two legs of up to four increments; returns a further step that the plugin answers.
 fn state(
     subject: &mut Subject<'_>,
     random: &mut Random,
+    origin: Origin,
+    increment: Option<&Increment>,
     point: &mut Committed,
     cut_backs: &mut usize,
 ) -> Result<Vec<f64>, (Trouble, Vec<f64>)> {
     const MOST_HALVINGS: usize = 10;
-    let legs = (3.0 * random.unit()) as usize;
+    let legs = if matches!(origin, Origin::Excursion(_)) { 0 } else { (3.0 * random.unit()) as usize };
     for _ in 0..legs {
-        let end = target(subject, random);
-        let increments = 1 + (4.0 * random.unit()) as usize;
-        let step: Vec<f64> = step_to(point, &end).iter().map(|d| d / increments as f64).collect();
+        let (end, increments) = match increment {
+            Some(increment) => (end_of(point, &like(subject, increment, random)), 1),
+            None => (target(subject, random), 1 + (4.0 * random.unit()) as usize),
+        };
+        let step: Vec<f64> =
+            admissible(subject, point, step_to(point, &end)).iter().map(|d| d / increments as f64).collect();
         for _ in 0..increments {
             *cut_backs += subject.advance(point, &step).map_err(|trouble| (trouble, end.clone()))?;
         }
     }
-    let end = target(subject, random);
-    let mut step = step_to(point, &end);
+    let end = match increment {
+        Some(increment) if matches!(origin, Origin::Path(_)) => end_of(point, &like(subject, increment, random)),
+        Some(_) => {
+            let size = random.unit();
+            let step: Vec<f64> = subject.size.iter().map(|typical| size * typical * random.signed()).collect();
+            end_of(point, &step)
+        }
+        None => target(subject, random),
+    };
+    let mut step = admissible(subject, point, step_to(point, &end));
     for _ in 0..MOST_HALVINGS {
         match subject.evaluate(point, &step) {
             Ok(_) => return Ok(step),
@@ -99,4 +192,16 @@ fn state(
         *cut_backs += 1;
     }
     Err((Trouble::CutBack(0.5), end))
+}
+
+fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {
+    point.input.iter().zip(step).map(|(start, d)| start + d).collect()
+}
+
+/// A pressure stays one.
+fn admissible(subject: &Subject<'_>, point: &Committed, mut step: Vec<f64>) -> Vec<f64> {
+    if let Entry::Fric(n) = subject.entry {
+        step[n] = step[n].max(-point.input[n]);
+    }
+    step
 }

@@ -17,13 +17,15 @@ const PRESSURE: f64 = 10.0;
 
 /// Sets [`Subject::size`] and [`Subject::output_size`].
 pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    let is_of_path = of_path(subject);
     match subject.entry {
+        _ if is_of_path => {}
         Entry::Umat(stress_state) => {
             let shear = stress_state.components().iter().position(|&i| i == 3).unwrap_or(0);
             let base = vec![0.0; subject.entry.inputs()];
             let found = [(0, 1.0), (0, -1.0), (shear, 1.0)]
                 .into_iter()
-                .filter_map(|(component, sign)| nonlinearity(subject, &base, component, sign, 1e-7, 0.5))
+                .filter_map(|(component, sign)| nonlinearity(subject, &base, component, sign, 1e-7, 10.0))
                 .fold(f64::INFINITY, f64::min);
             let size = options.strain_size.unwrap_or(if found.is_finite() { found } else { LINEAR_STRAIN });
             subject.size.fill(size);
@@ -54,6 +56,38 @@ pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     ledger.add("typical size", Verdict::Info, format!("{:.2e}", subject.size[0]), sizes.join(", "));
 }
 
+/// Sets the sizes that the case's path has. Who has metadata promises to answer anywhere, and is searched besides.
+fn of_path(subject: &mut Subject<'_>) -> bool {
+    let Some(path) = subject.path.clone().filter(|path| !path.increments.is_empty()) else { return false };
+    if subject.described() {
+        return false;
+    }
+    let mut sizes = path.sizes();
+    match subject.entry {
+        Entry::Umat(_) => {
+            let largest = largest(&sizes);
+            sizes.fill(if largest > 0.0 { largest } else { LINEAR_STRAIN });
+        }
+        Entry::Uinter(_) | Entry::Fric(_) => {
+            // a slip that the case does not make is like the one that it makes
+            let normal = match subject.entry {
+                Entry::Fric(n) => n,
+                _ => 0,
+            };
+            let slip = (0..sizes.len()).filter(|&k| k != normal).map(|k| sizes[k]).fold(0.0, f64::max);
+            for (k, size) in sizes.iter_mut().enumerate().filter(|(_, size)| **size == 0.0) {
+                *size = match subject.entry {
+                    _ if k != normal && slip > 0.0 => slip,
+                    Entry::Fric(_) if k == normal => PRESSURE,
+                    _ => LINEAR_SLIP,
+                };
+            }
+        }
+    }
+    subject.size = sizes;
+    true
+}
+
 fn slip_size(subject: &mut Subject<'_>, options: &Options, base: &[f64], component: usize) -> f64 {
     options.strain_size.or_else(|| nonlinearity(subject, base, component, 1.0, 1e-7, 1e2)).unwrap_or(LINEAR_SLIP)
 }
@@ -73,7 +107,9 @@ fn nonlinearity(
     let mut response = |value: f64| {
         let mut step = base.to_vec();
         step[component] += sign * value;
-        subject.evaluate(&virgin, &step).ok().map(|answer| sign * answer.output[component])
+        // in pieces, if it asks for them
+        let mut point = virgin.clone();
+        subject.advance(&mut point, &step).ok().map(|_| sign * point.output[component])
     };
     // Contact in a soft layer carries pressure before the gap closes.
     let start = response(0.0)?;

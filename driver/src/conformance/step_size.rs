@@ -9,17 +9,19 @@ use umat_abi::metadata::flags;
 
 const COUNTS: [u32; 4] = [1, 10, 100, 1000];
 const PATHS: usize = 20;
+/// What a slow law may take, s.
+const TIME: f64 = 2.0;
 
 /// The end stress of a path from the virgin state.
 fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<f64>, Trouble> {
     let mut point = subject.virgin();
-    subject.time_increment = 1.0 / f64::from(count);
+    subject.share = subject.path_length() / f64::from(count);
     for k in 1..=count {
         // From the fraction itself, so that rounding does not add up.
         let fraction = f64::from(k) / f64::from(count);
         let step: Vec<f64> = end.iter().zip(&point.input).map(|(x, start)| fraction * x - start).collect();
         let answer = subject.evaluate(&point, &step)?;
-        point = point.advanced(&step, &answer, subject.time_increment);
+        point = subject.advanced(&point, &step, &answer);
     }
     Ok(point.output)
 }
@@ -29,10 +31,11 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     const CHECK: &str = "increment size";
     let mut random = Random(options.seed ^ 0x57E9);
     let (mut errors, mut paths) = ([0.0_f64; 3], 0);
-    for _ in 0..PATHS {
+    let calls: u32 = COUNTS.iter().sum();
+    for _ in 0..subject.affordable(PATHS, calls as usize, TIME) {
         let end = target(subject, &mut random);
         let stresses: Result<Vec<_>, _> = COUNTS.iter().map(|&count| end_stress(subject, &end, count)).collect();
-        subject.time_increment = 1.0;
+        subject.share = 1.0;
         let Ok(stresses) = stresses else { continue };
         paths += 1;
         let floor = tolerances::CANCELLATION / tolerances::PATH_EXACT * subject.elastic_size(&end);

@@ -8,10 +8,15 @@
 //! | FRIC | slips, pressure | shear tractions |
 
 use super::Options;
+use super::case_path::CasePath;
 use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
-use crate::path::program::Plugin;
+use super::sample::State;
+use crate::path::deformation::{columns, incremental_motion, rotated, spinless, symmetric};
+use crate::path::program::{Kind, Plugin};
+use nalgebra::Matrix3;
 use std::collections::BTreeMap;
 use std::fmt;
+use std::sync::Arc;
 use umat_abi::host::{
     Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, UinterCall, UmatCall, Validation,
 };
@@ -50,6 +55,17 @@ impl Entry {
         }
     }
 
+    /// What output number `k` is called.
+    pub(super) fn output_name(self, k: usize) -> String {
+        const STRESSES: [&str; 6] = crate::path::program::STRESS_NAMES;
+        match self {
+            Self::Umat(stress_state) => STRESSES[stress_state.components()[k]].into(),
+            Self::Uinter(_) if k == 0 => "p".into(),
+            Self::Uinter(_) => format!("tau{k}"),
+            Self::Fric(_) => format!("tau{}", k + 1),
+        }
+    }
+
     /// Number of outputs.
     pub(super) fn outputs(self) -> usize {
         match self {
@@ -71,6 +87,23 @@ impl Entry {
     }
 }
 
+/// What a call is told besides the point and the step, as the case has it.
+#[derive(Clone, Debug)]
+pub(super) struct Setting {
+    /// DTIME, s.
+    pub(super) time_increment: f64,
+    /// TEMP and DTEMP.
+    pub(super) temperature: [f64; 2],
+    /// PREDEF and DPRED.
+    pub(super) fields: [Vec<f64>; 2],
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self { time_increment: 1.0, temperature: [0.0; 2], fields: [vec![0.0], vec![0.0]] }
+    }
+}
+
 /// What a host keeps of a point.
 #[derive(Clone, Debug)]
 pub(super) struct Committed {
@@ -82,22 +115,30 @@ pub(super) struct Committed {
     pub(super) slip: [f64; 2],
     /// UINTER: LOPENCLOSE, LSTATE.
     pub(super) flags: [i32; 2],
-    pub(super) time: f64,
-    pub(super) increment: i32,
+    /// Step time and total time, s.
+    pub(super) time: [f64; 2],
+    /// Step and increment, from 1.
+    pub(super) counters: [i32; 2],
+    /// F.
+    pub(super) gradient: Matrix3<f64>,
+    /// Of the next increment.
+    pub(super) setting: Setting,
 }
 
 impl Committed {
-    /// After an accepted step.
-    pub(super) fn advanced(&self, step: &[f64], answer: &Answer, time_increment: f64) -> Self {
+    /// A point of zeros.
+    pub(super) fn zero(entry: Entry, nstatv: usize) -> Self {
         Self {
-            input: self.input.iter().zip(step).map(|(x, d)| x + d).collect(),
-            output: answer.output.clone(),
-            statev: answer.statev.clone(),
-            energies: answer.energies,
-            slip: [self.slip[0] + answer.slip_increment[0], self.slip[1] + answer.slip_increment[1]],
-            flags: answer.flags,
-            time: self.time + time_increment,
-            increment: self.increment + 1,
+            input: vec![0.0; entry.inputs()],
+            output: vec![0.0; entry.outputs()],
+            statev: vec![0.0; nstatv],
+            energies: [0.0; 5],
+            slip: [0.0; 2],
+            flags: [-1; 2],
+            time: [0.0; 2],
+            counters: [1; 2],
+            gradient: Matrix3::identity(),
+            setting: Setting::default(),
         }
     }
 }
@@ -177,6 +218,41 @@ enum Call {
     Fric(Box<FricCall>),
 }
 
+impl Call {
+    /// Sets the arguments that a case has and no increment changes.
+    fn set(&mut self, options: &Options) {
+        let Some(program) = options.program.as_deref() else { return };
+        match (self, &program.kind) {
+            (Self::Umat(call), Kind::Point(point)) => {
+                point.arguments.set(call);
+                call.jstep[2] = i32::from(point.nlgeom);
+            }
+            (Self::Uinter(call), Kind::Interface(contact)) => contact.arguments.set_uinter(call),
+            (Self::Fric(call), Kind::Interface(contact)) => contact.arguments.set_fric(call),
+            _ => {}
+        }
+    }
+
+    /// Gives these arguments to another call.
+    fn twin(&self, mut other: Self) -> Self {
+        match (self, &mut other) {
+            (Self::Umat(this), Self::Umat(other)) => {
+                (other.coords, other.jstep) = (this.coords, this.jstep);
+                [other.noel, other.npt] = [this.noel, this.npt];
+            }
+            (Self::Uinter(this), Self::Uinter(other)) => {
+                (other.coords, other.local_directions) = (this.coords, this.local_directions);
+                (other.area, other.node) = (this.area, this.node);
+            }
+            (Self::Fric(this), Self::Fric(other)) => {
+                (other.coords, other.rcoord, other.node) = (this.coords, this.rcoord, this.node);
+            }
+            _ => {}
+        }
+        other
+    }
+}
+
 /// One entry point with one set of components.
 pub(super) struct Subject<'p> {
     pub(super) plugin: &'p Plugin,
@@ -189,21 +265,41 @@ pub(super) struct Subject<'p> {
     pub(super) size: Vec<f64>,
     /// Typical magnitude of each output's tangent row times the inputs' sizes, in the virgin state.
     pub(super) output_size: Vec<f64>,
-    /// DTIME of each call.
-    pub(super) time_increment: f64,
+    /// Share of the case's DTIME, DTEMP and DPRED that each call makes.
+    pub(super) share: f64,
+    /// Whether F follows the strain (NLGEOM).
+    pub(super) finite: bool,
+    /// Whether the answer depends on DFGRD0 or DFGRD1.
+    pub(super) reads_gradient: bool,
+    /// DFGRD1 of the next call, if it is not that of a step without spin.
+    end: Option<Matrix3<f64>>,
+    /// The case's path, if it calls this entry point.
+    pub(super) path: Option<Arc<CasePath>>,
     /// DROT, column-major.
     pub(super) rotation: [[f64; 3]; 3],
+    /// Calls so far.
+    pub(super) calls: u64,
+    /// What one takes, s.
+    pub(super) call_time: f64,
     /// Arrays written behind their ends, and in how many calls.
     pub(super) overruns: BTreeMap<&'static str, usize>,
     call: Call,
 }
 
+/// Share of DTIME in which nothing happens, of a step of zero: some laws divide by DTIME.
+pub(super) const INSTANT: f64 = 1e-14;
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 /// Host-filled parameters (`role`): 0 in PROPS means that the host chooses.
 const PENALTY: f64 = 1e4;
 
 impl<'p> Subject<'p> {
-    pub(super) fn new(plugin: &'p Plugin, entry: Entry, props: &[f64], options: &Options) -> Result<Self, LoadError> {
+    pub(super) fn new(
+        plugin: &'p Plugin,
+        entry: Entry,
+        props: &[f64],
+        options: &Options,
+        path: Option<Arc<CasePath>>,
+    ) -> Result<Self, LoadError> {
         let law = plugin.law.as_ref();
         let nstatv = law.map_or(options.nstatv.unwrap_or(plugin.nstatv), |law| law.states.len());
         let mut props = props.to_vec();
@@ -213,7 +309,12 @@ impl<'p> Subject<'p> {
             }
         }
         let length = characteristic_length(plugin, &props, options.characteristic_length);
-        let call = Self::prepare(plugin, entry, &props, nstatv)?;
+        let mut call = Self::prepare(plugin, entry, &props, nstatv)?;
+        let finite = match options.program.as_deref().map(|program| &program.kind) {
+            Some(Kind::Point(point)) => point.nlgeom,
+            _ => false,
+        };
+        call.set(options);
         Ok(Self {
             plugin,
             entry,
@@ -222,8 +323,14 @@ impl<'p> Subject<'p> {
             nstatv,
             size: vec![1e-4; entry.inputs()],
             output_size: vec![1.0; entry.outputs()],
-            time_increment: 1.0,
+            share: 1.0,
+            finite,
+            reads_gradient: false,
+            end: None,
+            path,
             rotation: IDENTITY,
+            calls: 0,
+            call_time: 0.0,
             overruns: BTreeMap::new(),
             call,
         })
@@ -250,10 +357,16 @@ impl<'p> Subject<'p> {
             nstatv,
             size: self.size.clone(),
             output_size: self.output_size.clone(),
-            time_increment: self.time_increment,
+            share: self.share,
+            finite: self.finite,
+            reads_gradient: self.reads_gradient,
+            end: None,
+            path: self.path.clone(),
             rotation: IDENTITY,
+            calls: 0,
+            call_time: 0.0,
             overruns: BTreeMap::new(),
-            call: Self::prepare(self.plugin, self.entry, props, nstatv)?,
+            call: self.call.twin(Self::prepare(self.plugin, self.entry, props, nstatv)?),
         })
     }
 
@@ -267,18 +380,113 @@ impl<'p> Subject<'p> {
         self.plugin.law.is_some()
     }
 
-    /// The virgin point.
+    /// The point before the first increment: the case's, or one of zeros.
     pub(super) fn virgin(&self) -> Committed {
+        let first = self.path.as_ref().and_then(|path| path.increments.first());
+        first.map_or_else(|| Committed::zero(self.entry, self.nstatv), |increment| increment.from.clone())
+    }
+
+    /// The point before the first increment, about to make one with the DTIME, DTEMP and DPRED of another.
+    pub(super) fn virgin_during(&self, other: &Committed) -> Committed {
+        let mut virgin = self.virgin();
+        let Setting { time_increment, temperature, fields } = &other.setting;
+        virgin.setting.time_increment = *time_increment;
+        virgin.setting.temperature[1] = temperature[1];
+        virgin.setting.fields[1].clone_from(&fields[1]);
+        virgin
+    }
+
+    /// How many of `wanted` things, each of so many calls, can be afforded in a time, s; at least a few.
+    pub(super) fn affordable(&self, wanted: usize, calls_each: usize, seconds: f64) -> usize {
+        const FEW: usize = 2;
+        let affordable = seconds / (self.call_time * calls_each as f64).max(f64::MIN_POSITIVE);
+        wanted.min((affordable as usize).max(FEW))
+    }
+
+    /// A point of zeros in the case's setting.
+    pub(super) fn blank(&self) -> Committed {
+        let Committed { setting, time, counters, .. } = self.virgin();
+        Committed { setting, time, counters, ..Committed::zero(self.entry, self.nstatv) }
+    }
+
+    /// How many of the case's DTIME its path takes; 1 without a case.
+    pub(super) fn path_length(&self) -> f64 {
+        self.path.as_ref().map_or(1.0, |path| path.taken.max(1) as f64)
+    }
+
+    /// The point after an accepted step.
+    pub(super) fn advanced(&self, from: &Committed, step: &[f64], answer: &Answer) -> Committed {
+        let mut setting = from.setting.clone();
+        setting.temperature[0] += self.share * setting.temperature[1];
+        let [fields, increments] = &mut setting.fields;
+        fields.iter_mut().zip(increments).for_each(|(field, increment)| *field += self.share * *increment);
+        let time_increment = self.share * from.setting.time_increment;
         Committed {
-            input: vec![0.0; self.entry.inputs()],
-            output: vec![0.0; self.entry.outputs()],
-            statev: vec![0.0; self.nstatv],
-            energies: [0.0; 5],
-            slip: [0.0; 2],
-            flags: [-1; 2],
-            time: 0.0,
-            increment: 1,
+            input: from.input.iter().zip(step).map(|(x, d)| x + d).collect(),
+            output: answer.output.clone(),
+            statev: answer.statev.clone(),
+            energies: answer.energies,
+            slip: [from.slip[0] + answer.slip_increment[0], from.slip[1] + answer.slip_increment[1]],
+            flags: answer.flags,
+            time: from.time.map(|time| time + time_increment),
+            counters: [from.counters[0], from.counters[1] + 1],
+            gradient: self.end_gradient(from, step),
+            setting,
         }
+    }
+
+    /// F at the end of a step without spin.
+    pub(super) fn end_gradient(&self, from: &Committed, step: &[f64]) -> Matrix3<f64> {
+        match self.end {
+            Some(end) => end,
+            None if self.finite => spinless(&self.tensor(step), &from.gradient).unwrap_or(from.gradient),
+            None => from.gradient,
+        }
+    }
+
+    /// The strains of an input as a tensor; 0 for contact.
+    pub(super) fn tensor(&self, input: &[f64]) -> Matrix3<f64> {
+        let mut six = [0.0; 6];
+        if let Entry::Umat(stress_state) = self.entry {
+            stress_state.components().iter().zip(input).for_each(|(&i, d)| six[i] = *d);
+        }
+        symmetric(&six)
+    }
+
+    /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
+    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Result<Answer, Trouble> {
+        let (Entry::Umat(stress_state), Some(motion)) = (self.entry, incremental_motion(&from.gradient, end)) else {
+            return Err(Trouble::NotFinite("F"));
+        };
+        let components = stress_state.components();
+        let turned = |values: &[f64], shear: f64| -> Vec<f64> {
+            let mut six = [0.0; 6];
+            components.iter().zip(values).for_each(|(&i, value)| six[i] = *value);
+            let six = rotated(&six, &motion.rotation, shear);
+            components.iter().map(|&i| six[i]).collect()
+        };
+        let before = Committed { input: turned(&from.input, 2.0), output: turned(&from.output, 1.0), ..from.clone() };
+        let step: Vec<f64> = components.iter().map(|&i| motion.strain_increment[i]).collect();
+        self.rotation = columns(&motion.rotation);
+        self.end = Some(*end);
+        let answer = self.evaluate(&before, &step);
+        self.rotation = IDENTITY;
+        self.end = None;
+        answer
+    }
+
+    /// Finds out whether the law reads the deformation gradients: then the answer changes without them.
+    pub(super) fn find_out_what_is_read(&mut self, sample: &[State]) {
+        const ASKED: usize = 20;
+        let asked = if self.finite { ASKED } else { 0 };
+        self.reads_gradient = sample.iter().rev().take(asked).any(|state| {
+            let with = self.call(&state.from, &state.step, 0.0, Alteration::None);
+            let blind = Committed { gradient: Matrix3::identity(), ..state.from.clone() };
+            self.end = Some(Matrix3::identity());
+            let without = self.call(&blind, &state.step, 0.0, Alteration::None);
+            self.end = None;
+            !with.same(&without)
+        });
     }
 
     /// The stress that an elastic material would have at this input: what rounding is measured by.
@@ -291,6 +499,13 @@ impl<'p> Subject<'p> {
     pub(super) fn state_name(&self, k: usize) -> String {
         let named = self.plugin.law.as_ref().and_then(|law| law.states.get(k));
         named.map_or_else(|| format!("sdv{}", k + 1), |state| state.name.clone())
+    }
+
+    /// Whether state variable `k` may tell a history: the last two of a UMAT with metadata tell the strain and an energy.
+    pub(super) fn is_history(&self, k: usize) -> bool {
+        let told = ["strain_33", "dissipated_energy"];
+        let law = self.plugin.law.as_ref();
+        law.and_then(|law| law.states.get(k)).is_none_or(|state| !told.contains(&state.name.as_str()))
     }
 
     /// Names of optional arguments and of the tangent.
@@ -326,13 +541,16 @@ impl<'p> Subject<'p> {
     fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, Trouble> {
         match self.evaluate(point, step) {
             Ok(answer) => {
-                *point = point.advanced(step, &answer, self.time_increment);
+                *point = self.advanced(point, step, &answer);
                 Ok(0)
             }
             Err(Trouble::CutBack(_)) if halvings > 0 => {
                 let half: Vec<f64> = step.iter().map(|d| 0.5 * d).collect();
-                let first = self.advance_halving(point, &half, halvings - 1)?;
-                Ok(1 + first + self.advance_halving(point, &half, halvings - 1)?)
+                self.share *= 0.5;
+                let first = self.advance_halving(point, &half, halvings - 1);
+                let both = first.and_then(|first| Ok(1 + first + self.advance_halving(point, &half, halvings - 1)?));
+                self.share *= 2.0;
+                both
             }
             Err(trouble) => Err(trouble),
         }
@@ -340,22 +558,12 @@ impl<'p> Subject<'p> {
 
     /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
     pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
+        self.calls += 1;
+        self.prepare_call(from, step);
         let (answer, result) = match &mut self.call {
-            Call::Umat(call) => {
-                call.celent = self.length;
-                call.drot = self.rotation;
-                call.dtime = self.time_increment;
-                umat(call, from, step, filling, alteration)
-            }
-            Call::Uinter(call) => {
-                call.chrlngth = self.length;
-                call.dtime = self.time_increment;
-                uinter(call, from, step, filling, alteration)
-            }
-            Call::Fric(call) => {
-                call.dtime = self.time_increment;
-                fric(call, from, step, filling, alteration)
-            }
+            Call::Umat(call) => umat(call, from, filling, alteration),
+            Call::Uinter(call) => uinter(call, filling, alteration),
+            Call::Fric(call) => fric(call, from, filling, alteration),
         };
         if let Err(overrun) = result {
             *self.overruns.entry(overrun.array).or_default() += 1;
@@ -365,24 +573,30 @@ impl<'p> Subject<'p> {
 
     /// One call in a child process with its arrays fenced.
     pub(super) fn probe(&mut self, from: &Committed, step: &[f64], alignment: Alignment) -> std::io::Result<Probed> {
+        self.prepare_call(from, step);
+        match &mut self.call {
+            Call::Umat(call) => call.probe(alignment),
+            Call::Uinter(call) => call.probe(alignment),
+            Call::Fric(call) => call.probe(alignment),
+        }
+    }
+
+    /// Writes the arguments of a call.
+    fn prepare_call(&mut self, from: &Committed, step: &[f64]) {
+        let end = self.end_gradient(from, step);
         match &mut self.call {
             Call::Umat(call) => {
                 call.celent = self.length;
                 call.drot = self.rotation;
-                call.dtime = self.time_increment;
-                prepare_umat(call, from, step);
-                call.probe(alignment)
+                prepare_umat(call, from, step, self.share, &end);
             }
             Call::Uinter(call) => {
                 call.chrlngth = self.length;
-                call.dtime = self.time_increment;
-                prepare_uinter(call, from, step);
-                call.probe(alignment)
+                prepare_uinter(call, from, step, self.share);
             }
             Call::Fric(call) => {
-                call.dtime = self.time_increment;
-                prepare_fric(call, from, step);
-                call.probe(alignment)
+                call.chrlngth = self.length;
+                prepare_fric(call, from, step, self.share);
             }
         }
     }

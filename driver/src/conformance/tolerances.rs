@@ -34,3 +34,6 @@ pub(super) const ENERGY: f64 = 2e-2;
 pub(super) const ENERGY_REDUCTION: f64 = 1.6;
 /// Dissipation may fall by this share of the work: rounding.
 pub(super) const DISSIPATION: f64 = 1e-12;
+/// A stress that differs from the elastic one by more than this share of it is not elastic: more than the secant of a
+/// thousandth of the step errs.
+pub(super) const NONLINEAR: f64 = 1e-4;

@@ -27,7 +27,7 @@ pub struct UmatArguments {
 
 impl UmatArguments {
     /// Sets what stays the same in all calls.
-    pub(super) fn set(&self, call: &mut UmatCall) {
+    pub(crate) fn set(&self, call: &mut UmatCall) {
         call.coords = self.coords;
         [call.noel, call.npt] = self.element.unwrap_or([call.noel, call.npt]);
         call.jstep = self.jstep.unwrap_or(call.jstep);
@@ -74,7 +74,7 @@ pub struct ContactArguments {
 
 impl ContactArguments {
     /// Sets what stays the same in all calls.
-    pub(super) fn set_uinter(&self, call: &mut UinterCall) {
+    pub(crate) fn set_uinter(&self, call: &mut UinterCall) {
         call.coords = self.coords;
         call.local_directions = self.alocaldir.unwrap_or(call.local_directions);
         call.area = self.area.unwrap_or(call.area);
@@ -82,7 +82,7 @@ impl ContactArguments {
     }
 
     /// Sets what stays the same in all calls.
-    pub(super) fn set_fric(&self, call: &mut FricCall) {
+    pub(crate) fn set_fric(&self, call: &mut FricCall) {
         (call.coords, call.rcoord) = (self.coords, self.rcoord);
         call.node = self.node.unwrap_or(call.node);
     }

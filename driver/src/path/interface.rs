@@ -4,7 +4,9 @@
 
 use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
-use super::{ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
+use super::{
+    Accepted, ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay,
+};
 use umat_abi::host::{Clock, Derived, ExternalDatabases, FricCall, MOMENT, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -14,7 +16,7 @@ const NORMAL: usize = 2;
 pub(super) fn run(
     program: &Program,
     interface: &InterfaceProgram,
-    databases: ExternalDatabases,
+    databases: &mut ExternalDatabases,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
@@ -41,22 +43,27 @@ enum Call {
 
 /// The state of the point between increments.
 #[derive(Clone, Debug)]
-pub(super) struct Committed {
+pub struct Committed {
     /// \[slip, slip2\], mm.
-    pub(super) slip: [f64; 2],
+    pub slip: [f64; 2],
     /// gap > 0 open, mm; NaN with FRIC.
-    pub(super) gap: f64,
-    pub(super) shear: [f64; 2],
-    pub(super) pressure: f64,
+    pub gap: f64,
+    /// Shear tractions, MPa.
+    pub shear: [f64; 2],
+    /// Pressure, MPa.
+    pub pressure: f64,
     /// Accumulated DSLIP (FRIC).
-    inelastic_slip: [f64; 2],
-    pub(super) statev: Vec<f64>,
+    pub inelastic_slip: [f64; 2],
+    /// STATEV.
+    pub statev: Vec<f64>,
     /// SED, SFD, SPD, SVD, SCD.
-    energies: [f64; 5],
+    pub energies: [f64; 5],
     /// LOPENCLOSE, LSTATE (UINTER); LM (FRIC).
-    flags: [i32; 2],
-    step_time: f64,
-    pub(super) total_time: f64,
+    pub flags: [i32; 2],
+    /// Step time, s.
+    pub step_time: f64,
+    /// Total time, s.
+    pub total_time: f64,
 }
 
 /// Where the current increment leads: \[slip, slip2, normal\] at its ends.
@@ -73,7 +80,7 @@ pub(super) struct Goal {
 
 struct Runner<'p> {
     call: Call,
-    databases: ExternalDatabases,
+    databases: &'p mut ExternalDatabases,
     /// What UEXTERNALDB is told of the present attempt.
     clock: Clock,
     directions: usize,
@@ -92,7 +99,7 @@ impl<'p> Runner<'p> {
     fn new(
         program: &'p Program,
         interface: &'p InterfaceProgram,
-        databases: ExternalDatabases,
+        databases: &'p mut ExternalDatabases,
     ) -> Result<Self, String> {
         let plugin = &program.plugin;
         let directions = interface.tangential_directions;
@@ -376,7 +383,11 @@ impl Divisible for Runner<'_> {
         Ok(iterations)
     }
 
-    fn commit(&mut self) {
+    fn commit(&mut self, observer: &mut dyn Observer) {
+        observer.accepted(match &self.call {
+            Call::Uinter(call) => Accepted::Uinter(&self.committed, call),
+            Call::Fric(call) => Accepted::Fric(&self.committed, call),
+        });
         self.committed.clone_from(&self.trial);
         let end = [self.committed.step_time, self.committed.total_time];
         self.databases.increment_ends(Clock { time: end, ..self.clock });

@@ -2,7 +2,7 @@
 //! [`Observer`] about each increment.
 
 mod arguments;
-mod deformation;
+pub(crate) mod deformation;
 mod interface;
 mod newton;
 mod point;
@@ -13,10 +13,12 @@ mod subdivision;
 mod test;
 
 pub use arguments::{ContactArguments, UmatArguments};
+pub use interface::Committed as ContactPoint;
+pub use point::Committed as MaterialPoint;
 use program::{Kind, Program, Until};
 use serde::{Deserialize, Serialize};
 use std::io;
-use umat_abi::host::ExternalDatabases;
+use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
 
 /// One finished increment (or the initial state), as a line of `history.csv`.
 #[derive(Clone, Copy, Debug)]
@@ -42,10 +44,24 @@ pub trait Observer {
     /// An increment is done, whether its row is written or not; the run has cost so much by now.
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
 
+    /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
+    fn accepted(&mut self, _increment: Accepted<'_>) {}
+
     /// What it needs to go on in another process, with a run that is resumed from here.
     fn state(&self) -> Vec<u8> {
         Vec::new()
     }
+}
+
+/// An increment that a plugin has answered: the point before it, and the last call with its arguments and its answer.
+#[derive(Clone, Copy, Debug)]
+pub enum Accepted<'a> {
+    /// Of a material point.
+    Umat(&'a MaterialPoint, &'a UmatCall),
+    /// Of a contact point.
+    Uinter(&'a ContactPoint, &'a UinterCall),
+    /// Of a contact point under a prescribed pressure.
+    Fric(&'a ContactPoint, &'a FricCall),
 }
 
 /// What a run cost.
@@ -101,8 +117,17 @@ impl From<io::Error> for Stop {
 /// # Errors
 /// [`Stop`]; the statistics tell how far it came.
 pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Result<(), Stop>) {
+    let mut databases = ExternalDatabases::begin([&program.plugin.library]);
+    run_within(program, &mut databases, observer)
+}
+
+/// As [`run`], within an analysis that goes on afterwards.
+pub fn run_within(
+    program: &Program,
+    databases: &mut ExternalDatabases,
+    observer: &mut dyn Observer,
+) -> (Statistics, Result<(), Stop>) {
     let mut statistics = Statistics::default();
-    let databases = ExternalDatabases::begin([&program.plugin.library]);
     let result = match &program.kind {
         Kind::Point(point) => point::run(program, point, databases, observer, &mut statistics),
         Kind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),

@@ -5,7 +5,7 @@ use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
-use super::{Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
+use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
 use nalgebra::Matrix3;
 use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialStates, UmatCall};
 use umat_abi::law::Request;
@@ -14,7 +14,7 @@ use umat_abi::law::Request;
 pub(super) fn run(
     program: &Program,
     point: &PointProgram,
-    databases: ExternalDatabases,
+    databases: &mut ExternalDatabases,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
@@ -40,16 +40,25 @@ fn to_u32(n: usize) -> u32 {
 
 /// The state of the point between increments.
 #[derive(Clone, Debug)]
-pub(super) struct Committed {
-    pub(super) strain: [f64; 6],
-    pub(super) stress: [f64; 6],
-    pub(super) statev: Vec<f64>,
-    pub(super) energies: [f64; 3],
-    pub(super) step_time: f64,
-    pub(super) total_time: f64,
-    pub(super) deformation_gradient: Matrix3<f64>,
-    pub(super) temperature: f64,
-    pub(super) predef: Vec<f64>,
+pub struct Committed {
+    /// STRAN, six components.
+    pub strain: [f64; 6],
+    /// STRESS, six components, MPa.
+    pub stress: [f64; 6],
+    /// STATEV.
+    pub statev: Vec<f64>,
+    /// SSE, SPD, SCD.
+    pub energies: [f64; 3],
+    /// TIME(1), s.
+    pub step_time: f64,
+    /// TIME(2), s.
+    pub total_time: f64,
+    /// F.
+    pub deformation_gradient: Matrix3<f64>,
+    /// TEMP.
+    pub temperature: f64,
+    /// Field variables.
+    pub predef: Vec<f64>,
 }
 
 /// Where the current increment leads.
@@ -90,7 +99,7 @@ struct Runner<'p> {
     plugin_name: &'p str,
     max_iterations: u32,
     derived: &'p [Derived],
-    databases: ExternalDatabases,
+    databases: &'p mut ExternalDatabases,
     call: UmatCall,
     committed: Committed,
     /// Tangent at the last committed state, for the first guess.
@@ -112,7 +121,11 @@ struct Trial {
 }
 
 impl<'p> Runner<'p> {
-    fn new(program: &'p Program, point: &'p PointProgram, databases: ExternalDatabases) -> Result<Self, String> {
+    fn new(
+        program: &'p Program,
+        point: &'p PointProgram,
+        databases: &'p mut ExternalDatabases,
+    ) -> Result<Self, String> {
         let plugin = &program.plugin;
         let stress_state = point.mode.stress_state();
         let mut call = UmatCall::new(
@@ -434,7 +447,8 @@ impl Divisible for Runner<'_> {
         Ok(iterations)
     }
 
-    fn commit(&mut self) {
+    fn commit(&mut self, observer: &mut dyn Observer) {
+        observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let state = &mut self.committed;
         state.strain = self.trial.strain;
         for (k, &i) in self.components.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
 use super::program::{Controls, Program, Until};
-use super::{Failure, Next, Place, Recorder, Statistics, Stop};
+use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
 use umat_abi::host::{CallOutcome, Overrun};
 
 /// An attempt that did not succeed.
@@ -53,8 +53,8 @@ pub(super) trait Divisible {
     /// Returns the number of iterations.
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
 
-    /// Makes the state of the last attempt the committed one.
-    fn commit(&mut self);
+    /// Makes the state of the last attempt the committed one, after the observer was told of both.
+    fn commit(&mut self, observer: &mut dyn Observer);
 
     /// The history's columns from `time` to before `iterations`, at the committed state.
     fn fill(&self, values: &mut [f64]);
@@ -72,7 +72,7 @@ pub(super) fn take_increment(
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
 ) -> Result<Next, Stop> {
-    match advance(point, program.controls, statistics) {
+    match advance(point, program.controls, recorder.observer, statistics) {
         Ok(iterations) => {
             statistics.increments += 1;
             Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
@@ -94,7 +94,12 @@ const LARGEST_CUT: f64 = 0.75;
 
 /// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
 /// committed is the state after the last successful piece.
-fn advance(point: &mut impl Divisible, controls: Controls, statistics: &mut Statistics) -> Result<u32, String> {
+fn advance(
+    point: &mut impl Divisible,
+    controls: Controls,
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<u32, String> {
     let mut done = 0.0;
     let mut piece = 1.0;
     let mut cutbacks = 0;
@@ -104,7 +109,7 @@ fn advance(point: &mut impl Divisible, controls: Controls, statistics: &mut Stat
         let to = if done + piece >= 1.0 - 0.5 * smallest { 1.0 } else { done + piece };
         match point.attempt(done, to, statistics) {
             Ok(count) => {
-                point.commit();
+                point.commit(observer);
                 iterations += count;
                 if to == 1.0 {
                     return Ok(iterations);

@@ -4,6 +4,7 @@
 mod arguments;
 mod build;
 mod check;
+mod check_around;
 mod finite_strain;
 mod parts;
 #[path = "../program/mod.rs"]
@@ -15,6 +16,7 @@ mod utilities;
 use end_to_end_tests::{Tool, find, workspace};
 use program::{Desk, Run};
 use serde_json::{Value, json};
+use std::path::Path;
 
 /// Two roads to one number differ by rounding; free stresses are met to 1e-8 MPa.
 const CLOSE: f64 = 1e-9;
@@ -26,7 +28,8 @@ fn built(desk: &Desk, source: &str, flags: &[&str]) -> Option<Value> {
 
 /// A library from several sources of one language, named after the first.
 fn built_of(desk: &Desk, sources: &[&str], flags: &[&str]) -> Option<Value> {
-    let (name, suffix) = sources[0].split_once('.')?;
+    let first = Path::new(sources[0]);
+    let (name, suffix) = (first.file_stem()?.to_str()?, first.extension()?.to_str()?);
     find(match suffix {
         "c" => Tool::C,
         "cpp" => Tool::Cpp,

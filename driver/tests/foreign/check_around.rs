@@ -1,0 +1,178 @@
+//! `pullout plugin check` around the path of a case: laws whose scale, time, temperature, gap or deformation gradient only
+//! the case tells.
+
+use super::{built, point};
+use crate::program::{Desk, Outcome};
+use end_to_end_tests::workspace;
+use serde_json::{Value, json};
+
+/// The check of a library with a case.
+fn checked(desk: &Desk, library: &Value, case: &Value, code: i32) -> Outcome {
+    let case = desk.case("case.json", case);
+    let library = library.as_str().expect("a path");
+    let arguments = ["plugin", "check", library, "--states", "60", "--case", case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(arguments).expect(code);
+    println!("{}", outcome.stdout);
+    outcome
+}
+
+/// The row of a check.
+#[track_caller]
+fn row<'o>(outcome: &'o Outcome, check: &str) -> &'o str {
+    let mut rows = outcome.stdout.lines().filter(|line| line.get(6..).is_some_and(|rest| rest.starts_with(check)));
+    rows.next().unwrap_or_else(|| panic!("no row '{check}' in\n{}", outcome.stdout))
+}
+
+/// A case of `check_laws.f` in uniaxial tension to 1e-3.
+fn tension(library: &Value, props: &[f64], nstatv: usize) -> Value {
+    let material = json!({ "plugin": library, "props": props, "nstatv": nstatv });
+    point(material, "3d", json!([{ "increments": 20, "target": { "e11": 1e-3 } }]))
+}
+
+/// Damage from the strain `threshold` on, with one error.
+fn damage(library: &Value, threshold: f64, error: u32) -> Value {
+    tension(library, &[1.0, 30e3, 0.2, threshold, f64::from(error)], 2)
+}
+
+#[test]
+fn a_law_that_was_only_seen_elastic_is_not_tested() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let tested = checked(&desk, &library, &damage(&library, 1e-4, 0), 0);
+    assert!(row(&tested, "nonlinear states").starts_with("pass"), "{}", row(&tested, "nonlinear states"));
+    assert!(row(&tested, "nonlinear states").contains("19 of 20 increments"), "{}", row(&tested, "nonlinear states"));
+    // the same law, a thousand times as strong: kappa moves, but no stress shows it, with a right tangent or a wrong one
+    for error in [0, 1, 3] {
+        let vacuous = checked(&desk, &library, &damage(&library, 0.1, error), 4);
+        let row = row(&vacuous, "nonlinear states");
+        assert!(row.starts_with("void") && row.contains("not tested: the stress depends on sdv1"), "{row}");
+        assert!(vacuous.stdout.contains("\nnot tested: "), "{}", vacuous.stdout);
+    }
+    // a case that goes there shows both
+    let mut far = damage(&library, 0.1, 0);
+    far["steps"][0]["target"]["e11"] = json!(0.5);
+    checked(&desk, &library, &far, 0);
+    far["material"]["props"][4] = json!(1);
+    checked(&desk, &library, &far, 1);
+}
+
+#[test]
+fn a_linear_law_is_linear_everywhere_it_was_looked_at() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let outcome = checked(&desk, &library, &tension(&library, &[30e3, 0.2], 1), 0);
+    assert!(row(&outcome, "nonlinear states").contains("linear everywhere it was looked at"), "{}", outcome.stdout);
+}
+
+#[test]
+fn a_small_error_is_told_by_its_size_and_place() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let outcome = checked(&desk, &library, &damage(&library, 1e-4, 1), 1);
+    let row = row(&outcome, "consistent tangent");
+    assert!(row.contains("the part due to loading is off by 4.0e-4 of itself"), "{row}");
+    assert!(row.contains(" increment ") && row.contains("d(s") && row.contains("at e11 = "), "{row}");
+    assert!(!row.contains("1.000 of what it should be"), "{row}");
+}
+
+/// A tangent that forgets DTIME is right only where DTIME is 1, which it is not in the case.
+#[test]
+fn the_time_increment_is_that_of_the_case() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    for (error, code) in [(0, 0), (1, 1)] {
+        let mut case = tension(&library, &[2.0, 30e3, 0.2, 50.0, 0.3, f64::from(error)], 6);
+        case["steps"][0]["time"] = json!(400.0);
+        let outcome = checked(&desk, &library, &case, code);
+        assert!(row(&outcome, "nonlinear states").starts_with("pass"), "{}", row(&outcome, "nonlinear states"));
+        let row = row(&outcome, "consistent tangent");
+        assert!(row.starts_with(if error == 0 { "pass" } else { "FAIL" }), "{row}");
+    }
+}
+
+/// The law ends the process at 0 degrees, where nothing of the case is.
+#[test]
+fn temperatures_are_those_of_the_case() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let mut case = tension(&library, &[3.0, 30e3, 0.2, 1e-5, 1e-3], 0);
+    (case["temperature"], case["steps"][0]["temperature"]) = (json!(293.0), json!(393.0));
+    let outcome = checked(&desk, &library, &case, 0);
+    assert!(row(&outcome, "virgin state").starts_with("pass"), "{}", row(&outcome, "virgin state"));
+    assert!(row(&outcome, "consistent tangent").starts_with("pass"), "{}", row(&outcome, "consistent tangent"));
+}
+
+#[test]
+fn no_friction_is_no_error() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_contact.f", &[]) else { return };
+    let material = json!({ "plugin": library, "entry": "fric", "props": [1.0], "nstatv": 0 });
+    let steps = json!([{ "increments": 10, "target": { "slip": 0.1, "p": 5.0 } }]);
+    let case = json!({ "kind": "interface", "material": material, "steps": steps });
+    let outcome = checked(&desk, &library, &case, 0);
+    let row = row(&outcome, "consistent tangent");
+    assert!(row.starts_with("pass") && !row.contains("NaN"), "{row}");
+}
+
+/// A cohesive crack that begins open and opens farther: its own scale is the case's.
+#[test]
+fn an_opening_crack_is_looked_at_where_it_opens() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_contact.f", &[]) else { return };
+    for (error, verdict) in [(0, "pass"), (1, "warn")] {
+        let material = json!({ "plugin": library, "entry": "uinter", "props": [1e3, 0.05, error], "nstatv": 1 });
+        let steps = json!([{ "increments": 10, "target": { "slip": 0.1, "gap": 0.15 } }]);
+        let initial = json!({ "gap": 0.02 });
+        let case = json!({ "kind": "interface", "material": material, "initial": initial, "steps": steps });
+        let outcome = checked(&desk, &library, &case, 0);
+        assert!(row(&outcome, "typical size").contains("penetration 1.50e-1, slip1 1.00e-1"), "{}", outcome.stdout);
+        assert!(row(&outcome, "nonlinear states").contains("10 of 10 increments"), "{}", outcome.stdout);
+        let row = row(&outcome, "consistent tangent");
+        assert!(row.starts_with(verdict), "{row}");
+    }
+}
+
+/// Neo-Hooke with its own tangent, that of the Cauchy stress, and one with a wrong factor.
+#[test]
+fn jaumann_tangents_of_hyperelasticity() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats").join("neo_hooke.f90")).expect("a source");
+    let last = "*one(l, m)\n    end do";
+    let variants = [
+        ("right", source.clone(), 0, "consistent with the Jaumann rate of the Kirchhoff stress"),
+        (
+            "cauchy",
+            source.replace(last, "*one(l, m) - stress(a)*one(l, m)\n    end do"),
+            0,
+            "of the Jaumann rate of the Cauchy stress",
+        ),
+        ("wrong", source.replace("- 2.0_dp/3.0_dp*(b", "- 1.6_dp/3.0_dp*(b"), 1, "wrong; relative errors"),
+    ];
+    for (name, text, code, words) in variants {
+        assert!(name == "right" || text != source, "{name}");
+        let file = desk.write(&format!("{name}.f90"), &text);
+        let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+        let material = json!({ "plugin": library, "props": [80.0, 500.0], "nstatv": 0 });
+        let f = [[1.3, 0.2, 0.0], [0.0, 0.9, 0.0], [0.0, 0.0, 1.1]];
+        let mut case = point(material, "3d", json!([{ "increments": 10, "F": f }]));
+        case["nlgeom"] = json!(true);
+        let outcome = checked(&desk, &library, &case, code);
+        assert!(row(&outcome, "consistent tangent").contains(words), "{}", row(&outcome, "consistent tangent"));
+        assert!(row(&outcome, "objectivity").starts_with("pass"), "{}", row(&outcome, "objectivity"));
+    }
+}
+
+/// A law that adds C : DSTRAN, in a case that turns and stretches.
+#[test]
+fn a_small_strain_law_in_a_large_deformation() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [100.0, 0.25], "nstatv": 1 });
+    let f = [[1.0, 0.8, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let mut case = point(material, "3d", json!([{ "increments": 20, "F": f }]));
+    case["nlgeom"] = json!(true);
+    let outcome = checked(&desk, &library, &case, 0);
+    let row_of = |check| row(&outcome, check);
+    assert!(row_of("consistent tangent").contains("consistent with DSTRAN; DFGRD1 is not read"), "{}", outcome.stdout);
+    assert!(row_of("objectivity").starts_with("pass"), "{}", row_of("objectivity"));
+}
