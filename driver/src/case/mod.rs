@@ -12,7 +12,7 @@ use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use umat_abi::host::Library;
+use umat_abi::host::{Library, announce_job};
 
 mod arguments;
 mod constraints;
@@ -53,6 +53,14 @@ impl Case {
         match self {
             Self::Path(program) => &program.case_file,
             Self::Pullout(program) => &program.case_file,
+        }
+    }
+
+    /// Tells what GETJOBNAME and GETOUTDIR answer from now on, after others may have been read.
+    pub fn announce(&self) {
+        match self {
+            Self::Path(program) => announce(&program.case_file, &program.document),
+            Self::Pullout(program) => announce(&program.case_file, &Value::Null),
         }
     }
 
@@ -246,7 +254,21 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
     Some(document)
 }
 
+/// The folder that GETOUTDIR answers: as in ABAQUS the one from which the job is submitted, so that what a UMAT reads lies
+/// beside the case. A replay, which lies elsewhere, names its original's.
+pub fn job_folder(path: &Path, document: &Value) -> PathBuf {
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    folder_of(&path).join(document["job_folder"].as_str().unwrap_or_default())
+}
+
+/// Tells what GETJOBNAME and GETOUTDIR answer from now on.
+fn announce(path: &Path, document: &Value) {
+    announce_job(&path.file_stem().unwrap_or_default().to_string_lossy(), &job_folder(path, document));
+}
+
 fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Case> {
+    // a library may be called while its case is read
+    announce(path, &document);
     let kind = match structure::kind_of(&document) {
         Ok(kind) => kind.to_owned(),
         Err(problem) => {

@@ -1,8 +1,9 @@
 //! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
 
-use super::{DONE, FAILED, NO_PLUGIN, Reading, complain, run};
-use crate::isolation::worker;
+use super::run::{self, Telling};
+use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
 use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Stage, Task};
+use crate::isolation::{prints, worker};
 use crate::output::summary::{PluginFile, Status, Summary};
 use crate::path::Statistics;
 use std::fs;
@@ -22,9 +23,13 @@ pub(super) fn check(file: &Path, reading: &Reading, need: &Need, before_run: boo
 }
 
 /// Runs a case.
-pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
+pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, telling: Telling) -> u8 {
+    let Telling { quiet, echo } = telling;
     let start = Instant::now();
-    let failure = match isolation::supervise(&job(Stage::Run, file, Some(folder), reading, "null", quiet), need) {
+    let failure = match isolation::supervise(
+        &Job { echo, ..job(Stage::Run, file, Some(folder), reading, "null", quiet) },
+        need,
+    ) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,
         Err(error) => return refuse_to_start(file, &error),
@@ -61,6 +66,7 @@ fn conclude(
         run::remove_leftovers(folder)?;
         let _ = fs::remove_file(folder.join("history.csv"));
     }
+    prints::remove_empty(folder);
     let mut message = failure.report.message.clone();
     match &failure.replay {
         Some(case) => {
@@ -128,7 +134,7 @@ fn job<'a>(
     quiet: bool,
 ) -> Job<'a> {
     let Reading { overrides, plugin_paths } = reading;
-    Job { stage, case: Some(case), out, overrides, plugin_paths, aftermath, quiet, command: &[] }
+    Job { stage, case: Some(case), out, overrides, plugin_paths, aftermath, quiet, echo: false, command: &[] }
 }
 
 /// What a worker does.

@@ -10,8 +10,9 @@ mod run;
 mod study;
 
 use crate::PLUGIN_STACK;
-use crate::case::CaseErrors;
+use crate::case::{self, Case, CaseErrors};
 use crate::isolation;
+use crate::isolation::prints::{Prints, say};
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -58,6 +59,10 @@ enum Command {
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
+        /// Show what the plugins print (Fortran's units 6 and 7, printf), which is kept in umat.log and umat.msg of the
+        /// result directory.
+        #[arg(long)]
+        echo: bool,
         /// End with this process; a study says so to its runs.
         #[arg(long, hide = true)]
         parent: Option<u32>,
@@ -125,6 +130,12 @@ struct Reading {
 }
 
 impl Reading {
+    /// Reads a case. What its plugins print meanwhile belongs to no run.
+    fn case(&self, file: &Path) -> Result<Case, CaseErrors> {
+        let _prints = Prints::discard();
+        case::read(file, &self.overrides, &self.plugin_paths)
+    }
+
     /// Why and how a case runs in a process of its own, if it does.
     fn need(&self, file: &Path) -> Option<isolation::Need> {
         isolation::need(file, &self.overrides, &self.plugin_paths)
@@ -174,13 +185,13 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, interruption, threads, quiet, parent } => {
+        Command::Run { cases, out, reading, interruption, threads, quiet, echo, parent } => {
             if let Some(parent) = parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
             let threads = threads.unwrap_or_else(processors);
-            run::run(&cases, out.as_deref(), &reading, &interruption, threads, quiet)
+            run::run(&cases, out.as_deref(), &reading, &interruption, threads, run::Telling { quiet, echo })
         }
         Command::Study(arguments) => study::run(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),
@@ -197,12 +208,6 @@ fn act(command: Command) -> u8 {
 fn schema() -> u8 {
     say(&format!("{:#}\n", crate::case::schema()));
     DONE
-}
-
-/// Prints to standard output; a reader that went away (`| head`) is no error.
-fn say(text: &str) {
-    use std::io::Write;
-    let _ = std::io::stdout().write_all(text.as_bytes());
 }
 
 /// Prints to standard error.

@@ -1,7 +1,8 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say, study};
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, study};
 use crate::case::{self, Case};
+use crate::isolation::prints::{self, Prints, say};
 use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::compare;
 use crate::output::history::History;
@@ -20,7 +21,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use umat_abi::host::{Law, Library, announce_job};
+use umat_abi::host::{Law, Library};
 
 mod interruption;
 mod record;
@@ -40,7 +41,7 @@ pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
 
 /// Validates a case in this process. `quiet`: says nothing but errors.
 pub(super) fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
-    match case::read(file, &reading.overrides, &reading.plugin_paths) {
+    match reading.case(file) {
         Ok(_) if quiet => DONE,
         Ok(case) => {
             say(&format!("{}: no errors\n", file.display()));
@@ -57,6 +58,15 @@ enum Job<'f> {
     Isolated { file: &'f Path, need: Need },
 }
 
+/// What the user wants to see of a run.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Telling {
+    /// Nothing but errors.
+    pub(super) quiet: bool,
+    /// What the plugins print.
+    pub(super) echo: bool,
+}
+
 /// Runs cases, after all of them were read without an error.
 pub(super) fn run(
     cases: &[PathBuf],
@@ -64,7 +74,7 @@ pub(super) fn run(
     reading: &Reading,
     interruption: &Interruption,
     threads: NonZeroUsize,
-    quiet: bool,
+    telling: Telling,
 ) -> u8 {
     if interruption.restart.is_some() && cases.len() > 1 {
         complain("--restart goes on with one run: name its case alone");
@@ -107,7 +117,7 @@ pub(super) fn run(
                 }
                 jobs.push((Job::Isolated { file, need }, folder));
             }
-            None => match case::read(file, &reading.overrides, &reading.plugin_paths) {
+            None => match reading.case(file) {
                 Ok(mut case) => match interruption.checkpoints(&case) {
                     Ok(checkpoints) => {
                         if let Case::Pullout(program) = &mut case {
@@ -128,23 +138,27 @@ pub(super) fn run(
         return code;
     }
     let run = |(job, folder): &(Job<'_>, PathBuf)| match job {
-        Job::Here(case, checkpoints) => tell(case, folder, quiet, run_into(case, folder, checkpoints, quiet)),
-        Job::Isolated { file, need } => isolated::run(file, folder, reading, need, quiet),
+        Job::Here(case, checkpoints) => tell(case, folder, telling.quiet, run_into(case, folder, checkpoints, telling)),
+        Job::Isolated { file, need } => isolated::run(file, folder, reading, need, telling),
     };
     jobs.iter().map(run).max().unwrap_or(DONE)
 }
 
 /// Reads and runs a case in this process.
 pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, quiet: bool) -> u8 {
-    match case::read(file, &reading.overrides, &reading.plugin_paths) {
-        Ok(case) => tell(&case, folder, quiet, run_into(&case, folder, &Checkpoints::default(), quiet)),
+    match reading.case(file) {
+        Ok(case) => {
+            // the supervisor shows what is printed
+            let telling = Telling { quiet, echo: false };
+            tell(&case, folder, quiet, run_into(&case, folder, &Checkpoints::default(), telling))
+        }
         Err(errors) => refuse(&errors),
     }
 }
 
 /// Makes results of the rows that a run left which was ended from outside.
 pub(super) fn conclude_here(file: &Path, folder: &Path, reading: &Reading, aftermath: &Aftermath, quiet: bool) -> u8 {
-    match case::read(file, &reading.overrides, &reading.plugin_paths) {
+    match reading.case(file) {
         Ok(case) => {
             let end = RunEnd::of(&case, folder, aftermath);
             tell(&case, folder, quiet, end.and_then(|end| conclude(&case, folder, end, None)))
@@ -182,7 +196,8 @@ fn tell(case: &Case, folder: &Path, quiet: bool, summary: io::Result<Summary>) -
 pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
     remove_conclusions(folder)?;
     let names = ["fields.pvd", checkpoint::FILE, checkpoint::PARTIAL].map(|name| folder.join(name));
-    remove(files(folder.join("fields"), "vtu").chain(names))
+    let printed = prints::FILES.map(|name| folder.join(name));
+    remove(files(folder.join("fields"), "vtu").chain(names).chain(printed))
 }
 
 /// What is made when a run is over.
@@ -209,7 +224,7 @@ fn remove(leftovers: impl Iterator<Item = PathBuf>) -> io::Result<()> {
     Ok(())
 }
 
-fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, quiet: bool) -> io::Result<Summary> {
+fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, telling: Telling) -> io::Result<Summary> {
     fs::create_dir_all(folder)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
     let kept = checkpoints.from.as_deref().and_then(Kept::of);
@@ -218,11 +233,12 @@ fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, quiet: bool) 
     } else {
         remove_leftovers(folder)?
     }
-    announce_job(&title(case), &std::path::absolute(folder)?);
+    case.announce();
+    let _prints = Prints::keep(folder, telling.echo)?;
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     worker::note_start();
-    let progress = Progress::new(&title(case), extent(case), shown(case), quiet);
+    let progress = Progress::new(&title(case), extent(case), shown(case), telling.quiet);
     let mut record = match kept {
         None => Record::new(&history_file, &columns, progress)?,
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,

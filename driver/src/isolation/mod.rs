@@ -43,6 +43,7 @@
 
 mod ending;
 mod need;
+pub mod prints;
 mod replay;
 mod supervisor;
 mod system;

@@ -1,20 +1,26 @@
 //! Starts a worker and watches it.
 
 use super::ending::{Cause, Report};
+use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
+use crate::case;
 use crate::path::Statistics;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus};
 use std::time::{Duration, Instant};
-use umat_abi::host::recorder::{Beat, Recording};
+use umat_abi::host::recorder::{Beat, CallRecord, Recording};
 use wait_timeout::ChildExt;
 
 /// Time between two looks at the heartbeat.
 const POLL: Duration = Duration::from_millis(20);
+
+/// Lets gfortran's runtime write each record at once: what a plugin printed is there if it then ends the process.
+const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
 
 /// What a worker is started for.
 #[derive(Clone, Copy, Debug)]
@@ -33,6 +39,8 @@ pub struct Job<'a> {
     pub aftermath: &'a str,
     /// Say nothing but errors.
     pub quiet: bool,
+    /// Show what the plugins print, as they do, beside keeping it.
+    pub echo: bool,
     /// Of [`Stage::Command`]: the command line without the program's name.
     pub command: &'a [OsString],
 }
@@ -52,7 +60,7 @@ pub struct Failure {
     /// What ended it, and where.
     pub report: Report,
     /// A case that repeats the call.
-    pub replay: Option<serde_json::Value>,
+    pub replay: Option<Value>,
     /// Whether the history in the result directory is this run's.
     pub has_rows: bool,
     /// What the finished increments cost.
@@ -67,7 +75,14 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;
     let mut child = command(job, &path).spawn()?;
-    let ended = watch(&mut child, &recording, need);
+    let mut echo = job.out.filter(|_| job.echo).map(Echo::of);
+    // before the run has begun, the files are an earlier one's
+    let mut tell = || match &mut echo {
+        Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
+        _ => {}
+    };
+    let ended = watch(&mut child, &recording, need, &mut tell);
+    tell();
     if ended.is_err() {
         // nothing watches it any more
         let _ = child.kill();
@@ -82,7 +97,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let report = Report::new(cause, &recording, need);
     let note = |note: Note| recording.note(note as usize);
     Ok(End::Failed(Box::new(Failure {
-        replay: report.call.as_ref().and_then(|call| replay::of(call, &job.title(), need)),
+        replay: report.call.as_ref().and_then(|call| job.replay(call, need)),
         report,
         has_rows: note(Note::Running) == 1,
         statistics: Statistics {
@@ -95,18 +110,24 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
 }
 
 impl Job<'_> {
-    /// The case's title, or the file's name.
-    fn title(&self) -> String {
-        let case = self.case.unwrap_or(Path::new(""));
-        let document = crate::case::document(case, self.overrides);
-        let title = document.and_then(|document| document["title"].as_str().map(str::to_owned));
-        title.unwrap_or_else(|| case.file_stem().unwrap_or_default().to_string_lossy().into_owned())
+    /// A case that repeats a call.
+    fn replay(&self, call: &CallRecord, need: &Need) -> Option<Value> {
+        let file = self.case.unwrap_or(Path::new(""));
+        let document = case::document(file, self.overrides).unwrap_or_default();
+        let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+        let title = document["title"].as_str().map_or_else(stem, str::to_owned);
+        let mut replay = replay::of(call, &title, need)?;
+        replay["job_folder"] = case::job_folder(file, &document).to_string_lossy().into();
+        Some(replay)
     }
 }
 
 fn command(job: &Job<'_>, recorder: &Path) -> Command {
     let mut command = Command::new(system::program());
-    command.arg0("pullout");
+    command.arg0("pullout").stdout(prints::for_child());
+    if std::env::var_os(UNBUFFERED).is_none() {
+        command.env(UNBUFFERED, "y");
+    }
     command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
     command.arg("--recorder").arg(recorder);
     if let Some(case) = job.case {
@@ -139,13 +160,14 @@ enum Watched {
     Killed(f64),
 }
 
-fn watch(child: &mut Child, recording: &Recording, need: &Need) -> io::Result<Watched> {
+fn watch(child: &mut Child, recording: &Recording, need: &Need, look: &mut dyn FnMut()) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
     let mut last = Instant::now();
     loop {
         if let Some(status) = child.wait_timeout(POLL)? {
             return Ok(Watched::Ended(status));
         }
+        look();
         // Where this process was stopped (Ctrl-Z), so was the worker.
         let passed = last.elapsed().min(2 * POLL);
         last = Instant::now();

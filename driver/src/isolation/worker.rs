@@ -6,6 +6,7 @@ use clap::ValueEnum;
 use std::ffi::OsString;
 use std::fs::File;
 use std::path::{Path, PathBuf};
+use umat_abi::host::print_by_lines;
 use umat_abi::host::recorder::{self, Recorder};
 
 /// What a worker does with a case.
@@ -92,6 +93,7 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
         return Err("the process that started this one is gone".into());
     }
     let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
+    print_by_lines();
     let code = work();
     recorder.done(code);
     Ok(code)

@@ -2,6 +2,7 @@
 
 use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
 use super::{interface, point};
+use crate::case::job_folder;
 use serde_json::{Map, Value, json};
 use umat_abi::host;
 use umat_abi::law::StressState;
@@ -46,6 +47,8 @@ fn frame(program: &Program) -> Map<String, Value> {
     }
     let title = program.title.strip_prefix(TITLE).unwrap_or(&program.title);
     case.insert("title".into(), json!(format!("{TITLE}{title}")));
+    let folder = job_folder(&program.case_file, &program.document);
+    case.insert("job_folder".into(), json!(folder.to_string_lossy()));
     if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
         // a plugin found by name is found again; a path is relative to the case file, which moves
         let is_path = material.get("plugin").and_then(Value::as_str).is_some_and(host::names_a_file);

@@ -1,6 +1,7 @@
 //! The replay case of a failed run: the state of the failing point before the increment, and the increment.
 
 use super::Program;
+use crate::case::job_folder;
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
 use crate::path::replay::{StrainDrive, duration};
 use fe_core::assembly::{Place, Trouble};
@@ -13,12 +14,15 @@ use serde_json::{Map, Value, json};
 /// Of a material or contact point whose law was called last and stopped the run; null where there is none.
 pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
     let title = format!("Replay of a failed increment: {}, {}", program.title, trouble.place);
-    match &trouble.place {
+    let case = match &trouble.place {
         Place::Element { element, point, .. } => material_point(program, [*element, *point], title, snapshot),
         Place::Contact { pair, point, .. } => contact_point(program, pair, *point, title, snapshot),
         Place::Node { .. } | Place::System => None,
-    }
-    .unwrap_or(Value::Null)
+    };
+    case.map_or(Value::Null, |mut case| {
+        case["job_folder"] = json!(job_folder(&program.case_file, &Value::Null).to_string_lossy());
+        case
+    })
 }
 
 /// A case of kind "point". What large displacements turn is given as turned, and its rotation left out.

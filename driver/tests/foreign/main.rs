@@ -7,6 +7,7 @@ mod check;
 mod check_around;
 mod finite_strain;
 mod parts;
+mod prints;
 #[path = "../program/mod.rs"]
 mod program;
 mod public;

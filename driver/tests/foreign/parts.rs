@@ -48,7 +48,8 @@ fn a_part_has_what_uexternaldb_sets_up() {
     let run = pulled(&desk, "database", json!({ "plugin": library, "props": [NU], "nstatv": 4 }));
     // E = 1000 comes from UEXTERNALDB
     same_load(&run, &elastic(&desk), 1.0);
-    // once before the law is asked for its virgin stiffness as the case is read, once for the run
-    let closed = run.outcome.stdout.lines().filter(|line| line.contains("DATABASE CLOSED")).collect::<Vec<_>>();
+    // that of the run: what the law printed while the case was read belongs to no run
+    let log = run.log();
+    let closed = log.lines().filter(|line| line.contains("DATABASE CLOSED")).collect::<Vec<_>>();
     assert!(closed.last().is_some_and(|line| line.split_whitespace().skip(3).eq(["3.0", "1", "3"])), "{closed:?}");
 }

@@ -150,7 +150,8 @@ fn the_analysis_is_announced_and_states_are_initialised() {
     let starts = run.history.column("sdv2");
     assert!(starts.windows(2).skip(1).all(|pair| pair[1] > pair[0]) && starts[1] >= 1.0, "{starts:?}");
     assert!(run.history.column("sdv4").iter().all(|difference| *difference == 0.0), "one clock");
-    let closed = run.outcome.stdout.lines().find(|line| line.contains("DATABASE CLOSED")).expect("LOP = 3");
+    let log = run.log();
+    let closed = log.lines().find(|line| line.contains("DATABASE CLOSED")).expect("LOP = 3");
     assert!(closed.split_whitespace().skip(3).eq(["5.0", "2", "2"]), "{closed}");
     // what the case says goes before SDVINI
     let mut given = material;

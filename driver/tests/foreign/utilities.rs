@@ -59,7 +59,8 @@ fn every_routine_answers_as_its_manual_says() {
     assert_eq!(state(37), 3.0);
 
     // GETJOBNAME, GETOUTDIR, STDB_ABQERR
-    let folder = run.folder.to_str().expect("UTF-8");
+    let folder = desk.path("");
+    let folder = folder.to_str().expect("UTF-8").trim_end_matches('/');
     assert_eq!((state(35), state(36)), ("utilities".len() as f64, folder.len() as f64));
     for line in [
         format!("***NOTE: JOB utilities IN {folder}"),

@@ -15,8 +15,8 @@ fn printed(stdout: &str) -> Vec<(String, String)> {
 }
 
 /// Both calls got the same: numbers but for rounding, names to the letter.
-fn compare(stdout: &str, replayed: &str) {
-    let (first, second) = (printed(stdout), printed(replayed));
+fn compare(log: &str, replayed: &str) {
+    let (first, second) = (printed(log), printed(replayed));
     assert!(first.len() > 20, "{first:?}");
     assert_eq!(first.len(), second.len());
     for ((name, values), (other, replayed)) in first.iter().zip(&second) {
@@ -37,8 +37,8 @@ fn compare(stdout: &str, replayed: &str) {
 pub fn replays(desk: &Desk, case: &Value) -> Vec<(String, String)> {
     let run = desk.run(&desk.case("case.json", case), &[], "out", 1);
     let again = desk.run(&run.folder.join("replay.json"), &[], "again", 1);
-    compare(&run.outcome.stdout, &again.outcome.stdout);
-    printed(&run.outcome.stdout)
+    compare(&run.log(), &again.log());
+    printed(&run.log())
 }
 
 pub fn value<'p>(printed: &'p [(String, String)], name: &str) -> &'p str {

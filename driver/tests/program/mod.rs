@@ -115,6 +115,16 @@ impl Run {
         }
     }
 
+    /// What the plugins printed: on unit 6 and the standard output.
+    pub fn log(&self) -> String {
+        fs::read_to_string(self.folder.join("umat.log")).unwrap_or_default()
+    }
+
+    /// What the plugins printed on unit 7.
+    pub fn messages(&self) -> String {
+        fs::read_to_string(self.folder.join("umat.msg")).unwrap_or_default()
+    }
+
     /// The largest or least value of a column, over all increments.
     pub fn peak(&self, column: &str, which: &str) -> f64 {
         self.summary["peaks"][column][which].as_f64().unwrap_or_else(|| panic!("peaks.{column}.{which}"))

@@ -2,7 +2,7 @@
 
 use super::description::Law;
 use super::guard::Guard;
-use super::{recorder, utilities};
+use super::{prints, recorder, utilities};
 use crate::floating_point;
 use crate::fric::FricFunction;
 use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin, UmatBatch};
@@ -113,6 +113,7 @@ impl Library {
             None => Vec::new(),
         };
         let guard = laws.is_empty().then(|| Guard::new(path));
+        prints::note_loaded(&handle);
         if recorder::installed().is_some() {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
             std::mem::forget(Arc::clone(&handle));

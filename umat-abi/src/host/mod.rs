@@ -10,6 +10,7 @@ mod guard;
 mod interface_call;
 mod library;
 mod memory;
+mod prints;
 #[cfg(unix)]
 mod probe;
 pub mod recorder;
@@ -28,6 +29,7 @@ pub use discovery::{Found, library_file_name, library_path, names_a_file, search
 pub use interface_call::{ContactArrays, FricCall, UinterCall};
 pub use library::{Library, LoadError, binds_deeply};
 pub use memory::Overrun;
+pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]
 pub use probe::{Alignment, Probed, Trespass};
 pub use routines::{Clock, ExternalDatabases, InitialStates};

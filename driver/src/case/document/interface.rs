@@ -23,6 +23,10 @@ pub struct InterfaceCase {
     pub description: Option<Piece<String>>,
     /// The plugin and its parameters.
     pub material: Piece<Material>,
+    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
+    /// case it comes from.
+    #[expect(dead_code, reason = "read by `job_folder`")]
+    pub job_folder: Option<Piece<String>>,
     /// CHRLNGTH, mm.
     pub characteristic_length: Option<Piece<Positive>>,
     /// The state before the first step.

@@ -29,6 +29,10 @@ pub struct PointCase {
     pub mode: Option<Piece<Mode>>,
     /// Large deformation (default false).
     pub nlgeom: Option<Piece<bool>>,
+    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
+    /// case it comes from.
+    #[expect(dead_code, reason = "read by `job_folder`")]
+    pub job_folder: Option<Piece<String>>,
     /// CELENT, mm; required when the law's crack band is on.
     pub characteristic_length: Option<Piece<Positive>>,
     /// The state before the first step.

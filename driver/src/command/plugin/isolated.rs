@@ -25,6 +25,7 @@ pub(super) fn supervised(
         plugin_paths: &[],
         aftermath: "null",
         quiet: false,
+        echo: false,
         command,
     };
     Some(supervise(library, &job, &need))

@@ -93,7 +93,7 @@ fn uinter_at_a_contact_point() {
     desk.write("blocks.msh", &patch().file());
     let law = json!({ "plugin": library, "props": [STIFFNESS, 6], "nstatv": 1, "cmname": "bond" });
     let run = run(&desk, "uinter", &case(json!({ "law": law, "enforcement": "penalty" })));
-    let calls = calls(&run.outcome.stdout, "UINTER");
+    let calls = calls(&run.log(), "UINTER");
     // LOPENCLOSE and LSTATE: -1 until the plugin has said what they are
     for call in &calls {
         let expected = if call["statev"] == "0" { ("-1", "-1") } else { ("1", "2") };
@@ -148,7 +148,7 @@ fn fric_at_a_contact_point() {
     let law = json!({ "plugin": library, "entry": "fric", "props": [STIFFNESS], "nstatv": 1 });
     let contact = json!({ "law": law, "normal": { "hard": {} }, "enforcement": "penalty", "penalty_factor": 2 });
     let run = run(&desk, "fric", &case(contact));
-    let calls = calls(&run.outcome.stdout, "FRIC");
+    let calls = calls(&run.log(), "FRIC");
     assert_eq!(call(&calls, "1", "1", "2")["lm"], "1", "sticking until the plugin says otherwise");
     // 2 E t/(h · width)
     let penalty = 2.0 * E;

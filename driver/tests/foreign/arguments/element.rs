@@ -205,7 +205,7 @@ fn umat_in_an_element() {
         for nlgeom in [false, true] {
             println!("{model}, nlgeom {nlgeom}");
             let run = run(&desk, "element", &case(&library, model, nlgeom));
-            let calls = calls(&run.outcome.stdout, "UMAT");
+            let calls = calls(&run.log(), "UMAT");
             // the last iteration of the increment
             let place = [("jstep", format!("2,1,{},0", i32::from(nlgeom))), ("kinc", "2".into())];
             let point = [("noel", "2".to_owned()), ("npt", "3".into())];

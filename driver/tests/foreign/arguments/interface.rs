@@ -16,7 +16,7 @@ fn uinter_at_a_point() {
         "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.05, "gap": -0.02 } }],
     });
     let run = run(&desk, "uinter", &case);
-    let calls = calls(&run.outcome.stdout, "UINTER");
+    let calls = calls(&run.log(), "UINTER");
     assert_eq!(calls.len(), 3, "one at the initial place, then one per increment");
     assert_eq!((&*calls[0]["lopenclose"], &*calls[0]["lstate"]), ("-1", "-1"));
     // the last call: from gap 0, slip 0.03 to penetration 0.02, slip 0.05; everything at the end of the increment
@@ -59,7 +59,7 @@ fn fric_at_a_point() {
         "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.04, "p": 6 } }],
     });
     let run = run(&desk, "fric", &case);
-    let calls = calls(&run.outcome.stdout, "FRIC");
+    let calls = calls(&run.log(), "FRIC");
     assert_eq!(calls.len(), 2);
     assert_eq!(calls[0]["lm"], "1", "sticking until the plugin says otherwise");
     let expected: &[Argument<'_>] = &[
@@ -102,7 +102,7 @@ fn contact_in_space() {
             "steps": [{ "increments": 2, "target": target }],
         });
         let run = run(&desk, entry, &case);
-        calls(&run.outcome.stdout, &entry.to_uppercase()).pop().expect("a call")
+        calls(&run.log(), &entry.to_uppercase()).pop().expect("a call")
     };
     let check = |call: &super::Printed, expected: &[(&str, &[f64])]| {
         let some = call.iter().filter(|(name, _)| expected.iter().any(|(wanted, _)| wanted == name));

@@ -20,7 +20,7 @@ fn umat_at_a_point() {
         ],
     });
     let run = run(&desk, "point", &case);
-    let calls = calls(&run.outcome.stdout, "UMAT");
+    let calls = calls(&run.log(), "UMAT");
     assert_eq!(calls.len(), 3, "one call per increment where strains are given");
     // the second increment of the first step
     let expected: [(&str, &[f64]); 36] = [
@@ -96,7 +96,7 @@ fn umat_under_finite_strain() {
         "steps": [{ "increments": 2, "F": f }],
     });
     let run = run(&desk, "finite", &case);
-    let calls = calls(&run.outcome.stdout, "UMAT");
+    let calls = calls(&run.log(), "UMAT");
     let columns = |f: [[f64; 3]; 3]| (0..9).map(|k| f[k % 3][k / 3]).collect::<Vec<_>>();
     let half = [[1.05, 0.2, 0.0], [0.0, 0.95, 0.1], [0.0, 0.0, 1.1]];
     let close = |found: &str, expected: &[f64]| {
@@ -147,7 +147,7 @@ fn umat_in_every_mode() {
             "steps": [{ "increments": 2, "target": target }],
         });
         let run = run(&desk, mode, &case);
-        let last = calls(&run.outcome.stdout, "UMAT").pop().expect("a call");
+        let last = calls(&run.log(), "UMAT").pop().expect("a call");
         assert_eq!(["ntens", "ndi", "nshr"].map(|name| last[name].as_str()), counts, "{mode}");
         let n = strains.len();
         let halves: Vec<_> = strains.iter().map(|strain| 0.5 * strain).collect();

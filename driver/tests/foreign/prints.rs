@@ -1,0 +1,95 @@
+//! What a UMAT reads beside its case, and what it prints.
+
+use super::{built, close, point};
+use crate::program::{Desk, Run};
+use serde_json::{Value, json};
+
+/// The folder of a case with its table, and the case; `aborts`: the increment in which the law ends the process.
+fn prepared(desk: &Desk, aborts: u32) -> Option<Value> {
+    let library = built(desk, "reads_table.f", &[])?;
+    desk.write("job/modulus.dat", "1000.0\n");
+    let material = json!({ "plugin": library, "props": [0.2, aborts], "nstatv": 1 });
+    Some(point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])))
+}
+
+/// The lines of increments, in all calls of each.
+fn increments(text: &str, unit: &str) -> Vec<u32> {
+    let lines = text.lines().filter_map(|line| line.trim().strip_prefix(&format!("{unit} IN INCREMENT")));
+    let mut numbers: Vec<u32> = lines.map(|number| number.trim().parse().expect("a number")).collect();
+    numbers.dedup();
+    numbers
+}
+
+fn nothing_was_left(desk: &Desk) {
+    for folder in [desk.path(""), desk.path("job")] {
+        assert!(!folder.join("fort.7").exists(), "{}", folder.display());
+    }
+}
+
+#[test]
+fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
+    let desk = Desk::new();
+    let Some(case) = prepared(&desk, 0) else { return };
+    let case = desk.case("job/case.json", &case);
+    for isolate in [true, false] {
+        let run = desk.run(&case, &[&format!("material.isolate={isolate}")], "out", 0);
+        close(run.history.last("s11"), 1.0);
+        assert_eq!((run.outcome.stdout.as_str(), run.outcome.stderr.as_str()), ("", ""));
+        for unit in ["UNIT SIX", "STAR"] {
+            assert_eq!(increments(&run.log(), unit), [1, 2, 3], "{}", run.log());
+        }
+        assert_eq!(increments(&run.messages(), "UNIT SEVEN"), [1, 2, 3], "{}", run.messages());
+        nothing_was_left(&desk);
+        // shown on demand, and kept all the same; our own line comes last
+        let path = case.to_str().expect("UTF-8");
+        let arguments = ["run", path, "--echo", "--out", "echoed", "--set"];
+        let echoed =
+            desk.pullout(arguments.into_iter().chain([format!("material.isolate={isolate}").as_str()])).expect(0);
+        let shown = run.log() + &run.messages();
+        for line in shown.lines() {
+            assert!(echoed.stdout.contains(line), "{line}");
+        }
+        assert!(echoed.stdout.contains("case: done, 3 increments"), "{}", echoed.stdout);
+        assert_eq!(std::fs::read_to_string(desk.path("echoed/umat.log")).expect("kept"), run.log());
+    }
+}
+
+/// What was printed before a signal is there, also of the call that it ended; the replay finds the table.
+#[test]
+fn prints_survive_a_law_that_ends_the_process() {
+    let desk = Desk::new();
+    let Some(case) = prepared(&desk, 2) else { return };
+    let run = desk.run(&desk.case("job/case.json", &case), &[], "out", 1);
+    assert!(run.summary["message"].as_str().is_some_and(|text| text.contains("SIGABRT")), "{}", run.summary);
+    assert_eq!(increments(&run.log(), "UNIT SIX"), [1, 2], "{}", run.log());
+    assert_eq!(increments(&run.messages(), "UNIT SEVEN"), [1, 2], "{}", run.messages());
+    let again = desk.run(&run.folder.join("replay.json"), &[], "again", 1);
+    assert!(again.summary["message"].as_str().is_some_and(|text| text.contains("SIGABRT")), "{}", again.summary);
+    nothing_was_left(&desk);
+}
+
+#[test]
+fn a_law_that_prints_nothing_leaves_no_files() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [1000, 0.2], "nstatv": 1 });
+    let case = point(material, "3d", json!([{ "increments": 2, "target": { "e11": 1e-3 } }]));
+    let run: Run = super::run(&desk, "silent", &case);
+    for name in ["umat.log", "umat.msg"] {
+        assert!(!run.folder.join(name).exists(), "{name}");
+    }
+}
+
+/// The check calls a law thousands of times: only its verdict is printed.
+#[test]
+fn a_check_shows_its_verdict_and_no_prints() {
+    let desk = Desk::new();
+    let Some(case) = prepared(&desk, 0) else { return };
+    let case = desk.case("job/case.json", &case);
+    let library = desk.path("libreads_table.so");
+    let paths = [library.to_str().expect("UTF-8"), case.to_str().expect("UTF-8")];
+    let checked = desk.pullout(["plugin", "check", paths[0], "--states", "3", "--case", paths[1]]);
+    assert!(checked.code == 0 && checked.stdout.contains("pass  "), "{}{}", checked.stdout, checked.stderr);
+    assert!(!checked.stdout.contains("IN INCREMENT"), "{}", checked.stdout);
+    nothing_was_left(&desk);
+}

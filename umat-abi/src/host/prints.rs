@@ -1,0 +1,142 @@
+//! Where what plugins print goes: Fortran's unit 7, and what their runtimes still hold back.
+//!
+//! Unit 6, `WRITE(*,…)` and C's `printf` end in the standard output, which the host can lead elsewhere. Unit 7, the message
+//! file of ABAQUS, is no stream of the operating system: gfortran makes a file `fort.7` in the current folder of it unless
+//! the unit is connected to another one before, which only its own runtime can do.
+
+use std::ffi::c_void;
+use std::os::unix::ffi::OsStrExt;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
+
+/// What OPEN compiles to: it takes its parameters in one block.
+type OpenFunction = unsafe extern "C" fn(*mut OpenParameters);
+/// FLUSH of one unit, or of all if the pointer is NULL.
+type FlushFunction = unsafe extern "C" fn(*const i32);
+
+const OPEN: &str = "_gfortran_st_open";
+const FLUSH: &str = "_gfortran_flush_i4";
+/// A symbol of GCC 9 and later: with it, lengths in [`OpenParameters`] have 64 bits. (Since GCC 8, which is taken for older.)
+const PRESENT_RUNTIME: &str = "_gfortran_st_wait_async";
+
+/// ABAQUS's message file.
+const MESSAGE_UNIT: i32 = 7;
+
+/// `st_parameter_open` of libgfortran 5, as the compiler lays it out, with room behind.
+#[repr(C)]
+struct OpenParameters {
+    flags: i32,
+    unit: i32,
+    _source_file_and_line: [usize; 2],
+    _message: [usize; 2],
+    iostat: *mut i32,
+    _record_length: usize,
+    file_length: usize,
+    file: *const u8,
+    status: *const u8,
+    status_length: usize,
+    _access_form_blank: [usize; 6],
+    position: *const u8,
+    position_length: usize,
+    _others: [usize; 64],
+}
+
+/// Which parameters are there.
+mod given {
+    pub(super) const IOSTAT: i32 = 1 << 5;
+    pub(super) const FILE: i32 = 1 << 8;
+    pub(super) const STATUS: i32 = 1 << 9;
+    pub(super) const POSITION: i32 = 1 << 13;
+}
+
+/// Where unit 7 goes, and the libraries whose runtimes may be asked.
+struct Messages {
+    file: Option<PathBuf>,
+    libraries: Vec<Weak<libloading::Library>>,
+}
+
+static MESSAGES: Mutex<Messages> = Mutex::new(Messages { file: None, libraries: Vec::new() });
+
+impl Messages {
+    /// Does something with each library that is still loaded.
+    fn each(&mut self, mut act: impl FnMut(&libloading::Library)) {
+        self.libraries.retain(|library| library.upgrade().is_some());
+        self.libraries.iter().filter_map(Weak::upgrade).for_each(|library| act(&library));
+    }
+}
+
+/// Connects unit 7 of the libraries that are loaded, and of those to come, with a file, behind what it holds. Runtimes
+/// other than gfortran's are left alone.
+pub fn write_messages_to(file: &Path) {
+    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
+    messages.file = Some(file.to_owned());
+    messages.each(|library| connect(library, file));
+}
+
+/// Notes a library that was loaded.
+pub(super) fn note_loaded(library: &Arc<libloading::Library>) {
+    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
+    messages.libraries.push(Arc::downgrade(library));
+    if let Some(file) = &messages.file {
+        connect(library, file);
+    }
+}
+
+/// Lets the runtimes write out what they hold back: of C, and of gfortran.
+pub fn flush_prints() {
+    let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
+    messages.each(|library| {
+        // SAFETY: a function of gfortran's runtime; NULL means all units.
+        unsafe {
+            if let Ok(flush) = library.get::<FlushFunction>(FLUSH) {
+                flush(std::ptr::null());
+            }
+        }
+    });
+    // SAFETY: NULL means all streams.
+    unsafe { libc::fflush(std::ptr::null_mut()) };
+}
+
+/// Lets C's standard output be written line by line, so that nothing is lost where a plugin ends the process. To be called
+/// before anything is printed.
+pub fn print_by_lines() {
+    unsafe extern "C" {
+        static stdout: *mut libc::FILE;
+    }
+    // SAFETY: C's own stream, which lives as long as the process; NULL: its own buffer.
+    unsafe { libc::setvbuf(stdout, std::ptr::null_mut(), libc::_IOLBF, 0) };
+}
+
+/// OPEN(7, FILE=file, STATUS='UNKNOWN', POSITION='APPEND', IOSTAT=ios) by a library's own runtime.
+fn connect(library: &libloading::Library, file: &Path) {
+    // SAFETY: only its presence is asked for.
+    if unsafe { library.get::<*const c_void>(PRESENT_RUNTIME) }.is_err() {
+        return;
+    }
+    let (name, status, position) = (file.as_os_str().as_bytes(), b"UNKNOWN", b"APPEND");
+    let mut iostat = 0;
+    let mut parameters = OpenParameters {
+        flags: given::IOSTAT | given::FILE | given::STATUS | given::POSITION,
+        unit: MESSAGE_UNIT,
+        _source_file_and_line: [0; 2],
+        _message: [0; 2],
+        iostat: &raw mut iostat,
+        _record_length: 0,
+        file_length: name.len(),
+        file: name.as_ptr(),
+        status: status.as_ptr(),
+        status_length: status.len(),
+        _access_form_blank: [0; 6],
+        position: position.as_ptr(),
+        position_length: position.len(),
+        _others: [0; 64],
+    };
+    // SAFETY: the function is that of libgfortran 5, whose block of parameters has this layout in every version so far; it
+    // is as large as theirs or larger, and what it points to outlives the call. A failure is told in `iostat`, and leaves
+    // the unit as it was.
+    unsafe {
+        if let Ok(open) = library.get::<OpenFunction>(OPEN) {
+            open(&raw mut parameters);
+        }
+    }
+}
