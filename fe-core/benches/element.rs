@@ -12,7 +12,6 @@ use fe_core::model::{Controls, Measured, Model, PluginLaw, Skipping};
 use std::collections::HashMap;
 use std::hint::black_box;
 use std::time::Instant;
-use umat_abi::host::Library;
 use umat_abi::law::Request;
 
 /// Elements along each side of a square.
@@ -92,11 +91,13 @@ fn linear_elastic() -> PluginLaw {
         props: vec![210e3, 0.3],
         nstatv,
         statev0: None,
+        stress0: None,
     }
 }
 
 fn model(case: &Case, nlgeom: bool) -> Model {
     Model {
+        fields: fe_core::model::Fields::default(),
         mesh: square(case),
         laws: vec![linear_elastic()],
         average_dilatation: vec![case.average],

@@ -7,7 +7,7 @@ use std::path::Path;
 use umat_abi::host::library_file_name;
 
 /// Routines that this program calls, by their plain names.
-const ROUTINES: [&str; 5] = ["umat", "uinter", "fric", "uexternaldb", "sdvini"];
+const ROUTINES: [&str; 6] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini"];
 /// Those of them that are laws.
 const LAWS: usize = 3;
 

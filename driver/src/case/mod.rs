@@ -258,7 +258,10 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
 /// beside the case. A replay, which lies elsewhere, names its original's.
 pub fn job_folder(path: &Path, document: &Value) -> PathBuf {
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    folder_of(&path).join(document["job_folder"].as_str().unwrap_or_default())
+    match document["job_folder"].as_str() {
+        Some(folder) => folder_of(&path).join(folder),
+        None => folder_of(&path).to_owned(),
+    }
 }
 
 /// Tells what GETJOBNAME and GETOUTDIR answer from now on.

@@ -83,6 +83,25 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     })
 }
 
+/// Warns of what the routines around a law do that is not obvious: whether SDVINI and SIGINI are called where the case gives
+/// states and stress, and which are not called at all.
+pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [bool; 2]) {
+    let [states_given, stress_given] = given;
+    for routine in library.routines() {
+        let what = match routine.symbol {
+            _ if !routine.is_called => "is not called: this program has no such occasion",
+            "sdvini" if states_given => "is not called: the case gives the initial states",
+            "sigini" if stress_given => "is not called: the case gives the initial stress",
+            "sigini" => "sets the initial stress",
+            _ => continue,
+        };
+        let warning = format!("{}: its {} {what}", library.path().display(), routine.symbol.to_uppercase());
+        if !reader.warnings.contains(&warning) {
+            reader.warnings.push(warning);
+        }
+    }
+}
+
 /// Loads a library, each file once in a case.
 fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
     if let Some(library) = reader.libraries.get(path) {

@@ -9,10 +9,13 @@ use super::problem::{Place, hint};
 use super::steps::{self, Counted};
 use super::table::Table;
 use super::{Reader, Resolved};
-use crate::path::program::{Control, Kind, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
+use crate::path::program::{Control, Kind, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep, TableFields};
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES, point_columns};
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// The column, and the key.
+const TEMPERATURE: &str = "temperature";
 
 /// What the steps must agree with.
 struct Setting<'c> {
@@ -214,7 +217,9 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     check_field_variables(reader, step.predef.as_deref(), setting, place);
     let until =
         step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
-    let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).collect();
+    let field_names: Vec<String> = (1..=setting.field_variables).map(|number| format!("predef{number}")).collect();
+    let fields = std::iter::once(TEMPERATURE).chain(field_names.iter().map(String::as_str));
+    let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(fields).collect();
     let place_of_table = place.key("table");
     let path = reader.folder.join(&step.table);
     let table = read_table(reader, &path, &names, &place_of_table)?;
@@ -239,9 +244,24 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let relations = step.constraints.as_deref().unwrap_or_default();
     let constraints =
         constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));
+    let of_column =
+        |name: usize| table.columns[name].map(|column| table.rows.iter().map(|row| row[column]).collect::<Vec<_>>());
+    let first_field = STRAIN_NAMES.len() + STRESS_NAMES.len();
+    let fields = TableFields {
+        temperature: of_column(first_field),
+        predef: (1..=setting.field_variables).map(|number| of_column(first_field + number)).collect(),
+    };
+    if fields.temperature.is_some() && step.temperature.is_some() {
+        let message = format!("{prefix}the temperature is given twice: in the table and in the step");
+        reader.problem(&place.key(TEMPERATURE), message);
+    }
+    if fields.predef.iter().any(Option::is_some) && step.predef.is_some() {
+        let message = format!("{prefix}field variables are given twice: in the table and in the step");
+        reader.problem(&place.key("predef"), message);
+    }
     let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
     Some(PointStep {
-        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows },
+        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows, fields },
         constraints,
         until,
         temperature: step.temperature,
@@ -315,15 +335,28 @@ fn initial(
     let place = root.key("initial");
     let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
     let strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
-    let stress = components(reader, given.stress.as_ref(), &STRESS_NAMES, mode, &place.key("stress"));
+    let place_of_stress = place.key("stress");
+    let stress =
+        given.stress.as_ref().map(|stress| components(reader, Some(stress), &STRESS_NAMES, mode, &place_of_stress));
     let deformation_gradient = given.deformation_gradient.unwrap_or(IDENTITY);
     check_gradient(reader, &deformation_gradient, mode, nlgeom, &place.key("F"), false);
     let temperature = number(reader, case.temperature.as_ref(), &root.key("temperature"));
     let predef = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
+    let statev = statev(reader, material, given.statev.as_deref(), plugin);
+    if let Some(plugin) = plugin {
+        plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
+        if mode == Mode::PlaneStress && plugin.law.is_none() {
+            reader.warnings.push(format!(
+                "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not \
+                 say which state variable holds it",
+                plugin.name
+            ));
+        }
+    }
     PointState {
         strain,
-        stress,
-        statev: statev(reader, material, given.statev.as_deref(), plugin),
+        stress: stress.map(Box::new),
+        statev,
         time: given.time.unwrap_or(0.0),
         deformation_gradient,
         temperature,
@@ -368,7 +401,7 @@ pub fn check_count(reader: &mut Reader<'_>, statev: &[f64], plugin: &Plugin, pla
 }
 
 /// Six components from a list of six or of the mode's, or by name.
-fn components(
+pub fn components(
     reader: &mut Reader<'_>,
     given: Option<&Components>,
     names: &[&str; 6],

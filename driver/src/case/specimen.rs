@@ -40,6 +40,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let mut boundary = boundary::resolve(reader, case, scene);
     let couplings = couplings::resolve(reader, case, scene);
     let steps = steps::resolve(reader, case, &mut boundary);
+    let fields = steps::fields(reader, case, &steps);
     let place = root.key("until");
     let columns = COLUMNS.map(String::from);
     let until = reader
@@ -69,6 +70,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         couplings,
         loads,
         measured,
+        fields,
         steps: steps.iter().map(|step| step.step.clone()).collect(),
         controls,
         skipping,

@@ -15,7 +15,7 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use umat_abi::host::{Found, Law, Library, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, Law, Library, Routine, library_path, names_a_file, search_paths};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
 #[derive(Debug, Subcommand)]
@@ -176,16 +176,27 @@ fn info(library: &Library) -> u8 {
         }
         say(&format!(
             "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
-             symbol\n",
+             symbol\n{}",
             library.path().display(),
-            entry_points.join(", ")
+            entry_points.join(", "),
+            routines(library)
         ));
         return DONE;
     }
     for law in library.laws() {
         say(&describe(law, library.path()));
     }
+    say(&routines(library));
     DONE
+}
+
+/// The routines around the laws, in a line; nothing if there are none.
+fn routines(library: &Library) -> String {
+    let name = |routine: &Routine| {
+        routine.symbol.to_uppercase() + if routine.is_called { "" } else { " (not called by this program)" }
+    };
+    let names: Vec<String> = library.routines().iter().map(name).collect();
+    if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
 }
 
 fn abaqus_input(library: &Library) -> u8 {

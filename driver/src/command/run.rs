@@ -307,6 +307,12 @@ fn conclude(
 ) -> io::Result<Summary> {
     let mut summary = summarise(case, &end)?;
     summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
+    if let Some(moved) = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement) {
+        summary.warnings.push(format!(
+            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
+             moved by up to {moved:.3e} mm until it was"
+        ));
+    }
     let mut pictures = Vec::new();
     // a long history is read back only if something is made of it
     if case.draws_plots() || !case.compare().is_empty() {

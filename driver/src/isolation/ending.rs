@@ -74,6 +74,7 @@ fn place(call: &CallRecord, need: &Need) -> String {
     let plugin = format!("plugin '{}'", call.name);
     let place = match &call.arguments {
         Arguments::InitialState(state) => return format!("{plugin}, SDVINI{}", material_point(&state.noel_npt)),
+        Arguments::InitialStress(state) => return format!("{plugin}, SIGINI{}", material_point(&state.noel_npt)),
         Arguments::ExternalDatabase(database) => {
             let occasion = occasion(&database.counters);
             return format!("{plugin}, UEXTERNALDB {occasion}, step {step}, increment {increment}");
@@ -92,6 +93,9 @@ fn occasion(counters: &[f64]) -> &'static str {
         Some(0) => "at the start of the analysis (LOP = 0)",
         Some(1) => "at the start of an increment (LOP = 1)",
         Some(2) => "at the end of an increment (LOP = 2)",
+        Some(4) => "at a restart (LOP = 4)",
+        Some(5) => "at the start of a step (LOP = 5)",
+        Some(6) => "at the end of a step (LOP = 6)",
         _ => "at the end of the analysis (LOP = 3)",
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
         Arguments::Umat(umat) => point(umat, call.wants_tangent),
         Arguments::Uinter(uinter) => uinter_case(uinter),
         Arguments::Fric(fric) => fric_case(fric),
-        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) => return None,
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
     };
     case["title"] = json!(title);
     case["material"] = material(call, need)?;
@@ -39,7 +39,7 @@ fn material(call: &CallRecord, need: &Need) -> Option<Value> {
         Arguments::Umat(umat) => (&umat.props, &umat.statev, "umat"),
         Arguments::Uinter(uinter) => (&uinter.props, &uinter.statev, "uinter"),
         Arguments::Fric(fric) => (&fric.props, &fric.statev, "fric"),
-        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) => return None,
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
     };
     let mut material = json!({
         "plugin": call.library.to_string_lossy(),

@@ -2,12 +2,12 @@
 
 use super::deformation::{columns, incremental_motion, matrix, rotated};
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, PointDrive, PointProgram, PointStep, Program};
+use super::program::{Constraint, Control, Mode, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
 use nalgebra::Matrix3;
-use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialStates, UmatCall};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, UmatCall};
 use umat_abi::law::Request;
 
 /// Runs a point program.
@@ -152,9 +152,9 @@ impl<'p> Runner<'p> {
         let gradient = matrix(&initial.deformation_gradient);
         let committed = Committed {
             strain: initial.strain,
-            stress: initial.stress,
+            stress: initial_stress(program, point, &call)?,
             statev: InitialStates::new(&plugin.library, initial.statev.as_deref(), plugin.nstatv)
-                .of_point([0.0; 3], 1, 1)?,
+                .of_point(&initial_point(&call))?,
             energies: point.arguments.energies,
             step_time: 0.0,
             total_time: initial.time,
@@ -341,6 +341,28 @@ impl<'p> Runner<'p> {
         statistics.iterations += 1;
         Ok(1)
     }
+}
+
+/// The point of a call as SDVINI and SIGINI are told of it.
+fn initial_point(call: &UmatCall) -> InitialPoint {
+    InitialPoint { coordinates: call.coords, element: call.noel, point: call.npt }
+}
+
+/// Stress at the start: the case's, or SIGINI's, or none.
+fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> Result<[f64; 6], String> {
+    let components = call.stress_state().components();
+    let given = point.initial.stress.as_ref().map(|stress| components.iter().map(|&i| stress[i]).collect::<Vec<_>>());
+    let element_type = match point.mode {
+        Mode::ThreeD => "C3D8",
+        Mode::PlaneStrain => "CPE4",
+        Mode::Axisymmetric => "CAX4",
+        Mode::PlaneStress => "CPS4",
+    };
+    let mut stress = [0.0; 6];
+    let values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
+        .of_point(&initial_point(call), element_type)?;
+    components.iter().zip(values).for_each(|(&i, value)| stress[i] = value);
+    Ok(stress)
 }
 
 /// What UEXTERNALDB is told of the increment of a call.
@@ -615,7 +637,15 @@ impl<'s> Plan<'s> {
                     };
                 }
             }
-            PointDrive::Table { controls, time_increments, rows } => {
+            PointDrive::Table { controls, time_increments, rows, fields } => {
+                if let Some(temperature) = &fields.temperature {
+                    goal.temperature = (runner.committed.temperature, temperature[index]);
+                }
+                for (k, column) in fields.predef.iter().enumerate() {
+                    if let Some(column) = column {
+                        (goal.predef.0[k], goal.predef.1[k]) = (runner.committed.predef[k], column[index]);
+                    }
+                }
                 let start = runner.committed.step_time;
                 goal.step_time = (start, start + time_increments[index]);
                 for i in 0..6 {

@@ -148,8 +148,8 @@ pub struct PointProgram {
 pub struct PointState {
     /// Strain, six components, engineering shear.
     pub strain: [f64; 6],
-    /// Stress, MPa.
-    pub stress: [f64; 6],
+    /// Stress, MPa; `None`: what the library's SIGINI says, or zeros.
+    pub stress: Option<Box<[f64; 6]>>,
     /// STATEV, NSTATV values; `None`: what the library's SDVINI says, or zeros.
     pub statev: Option<Vec<f64>>,
     /// Total time.
@@ -198,6 +198,8 @@ pub enum PointDrive {
         time_increments: Vec<f64>,
         /// End-of-increment values of each row, by component; unused entries 0.
         rows: Vec<[f64; 6]>,
+        /// Columns of temperature and field variables.
+        fields: TableFields,
     },
     /// The deformation gradient ramps linearly to this one (row by row).
     DeformationGradient {
@@ -208,6 +210,15 @@ pub enum PointDrive {
         /// End value.
         end: [[f64; 3]; 3],
     },
+}
+
+/// Temperature and field variables at the end of each row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct TableFields {
+    /// `None`: there is no column, it goes where the step says.
+    pub temperature: Option<Vec<f64>>,
+    /// Of each field variable, likewise.
+    pub predef: Vec<Option<Vec<f64>>>,
 }
 
 /// What determines a component.

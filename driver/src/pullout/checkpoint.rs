@@ -125,13 +125,14 @@ fn fingerprint(program: &Program) -> io::Result<String> {
         loads,
         nlgeom,
         measured,
+        fields,
         steps,
         controls,
         skipping,
     } = &program.model;
     // Debug prints the shortest text that reads back to the same double
     hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
-    hash.update(format!("{:?}", (measured, steps, controls, skipping)));
+    hash.update(format!("{:?}", (measured, fields, steps, controls, skipping)));
     hash.update(format!("{:?}", (&program.step_untils, &program.until, program.output)));
     for pair in contacts {
         let ContactPair {
@@ -166,7 +167,10 @@ fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
     let library =
         std::fs::read(path).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
     hash.update(sha256(&library));
-    hash.update(format!("{:?}", (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0)));
+    hash.update(format!(
+        "{:?}",
+        (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0, &law.stress0)
+    ));
     Ok(())
 }
 

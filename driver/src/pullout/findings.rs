@@ -23,6 +23,10 @@ pub struct Findings {
     pub times: IndexMap<String, f64>,
     /// Penalties of the normal direction by contact pair, MPa/mm.
     pub penalties: IndexMap<String, f64>,
+    /// The greatest displacement before the first step, mm, by which an initial stress found its equilibrium; absent if there
+    /// was none, or supports held it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub initial_displacement: Option<f64>,
     /// Why and where the run stopped early.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<Failure>,

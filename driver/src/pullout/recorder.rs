@@ -110,10 +110,11 @@ pub fn run<'p>(
     let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
     let elapsed = start.elapsed();
     let done = analysis.statistics();
-    let Recorder { fields, peak, present, energies, energy_error, .. } = recorder;
+    let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;
     let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
     findings.peak_load = peak.peak();
     findings.energy_error_max = energy_error;
+    findings.initial_displacement = initial_displacement;
     findings.energies = findings::energies(&energies);
     findings.statistics = findings::statistics(&analysis);
     findings.times = findings::times(set_up, elapsed.saturating_sub(writing), &analysis.times(), writing);
@@ -165,6 +166,8 @@ struct Recorder<'p, 'o> {
     so_far: Statistics,
     /// The greatest energy error so far.
     energy_error: f64,
+    /// By how much an initial stress moved the specimen, mm.
+    initial_displacement: Option<f64>,
     /// Total time at the start of the present step.
     step_start: f64,
     /// Where checkpoints go, and whose they are.
@@ -221,6 +224,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             energies: Energies::default(),
             so_far: Statistics::default(),
             energy_error: 0.0,
+            initial_displacement: None,
             step_start: 0.0,
             destination: None,
         }
@@ -315,6 +319,9 @@ impl<'p, 'o> Recorder<'p, 'o> {
 
 impl Observer for Recorder<'_, '_> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
+        if record.step == 0 {
+            self.initial_displacement = initial_displacement(snapshot);
+        }
         let directive = self.accept(record)?;
         self.peak.observe(record, snapshot);
         if let Some(every) = self.program.output.fields_every
@@ -331,6 +338,21 @@ impl Observer for Recorder<'_, '_> {
         let saved = Saved { analysis: checkpoint.clone(), recorder: self.state(), observer: self.observer.state() };
         checkpoints.write(folder, &saved)
     }
+}
+
+/// The greatest displacement, mm, if there is an initial stress and it moved anything but by rounding.
+fn initial_displacement(snapshot: &Snapshot<'_>) -> Option<f64> {
+    /// Part of the specimen's size.
+    const ROUNDING: f64 = 1e-9;
+    let model = snapshot.model();
+    if !model.has_initial_stress() {
+        return None;
+    }
+    let greatest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |greatest: f64, value| greatest.max(value.abs()));
+    let size = greatest(&mut model.mesh.nodes().iter().flatten().copied());
+    let moved = greatest(&mut snapshot.displacements().iter().copied());
+    (moved > ROUNDING * size).then_some(moved)
 }
 
 /// In the order of [`COLUMNS`].

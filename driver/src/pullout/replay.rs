@@ -56,10 +56,14 @@ fn material_point(
             "statev": call.statev,
             "time": call.time,
         },
+        "temperature": call.temperature[0],
+        "predef": call.predef[0],
         "steps": [{
             "increments": 1,
             "time": duration(call.time_increment),
             "target": named(&STRAIN_NAMES, driven, end),
+            "temperature": call.temperature[1],
+            "predef": call.predef[1],
         }],
     }))
 }

@@ -5,6 +5,7 @@ mod arguments;
 mod build;
 mod check;
 mod check_around;
+mod environment;
 mod finite_strain;
 mod parts;
 mod prints;

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// The folder of a case with its table, and the case; `aborts`: the increment in which the law ends the process.
 fn prepared(desk: &Desk, aborts: u32) -> Option<Value> {
-    let library = built(desk, "reads_table.f", &[])?;
+    let library = built(desk, "printing.f", &[])?;
     desk.write("job/modulus.dat", "1000.0\n");
     let material = json!({ "plugin": library, "props": [0.2, aborts], "nstatv": 1 });
     Some(point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])))
@@ -86,7 +86,7 @@ fn a_check_shows_its_verdict_and_no_prints() {
     let desk = Desk::new();
     let Some(case) = prepared(&desk, 0) else { return };
     let case = desk.case("job/case.json", &case);
-    let library = desk.path("libreads_table.so");
+    let library = desk.path("libprinting.so");
     let paths = [library.to_str().expect("UTF-8"), case.to_str().expect("UTF-8")];
     let checked = desk.pullout(["plugin", "check", paths[0], "--states", "3", "--case", paths[1]]);
     assert!(checked.code == 0 && checked.stdout.contains("pass  "), "{}{}", checked.stdout, checked.stderr);

@@ -1,7 +1,9 @@
 //! A law behind the plugin interface, with the parameters it runs with.
 
-use crate::kinematics::PlaneModel;
-use umat_abi::host::{FricCall, InitialStates, Law, Library, LoadError, UinterCall, UmatCall};
+use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
+use umat_abi::host::{
+    FricCall, InitialPoint, InitialStates, InitialStresses, Law, Library, LoadError, UinterCall, UmatCall,
+};
 use umat_abi::metadata::flags;
 
 /// The plugin of a part or of a contact pair. Which law it is nobody here knows.
@@ -23,6 +25,9 @@ pub struct PluginLaw {
     pub nstatv: usize,
     /// STATEV of every point of a part at the start, NSTATV values; `None`: what the library's SDVINI sets, or zeros.
     pub statev0: Option<Vec<f64>>,
+    /// Stress of every point of a part at the start, MPa: 11, 22, 33, 12, or r, z, θ, rz; `None`: what the library's SIGINI
+    /// sets, or 0.
+    pub stress0: Option<[f64; MAX_COMPONENTS]>,
 }
 
 /// A law that cannot be called.
@@ -64,19 +69,32 @@ impl PluginLaw {
             .map_err(|error| self.error(&error))
     }
 
-    /// STATEV of a point at the start: its coordinates, mm, its element and number in it, from 1.
+    /// STATEV of a point at the start.
     ///
     /// # Errors
-    /// SDVINI wrote behind STATEV.
-    pub fn states_of_point(
+    /// What SDVINI did wrong.
+    pub fn states_of_point(&self, initial: &mut InitialStates, at: &InitialPoint) -> Result<Vec<f64>, LawError> {
+        initial.of_point(at).map_err(|message| LawError { name: self.name.clone(), message })
+    }
+
+    /// Stress of a point at the start, in the order of UMAT's components.
+    ///
+    /// # Errors
+    /// What SIGINI did wrong.
+    pub fn stress_of_point(
         &self,
-        initial: &mut InitialStates,
-        [x, y]: [f64; 2],
-        element: i32,
-        point: i32,
+        initial: &mut InitialStresses,
+        at: &InitialPoint,
+        element_type: &str,
     ) -> Result<Vec<f64>, LawError> {
-        let states = initial.of_point([x, y, 0.0], element, point);
-        states.map_err(|message| LawError { name: self.name.clone(), message })
+        initial.of_point(at, element_type).map_err(|message| LawError { name: self.name.clone(), message })
+    }
+
+    /// Where the stresses of its points start from in a plane model.
+    pub fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
+        let components = model.stress_state().components();
+        let given = self.stress0.map(|stress| components.iter().map(|&k| stress[k]).collect::<Vec<_>>());
+        InitialStresses::new(&self.library, given.as_deref(), components.len())
     }
 
     /// Where the states of its points start from.
@@ -118,7 +136,17 @@ impl PluginLaw {
             props[index.unwrap_or_else(|| panic!("{name} has no parameter {key}"))] = *value;
         }
         let (nstatv, cmname) = (law.states.len(), name.to_uppercase());
-        Self { library, law: Some(law), name: name.into(), symbol: None, cmname, props, nstatv, statev0: None }
+        Self {
+            library,
+            law: Some(law),
+            name: name.into(),
+            symbol: None,
+            cmname,
+            props,
+            nstatv,
+            statev0: None,
+            stress0: None,
+        }
     }
 
     /// With these values at the end of PROPS: a repeating group.

@@ -11,10 +11,12 @@
 
 mod contact;
 mod controls;
+mod fields;
 mod law;
 
 pub use contact::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
 pub use controls::{Controls, Skipping, Step, StepControl};
+pub use fields::{FieldValues, Fields};
 pub use law::{LawError, PluginLaw};
 
 use crate::mesh::{ElementEdge, Mesh};
@@ -171,6 +173,8 @@ pub struct Model {
     pub nlgeom: Vec<bool>,
     /// What the history calls slip and load.
     pub measured: Measured,
+    /// Temperature and field variables.
+    pub fields: Fields,
     /// Steps, in order.
     pub steps: Vec<Step>,
     /// Tolerances and limits.
@@ -183,6 +187,12 @@ impl Model {
     /// Whether any part has large displacements.
     pub fn has_large_displacements(&self) -> bool {
         self.nlgeom.contains(&true)
+    }
+
+    /// Whether any part starts from a stress.
+    pub fn has_initial_stress(&self) -> bool {
+        let model = |part: usize| self.mesh.parts()[part].model;
+        self.laws.iter().enumerate().any(|(part, law)| !law.initial_stresses(model(part)).are_zero())
     }
 
     /// The libraries of its laws, parts first; some may be named several times.

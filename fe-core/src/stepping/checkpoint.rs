@@ -6,8 +6,8 @@
 
 use super::control::StepRun;
 use super::newton::{Equilibrium, EquilibriumState};
-use super::{Analysis, ModelError, Present, RunError};
-use crate::assembly::{Place, Trouble};
+use super::{Analysis, ModelError, Present, RunError, clock};
+use crate::assembly::{IncrementContext, Place, Trouble};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
@@ -57,7 +57,16 @@ impl<'m> Analysis<'m> {
         if !fits {
             return Err(ModelError::Inconsistent("the states to go on from are those of another model".into()));
         }
-        let databases = ExternalDatabases::begin(model.libraries());
+        let Position { step, increment, step_time, .. } = checkpoint.position;
+        let context = IncrementContext {
+            step,
+            increment,
+            step_time,
+            total_time: checkpoint.present.total_time,
+            ..IncrementContext::default()
+        };
+        let at = clock(&context, 0.0);
+        let databases = ExternalDatabases::resume(model.libraries(), at);
         Ok(Self {
             model,
             databases,

@@ -193,7 +193,10 @@ impl<'m> Analysis<'m> {
     fn find_datum(&mut self) -> Result<(), RunError> {
         let target = Target::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
-        self.databases.increment_starts(clock(&context, 0.0));
+        // to UEXTERNALDB this is the beginning of the first increment
+        let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment());
+        let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
+        self.databases.increment_starts(clock_of_first);
         let converged = self
             .equilibrium
             .attempt(&self.present.committed, &target, context, &mut self.present.statistics)
@@ -238,7 +241,7 @@ impl<'m> Analysis<'m> {
                     let passed = run.accept(&self.present.committed, &converged, findings, self.present.load);
                     step_time += passed;
                     self.commit(converged, passed);
-                    self.databases.increment_ends(clock(&context, passed));
+                    self.databases.increment_ends(Clock { time_increment: passed, ..clock(&context, passed) });
                     let record = self.record(number, increment, cutbacks, iterations);
                     cutbacks = 0;
                     match observer.increment(&record, &self.snapshot())? {
@@ -268,7 +271,10 @@ impl<'m> Analysis<'m> {
             Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
         let [load, _] = self.measured_load(&trial);
         let drive = |state: &Committed| self.model.measured.slip.map_or(0.0, |drive| state.drives[drive]);
-        let [energy_error_before, energy_error] = self.energy_errors_of(&converged.end);
+        // what temperature and fields do to a material is no work of the drives
+        let is_driven_alone = !self.model.fields.change();
+        let [energy_error_before, energy_error] =
+            if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,

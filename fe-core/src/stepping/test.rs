@@ -68,6 +68,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
     .unwrap();
     let support = |name: &str, nodes, direction, drive| Support { name: name.into(), nodes, direction, drive };
     Model {
+        fields: crate::model::Fields::default(),
         mesh,
         average_dilatation: vec![false; laws.len()],
         nlgeom: vec![false; laws.len()],

@@ -63,6 +63,28 @@ impl fmt::Display for LoadError {
 
 impl std::error::Error for LoadError {}
 
+/// A user subroutine beside UMAT, UINTER and FRIC that a library may have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Routine {
+    /// Its plain symbol.
+    pub symbol: &'static str,
+    /// Whether hosts call it.
+    pub is_called: bool,
+}
+
+impl Routine {
+    /// Those that libraries of UMATs usually have.
+    pub const ALL: [Self; 5] = {
+        const fn called(symbol: &'static str) -> Routine {
+            Routine { symbol, is_called: true }
+        }
+        const fn ignored(symbol: &'static str) -> Routine {
+            Routine { symbol, is_called: false }
+        }
+        [called("uexternaldb"), called("sdvini"), called("sigini"), ignored("uvarm"), ignored("usdfld")]
+    };
+}
+
 /// A plugin library. Clones share the loaded library, which stays loaded as long as one lives.
 #[derive(Clone)]
 pub struct Library {
@@ -245,6 +267,12 @@ impl Library {
             found.push("one called like the library");
         }
         found
+    }
+
+    /// Which of the routines around the laws it has.
+    pub fn routines(&self) -> Vec<Routine> {
+        // SAFETY: only their presence is asked for.
+        Routine::ALL.into_iter().filter(|routine| unsafe { self.find::<*const ()>(routine.symbol) }.is_some()).collect()
     }
 
     /// A routine under one of its usual spellings.

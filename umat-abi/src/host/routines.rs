@@ -1,18 +1,13 @@
-//! The user subroutines around UMAT: UEXTERNALDB and SDVINI, called where a library exports them.
+//! UEXTERNALDB, called where a library exports it.
 
 use super::guard::{Guard, run};
 use super::library::Library;
-use super::memory::Guarded;
-use super::recorder::{Arguments, ExternalDatabaseRecord, InitialStateRecord, Slot};
+use super::recorder::{Arguments, ExternalDatabaseRecord, Slot};
 use std::path::Path;
 
 /// LOP, LRESTART, TIME(2), DTIME, KSTEP, KINC.
 type ExternalDatabaseFunction =
     unsafe extern "C" fn(*const i32, *const i32, *const f64, *const f64, *const i32, *const i32);
-
-/// STATEV(NSTATV), COORDS(NCRDS), NSTATV, NCRDS, NOEL, NPT, LAYER, KSPT.
-type InitialStateFunction =
-    unsafe extern "C" fn(*mut f64, *const f64, *const i32, *const i32, *const i32, *const i32, *const i32, *const i32);
 
 /// LOP: why UEXTERNALDB is called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -21,6 +16,9 @@ enum Occasion {
     IncrementStart = 1,
     IncrementEnd = 2,
     AnalysisEnd = 3,
+    Restart = 4,
+    StepStart = 5,
+    StepEnd = 6,
 }
 
 /// What UEXTERNALDB is told of an increment.
@@ -44,12 +42,16 @@ struct ExternalDatabase {
     library: Library,
 }
 
-/// UEXTERNALDB of the libraries of an analysis: called with LOP = 0 when this is made, around increments as the
-/// analysis tells, and with LOP = 3 when it is dropped.
+/// UEXTERNALDB of the libraries of an analysis, in the order of ABAQUS's manual: LOP = 0 when this is made (and 4 where a
+/// run goes on from a checkpoint), 5 before the first increment of a step, 1 before an increment, 2 behind it, 6 behind
+/// the last one of a step, 3 when it is dropped. An increment that is repeated with another DTIME begins again, with LOP = 1.
+///
+/// A library that keeps no more than it reads at LOP = 0 is right in a run that goes on only if it gets that call as well:
+/// a restart is told by both.
 #[derive(Debug, Default)]
 pub struct ExternalDatabases {
     databases: Vec<ExternalDatabase>,
-    last: Clock,
+    last: (Option<Occasion>, Clock),
 }
 
 impl ExternalDatabases {
@@ -68,14 +70,34 @@ impl ExternalDatabases {
                 databases.push(ExternalDatabase { function, guard, slot, library: library.clone() });
             }
         }
-        let last = Clock { step: 1, ..Clock::default() };
-        let mut this = Self { databases, last };
-        this.call(Occasion::AnalysisStart, last);
+        let start = Clock { step: 1, ..Clock::default() };
+        let mut this = Self { databases, last: (None, start) };
+        this.call(Occasion::AnalysisStart, start);
         this
     }
 
-    /// An increment begins, for the first time or again after a cut-back.
+    /// Goes on with an analysis: behind the increment of this clock. A step that had begun is not begun again.
+    pub fn resume<'l>(libraries: impl IntoIterator<Item = &'l Library>, clock: Clock) -> Self {
+        let mut this = Self::begin(libraries);
+        this.call(Occasion::Restart, clock);
+        if clock.increment > 0 {
+            this.last.0 = Some(Occasion::IncrementEnd);
+        }
+        this
+    }
+
+    /// An increment begins, for the first time or again with another length. Told once: what is computed before the first
+    /// attempt, or again with the same length, is part of the same beginning.
     pub fn increment_starts(&mut self, clock: Clock) {
+        if self.databases.is_empty() || self.last == (Some(Occasion::IncrementStart), clock) {
+            return;
+        }
+        let (occasion, before) = self.last;
+        let is_in_step = matches!(occasion, Some(Occasion::IncrementStart | Occasion::IncrementEnd));
+        if !is_in_step || before.step != clock.step {
+            self.end_step();
+            self.call(Occasion::StepStart, Clock { increment: 0, ..clock });
+        }
         self.call(Occasion::IncrementStart, clock);
     }
 
@@ -84,8 +106,15 @@ impl ExternalDatabases {
         self.call(Occasion::IncrementEnd, clock);
     }
 
+    /// Ends a step whose last increment has converged.
+    fn end_step(&mut self) {
+        if let (Some(Occasion::IncrementEnd), clock) = self.last {
+            self.call(Occasion::StepEnd, clock);
+        }
+    }
+
     fn call(&mut self, occasion: Occasion, clock: Clock) {
-        self.last = clock;
+        self.last = (Some(occasion), clock);
         let (lop, restart) = (occasion as i32, 0);
         let Clock { time, time_increment, step, increment } = clock;
         for ExternalDatabase { function, guard, slot, .. } in &mut self.databases {
@@ -108,81 +137,7 @@ impl ExternalDatabases {
 
 impl Drop for ExternalDatabases {
     fn drop(&mut self) {
-        self.call(Occasion::AnalysisEnd, self.last);
-    }
-}
-
-/// STATEV of points at the start.
-#[derive(Debug)]
-pub struct InitialStates {
-    count: usize,
-    source: StateSource,
-}
-
-#[derive(Debug)]
-enum StateSource {
-    Zero,
-    Given(Vec<f64>),
-    Routine {
-        function: InitialStateFunction,
-        guard: Option<Guard>,
-        slot: Option<Slot>,
-        /// Keeps the function's code loaded.
-        _library: Library,
-    },
-}
-
-impl InitialStates {
-    /// Of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
-    pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
-        let source = match given {
-            Some(given) => StateSource::Given(given.to_vec()),
-            // SAFETY: as for UEXTERNALDB.
-            None => match unsafe { library.find("sdvini") } {
-                Some(function) => StateSource::Routine {
-                    function,
-                    guard: library.guard(),
-                    slot: Slot::of_routine(library),
-                    _library: library.clone(),
-                },
-                None => StateSource::Zero,
-            },
-        };
-        Self { count, source }
-    }
-
-    /// Whether all are 0 at every point, because nobody says otherwise.
-    pub fn are_zero(&self) -> bool {
-        matches!(self.source, StateSource::Zero)
-    }
-
-    /// STATEV of a point: its coordinates, its element and number in it, from 1.
-    ///
-    /// # Errors
-    /// In words, if SDVINI wrote behind STATEV.
-    pub fn of_point(&mut self, coordinates: [f64; 3], element: i32, point: i32) -> Result<Vec<f64>, String> {
-        let (function, guard, slot) = match &mut self.source {
-            StateSource::Zero => return Ok(vec![0.0; self.count]),
-            StateSource::Given(given) => return Ok(given.clone()),
-            StateSource::Routine { function, guard, slot, .. } => (function, guard, slot),
-        };
-        if let Some(slot) = slot {
-            slot.enter(|to| {
-                to.put_integers([Arguments::INITIAL_STATE, 0]);
-                InitialStateRecord::write(&[element, point], to);
-            });
-        }
-        let mut guarded = Guarded::new("STATEV", self.count);
-        let (dimensions, one) = (3, 1);
-        let (states, count) = (guarded.as_mut_ptr(), guarded.count());
-        // SAFETY: every pointer is valid for the sizes that the counts tell.
-        run(guard.as_ref(), || unsafe {
-            function(states, coordinates.as_ptr(), count, &dimensions, &element, &point, &one, &one);
-        });
-        if let Some(slot) = slot {
-            slot.leave();
-        }
-        guarded.check().map_err(|overrun| format!("SDVINI: {overrun}"))?;
-        Ok(guarded.as_slice().to_vec())
+        self.end_step();
+        self.call(Occasion::AnalysisEnd, self.last.1);
     }
 }

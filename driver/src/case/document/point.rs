@@ -148,7 +148,8 @@ pub struct PointRamp {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointTable {
-    /// CSV file, relative to the case file: columns time (optional, s) and any components, as in target.
+    /// CSV file, relative to the case file: columns time (optional, s), any components, as in target, temperature, and
+    /// predef1, predef2, … of the case's field variables.
     pub table: String,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,

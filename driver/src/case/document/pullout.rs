@@ -1,6 +1,6 @@
 //! Kind "pullout".
 
-use super::{Compare, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, Until, Whole};
+use super::{Compare, Components, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, Until, Whole};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -45,6 +45,10 @@ pub struct PulloutCase {
     pub measure: Option<Piece<Measure>>,
     /// Large displacements (default false).
     pub nlgeom: Option<Piece<bool>>,
+    /// Initial temperature of all parts (default 0).
+    pub temperature: Option<Piece<f64>>,
+    /// Initial field variables of all parts.
+    pub predef: Option<Piece<Vec<f64>>>,
     /// What is done to the specimen.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
@@ -83,8 +87,20 @@ pub struct Part {
     /// Large displacements of this part; default: the case's. A part that moves little against its size, as a block does
     /// around a fibre, is cheaper and safer without.
     pub nlgeom: Option<Piece<bool>>,
+    /// The state before the first step.
+    pub initial: Option<Piece<PartInitial>>,
     /// Average the dilatation of its Q4 elements against locking (default true).
     pub average_dilatation: Option<Piece<bool>>,
+}
+
+/// What the points of a part start from.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PartInitial {
+    /// Stress, MPa, the same at all points: in order (11, 22, 33, 12; without 33 in plane stress) or by name (s11, …).
+    /// Default: what the library's SIGINI sets, or 0. What the supports do not hold moves before the first increment, until
+    /// it is in equilibrium with all drives at 0.
+    pub stress: Option<Components>,
 }
 
 /// What is assumed about the third direction.
@@ -151,6 +167,10 @@ pub struct PulloutRamp {
     pub drives: Option<BTreeMap<String, f64>>,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
+    /// Temperature at the end of the step.
+    pub temperature: Option<f64>,
+    /// Field variables at the end of the step.
+    pub predef: Option<Vec<f64>>,
     /// Sizes of automatic increments, or a number of equal ones.
     pub increments: Option<StepIncrements>,
     /// Ends this step early.

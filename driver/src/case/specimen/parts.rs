@@ -4,10 +4,10 @@ use super::super::Reader;
 use super::super::document::pullout as document;
 use super::super::document::{Entry, PulloutCase};
 use super::super::plugin::{self, Length, Subject, Use};
-use super::super::point::check_count;
+use super::super::point::{check_count, components};
 use super::super::problem::Place;
 use super::Scene;
-use crate::path::program::{Mode, Plugin};
+use crate::path::program::{Mode, Plugin, STRESS_NAMES};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
@@ -66,13 +66,21 @@ fn law(
     if let Some(statev0) = &material.statev0 {
         check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));
     }
-    Some(PluginLaw { statev0: material.statev0.clone(), ..plugin_law(plugin) })
+    let mode = known.map_or(Mode::PlaneStrain, |(index, mesh)| self::mode(mesh.parts()[index].model));
+    let place = place.key("initial");
+    let initial = reader.optional(part.initial.as_ref(), &place);
+    let stress = initial.and_then(|initial| initial.stress.as_ref()).map(|stress| {
+        let [s11, s22, s33, s12, ..] = components(reader, Some(stress), &STRESS_NAMES, mode, &place.key("stress"));
+        [s11, s22, s33, s12]
+    });
+    plugin::tell_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);
+    Some(PluginLaw { statev0: material.statev0.clone(), stress0: stress, ..plugin_law(plugin) })
 }
 
 /// As the FE core has it.
 pub fn plugin_law(plugin: Plugin) -> PluginLaw {
     let Plugin { library, law, name, symbol, cmname, props, nstatv } = plugin;
-    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None }
+    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None }
 }
 
 fn mode(model: PlaneModel) -> Mode {

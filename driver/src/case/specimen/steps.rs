@@ -9,7 +9,7 @@ use super::super::{Reader, history};
 use super::boundary::{Boundary, Drives, SLIP};
 use crate::path::program::Until;
 use crate::pullout::COLUMNS;
-use fe_core::model::{Step, StepControl};
+use fe_core::model::{FieldValues, Fields, Step, StepControl};
 
 /// Default sizes of automatic increments, as fractions of a step.
 const INITIAL: f64 = 1e-3;
@@ -21,6 +21,10 @@ const MINIMUM: f64 = 1e-8;
 pub struct ResolvedStep {
     pub step: Step,
     pub until: Option<Until>,
+    /// At its end; `None`: as before.
+    pub temperature: Option<f64>,
+    /// At its end; `None`: as before.
+    pub predef: Option<Vec<f64>>,
 }
 
 impl Counted for ResolvedStep {
@@ -59,6 +63,29 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
     steps
 }
 
+/// Temperature and field variables, as far as anything says something of them.
+pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep]) -> Fields {
+    let root = Place::root();
+    let temperature = reader.optional(case.temperature.as_ref(), &root.key("temperature")).copied().unwrap_or_default();
+    let variables = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
+    let count = variables.len();
+    if let Some(wrong) = steps.iter().filter_map(|step| step.predef.as_ref()).find(|end| end.len() != count) {
+        let message =
+            format!("a step gives {} field variables, but the case has {count} at the start ($.predef)", wrong.len());
+        reader.problem(&root.key("steps"), message);
+        return Fields::default();
+    }
+    let initial = FieldValues { temperature, variables };
+    let mut now = initial.clone();
+    let end = |step: &ResolvedStep| {
+        now.temperature = step.temperature.unwrap_or(now.temperature);
+        now.variables = step.predef.clone().unwrap_or_else(|| now.variables.clone());
+        now.clone()
+    };
+    let ends: Vec<_> = steps.iter().map(end).collect();
+    Fields { initial, ends }
+}
+
 fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut Drives, place: &Place) -> ResolvedStep {
     let mut targets = vec![None; drives.len()];
     let mut named: Vec<(&str, f64, Place)> = Vec::new();
@@ -83,7 +110,8 @@ fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut 
     let until = ramp.until.as_ref();
     let until = until.and_then(|until| history::until(reader, until, Some(&columns), &place.key("until")));
     let control = control(reader, ramp.increments, &place.key("increments"));
-    ResolvedStep { step: Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control }, until }
+    let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
+    ResolvedStep { step, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
 }
 
 fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {

@@ -97,7 +97,7 @@ fn modes_follow_their_names() {
 #[test]
 fn tables_are_read() {
     let program = program(&point_case(), &[r#"steps.0={"table": "path.csv"}"#, r#"steps.1={"table": "untimed.csv"}"#]);
-    let PointDrive::Table { controls, time_increments, rows } = &point(&program).steps[0].drive else {
+    let PointDrive::Table { controls, time_increments, rows, .. } = &point(&program).steps[0].drive else {
         panic!("a table")
     };
     assert_eq!(controls[..3], [Control::Strain(0.0), Control::Stress(0.0), FREE]);
@@ -195,7 +195,7 @@ fn initial_states_temperature_and_field_variables() {
     );
     let point = point(&program);
     assert_eq!(point.initial.strain, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-    assert_eq!(point.initial.stress, [0.0, -7.0, 0.0, 0.0, 0.0, 0.0]);
+    assert_eq!(point.initial.stress, Some(Box::new([0.0, -7.0, 0.0, 0.0, 0.0, 0.0])));
     assert_eq!((point.initial.statev.as_deref(), point.initial.time), (Some([8.0, 9.0].as_slice()), 10.0));
     assert_eq!((point.initial.temperature, point.initial.predef.as_slice()), (20.0, [1.0, 2.0].as_slice()));
     assert_eq!(

@@ -105,7 +105,12 @@ fn program() -> Program {
         predef: None,
     };
     let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
-    let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
+    let table = PointDrive::Table {
+        controls,
+        time_increments: vec![1.0],
+        rows: vec![[0.0; 6]],
+        fields: TableFields::default(),
+    };
     Program {
         case_file: PathBuf::from("case.json"),
         title: "t".into(),
@@ -126,7 +131,7 @@ fn program() -> Program {
             arguments: crate::path::UmatArguments::default(),
             initial: PointState {
                 strain: [0.0; 6],
-                stress: [0.0; 6],
+                stress: None,
                 statev: None,
                 time: 0.0,
                 deformation_gradient: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],

@@ -23,6 +23,7 @@ fn program(every: usize) -> Program {
         description: String::new(),
         mesh: String::new(),
         model: Model {
+            fields: fe_core::model::Fields::default(),
             mesh: mesh.expect("a mesh"),
             laws: vec![],
             average_dilatation: vec![],

@@ -15,6 +15,7 @@ fn model(supports: Vec<Support>, couplings: Vec<Coupling>) -> Model {
     })
     .unwrap();
     Model {
+        fields: crate::model::Fields::default(),
         mesh,
         laws: Vec::new(),
         average_dilatation: vec![false],

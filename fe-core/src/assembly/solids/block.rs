@@ -9,6 +9,7 @@ use super::summary::Counters;
 use crate::assembly::{IncrementContext, Place, Trouble};
 use crate::element::ElementKind;
 use crate::kinematics::finite::TangentForm;
+use crate::model::FieldValues;
 use umat_abi::law::Request;
 
 /// Where an element is.
@@ -79,6 +80,17 @@ impl Block {
         call.jstep[0] = from_one(context.step);
         call.jstep[2] = i32::from(self.body.part.nlgeom);
         call.kinc = from_one(context.increment);
+    }
+
+    /// Tells the law temperature and field variables at the start and at the end of the increment.
+    pub(super) fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
+        let call = &mut self.body.points.call;
+        (call.temp, call.dtemp) = (start.temperature, end.temperature - start.temperature);
+        // there is always one that a law may read
+        if !start.variables.is_empty() {
+            call.predef.clone_from(&start.variables);
+            call.dpred = start.variables.iter().zip(&end.variables).map(|(start, end)| end - start).collect();
+        }
     }
 
     /// Evaluates the active elements, up to the first in trouble.

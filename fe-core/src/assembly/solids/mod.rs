@@ -51,7 +51,7 @@ pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
 
 use super::{IncrementContext, Place, Trouble};
 use crate::kinematics::finite::TangentForm;
-use crate::model::Model;
+use crate::model::{Fields, Model, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;
@@ -95,6 +95,9 @@ pub struct Solids {
     active: Vec<bool>,
     version: u64,
     context: IncrementContext,
+    fields: Fields,
+    /// Over which the fields change.
+    steps: Vec<Step>,
     /// What was counted before the present state was taken over.
     earlier: Counters,
 }
@@ -117,6 +120,8 @@ impl Solids {
             active: vec![true; places.len()],
             version: 0,
             context: IncrementContext::default(),
+            fields: model.fields.clone(),
+            steps: if model.fields.change() { model.steps.clone() } else { Vec::new() },
             earlier: Counters::default(),
             blocks,
             places,
@@ -270,7 +275,14 @@ impl Solids {
         if !same_bits(&times(&self.context), &times(context)) {
             self.blocks.iter_mut().for_each(Block::forget);
         }
+        if self.context.step != context.step {
+            self.blocks.iter_mut().for_each(Block::forget);
+        }
         self.context = *context;
+        if self.fields.change() {
+            let [start, end] = self.fields.over(&self.steps, context);
+            self.blocks.iter_mut().for_each(|block| block.set_fields(&start, &end));
+        }
         self.set_viscosity(self.relaxation_time);
         self.blocks.iter_mut().for_each(|block| block.set_context(context));
     }

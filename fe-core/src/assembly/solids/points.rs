@@ -121,13 +121,23 @@ impl Points {
         self.trial.statev[place].copy_from_slice(statev);
     }
 
-    /// Finds DDSDDE at zero strain with the initial states, those of the first point.
+    /// Sets the stress of a point at the start, in the order of UMAT's components.
+    pub(super) fn set_initial_stress(&mut self, point: usize, stress: &[f64]) {
+        for (&value, &component) in stress.iter().zip(self.components) {
+            self.committed.stress[point][component] = value;
+        }
+        self.trial.stress[point] = self.committed.stress[point];
+        self.acting[point] = self.committed.stress[point];
+    }
+
+    /// Finds DDSDDE at zero strain with the initial states and the initial stress, those of the first point.
     pub(super) fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
         let error =
             |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
         let zero = [0.0; MAX_COMPONENTS];
         self.rest();
-        self.set_state(&zero, &zero, &zero);
+        let stress = self.committed.stress.first().copied().unwrap_or(zero);
+        self.set_state(&stress, &zero, &zero);
         self.call.statev_mut().fill(0.0);
         if let Some(first) = self.committed.statev.get(..self.nstatv) {
             self.call.statev_mut().copy_from_slice(first);

@@ -11,7 +11,7 @@ use crate::mesh::Mesh;
 use crate::model::{Model, PluginLaw};
 use std::ops::Range;
 use std::sync::Arc;
-use umat_abi::host::{Validation, recorder};
+use umat_abi::host::{InitialPoint, Validation, recorder};
 use umat_abi::metadata::{flags, stress_states};
 
 /// How many elements a block has at most: some 0.1 ms of work. Laws that may not be called by several threads have one
@@ -109,6 +109,12 @@ impl Body {
         (shape, &mut self.points)
     }
 
+    /// A point as user subroutines are told of it: its element, and its number in it.
+    fn initial_point(&self, point: usize, element: usize, number: usize) -> InitialPoint {
+        let [x, y] = self.positions[point];
+        InitialPoint { coordinates: [x, y, 0.0], element: number_of(element), point: number_of(number) }
+    }
+
     fn add_points(&mut self, mesh: &Mesh, element: usize) {
         let kind = mesh.elements()[element].kind();
         let part = &mesh.parts()[self.index];
@@ -153,6 +159,8 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<(Vec<Block>, 
         blocks.push(block(mesh, *part, &shared[*part], &laws[*part], elements)?);
     }
     set_initial_states(laws, &mut blocks, &places)?;
+    set_initial_stresses(mesh, laws, &mut blocks, &places)?;
+    blocks.iter_mut().for_each(|block| block.set_fields(&model.fields.initial, &model.fields.initial));
     for (part, law) in laws.iter().enumerate() {
         let mut of_part = blocks.iter_mut().map(|block| &mut block.body).filter(|body| body.index == part);
         let Some(first) = of_part.next() else { continue };
@@ -248,13 +256,51 @@ fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockP
             continue;
         }
         for (number, point) in records[place.local].points.clone().enumerate() {
+            let at = body.initial_point(point, element, number);
             let statev = law
-                .states_of_point(initial, body.positions[point], number_of(element), number_of(number))
+                .states_of_point(initial, &at)
                 .map_err(|source| SolidsError::Umat { part: body.part.name.clone(), source })?;
             body.points.set_initial_states(point, &statev);
         }
     }
     Ok(())
+}
+
+/// Stress of every point: of the case, of the library's SIGINI, or 0. Whether it is in equilibrium shows at the start.
+fn set_initial_stresses(
+    mesh: &Mesh,
+    laws: &[PluginLaw],
+    blocks: &mut [Block],
+    places: &[BlockPlace],
+) -> Result<(), SolidsError> {
+    let model = |part: usize| mesh.parts()[part].model;
+    let mut initial: Vec<_> = laws.iter().enumerate().map(|(part, law)| law.initial_stresses(model(part))).collect();
+    for (element, place) in places.iter().enumerate() {
+        let Block { body, records, .. } = &mut blocks[place.block];
+        let (law, initial) = (&laws[body.index], &mut initial[body.index]);
+        if initial.are_zero() {
+            continue;
+        }
+        let Record { kind, ref points, .. } = records[place.local];
+        for (number, point) in points.clone().enumerate() {
+            let at = body.initial_point(point, element, number);
+            let stress = law
+                .stress_of_point(initial, &at, &element_type(model(body.index), kind))
+                .map_err(|source| SolidsError::Umat { part: body.part.name.clone(), source })?;
+            body.points.set_initial_stress(point, &stress);
+        }
+    }
+    Ok(())
+}
+
+/// What ABAQUS calls an element.
+fn element_type(model: PlaneModel, kind: ElementKind) -> String {
+    let family = match model {
+        PlaneModel::PlaneStress => "CPS",
+        PlaneModel::PlaneStrain => "CPE",
+        PlaneModel::Axisymmetric => "CAX",
+    };
+    format!("{family}{}", kind.node_count())
 }
 
 /// NOEL or NPT of an index: a plugin counts from 1.

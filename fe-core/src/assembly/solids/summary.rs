@@ -78,7 +78,7 @@ pub struct PointView<'a> {
 }
 
 /// The increment that a point's UMAT was last called for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct PointCall<'a> {
     /// σ at its start, MPa: turned with the body, as the UMAT got it.
     pub stress: Components,
@@ -94,6 +94,10 @@ pub struct PointCall<'a> {
     pub time_increment: f64,
     /// CELENT, mm.
     pub characteristic_length: f64,
+    /// Temperature at its start and at its end.
+    pub temperature: [f64; 2],
+    /// Field variables at its start and at its end.
+    pub predef: [Vec<f64>; 2],
 }
 
 fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
@@ -121,6 +125,11 @@ impl Solids {
             time: call.time[1],
             time_increment: call.dtime,
             characteristic_length: call.celent,
+            temperature: [call.temp, call.temp + call.dtemp],
+            predef: [
+                call.predef.clone(),
+                call.predef.iter().zip(&call.dpred).map(|(start, change)| start + change).collect(),
+            ],
         })
     }
 

@@ -43,6 +43,7 @@ pub(super) fn patch(kind: ElementKind, plane: PlaneModel, law: PluginLaw) -> Mod
         }
     }
     Model {
+        fields: crate::model::Fields::default(),
         mesh: Mesh::new(definition).unwrap(),
         laws: vec![law],
         average_dilatation: vec![true],

@@ -101,6 +101,7 @@ fn fibre(
     let laws =
         mesh.parts().iter().map(|part| if part.name == "fibre" { fibre.clone() } else { matrix.clone() }).collect();
     Model {
+        fields: crate::model::Fields::default(),
         average_dilatation: vec![false; mesh.parts().len()],
         laws,
         contacts,

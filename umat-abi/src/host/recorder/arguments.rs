@@ -153,7 +153,7 @@ record! {
 }
 
 record! {
-    /// SDVINI.
+    /// SDVINI and SIGINI.
     InitialStateRecord of [i32; 2]: call, to =>
     /// NOEL and NPT.
     noel_npt to.put_integers(*call);
@@ -172,6 +172,8 @@ pub enum Arguments {
     ExternalDatabase(ExternalDatabaseRecord),
     /// SDVINI.
     InitialState(InitialStateRecord),
+    /// SIGINI.
+    InitialStress(InitialStateRecord),
 }
 
 impl Arguments {
@@ -181,6 +183,7 @@ impl Arguments {
     pub(in crate::host) const FRIC: i32 = 3;
     pub(in crate::host) const EXTERNAL_DATABASE: i32 = 4;
     pub(in crate::host) const INITIAL_STATE: i32 = 5;
+    pub(in crate::host) const INITIAL_STRESS: i32 = 6;
 
     /// Reads the arguments behind an entry point's number.
     pub(super) fn read(entry: f64, reader: &mut Reader<'_>) -> Option<Self> {
@@ -194,6 +197,8 @@ impl Arguments {
             ExternalDatabaseRecord::read(reader).map(Self::ExternalDatabase)
         } else if entry == f64::from(Self::INITIAL_STATE) {
             InitialStateRecord::read(reader).map(Self::InitialState)
+        } else if entry == f64::from(Self::INITIAL_STRESS) {
+            InitialStateRecord::read(reader).map(Self::InitialStress)
         } else {
             None
         }
@@ -201,10 +206,10 @@ impl Arguments {
 
     /// Whether this is a routine beside the entry points, which a replay of one call does not have.
     pub fn is_routine(&self) -> bool {
-        matches!(self, Self::ExternalDatabase(_) | Self::InitialState(_))
+        matches!(self, Self::ExternalDatabase(_) | Self::InitialState(_) | Self::InitialStress(_))
     }
 
-    /// Step and increment, from 1; SDVINI is called before the first.
+    /// Step and increment, from 1; SDVINI and SIGINI are called before the first.
     pub fn place(&self) -> [u32; 2] {
         let [step, increment] = match self {
             Self::Umat(umat) => [umat.jstep.first(), umat.kinc.first()],
@@ -212,7 +217,7 @@ impl Arguments {
                 [counters.first(), counters.get(1)]
             }
             Self::ExternalDatabase(database) => [database.counters.get(1), database.counters.get(2)],
-            Self::InitialState(_) => [None, None],
+            Self::InitialState(_) | Self::InitialStress(_) => [None, None],
         };
         [step, increment].map(|number| number.copied().unwrap_or_default() as u32)
     }

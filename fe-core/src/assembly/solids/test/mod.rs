@@ -85,6 +85,7 @@ fn mesh(nodes: Vec<[f64; 2]>, variant: Variant, model: PlaneModel, elements: Vec
 
 fn model(mesh: Mesh, law: &PluginLaw, average: bool, nlgeom: bool) -> Model {
     Model {
+        fields: crate::model::Fields::default(),
         laws: vec![law.clone(); mesh.parts().len()],
         average_dilatation: vec![average; mesh.parts().len()],
         nlgeom: vec![nlgeom; mesh.parts().len()],

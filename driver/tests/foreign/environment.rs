@@ -1,0 +1,245 @@
+//! What a law is told besides its strain: temperature, field variables, the stress it starts from, and when the analysis
+//! begins and ends what.
+
+use super::{built, point, run};
+use crate::program::{Desk, Run};
+use serde_json::{Value, json};
+
+const E: f64 = 1000.0;
+const NU: f64 = 0.25;
+const ALPHA: f64 = 1e-5;
+/// Of the field variable on the modulus.
+const BETA: f64 = 0.5;
+
+#[track_caller]
+fn close(found: f64, expected: f64) {
+    assert!((found - expected).abs() <= 1e-9 * expected.abs().max(1e-3), "{found} instead of {expected}");
+}
+
+fn thermal(library: &Value) -> Value {
+    json!({ "plugin": library, "props": [E, NU, ALPHA, 20.0, BETA], "nstatv": 2 })
+}
+
+/// The plane-strain modulus E(1−ν)/((1+ν)(1−2ν)) of a strain whose neighbours are held.
+fn confined() -> f64 {
+    E * (1.0 - NU) / ((1.0 + NU) * (1.0 - 2.0 * NU))
+}
+
+#[test]
+fn a_thermo_elastic_point_follows_temperature_and_fields() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "heat_and_field.f", &[]) else { return };
+    let mut case = point(
+        thermal(&library),
+        "3d",
+        json!([
+            { "increments": 4, "temperature": 120.0 },
+            { "increments": 3, "target": { "e11": 0.0 }, "temperature": 70.0, "predef": [1.0] },
+        ]),
+    );
+    case["temperature"] = json!(20.0);
+    case["predef"] = json!([0.0]);
+    let run = run(&desk, "free", &case);
+    let row = |name: &str, index: usize| run.history.column(name)[index];
+    // free: ε = α (T − T₀), no stress
+    for (index, temperature) in [45.0, 70.0, 95.0, 120.0].into_iter().enumerate() {
+        close(row("e11", index + 1), ALPHA * (temperature - 20.0));
+        close(row("s11", index + 1), 0.0);
+        close(row("sdv1", index + 1), temperature);
+    }
+    // pushed back along 1: σ₁₁ = E(F) (0 − α (T − T₀))
+    close(run.history.last("s11"), -E * (1.0 + BETA) * ALPHA * 50.0);
+    close(run.history.last("sdv2"), 1.0);
+}
+
+#[test]
+fn a_table_has_columns_of_temperature_and_field_variables() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "heat_and_field.f", &[]) else { return };
+    let rows = [(1e-3, 70.0, 0.25), (2e-3, 30.0, 1.0), (0.0, 20.0, 0.5)];
+    let text = rows.iter().map(|(e, t, f)| format!("{e},{t},{f}\n")).collect::<String>();
+    desk.write("path.csv", &format!("e11,temperature,predef1\n{text}"));
+    let mut case = point(thermal(&library), "3d", json!([{ "table": "path.csv" }]));
+    case["temperature"] = json!(20.0);
+    case["predef"] = json!([0.0]);
+    let run = run(&desk, "table", &case);
+    for (index, (strain, temperature, field)) in rows.into_iter().enumerate() {
+        let stress = E * (1.0 + BETA * field) * (strain - ALPHA * (temperature - 20.0));
+        close(run.history.column("s11")[index + 1], stress);
+    }
+    // a field that the case does not have, and a temperature from two sides
+    case["predef"] = json!([]);
+    case["steps"][0]["temperature"] = json!(5.0);
+    let refused = desk.case("refused.json", &case);
+    let outcome = desk.pullout(["check", refused.to_str().expect("UTF-8")]).expect(2);
+    assert!(outcome.stderr.contains("'predef1'"), "{}", outcome.stderr);
+    case["predef"] = json!([0.0]);
+    let refused = desk.case("refused.json", &case);
+    let outcome = desk.pullout(["check", refused.to_str().expect("UTF-8")]).expect(2);
+    assert!(outcome.stderr.contains("the temperature is given twice"), "{}", outcome.stderr);
+}
+
+/// A rectangle of one element, 4 × 2 × 1 mm.
+fn rectangle(material: Value, model: &str, supports: Value, grip: Value, steps: Value) -> Value {
+    json!({
+        "kind": "pullout",
+        "title": "One element",
+        "mesh": { "specimen": { "type": "beam", "length": 4, "height": 2, "cells": [1, 1], "element": "Q4" } },
+        "parts": { "beam": { "model": model, "thickness": 1, "material": material } },
+        "supports": supports,
+        "grip": grip,
+        "steps": steps,
+        "output": { "plots": false, "vtu": false },
+    })
+}
+
+#[test]
+fn a_clamped_element_is_stressed_by_heat_and_fields() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "heat_and_field.f", &[]) else { return };
+    let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
+    let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
+    let steps = json!([
+        { "slip": 0.0, "increments": 2, "temperature": 120.0, "predef": [1.0] },
+        { "slip": 0.004, "increments": 2 },
+    ]);
+    let mut case = rectangle(thermal(&library), "plane_stress", supports, grip, steps);
+    case["temperature"] = json!(20.0);
+    case["predef"] = json!([0.0]);
+    let run = run(&desk, "clamped", &case);
+    let load = run.history.column("load");
+    // σ₁₁ = E(F) (ε − α (T − T₀)) on 2 mm²; half the way, half of each
+    close(load[0], 0.0);
+    close(load[1], -2.0 * E * (1.0 + BETA / 2.0) * ALPHA * 50.0);
+    close(load[2], -2.0 * E * (1.0 + BETA) * ALPHA * 100.0);
+    close(load[4], 2.0 * E * (1.0 + BETA) * (1e-3 - ALPHA * 100.0));
+}
+
+fn warned(run: &Run, text: &str) -> bool {
+    let warnings = run.summary["warnings"].as_array().expect("a list");
+    warnings.iter().any(|warning| warning.as_str().is_some_and(|warning| warning.contains(text)))
+}
+
+#[test]
+fn a_point_starts_from_the_stress_of_sigini_or_of_the_case() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "initial_stress.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [E, NU], "nstatv": 1 });
+    let steps = json!([{ "increments": 2, "target": { "e11": 0, "e22": 1e-3, "e33": 0 } }]);
+    let mut case = point(material, "3d", steps);
+    let own = run(&desk, "sigini", &case);
+    close(own.history.column("s22")[0], -10.0);
+    close(own.history.column("s11")[0], -5.0);
+    close(own.history.last("s22"), -10.0 + confined() * 1e-3);
+    assert!(warned(&own, "its SIGINI sets the initial stress"), "{}", own.summary);
+    case["initial"] = json!({ "stress": { "s22": -7.0 } });
+    let given = run(&desk, "given", &case);
+    close(given.history.column("s22")[0], -7.0);
+    close(given.history.column("s11")[0], 0.0);
+    assert!(warned(&given, "its SIGINI is not called"), "{}", given.summary);
+}
+
+/// σ₁₁ = −5 − 2y, σ₂₂ = −10, σ₃₃ = −5: in equilibrium without forces on the volume.
+#[test]
+fn a_plate_starts_in_equilibrium_with_the_stress_of_sigini() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "initial_stress.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [E, NU], "nstatv": 0 });
+    let supports = json!({
+        "left": { "direction": "x" }, "right": { "direction": "x" }, "bottom": { "direction": "y" },
+    });
+    let grip = json!({ "nodes": "top", "direction": [0, 1], "lateral": "free" });
+    let steps = json!([{ "slip": 0.002, "increments": 2 }]);
+    let mut case = rectangle(material, "plane_strain", supports, grip, steps);
+    case["mesh"]["specimen"]["cells"] = json!([4, 2]);
+    let held = run(&desk, "held", &case);
+    // the grip holds σ₂₂ on 4 mm² before it moves, and 1e-3 more strain in the end
+    close(held.history.column("load")[0], -40.0);
+    close(held.history.last("load"), -40.0 + 4.0 * confined() * 1e-3);
+    assert!(warned(&held, "its SIGINI sets the initial stress"), "{}", held.summary);
+    assert!(!warned(&held, "not in equilibrium"), "{}", held.summary);
+
+    // the case's stress goes before; without a support at the right the part moves until σ₁₁ is 0:
+    // σ₁₁⁰ + M ε₁ = 0, σ₂₂ = σ₂₂⁰ + λ ε₁ with λ = M ν/(1−ν)
+    case["parts"]["beam"]["initial"] = json!({ "stress": { "s11": -3.0, "s22": -10.0 } });
+    case["supports"].as_object_mut().expect("an object").remove("right");
+    let moved = run(&desk, "moved", &case);
+    close(moved.history.column("load")[0], 4.0 * (-10.0 + 3.0 * NU / (1.0 - NU)));
+    assert!(warned(&moved, "its SIGINI is not called"), "{}", moved.summary);
+    assert!(warned(&moved, "not in equilibrium"), "{}", moved.summary);
+}
+
+/// LOP, KSTEP, KINC, TIME(1), TIME(2), DTIME of each call of UEXTERNALDB.
+fn occasions(run: &Run) -> Vec<Vec<f64>> {
+    let numbers = |line: &str| line.split_whitespace().skip(1).map(|word| word.parse().expect("a number")).collect();
+    run.log().lines().filter(|line| line.trim().starts_with("LOP")).map(numbers).collect()
+}
+
+#[test]
+fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "occasions.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [E, NU, 1.5], "nstatv": 0 });
+    // free lateral strains: before a step's first increment the law is asked for its unloading tangent
+    let steps = json!([
+        { "increments": 2, "time": 2.0, "target": { "e11": 1e-3 } },
+        { "increments": 1, "time": 2.0, "target": { "e11": 2e-3 } },
+    ]);
+    let at_point = run(&desk, "point", &point(material.clone(), "3d", steps));
+    let expected: [[f64; 6]; 15] = [
+        [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+        [5.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+        [1.0, 1.0, 1.0, 0.0, 0.0, 1.0],
+        [2.0, 1.0, 1.0, 1.0, 1.0, 1.0],
+        [1.0, 1.0, 2.0, 1.0, 1.0, 1.0],
+        [2.0, 1.0, 2.0, 2.0, 2.0, 1.0],
+        [6.0, 1.0, 2.0, 2.0, 2.0, 1.0],
+        [5.0, 2.0, 0.0, 0.0, 2.0, 2.0],
+        // the law refuses 2 s: the increment begins again
+        [1.0, 2.0, 1.0, 0.0, 2.0, 2.0],
+        [1.0, 2.0, 1.0, 0.0, 2.0, 1.0],
+        [2.0, 2.0, 1.0, 1.0, 3.0, 1.0],
+        [1.0, 2.0, 1.0, 1.0, 3.0, 1.0],
+        [2.0, 2.0, 1.0, 2.0, 4.0, 1.0],
+        [6.0, 2.0, 1.0, 2.0, 4.0, 1.0],
+        [3.0, 2.0, 1.0, 2.0, 4.0, 1.0],
+    ];
+    assert_eq!(occasions(&at_point), expected);
+
+    let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
+    let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
+    let steps = json!([{ "slip": 0.004, "increments": 2, "time": 2.0 }]);
+    let specimen = run(&desk, "specimen", &rectangle(material, "plane_stress", supports, grip, steps));
+    let expected: [[f64; 6]; 8] = [
+        expected[0],
+        expected[1],
+        expected[2],
+        expected[3],
+        expected[4],
+        expected[5],
+        expected[6],
+        [3.0, 1.0, 2.0, 2.0, 2.0, 1.0],
+    ];
+    assert_eq!(occasions(&specimen), expected);
+}
+
+#[test]
+fn plugin_info_lists_the_routines_around_the_laws() {
+    let desk = Desk::new();
+    let Some(_) = built(&desk, "database.f", &[]) else { return };
+    let outcome = desk.pullout(["plugin", "info", "./libdatabase.so"]).expect(0);
+    assert!(outcome.stdout.contains("Other routines: UEXTERNALDB, SDVINI"), "{}", outcome.stdout);
+    let Some(_) = built(&desk, "initial_stress.f", &[]) else { return };
+    let outcome = desk.pullout(["plugin", "info", "./libinitial_stress.so"]).expect(0);
+    assert!(outcome.stdout.contains("Other routines: SIGINI"), "{}", outcome.stdout);
+}
+
+#[test]
+fn plane_stress_says_why_a_strain_is_missing() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "heat_and_field.f", &[]) else { return };
+    let steps = json!([{ "increments": 1, "target": { "e11": 1e-3 } }]);
+    let run = run(&desk, "plane", &point(thermal(&library), "plane_stress", steps));
+    assert!(run.history.last("e33").is_nan());
+    assert!(warned(&run, "the column e33 is NaN"), "{}", run.summary);
+}

@@ -1,0 +1,78 @@
+//! Temperature and field variables, which are the same at all points and change from step to step.
+
+use super::Step;
+use crate::assembly::IncrementContext;
+
+/// Values at a moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldValues {
+    /// TEMP.
+    pub temperature: f64,
+    /// PREDEF.
+    pub variables: Vec<f64>,
+}
+
+impl FieldValues {
+    /// Between two of as many variables; exact at both ends.
+    fn between(start: &Self, end: &Self, fraction: f64) -> Self {
+        let at = |a: f64, b: f64| if fraction == 1.0 { b } else { a + fraction * (b - a) };
+        Self {
+            temperature: at(start.temperature, end.temperature),
+            variables: start.variables.iter().zip(&end.variables).map(|(a, b)| at(*a, *b)).collect(),
+        }
+    }
+}
+
+/// What laws are told of temperature and field variables: in each step they go linearly to its end values.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fields {
+    /// At the start.
+    pub initial: FieldValues,
+    /// At the end of each step; none: they stay as they are.
+    pub ends: Vec<FieldValues>,
+}
+
+impl Fields {
+    /// Whether anything changes.
+    pub fn change(&self) -> bool {
+        self.ends.iter().any(|end| *end != self.initial)
+    }
+
+    /// At the start and at the end of an increment of these steps.
+    pub fn over(&self, steps: &[Step], context: &IncrementContext) -> [FieldValues; 2] {
+        let index = (context.step as usize).saturating_sub(1);
+        let before = index.checked_sub(1).and_then(|before| self.ends.get(before)).unwrap_or(&self.initial);
+        let after = self.ends.get(index).unwrap_or(before);
+        let duration = steps.get(index).map_or(0.0, |step| step.time);
+        let at = |time: f64| {
+            let fraction = if duration > 0.0 { (time / duration).clamp(0.0, 1.0) } else { 0.0 };
+            FieldValues::between(before, after, fraction)
+        };
+        [at(context.step_time), at(context.step_time + context.time_increment)]
+    }
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+    use crate::model::StepControl;
+
+    #[test]
+    fn fields_go_linearly_to_the_ends_of_steps() {
+        let values = |temperature: f64| FieldValues { temperature, variables: vec![2.0 * temperature] };
+        let fields = Fields { initial: values(10.0), ends: vec![values(30.0), values(30.0), values(0.0)] };
+        let step = |time| Step { time, targets: Vec::new(), control: StepControl::Fixed { increments: 1 } };
+        let steps = [step(4.0), step(1.0), step(2.0)];
+        let over = |step, step_time, time_increment| {
+            let context = IncrementContext { step, step_time, time_increment, ..IncrementContext::default() };
+            fields.over(&steps, &context)
+        };
+        assert_eq!(over(1, 0.0, 0.0), [values(10.0), values(10.0)]);
+        assert_eq!(over(1, 1.0, 3.0), [values(15.0), values(30.0)]);
+        assert_eq!(over(2, 0.5, 0.5), [values(30.0), values(30.0)]);
+        assert_eq!(over(3, 0.0, 1.0), [values(30.0), values(15.0)]);
+        assert!(fields.change() && !Fields::default().change());
+        let nothing = [FieldValues::default(), FieldValues::default()];
+        assert_eq!(Fields::default().over(&steps, &IncrementContext::default()), nothing);
+    }
+}

@@ -1,0 +1,204 @@
+//! SDVINI and SIGINI: what points start from, where the case does not say it and the library does.
+
+use super::guard::{Guard, run};
+use super::library::Library;
+use super::memory::{Guarded, fortran_name};
+use super::recorder::{Arguments, InitialStateRecord, Slot};
+use std::ffi::c_char;
+
+/// STATEV(NSTATV), COORDS(NCRDS), NSTATV, NCRDS, NOEL, NPT, LAYER, KSPT.
+type StateFunction =
+    unsafe extern "C" fn(*mut f64, *const f64, *const i32, *const i32, *const i32, *const i32, *const i32, *const i32);
+
+/// SIGMA(NTENS), COORDS(NCRDS), NTENS, NCRDS, NOEL, NPT, LAYER, KSPT, LREBAR, NAMES(2)*80 and its hidden length.
+type StressFunction = unsafe extern "C" fn(
+    *mut f64,
+    *const f64,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const i32,
+    *const c_char,
+    usize,
+);
+
+/// NCRDS.
+static DIMENSIONS: i32 = 3;
+/// LAYER and KSPT.
+static ONE: i32 = 1;
+/// LREBAR: the point is of no rebar.
+static NO_REBAR: i32 = 0;
+/// Length of each of NAMES.
+const NAME_LENGTH: usize = 80;
+
+/// A material point as SDVINI and SIGINI are told of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct InitialPoint {
+    /// COORDS, mm.
+    pub coordinates: [f64; 3],
+    /// NOEL, from 1.
+    pub element: i32,
+    /// NPT, from 1.
+    pub point: i32,
+}
+
+/// STATEV of points at the start.
+#[derive(Debug)]
+pub struct InitialStates(Initial<StateFunction>);
+
+/// STRESS of points at the start.
+#[derive(Debug)]
+pub struct InitialStresses(Initial<StressFunction>);
+
+/// `count` values of each point.
+#[derive(Debug)]
+struct Initial<F> {
+    count: usize,
+    source: Source<F>,
+}
+
+#[derive(Debug)]
+enum Source<F> {
+    Zero,
+    Given(Vec<f64>),
+    Routine(Routine<F>),
+}
+
+#[derive(Debug)]
+struct Routine<F> {
+    function: F,
+    guard: Option<Guard>,
+    slot: Option<Slot>,
+    /// Keeps the function's code loaded.
+    _library: Library,
+}
+
+impl<F: Copy> Initial<F> {
+    /// The values given; otherwise what a routine of the library sets, or zeros.
+    ///
+    /// # Safety
+    /// `F` is the type of the routine.
+    unsafe fn new(library: &Library, routine: &str, given: Option<&[f64]>, count: usize) -> Self {
+        let source = match given {
+            Some(given) => Source::Given(given.to_vec()),
+            // SAFETY: forwarded to the caller; the library is kept.
+            None => match unsafe { library.find(routine) } {
+                Some(function) => Source::Routine(Routine {
+                    function,
+                    guard: library.guard(),
+                    slot: Slot::of_routine(library),
+                    _library: library.clone(),
+                }),
+                None => Source::Zero,
+            },
+        };
+        Self { count, source }
+    }
+
+    /// The values of a point; `call` makes the call of the routine with room for them.
+    fn of_point(
+        &mut self,
+        (name, number): (&str, i32),
+        array: &'static str,
+        point: &InitialPoint,
+        call: impl FnOnce(F, &mut Guarded),
+    ) -> Result<Vec<f64>, String> {
+        let Routine { function, guard, slot, .. } = match &mut self.source {
+            Source::Zero => return Ok(vec![0.0; self.count]),
+            Source::Given(given) => return Ok(given.clone()),
+            Source::Routine(routine) => routine,
+        };
+        if let Some(slot) = slot {
+            slot.enter(|to| {
+                to.put_integers([number, 0]);
+                InitialStateRecord::write(&[point.element, point.point], to);
+            });
+        }
+        let mut guarded = Guarded::new(array, self.count);
+        run(guard.as_ref(), || call(*function, &mut guarded));
+        if let Some(slot) = slot {
+            slot.leave();
+        }
+        guarded.check().map_err(|overrun| format!("{name}: {overrun}"))?;
+        match guarded.as_slice().iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(format!("{name} set {array}({}) to {}", k + 1, guarded.as_slice()[k])),
+            None => Ok(guarded.as_slice().to_vec()),
+        }
+    }
+
+    fn is_zero(&self) -> bool {
+        matches!(self.source, Source::Zero)
+    }
+}
+
+impl InitialStates {
+    /// Of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
+    pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
+        // SAFETY: a function of this name has the signature of the manual; no check is possible.
+        Self(unsafe { Initial::new(library, "sdvini", given, count) })
+    }
+
+    /// Whether all are 0 at every point, because nobody says otherwise.
+    pub fn are_zero(&self) -> bool {
+        self.0.is_zero()
+    }
+
+    /// STATEV of a point.
+    ///
+    /// # Errors
+    /// In words, if SDVINI wrote behind STATEV, or left a value that is not finite.
+    pub fn of_point(&mut self, at: &InitialPoint) -> Result<Vec<f64>, String> {
+        let InitialPoint { coordinates, element, point } = at;
+        self.0.of_point(("SDVINI", Arguments::INITIAL_STATE), "STATEV", at, |function, values| {
+            let (states, count) = (values.as_mut_ptr(), values.count());
+            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            unsafe { function(states, coordinates.as_ptr(), count, &DIMENSIONS, element, point, &ONE, &ONE) }
+        })
+    }
+}
+
+impl InitialStresses {
+    /// Of a law with `count` stress components: those given; otherwise what SIGINI of its library sets, or zeros.
+    pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
+        // SAFETY: as for SDVINI.
+        Self(unsafe { Initial::new(library, "sigini", given, count) })
+    }
+
+    /// Whether all are 0 at every point, because nobody says otherwise.
+    pub fn are_zero(&self) -> bool {
+        self.0.is_zero()
+    }
+
+    /// STRESS of a point, in the order of UMAT; `element_type` as ABAQUS calls it.
+    ///
+    /// # Errors
+    /// In words, if SIGINI wrote behind SIGMA, or left a value that is not finite.
+    pub fn of_point(&mut self, at: &InitialPoint, element_type: &str) -> Result<Vec<f64>, String> {
+        let InitialPoint { coordinates, element, point } = at;
+        // the rebar's name, which is blank, and the type of the element
+        let names = [fortran_name(""), fortran_name(element_type)].concat();
+        self.0.of_point(("SIGINI", Arguments::INITIAL_STRESS), "SIGMA", at, |function, values| {
+            let (stress, count) = (values.as_mut_ptr(), values.count());
+            let names = names.as_ptr().cast::<c_char>();
+            // SAFETY: every pointer is valid for the sizes that the counts tell.
+            unsafe {
+                function(
+                    stress,
+                    coordinates.as_ptr(),
+                    count,
+                    &DIMENSIONS,
+                    element,
+                    point,
+                    &ONE,
+                    &ONE,
+                    &NO_REBAR,
+                    names,
+                    NAME_LENGTH,
+                )
+            }
+        })
+    }
+}
