@@ -39,7 +39,7 @@ def deck(arguments, points, triangles, increments):
         return f"Set {number} nodes {len(nodes)} {' '.join(map(str, nodes))}"
 
     count = len(triangles)
-    records = ["block.out", "Block", job.analysis(increments, arguments.full_newton), "domain PlaneStrain", "OutputManager"]
+    records = ["block.out", "Block", job.analysis(increments, arguments.full_newton, arguments.iterations), "domain PlaneStrain", "OutputManager"]
     records += [f"ndofman {len(points)} nelem {count} ncrosssect 1 nmat 1 nbc 2 nic 0 nltf 2 nset 3"]
     # repr: all digits of a coordinate
     records += [f"node {k} coords 3 {x!r} {y!r} 0" for k, (x, y) in enumerate(points[:, :2].tolist(), 1)]

@@ -1,8 +1,16 @@
 """OOFEM with a law of ours as AbaqusUserMaterial: input records, and the run increment by increment."""
 
+import contextlib
+import ctypes
 import os
+import re
+import sys
+import tempfile
 
 import oofem
+
+# what OOFEM writes of an increment without equilibrium before it goes on; residuals that are NaN pass for converged
+NO_EQUILIBRIUM = re.compile(r"No success in solving problem|^NRSolver:.*nan", re.MULTILINE)
 
 
 def material(library, law, props, nstatv):
@@ -27,7 +35,7 @@ def ramp(number, targets):
     )
 
 
-def analysis(increments, full_newton, tolerance=1e-12, iterations=50):
+def analysis(increments, full_newton, iterations, tolerance=1e-12):
     """Record of the analysis. OOFEM assembles the symmetric part of an element's stiffness: with an unsymmetric DDSDDE
     the matrix of the start of the increment converges better than one that is updated in every iteration."""
     update = "manrmsteps 1 " if full_newton else ""
@@ -45,6 +53,7 @@ def add_law(parser):
     parser.add_argument("--props", type=float, nargs="+", required=True, help="its parameters in order")
     parser.add_argument("--targets", type=_target, nargs="+", required=True, metavar="INCREMENTS:VALUE")
     parser.add_argument("--full-newton", action="store_true", help="update the matrix in every iteration")
+    parser.add_argument("--iterations", type=int, default=100, help="of an increment, at most")
 
 
 def _target(text):
@@ -52,8 +61,34 @@ def _target(text):
     return int(increments), float(value)
 
 
+@contextlib.contextmanager
+def log_of_solver():
+    """What OOFEM prints meanwhile, as a list of one text; it is printed all the same. OOFEM writes through C's own buffers."""
+    flush = ctypes.CDLL(None).fflush
+    flush(None)
+    sys.stdout.flush()
+    streams = {number: os.dup(number) for number in (1, 2)}
+    text = []
+    with tempfile.TemporaryFile() as file:
+        for number in streams:
+            os.dup2(file.fileno(), number)
+        try:
+            yield text
+        finally:
+            flush(None)
+            for number, stream in streams.items():
+                os.dup2(stream, number)
+                os.close(stream)
+            file.seek(0)
+            text.append(file.read().decode(errors="replace"))
+            print(text[0], end="", flush=True)
+
+
 def solve(file, increments):
-    """Runs an input file; yields domain and time step after each increment."""
+    """Runs an input file; yields domain and time step after each increment.
+
+    Ends the program at an increment without equilibrium: OOFEM itself warns and goes on from a wrong state.
+    """
     reader = oofem.OOFEMTXTDataReader(file)
     problem = oofem.InstanciateProblem(reader, oofem.problemMode.processor, 0, None, False)
     problem.checkProblemConsistency()
@@ -61,14 +96,17 @@ def solve(file, increments):
     problem.postInitialize()
     timer = problem.giveTimer()
     timer.startTimer(oofem.EngngModelTimerType.EMTT_AnalysisTimer)
-    for _ in range(increments):
+    for number in range(1, increments + 1):
         problem.preInitializeNextStep()
         problem.giveNextStep()
         step = problem.giveCurrentStep()
         problem.initMetaStepAttributes(problem.giveMetaStep(1))
         timer.startTimer(oofem.EngngModelTimerType.EMTT_SolutionStepTimer)
         problem.initializeYourself(step)
-        problem.solveYourselfAt(step)
+        with log_of_solver() as log:
+            problem.solveYourselfAt(step)
+        if NO_EQUILIBRIUM.search(log[0]):
+            raise SystemExit(f"increment {number} of {increments}: OOFEM finds no equilibrium")
         problem.updateYourself(step)
         problem.terminate(step)
         yield problem.giveDomain(1), step

@@ -26,7 +26,7 @@ def deck(arguments, increments):
         return f"Set {number} nodes {len(nodes)} {' '.join(map(str, nodes))}"
 
     return "\n".join(
-        ["one_element.out", "One element", job.analysis(increments, arguments.full_newton), "domain 3d", "OutputManager"]
+        ["one_element.out", "One element", job.analysis(increments, arguments.full_newton, arguments.iterations), "domain 3d", "OutputManager"]
         + ["ndofman 8 nelem 1 ncrosssect 1 nmat 1 nbc 4 nic 0 nltf 2 nset 5"]
         + [f"node {number} coords 3 {x} {y} {z}" for number, (x, y, z) in enumerate(CORNERS, 1)]
         + ["LSpace 1 nodes 8 1 2 3 4 5 6 7 8", "SimpleCS 1 material 1 set 1"]

@@ -155,6 +155,69 @@ fn a_c_program_reads_the_description() {
     }
 }
 
+/// The stresses of linear_elastic and j2_plasticity that `two_laws.c` and `batch.f90` ask for.
+fn stresses_of_two_laws() -> [Vec<f64>; 2] {
+    let strain = [4e-3, -1e-3, -5e-4, 1e-3, 2e-3, 3e-3];
+    let stress = |name: &str, states: usize, props: &[f64]| {
+        let library = Library::open(&plugin(name)).expect("a plugin that Cargo built");
+        let mut call = UmatCall::new(&library, None, name, StressState::ThreeD, states, props).expect("umat_");
+        call.dstran = strain;
+        call.call(Request::StressAndTangent).expect("no overrun");
+        call.stress().to_vec()
+    };
+    [stress("linear_elastic", 2, &[210e3, 0.3]), stress("j2_plasticity", 9, &[210e3, 0.3, 347.0, 0.0, 400.0, 0.1])]
+}
+
+/// The numbers of each line of an output; other lines are left out.
+fn lines_of_numbers(output: &std::process::Output) -> Vec<Vec<f64>> {
+    let line = |line: &str| line.split_whitespace().map(|word| word.parse().ok()).collect::<Option<Vec<f64>>>();
+    String::from_utf8_lossy(&output.stdout).lines().filter_map(line).collect()
+}
+
+#[test]
+fn two_laws_in_one_c_program_are_told_apart_by_name() {
+    for library in [&["linear_elastic", "j2_plasticity"][..], &["pullout_laws"]] {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let program = folder.path().join("two_laws");
+        let Some(mut compiler) = find(Tool::C) else { return };
+        compiler.args(["-std=c89", "-Wall", "-Wextra", "-pedantic", "-Werror", "-I"]);
+        compiler.arg(workspace("umat-abi/include")).arg("-o").arg(&program).arg(workspace("tests/clients/two_laws.c"));
+        library.iter().for_each(|library| link(&mut compiler, library));
+        run(&mut compiler);
+        let output = run(&mut Command::new(&program));
+        let text = String::from_utf8_lossy(&output.stdout).into_owned();
+        assert_eq!(text.lines().next(), Some("linear_elastic j2_plasticity"));
+        let found = lines_of_numbers(&output);
+        for (law, expected) in stresses_of_two_laws().iter().enumerate() {
+            let [batch, single, kratos] = &found[3 * law..3 * law + 3] else { panic!("{text}") };
+            assert_eq!(batch[6..], [0.0, 0.0], "{text}");
+            assert!(difference(&batch[..6], expected) <= TEXT && difference(single, expected) <= TEXT, "{text}");
+            assert!(difference(kratos, expected) <= TEXT, "{text}");
+        }
+    }
+}
+
+#[test]
+fn a_fortran_program_calls_batches_of_two_laws() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = folder.path().join("batch");
+    let Some(mut compiler) = find(Tool::Fortran) else { return };
+    compiler.current_dir(folder.path()).args(["-std=f2008", "-Wall", "-Wextra", "-pedantic", "-Werror", "-o"]);
+    compiler
+        .arg(&program)
+        .arg(workspace("umat-abi/fortran/pullout_umat.f90"))
+        .arg(workspace("tests/clients/batch.f90"));
+    for law in ["linear_elastic", "j2_plasticity"] {
+        link(&mut compiler, law);
+    }
+    run(&mut compiler);
+    let found = lines_of_numbers(&run(&mut Command::new(&program)));
+    for (found, expected) in found.iter().zip(stresses_of_two_laws()) {
+        assert!(difference(&found[..6], &expected) <= TEXT && found[6..] == [0.0, 0.0], "{found:?}");
+    }
+    assert_eq!(found.len(), 2);
+}
+
 /// A thousand increments allocate no more often than ten, in the plugin or anywhere else, and touch no memory that is
 /// not theirs.
 #[test]

@@ -1,14 +1,17 @@
 ! The plugin contract of Pullout: UMAT, FRIC and UINTER as Fortran sees them.
 !
 !    use pullout_umat, only: umat_interface
-!    procedure(umat_interface) :: linear_elastic_umat   ! in liblinear_elastic.so
+!    procedure(umat_interface) :: linear_elastic_umat   ! in liblinear_elastic.so and libpullout_laws.so
+!
+!    use pullout_umat, only: umat_batch_interface
+!    procedure(umat_batch_interface), bind(c, name='linear_elastic_umat_batch_v1') :: linear_elastic_batch
 !
 ! Generated from umat-abi/src by the test `contract`; do not edit.
 module pullout_umat
-   use, intrinsic :: iso_c_binding, only: c_double, c_int32_t
+   use, intrinsic :: iso_c_binding, only: c_double, c_int32_t, c_ptr, c_size_t
    implicit none
    private
-   public :: umat_interface, fric_interface, uinter_interface
+   public :: umat_interface, fric_interface, uinter_interface, umat_batch_interface
 
    abstract interface
       ! `umat_` as gfortran compiles it on Linux.
@@ -163,5 +166,25 @@ module pullout_umat
          integer(c_int32_t), intent(inout) :: lsdi  ! set to 1 to ask for a severe discontinuity iteration.
          integer(c_int32_t), intent(in) :: lprint  ! 1: messages are wanted.
       end subroutine uinter_interface
+
+      ! `<law>_umat_batch_v1`: UMAT for n points with the same parameters, to the same bits as n calls.
+      subroutine umat_batch_interface( &
+            n, ntens, ndi, props, nprops, strain, dstrain, stress, statev, nstatv, ddsdde, celent, &
+            status) bind(c)
+         import :: c_double, c_int32_t, c_ptr, c_size_t
+         integer(c_size_t), value :: n  ! number of points.
+         integer(c_int32_t), value :: ntens  ! number of components.
+         integer(c_int32_t), value :: ndi  ! number of direct components.
+         integer(c_int32_t), value :: nprops  ! number of parameters.
+         integer(c_int32_t), value :: nstatv  ! number of state variables.
+         real(c_double), intent(in) :: props(nprops)  ! parameters.
+         real(c_double), intent(in) :: strain(n, ntens)  ! total strain at the start.
+         real(c_double), intent(in) :: dstrain(n, ntens)  ! strain increment.
+         real(c_double), intent(inout) :: stress(n, ntens)  ! stress at the start, and at the end.
+         real(c_double), intent(inout) :: statev(n, nstatv)  ! state variables.
+         type(c_ptr), value :: ddsdde  ! (n, ntens, ntens): out: tangent, column by column; or NULL.
+         type(c_ptr), value :: celent  ! (n): characteristic length; or NULL.
+         integer(c_int32_t), intent(inout) :: status(n)  ! out: 0 done, 1 a smaller increment is wanted, 2 refused.
+      end subroutine umat_batch_interface
    end interface
 end module pullout_umat

@@ -9,17 +9,19 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* Declares a law's entry point under its unique name, for programs that link several laws:
- * PULLOUT_DECLARE_UMAT(linear_elastic); gives linear_elastic_umat_. */
+/* Declare what bears a law's name, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
+ * linear_elastic_umat_. The library of a law and libpullout_laws have them. Kratos: shears 12, 23, 13. */
 #ifdef __cplusplus
-#define PULLOUT_DECLARE_UMAT(law) extern "C" __typeof__(umat_) law##_umat_
-#define PULLOUT_DECLARE_FRIC(law) extern "C" __typeof__(fric_) law##_fric_
-#define PULLOUT_DECLARE_UINTER(law) extern "C" __typeof__(uinter_) law##_uinter_
+#define PULLOUT_DECLARE extern "C"
 #else
-#define PULLOUT_DECLARE_UMAT(law) extern __typeof__(umat_) law##_umat_
-#define PULLOUT_DECLARE_FRIC(law) extern __typeof__(fric_) law##_fric_
-#define PULLOUT_DECLARE_UINTER(law) extern __typeof__(uinter_) law##_uinter_
+#define PULLOUT_DECLARE extern
 #endif
+#define PULLOUT_DECLARE_UMAT(law) PULLOUT_DECLARE __typeof__(umat_) law##_umat_
+#define PULLOUT_DECLARE_UMAT_KRATOS(law) PULLOUT_DECLARE __typeof__(umat_) law##_umat_kratos_
+#define PULLOUT_DECLARE_UMAT_BATCH(law) PULLOUT_DECLARE __typeof__(pullout_umat_batch_v1) law##_umat_batch_v1
+#define PULLOUT_DECLARE_FRIC(law) PULLOUT_DECLARE __typeof__(fric_) law##_fric_
+#define PULLOUT_DECLARE_UINTER(law) PULLOUT_DECLARE __typeof__(uinter_) law##_uinter_
+#define PULLOUT_DECLARE_PLUGIN(law) PULLOUT_DECLARE __typeof__(pullout_plugin_v1) law##_plugin_v1
 
 /*
  Version of this layout; a host refuses any other.
@@ -143,7 +145,7 @@
 #define PULLOUT_BATCH_RESULT_DONE 0
 
 /*
- Its arrays are as they were: it needs a smaller increment.
+ It needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
  */
 #define PULLOUT_BATCH_RESULT_CUT_BACK 1
 
@@ -438,7 +440,7 @@ typedef struct pullout_plugin {
 
 #ifdef __cplusplus
 extern "C" {
-#endif // __cplusplus
+#endif /* __cplusplus */
 
 /*
  The description of the first law of a library; further ones follow by `next`.
@@ -450,6 +452,8 @@ const struct pullout_plugin *pullout_plugin_v1(void);
  DROT = 1. Arrays hold `n` values of the first component, then `n` of the second, and so on: `strain` (at the start),
  `dstrain` and `stress` for `ntens` components, `statev` for `nstatv`, `ddsdde` for `ntens`·`ntens` (column by column; NULL:
  stress only). `celent` has `n` values or is NULL; `status` has `n`: PULLOUT_BATCH_RESULT_…. No allocation; any thread.
+
+ In libraries of one law; where several are linked, or the library of all laws, `<law>_umat_batch_v1` is the name.
  */
 void pullout_umat_batch_v1(size_t n,
                            int32_t ntens,
@@ -745,6 +749,6 @@ void uinter_(double *stress,
 
 #ifdef __cplusplus
 }  // extern "C"
-#endif  // __cplusplus
+#endif  /* __cplusplus */
 
 #endif  /* PULLOUT_UMAT_H */

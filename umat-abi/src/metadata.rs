@@ -393,14 +393,15 @@ pub type Validate = unsafe extern "C" fn(
     capacity: usize,
 ) -> i32;
 
-/// Symbol of the function that updates many points in one call, in libraries of one law of solids: [`UmatBatch`].
+/// Symbol of the function that updates many points in one call, in libraries of one law of solids: [`UmatBatch`]. Under the unique name
+/// `<law>_umat_batch_v1` it is in these and in the library of all laws.
 pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 
 /// What became of a point of a batch.
 pub mod batch_results {
     /// Its arrays hold the new values.
     pub const DONE: i32 = 0;
-    /// Its arrays are as they were: it needs a smaller increment.
+    /// It needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
     pub const CUT_BACK: i32 = 1;
     /// Parameters, counts or characteristic length are wrong: STRESS and DDSDDE are NaN.
     pub const REFUSED: i32 = 2;
@@ -410,6 +411,8 @@ pub mod batch_results {
 /// DROT = 1. Arrays hold `n` values of the first component, then `n` of the second, and so on: `strain` (at the start),
 /// `dstrain` and `stress` for `ntens` components, `statev` for `nstatv`, `ddsdde` for `ntens`·`ntens` (column by column; NULL:
 /// stress only). `celent` has `n` values or is NULL; `status` has `n`: [`batch_results`]. No allocation; any thread.
+///
+/// In libraries of one law; where several are linked, or the library of all laws, `<law>_umat_batch_v1` is the name.
 pub type UmatBatch = unsafe extern "C" fn(
     n: usize,
     ntens: i32,

@@ -6,6 +6,8 @@ use std::process::{Command, Stdio};
 
 /// The package of the program; the plugins are among its dependencies.
 const PROGRAM: &str = "driver";
+/// The package whose examples are the libraries for Kratos.
+const ALL_LAWS: &str = "pullout_laws";
 
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
@@ -14,6 +16,8 @@ pub struct Products {
     pub program: PathBuf,
     /// The plugins and the library of the utility routines.
     pub libraries: Vec<PathBuf>,
+    /// The plugins in Kratos's order of components: `lib<law>_kratos.so`.
+    pub kratos: Vec<PathBuf>,
 }
 
 /// Builds program and plugins.
@@ -21,40 +25,61 @@ pub struct Products {
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
 pub fn build(workspace: &Path, profile: &str) -> Result<Products, String> {
+    let mut products = products(&messages(workspace, profile, &["--package", PROGRAM])?)?;
+    products.kratos = libraries(&messages(workspace, profile, &["--package", ALL_LAWS, "--examples"])?, "example")?;
+    Ok(products)
+}
+
+/// Cargo's messages of a build.
+fn messages(workspace: &Path, profile: &str, what: &[&str]) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command
         .current_dir(workspace)
-        .args(["build", "--package", PROGRAM, "--profile", profile, "--message-format=json-render-diagnostics"])
+        .arg("build")
+        .args(what)
+        .args(["--profile", profile, "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
     if !output.status.success() {
         return Err(format!("the build failed ({})", output.status));
     }
-    products(&String::from_utf8_lossy(&output.stdout))
+    Ok(String::from_utf8_lossy(&output.stdout).into_owned())
 }
 
-/// Reads Cargo's messages, one JSON object a line: artifacts of target kind `cdylib`, and the executable.
-fn products(messages: &str) -> Result<Products, String> {
-    let mut program = None;
-    let mut libraries = Vec::new();
+/// Reads Cargo's messages, one JSON object a line: those of artifacts.
+fn artifacts(messages: &str) -> Result<Vec<Value>, String> {
+    let mut artifacts = Vec::new();
     for line in messages.lines() {
         let message: Value = serde_json::from_str(line).map_err(|error| format!("Cargo's message {line}: {error}"))?;
-        if message["reason"] != "compiler-artifact" {
-            continue;
-        }
-        if let Some(executable) = message["executable"].as_str() {
-            program = Some(PathBuf::from(executable));
-        }
-        let is_library = message["target"]["kind"].as_array().is_some_and(|kinds| kinds.iter().any(|k| k == "cdylib"));
-        if is_library {
-            let files = message["filenames"].as_array().into_iter().flatten().filter_map(Value::as_str);
-            let suffix = std::env::consts::DLL_SUFFIX;
-            libraries.extend(files.filter(|file| file.ends_with(suffix)).map(PathBuf::from));
+        if message["reason"] == "compiler-artifact" {
+            artifacts.push(message);
         }
     }
+    Ok(artifacts)
+}
+
+/// The shared libraries among the targets of a kind.
+fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
+    let has = |list: &Value, word: &str| list.as_array().is_some_and(|list| list.iter().any(|entry| entry == word));
+    let mut libraries = Vec::new();
+    for artifact in artifacts(messages)? {
+        if has(&artifact["target"]["kind"], kind) && has(&artifact["target"]["crate_types"], "cdylib") {
+            let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(Value::as_str);
+            libraries.extend(files.filter(|file| file.ends_with(std::env::consts::DLL_SUFFIX)).map(PathBuf::from));
+        }
+    }
+    Ok(libraries)
+}
+
+/// The program and the plugins.
+fn products(messages: &str) -> Result<Products, String> {
+    let programs = artifacts(messages)?;
+    let program = programs.iter().rev().find_map(|artifact| artifact["executable"].as_str());
     match program {
-        Some(program) => Ok(Products { program, libraries }),
+        Some(program) => {
+            Ok(Products { program: program.into(), libraries: libraries(messages, "cdylib")?, kratos: Vec::new() })
+        }
         None => Err("the build made no program".to_owned()),
     }
 }
@@ -68,13 +93,21 @@ mod test {
         let suffix = std::env::consts::DLL_SUFFIX;
         let messages = format!(
             r#"{{"reason":"compiler-artifact","target":{{"kind":["lib"]}},"filenames":["/t/libserde.rlib"],"executable":null}}
-{{"reason":"compiler-artifact","target":{{"kind":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
+{{"reason":"compiler-artifact","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
 {{"reason":"compiler-artifact","target":{{"kind":["bin"]}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
 {{"reason":"build-finished","success":true}}"#
         );
-        let expected =
-            Products { program: "/t/pullout".into(), libraries: vec![format!("/t/deps/liba{suffix}").into()] };
+        let expected = Products {
+            program: "/t/pullout".into(),
+            libraries: vec![format!("/t/deps/liba{suffix}").into()],
+            kratos: vec![],
+        };
         assert_eq!(products(&messages), Ok(expected));
+        let examples = format!(
+            r#"{{"reason":"compiler-artifact","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"]}}
+{{"reason":"compiler-artifact","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}"]}}"#
+        );
+        assert_eq!(libraries(&examples, "example"), Ok(vec![format!("/t/examples/libb{suffix}").into()]));
         assert!(products(r#"{"reason":"build-finished"}"#).expect_err("no program").contains("no program"));
         assert!(products("no JSON").is_err());
     }

@@ -9,6 +9,9 @@ const ALL_LAWS: &str = "pullout_laws";
 /// The name under which ABAQUS/Standard finds user subroutines in `usub_lib_dir`.
 const ABAQUS_LIBRARY: &str = "libstandardU.so";
 
+/// What tells the libraries for Kratos from the others where Cargo builds them; a folder does where they are installed.
+const KRATOS_SUFFIX: &str = "_kratos";
+
 /// Files for the programs of others, with the version filled in at `@VERSION@`.
 const TEMPLATES: [(&str, &str); 3] = [
     ("lib/pkgconfig/pullout.pc", include_str!("../templates/pullout.pc")),
@@ -33,6 +36,10 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
     let plugins = prefix.join("lib").join("pullout");
     for library in &products.libraries {
         put(library, plugins.join(name(library)?))?;
+    }
+    for library in &products.kratos {
+        let law = name(library)?.to_string_lossy().replace(KRATOS_SUFFIX, "");
+        put(library, plugins.join("kratos").join(law))?;
     }
     let all_laws = format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let all_laws = products.libraries.iter().find(|library| library.ends_with(&all_laws));
@@ -82,7 +89,8 @@ mod test {
             fs::write(&path, name).expect("a file");
             path
         };
-        Products { program: file("pullout"), libraries: libraries.iter().map(|name| file(name)).collect() }
+        let libraries = libraries.iter().map(|name| file(name)).collect();
+        Products { program: file("pullout"), libraries, kratos: vec![file("libother_kratos.so")] }
     }
 
     fn all_laws() -> String {
@@ -108,6 +116,7 @@ mod test {
                 "lib/cmake/pullout/pullout-config.cmake",
                 "lib/pkgconfig/pullout.pc",
                 "lib/pullout/abaqus/libstandardU.so",
+                "lib/pullout/kratos/libother.so",
                 "lib/pullout/libother.so",
                 laws.as_str(),
             ];

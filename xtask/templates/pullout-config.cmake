@@ -2,7 +2,8 @@
 #
 #   pullout::headers          pullout_umat.h
 #   pullout::pullout_laws     all laws behind one umat_, uinter_ and fric_; CMNAME tells them apart
-#   pullout::<law>            the library of one law, with the unique <law>_umat_ (_uinter_, _fric_) as well
+#   pullout::<law>            the library of one law
+#                             both: <law>_umat_ (_uinter_, _fric_), <law>_umat_kratos_, <law>_umat_batch_v1, <law>_plugin_v1
 #   pullout_PLUGIN_DIR        the folder of the libraries
 #   pullout_FORTRAN_MODULE    source of the module pullout_umat, to be added to a Fortran target
 

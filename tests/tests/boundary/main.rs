@@ -3,6 +3,7 @@
 mod calculix;
 mod floating_point;
 mod hosts;
+mod kratos;
 mod numbers;
 mod random;
 mod refusals;

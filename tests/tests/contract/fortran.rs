@@ -7,14 +7,17 @@ const PREFACE: &str = "\
 ! The plugin contract of Pullout: UMAT, FRIC and UINTER as Fortran sees them.
 !
 !    use pullout_umat, only: umat_interface
-!    procedure(umat_interface) :: linear_elastic_umat   ! in liblinear_elastic.so
+!    procedure(umat_interface) :: linear_elastic_umat   ! in liblinear_elastic.so and libpullout_laws.so
+!
+!    use pullout_umat, only: umat_batch_interface
+!    procedure(umat_batch_interface), bind(c, name='linear_elastic_umat_batch_v1') :: linear_elastic_batch
 !
 ! Generated from umat-abi/src by the test `contract`; do not edit.
 module pullout_umat
-   use, intrinsic :: iso_c_binding, only: c_double, c_int32_t
+   use, intrinsic :: iso_c_binding, only: c_double, c_int32_t, c_ptr, c_size_t
    implicit none
    private
-   public :: umat_interface, fric_interface, uinter_interface
+   public :: umat_interface, fric_interface, uinter_interface, umat_batch_interface
 
    abstract interface
 ";
@@ -22,8 +25,8 @@ module pullout_umat
 const LINE_LENGTH: usize = 100;
 
 /// The whole module.
-pub fn generate(entry_points: &[EntryPoint]) -> String {
-    let interfaces: Vec<_> = entry_points.iter().map(interface).collect();
+pub fn generate(entry_points: &[EntryPoint], batch: &[Argument]) -> String {
+    let interfaces: Vec<_> = entry_points.iter().map(interface).chain([batch_interface(batch)]).collect();
     format!("{PREFACE}{}   end interface\nend module pullout_umat\n", interfaces.join("\n"))
 }
 
@@ -41,6 +44,33 @@ fn interface(entry: &EntryPoint) -> String {
         let _ = writeln!(text, "         {}", declaration(argument));
     }
     let _ = writeln!(text, "      end subroutine {}_interface", entry.name);
+    text
+}
+
+/// The function for many points: a C function, counts by value.
+fn batch_interface(arguments: &[Argument]) -> String {
+    let all: Vec<_> = arguments.iter().collect();
+    let mut text = String::from(
+        "      ! `<law>_umat_batch_v1`: UMAT for n points with the same parameters, to the same bits as n calls.\n",
+    );
+    let _ = writeln!(text, "      subroutine umat_batch_interface( &\n{}) bind(c)", wrapped(&all));
+    text.push_str("         import :: c_double, c_int32_t, c_ptr, c_size_t\n");
+    let (sizes, others): (Vec<_>, Vec<_>) = all.iter().copied().partition(|a| a.pointer().is_none());
+    for argument in sizes.into_iter().chain(others) {
+        let name = &argument.name;
+        let rust_type = &argument.rust_type;
+        let line = match quote::quote!(#rust_type).to_string().as_str() {
+            "usize" => format!("integer(c_size_t), value :: {name}  ! {}", argument.doc),
+            "i32" => format!("integer(c_int32_t), value :: {name}  ! {}", argument.doc),
+            // Fortran 2008 passes no NULL for an array
+            _ if argument.doc.ends_with("or NULL.") => {
+                format!("type(c_ptr), value :: {name}  ! {}: {}", argument.shape.replace(',', ", "), argument.doc)
+            }
+            _ => declaration(argument),
+        };
+        let _ = writeln!(text, "         {line}");
+    }
+    text.push_str("      end subroutine umat_batch_interface\n");
     text
 }
 

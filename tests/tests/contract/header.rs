@@ -11,17 +11,19 @@ const PREFACE: &str = "\
  * Generated from umat-abi/src by the test `contract`; do not edit. */";
 
 const DECLARE: &str = "
-/* Declares a law's entry point under its unique name, for programs that link several laws:
- * PULLOUT_DECLARE_UMAT(linear_elastic); gives linear_elastic_umat_. */
+/* Declare what bears a law's name, for programs that link several laws: PULLOUT_DECLARE_UMAT(linear_elastic); gives
+ * linear_elastic_umat_. The library of a law and libpullout_laws have them. Kratos: shears 12, 23, 13. */
 #ifdef __cplusplus
-#define PULLOUT_DECLARE_UMAT(law) extern \"C\" __typeof__(umat_) law##_umat_
-#define PULLOUT_DECLARE_FRIC(law) extern \"C\" __typeof__(fric_) law##_fric_
-#define PULLOUT_DECLARE_UINTER(law) extern \"C\" __typeof__(uinter_) law##_uinter_
+#define PULLOUT_DECLARE extern \"C\"
 #else
-#define PULLOUT_DECLARE_UMAT(law) extern __typeof__(umat_) law##_umat_
-#define PULLOUT_DECLARE_FRIC(law) extern __typeof__(fric_) law##_fric_
-#define PULLOUT_DECLARE_UINTER(law) extern __typeof__(uinter_) law##_uinter_
-#endif";
+#define PULLOUT_DECLARE extern
+#endif
+#define PULLOUT_DECLARE_UMAT(law) PULLOUT_DECLARE __typeof__(umat_) law##_umat_
+#define PULLOUT_DECLARE_UMAT_KRATOS(law) PULLOUT_DECLARE __typeof__(umat_) law##_umat_kratos_
+#define PULLOUT_DECLARE_UMAT_BATCH(law) PULLOUT_DECLARE __typeof__(pullout_umat_batch_v1) law##_umat_batch_v1
+#define PULLOUT_DECLARE_FRIC(law) PULLOUT_DECLARE __typeof__(fric_) law##_fric_
+#define PULLOUT_DECLARE_UINTER(law) PULLOUT_DECLARE __typeof__(uinter_) law##_uinter_
+#define PULLOUT_DECLARE_PLUGIN(law) PULLOUT_DECLARE __typeof__(pullout_plugin_v1) law##_plugin_v1";
 
 /// The whole header.
 pub fn generate(entry_points: &[EntryPoint], metadata: &TokenStream) -> String {
@@ -36,7 +38,16 @@ pub fn generate(entry_points: &[EntryPoint], metadata: &TokenStream) -> String {
         .generate()
         .expect("declarations that cbindgen understands")
         .write(&mut header);
-    String::from_utf8(header).expect("UTF-8")
+    old_comments(&String::from_utf8(header).expect("UTF-8"))
+}
+
+/// C89 has no comments to the end of a line; cbindgen writes them behind its `#endif`.
+fn old_comments(header: &str) -> String {
+    let line = |line: &str| match line.split_once("// ") {
+        Some((code, comment)) if code.starts_with("#endif") => format!("{code}/* {comment} */\n"),
+        _ => format!("{line}\n"),
+    };
+    header.lines().map(line).collect()
 }
 
 fn configuration() -> cbindgen::Config {

@@ -32,7 +32,7 @@ fn c_header_is_current() {
 
 #[test]
 fn fortran_module_is_current() {
-    check_current(MODULE, &fortran::generate(&EntryPoint::read_all()));
+    check_current(MODULE, &fortran::generate(&EntryPoint::read_all(), &source::batch_arguments()));
 }
 
 #[test]
@@ -57,7 +57,9 @@ fn compile_header(tool: Tool, standard: &str, suffix: &str) {
     let Some(mut compiler) = find(tool) else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let program = folder.path().join(format!("includes.{suffix}"));
-    std::fs::write(&program, "#include \"pullout_umat.h\"\nPULLOUT_DECLARE_UMAT(linear_elastic);\n").expect("a file");
+    let declarations = ["UMAT", "UMAT_KRATOS", "UMAT_BATCH", "FRIC", "UINTER", "PLUGIN"];
+    let declarations = declarations.map(|what| format!("PULLOUT_DECLARE_{what}(some_law);\n")).concat();
+    std::fs::write(&program, format!("#include \"pullout_umat.h\"\n{declarations}")).expect("a file");
     let include = workspace(HEADER);
     let include = include.parent().map_or(Path::new(""), |folder| folder);
     run(compiler
@@ -67,7 +69,8 @@ fn compile_header(tool: Tool, standard: &str, suffix: &str) {
 }
 
 #[test]
-fn c_header_compiles_as_c99() {
+fn c_header_compiles_as_c89_and_c99() {
+    compile_header(Tool::C, "-std=c89", "c");
     compile_header(Tool::C, "-std=c99", "c");
 }
 

@@ -116,6 +116,16 @@ impl EntryPoint {
     }
 }
 
+/// The arguments of the function for many points.
+pub fn batch_arguments() -> Vec<Argument> {
+    let file = parse_source("export/batch.rs");
+    let fields = file.items.iter().find_map(|item| match item {
+        Item::Struct(item) if item.ident == "BatchArguments" => Some(&item.fields),
+        _ => None,
+    });
+    fields.expect("BatchArguments").iter().map(Argument::new).collect()
+}
+
 /// The argument names of the function that an export macro defines.
 pub fn exported_arguments(entry: &str) -> Vec<String> {
     let text = std::fs::read_to_string(workspace("umat-abi/src/export/macros.rs")).expect("the export macros");

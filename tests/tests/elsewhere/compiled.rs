@@ -1,7 +1,7 @@
 //! The C and the Fortran example, built by pkg-config and by CMake.
 
 use super::{Installation, example, history, numbers};
-use end_to_end_tests::{Tool, difference, find, run};
+use end_to_end_tests::{Tool, difference, find, run, workspace};
 use std::path::Path;
 use std::process::Command;
 
@@ -44,6 +44,21 @@ fn the_c_example_builds_by_pkg_config() {
     compiler.args(["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-o"]).arg(&program);
     run(compiler.arg(example("c/uniaxial_strain.c")).args(words));
     check(&installation, &program, folder.path());
+}
+
+/// Batches of several laws, from the one library that pkg-config names.
+#[test]
+fn batches_are_linked_by_pkg_config() {
+    let Some(installation) = Installation::find() else { return };
+    let Some(words) = pkg_config(&installation, &["--cflags", "--libs"]) else { return };
+    let Some(mut compiler) = find(Tool::C) else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let program = folder.path().join("two_laws");
+    compiler.args(["-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "-o"]).arg(&program);
+    run(compiler.arg(workspace("tests/clients/two_laws.c")).args(words));
+    let output = run(&mut Command::new(&program));
+    assert!(output.stdout.starts_with(b"linear_elastic j2_plasticity\n"));
+    assert_eq!(String::from_utf8_lossy(&output.stdout).lines().count(), 7);
 }
 
 #[test]

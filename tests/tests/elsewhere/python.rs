@@ -1,4 +1,4 @@
-//! OOFEM and simcoon run our libraries: their results are ours.
+//! OOFEM, simcoon and Kratos run our libraries: their results are ours.
 
 use super::{Installation, example, history, numbers};
 use end_to_end_tests::{named_by, run};
@@ -42,7 +42,12 @@ const STEEL: Job = Job {
 impl Job {
     /// Its arguments for the Python programs.
     fn arguments(&self, installation: &Installation) -> Vec<String> {
-        let mut words = vec![installation.library(self.law).display().to_string(), self.law.to_owned()];
+        self.arguments_with(&installation.library(self.law))
+    }
+
+    /// The same with another library.
+    fn arguments_with(&self, library: &Path) -> Vec<String> {
+        let mut words = vec![library.display().to_string(), self.law.to_owned()];
         words.extend([self.nstatv.to_string(), "--props".to_owned()]);
         words.extend(self.props.iter().map(|value| format!("{value:?}")));
         words.push("--targets".to_owned());
@@ -57,15 +62,47 @@ impl Job {
 
     /// Our driver's rows, after the initial one: a component to the targets, no stress elsewhere.
     fn expected(&self, installation: &Installation, component: &str, folder: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
-        let steps = self
-            .targets
-            .iter()
-            .map(|(count, value)| format!(r#"{{"increments": {count}, "target": {{"{component}": {value:?}}}}}"#));
+        self.expected_along(installation, &[(component, 1.0)], folder, columns)
+    }
+
+    /// The same with several components, each to its share of the targets.
+    fn expected_along(
+        &self,
+        installation: &Installation,
+        shares: &[(&str, f64)],
+        folder: &Path,
+        columns: &[&str],
+    ) -> Vec<Vec<f64>> {
+        let steps = self.targets.iter().map(|(count, value)| {
+            let target: Vec<_> =
+                shares.iter().map(|(name, share)| format!(r#""{name}": {:?}"#, share * value)).collect();
+            format!(r#"{{"increments": {count}, "target": {{{}}}}}"#, target.join(", "))
+        });
+        self.history(installation, &steps.collect::<Vec<_>>().join(", "), folder, columns)
+    }
+
+    /// The same along given strains.
+    fn expected_at(
+        &self,
+        installation: &Installation,
+        strains: &[Vec<f64>],
+        folder: &Path,
+        columns: &[&str],
+    ) -> Vec<Vec<f64>> {
+        let mut table = "e11,e22,e33,g12,g13,g23\n".to_owned();
+        for row in strains {
+            table += &row[..6].iter().map(|value| format!("{value:e}")).collect::<Vec<_>>().join(",");
+            table.push('\n');
+        }
+        std::fs::write(folder.join("strains.csv"), table).expect("a file");
+        self.history(installation, r#"{"table": "strains.csv"}"#, folder, columns)
+    }
+
+    /// Our driver's rows of such steps, after the initial one.
+    fn history(&self, installation: &Installation, steps: &str, folder: &Path, columns: &[&str]) -> Vec<Vec<f64>> {
         let case = format!(
             r#"{{"kind": "point", "title": "{0}", "mode": "3d", "material": {{"plugin": "{0}", "props": {1:?}}}, "steps": [{2}]}}"#,
-            self.law,
-            self.props,
-            steps.collect::<Vec<_>>().join(", ")
+            self.law, self.props, steps
         );
         let file = folder.join("case.json");
         std::fs::write(&file, case).expect("a file");
@@ -77,11 +114,16 @@ impl Job {
     }
 }
 
-/// Python with the clients.
+/// A script by the Python with the clients.
+fn script_command(script: &str, arguments: &[String]) -> Option<Command> {
+    let mut command = Command::new(named_by("PULLOUT_PYTHON")?);
+    command.arg("-B").arg(example(script)).args(arguments);
+    Some(command)
+}
+
+/// What a script prints as its result.
 fn python(script: &str, arguments: &[String]) -> Option<Vec<Vec<f64>>> {
-    let interpreter = named_by("PULLOUT_PYTHON")?;
-    let mut command = Command::new(interpreter);
-    let output = run(command.arg("-B").arg(example(script)).args(arguments));
+    let output = run(&mut script_command(script, arguments)?);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
     let (_, result) = text.rsplit_once("RESULT\n").unwrap_or_else(|| panic!("{script}: no result:\n{text}"));
     Some(numbers(result.as_bytes()))
@@ -177,5 +219,59 @@ fn a_point_in_simcoon_has_our_stresses() {
         let [strains, stresses] = [0..6, 6..12].map(|columns| apart(&found, &expected, columns));
         println!("simcoon, {} {component}: strains {strains:.1e}, stresses {stresses:.1e} apart", job.law);
         assert!(strains <= STRESSES && stresses <= STRESSES, "{} {component}: {strains:e} {stresses:e}", job.law);
+    }
+}
+
+/// OOFEM itself warns and goes on, with exit code 0; NaN passes for converged.
+#[test]
+fn an_oofem_job_without_equilibrium_fails() {
+    let without_length = Job {
+        props: &[31800.0, 0.18, 5000.0, 1.3, 0.000_190_507_7, 31.47479, 1.05, 3e-4, 0.17227, 0.0, 0.0, 0.0, 0.1, 0.0],
+        ..CONCRETE
+    };
+    for (job, iterations) in [(CONCRETE, "2"), (without_length, "50")] {
+        let Some(installation) = Installation::find() else { return };
+        let mut arguments = job.arguments(&installation);
+        arguments.extend(["--iterations", iterations].map(str::to_owned));
+        let Some(mut command) = script_command("oofem/one_element.py", &arguments) else { return };
+        let output = command.output().expect("Python starts");
+        let (text, errors) = (String::from_utf8_lossy(&output.stdout), String::from_utf8_lossy(&output.stderr));
+        assert_eq!(output.status.code(), Some(1), "{text}{errors}");
+        assert!(errors.contains("OOFEM finds no equilibrium") && !text.contains("RESULT"), "{errors}");
+    }
+}
+
+/// Tension and crushing with shear, free in one direction: the shear is one of the two that Kratos orders otherwise.
+#[test]
+fn one_element_in_kratos_has_our_stresses() {
+    const COLUMNS: [&str; 12] = ["e11", "e22", "e33", "g12", "g13", "g23", "s11", "s22", "s33", "s12", "s13", "s23"];
+    const POINTS: usize = 8;
+    const SAME: f64 = 1e-10;
+    const SHEAR: f64 = 0.8;
+    let sheared = Job { targets: &[(8, 3e-4), (12, -1e-3)], ..CONCRETE };
+    let yielding = Job { targets: &[(10, 0.01), (20, -0.01)], ..STEEL };
+    for job in [sheared, yielding] {
+        let Some(installation) = Installation::find() else { return };
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let file_name = umat_abi::host::library_file_name(job.law);
+        let library = installation.prefix.join("lib/pullout/kratos").join(file_name);
+        let mut arguments = job.arguments_with(&library);
+        arguments.extend(["--shear".to_owned(), SHEAR.to_string()]);
+        let Some(found) = python("kratos/one_element.py", &arguments) else { return };
+        let shares = [("e11", 1.0), ("g13", SHEAR), ("e33", 0.0)];
+        let expected = job.expected_along(&installation, &shares, folder.path(), &COLUMNS);
+        let expected: Vec<_> = expected.into_iter().flat_map(|row| vec![row; POINTS]).collect();
+        assert_eq!(found.len(), expected.len(), "{}", job.law);
+        let [strains, stresses] = [0..6, 6..12].map(|columns| apart(&found, &expected, columns));
+        // both are in equilibrium as well as each of them asks for; along the same strains there is no such question
+        let first: Vec<_> = found.iter().step_by(POINTS).cloned().collect();
+        let along = job.expected_at(&installation, &first, folder.path(), &COLUMNS);
+        let same_strains = apart(&first, &along, 6..12);
+        println!(
+            "Kratos, {}: strains {strains:.1e}, stresses {stresses:.1e}, along the same strains {same_strains:.1e} apart",
+            job.law
+        );
+        assert!(strains <= STRESSES && stresses <= STRESSES, "{}: {strains:e} {stresses:e}", job.law);
+        assert!(same_strains <= SAME, "{}: {same_strains:e}", job.law);
     }
 }

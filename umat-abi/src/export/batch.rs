@@ -1,4 +1,4 @@
-//! The body of `pullout_umat_batch_v1`: many points in one call, component by component.
+//! The body of `<law>_umat_batch_v1`: many points in one call, component by component.
 //!
 //! Parameters are read once. Blocks of [`LANES`] points go through [`Law::update_block`] where the law has it; a block that
 //! it hands back, the rest of the arrays, and every call with a tangent go through [`Law::update`] point by point. All of
@@ -12,34 +12,35 @@ use crate::metadata::{batch_results, flags};
 use std::cell::Cell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// The arguments of a batch; arrays of `n` values for each component, one component after the other.
+/// The arguments of a batch; arrays of `n` values for each component, one component after the other. `status`:
+/// [`batch_results`].
 #[derive(Clone, Copy, Debug)]
 pub struct BatchArguments {
-    /// Number of points.
+    /// number of points.
     pub n: usize,
-    /// Number of components.
+    /// number of components.
     pub ntens: i32,
-    /// Number of direct components.
+    /// number of direct components.
     pub ndi: i32,
     /// `(nprops)` parameters.
     pub props: *const f64,
-    /// Number of parameters.
+    /// number of parameters.
     pub nprops: i32,
-    /// `(n, ntens)` total strain at the start.
+    /// `(n,ntens)` total strain at the start.
     pub strain: *const f64,
-    /// `(n, ntens)` strain increment.
+    /// `(n,ntens)` strain increment.
     pub dstrain: *const f64,
-    /// `(n, ntens)` stress at the start, and at the end.
+    /// `(n,ntens)` stress at the start, and at the end.
     pub stress: *mut f64,
-    /// `(n, nstatv)` state variables.
+    /// `(n,nstatv)` state variables.
     pub statev: *mut f64,
-    /// Number of state variables.
+    /// number of state variables.
     pub nstatv: i32,
-    /// `(n, ntens·ntens)` tangent, column-major; or NULL.
+    /// `(n,ntens,ntens)` out: tangent, column by column; or NULL.
     pub ddsdde: *mut f64,
     /// `(n)` characteristic length; or NULL.
     pub celent: *const f64,
-    /// `(n)` [`batch_results`].
+    /// `(n)` out: 0 done, 1 a smaller increment is wanted, 2 refused.
     pub status: *mut i32,
 }
 

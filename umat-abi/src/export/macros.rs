@@ -4,7 +4,7 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! umat_symbol {
-    ($symbol:literal, $ident:ident, $body:path) => {
+    ($symbol:expr, $ident:ident, $body:expr) => {
         /// UMAT; see the C header.
         ///
         /// # Safety
@@ -101,7 +101,7 @@ macro_rules! umat_symbol {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! fric_symbol {
-    ($symbol:literal, $ident:ident, $body:path) => {
+    ($symbol:expr, $ident:ident, $body:expr) => {
         /// FRIC; see the C header.
         ///
         /// # Safety
@@ -206,7 +206,7 @@ macro_rules! fric_symbol {
 #[doc(hidden)]
 #[macro_export]
 macro_rules! uinter_symbol {
-    ($symbol:literal, $ident:ident, $body:path) => {
+    ($symbol:expr, $ident:ident, $body:expr) => {
         /// UINTER; see the C header.
         ///
         /// # Safety
@@ -336,64 +336,68 @@ macro_rules! silence_panics_on_load {
     };
 }
 
-/// Defines `pullout_plugin_v1`, which returns `$plugin`.
+/// Defines a symbol of a function that returns `$plugin`.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! plugin_symbol {
-    ($plugin:expr) => {
-        /// The description of this library; see the C header.
-        #[unsafe(no_mangle)]
-        pub extern "C" fn pullout_plugin_v1() -> *const $crate::metadata::Plugin {
-            static PLUGIN: $crate::metadata::Plugin = $plugin;
-            &raw const PLUGIN
-        }
+    ($symbol:expr, $plugin:expr) => {
+        const _: () = {
+            /// A description; see the C header.
+            #[unsafe(export_name = $symbol)]
+            pub extern "C" fn plugin() -> *const $crate::metadata::Plugin {
+                static PLUGIN: $crate::metadata::Plugin = $plugin;
+                &raw const PLUGIN
+            }
+        };
     };
 }
 
-/// Defines `pullout_umat_batch_v1` of a law.
+/// Defines a symbol of UMAT for many points.
 #[doc(hidden)]
 #[macro_export]
 macro_rules! batch_symbol {
-    ($law:ty) => {
-        /// UMAT for many points; see the C header.
-        ///
-        /// # Safety
-        /// Every pointer is NULL or valid for the values that the counts tell.
-        #[allow(clippy::too_many_arguments, reason = "the argument list is the contract's")]
-        #[unsafe(no_mangle)]
-        pub unsafe extern "C" fn pullout_umat_batch_v1(
-            n: usize,
-            ntens: i32,
-            ndi: i32,
-            props: *const f64,
-            nprops: i32,
-            strain: *const f64,
-            dstrain: *const f64,
-            stress: *mut f64,
-            statev: *mut f64,
-            nstatv: i32,
-            ddsdde: *mut f64,
-            celent: *const f64,
-            status: *mut i32,
-        ) {
-            let arguments = $crate::export::BatchArguments {
-                n,
-                ntens,
-                ndi,
-                props,
-                nprops,
-                strain,
-                dstrain,
-                stress,
-                statev,
-                nstatv,
-                ddsdde,
-                celent,
-                status,
-            };
-            // SAFETY: forwarded to the caller.
-            unsafe { $crate::export::batch::<$law>(&arguments) }
-        }
+    ($symbol:expr, $law:ty) => {
+        const _: () = {
+            /// UMAT for many points; see the C header.
+            ///
+            /// # Safety
+            /// Every pointer is NULL or valid for the values that the counts tell.
+            #[allow(clippy::too_many_arguments, reason = "the argument list is the contract's")]
+            #[unsafe(export_name = $symbol)]
+            pub unsafe extern "C" fn batch(
+                n: usize,
+                ntens: i32,
+                ndi: i32,
+                props: *const f64,
+                nprops: i32,
+                strain: *const f64,
+                dstrain: *const f64,
+                stress: *mut f64,
+                statev: *mut f64,
+                nstatv: i32,
+                ddsdde: *mut f64,
+                celent: *const f64,
+                status: *mut i32,
+            ) {
+                let arguments = $crate::export::BatchArguments {
+                    n,
+                    ntens,
+                    ndi,
+                    props,
+                    nprops,
+                    strain,
+                    dstrain,
+                    stress,
+                    statev,
+                    nstatv,
+                    ddsdde,
+                    celent,
+                    status,
+                };
+                // SAFETY: forwarded to the caller.
+                unsafe { $crate::export::batch::<$law>(&arguments) }
+            }
+        };
     };
 }
 
@@ -443,44 +447,114 @@ macro_rules! plugin_chain {
     };
 }
 
-/// Turns a [`Law`](crate::law::Law) into the symbols of a cdylib: `umat_`, `umat`, `UMAT`, the unique
-/// name given as second argument, `pullout_umat_batch_v1`, and `pullout_plugin_v1`.
+/// Compares a name with the law's table, when the crate is compiled.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! assert_law_name {
+    ($info:expr, $name:literal) => {
+        const _: () = assert!($crate::export::is_named(&$info, $name), "the name is not that of the law's table");
+    };
+}
+
+/// The symbols of one law that bear its name: programs may link several of them.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! own_umat_symbols {
+    ($law:ty, $name:literal) => {
+        $crate::assert_law_name!(<$law as $crate::law::Law>::INFO, $name);
+        const _: () = {
+            $crate::umat_symbol!(concat!($name, "_umat_"), umat_unique, $crate::export::umat::<$law>);
+            $crate::kratos_symbol!(concat!($name, "_umat_kratos_"), umat_unique);
+        };
+        $crate::batch_symbol!(concat!($name, "_umat_batch_v1"), $law);
+        $crate::plugin_symbol!(concat!($name, "_plugin_v1"), $crate::law_plugin!((umat $law)));
+    };
+}
+
+/// Defines a symbol of UMAT in Kratos's order of components, by a function in ABAQUS's.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! kratos_symbol {
+    ($symbol:expr, $umat:ident) => {
+        const _: () = {
+            unsafe fn exchanged(arguments: &$crate::umat::UmatArguments) {
+                // SAFETY: forwarded to the caller.
+                unsafe { $crate::export::umat_kratos($umat, arguments) }
+            }
+            $crate::umat_symbol!($symbol, umat_kratos, exchanged);
+        };
+    };
+}
+
+/// The symbols of one interface law that bear its name.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! own_interface_symbols {
+    ($law:ty, $name:literal) => {
+        $crate::assert_law_name!(<$law as $crate::law::InterfaceLaw>::INFO, $name);
+        const _: () = {
+            $crate::uinter_symbol!(concat!($name, "_uinter_"), uinter_unique, $crate::export::uinter::<$law>);
+            $crate::fric_symbol!(concat!($name, "_fric_"), fric_unique, $crate::export::fric::<$law>);
+        };
+        $crate::plugin_symbol!(concat!($name, "_plugin_v1"), $crate::law_plugin!((interface $law)));
+    };
+}
+
+/// Turns a [`Law`](crate::law::Law) into the symbols of a cdylib: `umat_`, `umat`, `UMAT`, `pullout_umat_batch_v1` and
+/// `pullout_plugin_v1`; and, with the law's name in place of `my_law`, `my_law_umat_`, `my_law_umat_kratos_`,
+/// `my_law_umat_batch_v1` and `my_law_plugin_v1`, which programs may link of several laws.
 ///
 /// ```ignore
-/// umat_abi::export_umat!(MyLaw, "my_law_umat_");
+/// umat_abi::export_umat!(MyLaw, "my_law");
 /// ```
 #[macro_export]
 macro_rules! export_umat {
-    ($law:ty, $unique:literal) => {
+    ($law:ty, $name:literal) => {
         $crate::silence_panics_on_load!();
         $crate::umat_symbol!("umat_", umat_fortran, $crate::export::umat::<$law>);
         $crate::umat_symbol!("umat", umat_plain, $crate::export::umat::<$law>);
         $crate::umat_symbol!("UMAT", umat_upper, $crate::export::umat::<$law>);
-        $crate::umat_symbol!($unique, umat_unique, $crate::export::umat::<$law>);
-        $crate::batch_symbol!($law);
-        $crate::plugin_symbol!($crate::law_plugin!((umat $law)));
+        $crate::batch_symbol!("pullout_umat_batch_v1", $law);
+        $crate::plugin_symbol!("pullout_plugin_v1", $crate::law_plugin!((umat $law)));
+        $crate::own_umat_symbols!($law, $name);
     };
 }
 
-/// Turns an [`InterfaceLaw`](crate::law::InterfaceLaw) into the symbols of a cdylib: UINTER and FRIC, each
-/// under the three usual spellings and a unique one, and `pullout_plugin_v1`.
+/// Turns a [`Law`](crate::law::Law) into a cdylib for Kratos, which looks for `umat_` and orders shears 12, 23, 13. There is no
+/// `umat`, which Kratos would call for rows of DDSDDE, and no description: other hosts are to take the other library.
 ///
 /// ```ignore
-/// umat_abi::export_interface!(MyBond, "my_bond_uinter_", "my_bond_fric_");
+/// umat_abi::export_umat_for_kratos!(MyLaw, "my_law");
+/// ```
+#[macro_export]
+macro_rules! export_umat_for_kratos {
+    ($law:ty, $name:literal) => {
+        $crate::silence_panics_on_load!();
+        $crate::assert_law_name!(<$law as $crate::law::Law>::INFO, $name);
+        $crate::umat_symbol!(concat!($name, "_umat_"), umat_unique, $crate::export::umat::<$law>);
+        $crate::kratos_symbol!("umat_", umat_unique);
+    };
+}
+
+/// Turns an [`InterfaceLaw`](crate::law::InterfaceLaw) into the symbols of a cdylib: UINTER and FRIC, each under the three usual
+/// spellings, and `pullout_plugin_v1`; and, with the law's name in place of `my_bond`, `my_bond_uinter_`, `my_bond_fric_` and
+/// `my_bond_plugin_v1`.
+///
+/// ```ignore
+/// umat_abi::export_interface!(MyBond, "my_bond");
 /// ```
 #[macro_export]
 macro_rules! export_interface {
-    ($law:ty, $unique_uinter:literal, $unique_fric:literal) => {
+    ($law:ty, $name:literal) => {
         $crate::silence_panics_on_load!();
         $crate::uinter_symbol!("uinter_", uinter_fortran, $crate::export::uinter::<$law>);
         $crate::uinter_symbol!("uinter", uinter_plain, $crate::export::uinter::<$law>);
         $crate::uinter_symbol!("UINTER", uinter_upper, $crate::export::uinter::<$law>);
-        $crate::uinter_symbol!($unique_uinter, uinter_unique, $crate::export::uinter::<$law>);
         $crate::fric_symbol!("fric_", fric_fortran, $crate::export::fric::<$law>);
         $crate::fric_symbol!("fric", fric_plain, $crate::export::fric::<$law>);
         $crate::fric_symbol!("FRIC", fric_upper, $crate::export::fric::<$law>);
-        $crate::fric_symbol!($unique_fric, fric_unique, $crate::export::fric::<$law>);
-        $crate::plugin_symbol!($crate::law_plugin!((interface $law)));
+        $crate::plugin_symbol!("pullout_plugin_v1", $crate::law_plugin!((interface $law)));
+        $crate::own_interface_symbols!($law, $name);
     };
 }
 
@@ -504,6 +578,7 @@ macro_rules! library_umat_symbols {
         $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
         $crate::umat_symbol!("umat", umat_plain, umat_by_name);
         $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
+        $crate::kratos_symbol!("umat_kratos_", umat_fortran);
     };
 }
 
@@ -546,18 +621,26 @@ macro_rules! library_interface_symbols {
     };
 }
 
-/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME).
-/// With no interface law (`interface: []`) the library has neither UINTER nor FRIC.
+/// Several laws in one cdylib: UMAT, UINTER and FRIC dispatch on the material name (CMNAME, CINAME); the symbols that bear the name of a
+/// law are those of its own library. With no interface law (`interface: []`) the library has neither UINTER nor FRIC.
 ///
 /// ```ignore
-/// umat_abi::export_library!(umat: [Elastic, Damage], interface: [Bond]);
+/// umat_abi::export_library!(umat: [Elastic => "elastic", Damage => "damage"], interface: [Bond => "bond"]);
 /// ```
 #[macro_export]
 macro_rules! export_library {
-    (umat: [$($umat:ty),+ $(,)?], interface: [$($interface:ty),* $(,)?] $(,)?) => {
+    (
+        umat: [$($umat:ty => $umat_name:literal),+ $(,)?],
+        interface: [$($interface:ty => $interface_name:literal),* $(,)?] $(,)?
+    ) => {
         $crate::silence_panics_on_load!();
         $crate::library_umat_symbols!($($umat),+);
         $crate::library_interface_symbols!($($interface),*);
-        $crate::plugin_symbol!($crate::plugin_chain!($((umat $umat)),+ $(, (interface $interface))*));
+        $crate::plugin_symbol!(
+            "pullout_plugin_v1",
+            $crate::plugin_chain!($((umat $umat)),+ $(, (interface $interface))*)
+        );
+        $($crate::own_umat_symbols!($umat, $umat_name);)+
+        $($crate::own_interface_symbols!($interface, $interface_name);)*
     };
 }

@@ -10,6 +10,7 @@
 mod batch;
 mod dispatch;
 mod interface;
+mod kratos;
 mod macros;
 mod solid;
 mod validate;
@@ -17,6 +18,7 @@ mod validate;
 pub use batch::{BatchArguments, batch};
 pub use dispatch::{NamedEntry, fric_by_name, uinter_by_name, umat_by_name};
 pub use interface::{fric, uinter};
+pub use kratos::umat_kratos;
 pub use solid::umat;
 pub use validate::{validate_interface, validate_solid};
 
@@ -152,6 +154,18 @@ unsafe fn refuse(name: &std::ffi::CStr, refusal: &Refusal, host: &Answer) {
         }
         store(host.pnewdt, fraction);
     }
+}
+
+/// Whether a law's name in an export macro is that of its table.
+pub const fn is_named(info: &LawInfo, name: &str) -> bool {
+    let (own, given) = (info.name.to_bytes(), name.as_bytes());
+    let mut same = own.len() == given.len();
+    let mut k = 0;
+    while same && k < own.len() {
+        same = own[k] == given[k];
+        k += 1;
+    }
+    same
 }
 
 /// Silences the panic messages of a plugin: the panic is caught and reported once by the boundary.

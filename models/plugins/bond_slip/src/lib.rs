@@ -1,3 +1,3 @@
 //! `libbond_slip.so`: bond, snubbing and contact as UINTER, the tangential part as FRIC.
 
-umat_abi::export_interface!(models::bond_slip::BondSlip, "bond_slip_uinter_", "bond_slip_fric_");
+umat_abi::export_interface!(models::bond_slip::BondSlip, "bond_slip");

@@ -1,3 +1,3 @@
 //! `libconcrete_damage.so`: the production damage law as a UMAT.
 
-umat_abi::export_umat!(models::concrete_damage::ConcreteDamage, "concrete_damage_umat_");
+umat_abi::export_umat!(models::concrete_damage::ConcreteDamage, "concrete_damage");

@@ -1,3 +1,3 @@
 //! `libdrucker_prager.so`: Drucker–Prager plasticity as a UMAT.
 
-umat_abi::export_umat!(models::drucker_prager::DruckerPrager, "drucker_prager_umat_");
+umat_abi::export_umat!(models::drucker_prager::DruckerPrager, "drucker_prager");

@@ -13,14 +13,14 @@ use models::reverse_cyclic_damage::ReverseCyclicDamage;
 
 umat_abi::export_library!(
     umat: [
-        LinearElastic,
-        PureDamage,
-        InelasticDamage,
-        ReverseCyclicDamage,
-        BiaxialDamage,
-        ConcreteDamage,
-        J2Plasticity,
-        DruckerPrager,
+        LinearElastic => "linear_elastic",
+        PureDamage => "pure_damage",
+        InelasticDamage => "inelastic_damage",
+        ReverseCyclicDamage => "reverse_cyclic_damage",
+        BiaxialDamage => "biaxial_damage",
+        ConcreteDamage => "concrete_damage",
+        J2Plasticity => "j2_plasticity",
+        DruckerPrager => "drucker_prager",
     ],
-    interface: [BondSlip],
+    interface: [BondSlip => "bond_slip"],
 );

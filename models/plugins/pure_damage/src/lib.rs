@@ -1,3 +1,3 @@
 //! `libpure_damage.so`: model I, isotropic damage, as a UMAT.
 
-umat_abi::export_umat!(models::pure_damage::PureDamage, "pure_damage_umat_");
+umat_abi::export_umat!(models::pure_damage::PureDamage, "pure_damage");

@@ -2,4 +2,4 @@
 
 use faulty_law::{Half, InterfaceDamage};
 
-umat_abi::export_interface!(InterfaceDamage<Half>, "halved_interface_uinter_", "halved_interface_fric_");
+umat_abi::export_interface!(InterfaceDamage<Half>, "halved_interface_tangent");

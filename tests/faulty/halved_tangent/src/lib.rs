@@ -18,4 +18,4 @@ impl Fault for Halved {
     }
 }
 
-umat_abi::export_umat!(Damage<Halved>, "halved_tangent_umat_");
+umat_abi::export_umat!(Damage<Halved>, "halved_tangent");

@@ -18,4 +18,4 @@ impl Fault for Memory {
     }
 }
 
-umat_abi::export_umat!(Damage<Memory>, "hidden_memory_umat_");
+umat_abi::export_umat!(Damage<Memory>, "hidden_memory");

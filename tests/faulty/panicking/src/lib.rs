@@ -14,4 +14,4 @@ impl Fault for Panicking {
     }
 }
 
-umat_abi::export_umat!(Damage<Panicking>, "panicking_umat_");
+umat_abi::export_umat!(Damage<Panicking>, "panicking");

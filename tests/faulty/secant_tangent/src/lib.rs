@@ -14,4 +14,4 @@ impl Fault for Secant {
     }
 }
 
-umat_abi::export_umat!(Damage<Secant>, "secant_tangent_umat_");
+umat_abi::export_umat!(Damage<Secant>, "secant_tangent");

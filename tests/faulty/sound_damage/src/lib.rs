@@ -9,4 +9,4 @@ impl Fault for Sound {
     const NAME: &'static std::ffi::CStr = c"sound_damage";
 }
 
-umat_abi::export_umat!(Damage<Sound>, "sound_damage_umat_");
+umat_abi::export_umat!(Damage<Sound>, "sound_damage");

@@ -2,4 +2,4 @@
 
 use faulty_law::{InterfaceDamage, Whole};
 
-umat_abi::export_interface!(InterfaceDamage<Whole>, "sound_interface_uinter_", "sound_interface_fric_");
+umat_abi::export_interface!(InterfaceDamage<Whole>, "sound_interface");
