@@ -252,3 +252,122 @@ fn a_killed_run_leaves_whole_lines() {
     assert!(increments.iter().enumerate().all(|(k, &increment)| increment == k as f64));
     assert!(!desk.path("out/summary.json").exists());
 }
+
+/// A quick case, and a folder with its results.
+fn finished(desk: &Desk) -> std::path::PathBuf {
+    let steps = json!([ { "increments": 3, "target": { "e11": 0.001 } } ]);
+    let case = desk.case("case.json", &point(elastic(), steps));
+    desk.run(&case, &[], "out", 0);
+    case
+}
+
+/// Every file below a folder, with its content.
+fn everything(folder: &std::path::Path) -> std::collections::BTreeMap<std::path::PathBuf, Vec<u8>> {
+    let mut all = std::collections::BTreeMap::new();
+    for entry in std::fs::read_dir(folder).expect("a folder").flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            all.extend(everything(&path));
+        } else {
+            all.insert(path.clone(), std::fs::read(&path).expect("a file"));
+        }
+    }
+    all
+}
+
+#[test]
+fn files_of_the_user_are_refused_before_anything_runs() {
+    let names = [
+        "plots/mine.svg",
+        "fields/mine.vtu",
+        "report.html",
+        "summary.json",
+        "replay.json",
+        "checkpoint.bin",
+        "history.csv",
+        "fields.pvd",
+        "umat.log",
+        "umat.msg",
+        "manifest.json",
+    ];
+    for isolate in [false, true] {
+        for name in names {
+            let desk = Desk::new();
+            let mut material = elastic();
+            material["isolate"] = json!(isolate);
+            let steps = json!([ { "increments": 3, "target": { "e11": 0.001 } } ]);
+            let case = desk.case("case.json", &point(material, steps));
+            desk.write(&format!("out/{name}"), "mine");
+            let before = everything(&desk.path("out"));
+            let run = |more: &[&str], code| {
+                let arguments = ["run", "case.json", "--out", "out"].into_iter().chain(more.iter().copied());
+                desk.pullout(arguments.collect::<Vec<_>>()).expect(code).stderr
+            };
+            let stderr = run(&[], 2);
+            assert!(stderr.contains(name) && stderr.contains("--overwrite"), "{stderr}");
+            assert_eq!(everything(&desk.path("out")), before, "{name}");
+            let stderr = run(&["--overwrite"], 0);
+            assert!(stderr.contains(name), "{stderr}");
+            assert_eq!(json(&desk.path("out/summary.json"))["status"], "done");
+            assert!(!desk.path("out/previous").exists() && case.exists());
+            // they are ours now
+            run(&[], 0);
+        }
+    }
+}
+
+#[test]
+fn a_case_is_not_run_into_what_it_is_read_from() {
+    let desk = Desk::new();
+    desk.write("here/history.csv", "time, e11\n1, 0.001\n2, 0.002\n");
+    let case = point(elastic(), json!([ { "table": "history.csv" } ]));
+    desk.case("here/replay.json", &case);
+    let before = everything(&desk.path("here"));
+    for more in [&[][..], &["--overwrite"]] {
+        let arguments = ["run", "here/replay.json", "--out", "here"].into_iter().chain(more.iter().copied());
+        let stderr = desk.pullout(arguments.collect::<Vec<_>>()).expect(2).stderr;
+        assert!(stderr.contains("history.csv, replay.json") && stderr.contains("another --out"), "{stderr}");
+        assert_eq!(everything(&desk.path("here")), before);
+    }
+    desk.pullout(["run", "here/replay.json", "--out", "there"]).expect(0);
+}
+
+#[test]
+fn results_of_an_older_version_are_replaced() {
+    let desk = Desk::new();
+    let case = finished(&desk);
+    std::fs::remove_file(desk.path("out/manifest.json")).expect("a manifest");
+    desk.write("out/plots/old.svg", "<svg/>");
+    desk.run(&case, &[], "out", 0);
+    assert!(!desk.path("out/plots/old.svg").exists());
+    // without the summary nothing tells whose they are
+    std::fs::remove_file(desk.path("out/manifest.json")).expect("a manifest");
+    std::fs::remove_file(desk.path("out/summary.json")).expect("a summary");
+    desk.pullout(["run", "case.json", "--out", "out"]).expect(2);
+}
+
+#[test]
+fn a_second_run_into_the_same_folder_is_refused() {
+    let desk = Desk::new();
+    let steps = json!([ { "increments": 100_000_000, "target": { "e11": 0.001 } } ]);
+    desk.case("long.json", &point(elastic(), steps));
+    finished(&desk);
+    let mut process = command();
+    process.current_dir(desk.path("")).args(["run", "--quiet", "--out", "out", "long.json"]);
+    let mut child = process.spawn().expect("the program starts");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while !desk.path("out/previous/summary.json").exists() {
+        assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "it does not begin");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let stderr = desk.pullout(["run", "case.json", "--out", "out"]).expect(2).stderr;
+    assert!(stderr.contains(&format!("process {} on ", child.id())), "{stderr}");
+    // SIGKILL
+    child.kill().expect("a child");
+    child.wait().expect("a child");
+    assert!(desk.path("out/previous/summary.json").exists() && !desk.path("out/summary.json").exists());
+    // the next run takes over, and leaves nothing of both
+    let run = desk.run(&desk.path("case.json"), &[], "out", 0);
+    assert_eq!(run.history.rows.len(), 4);
+    assert!(!desk.path("out/previous").exists());
+}

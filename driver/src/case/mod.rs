@@ -96,6 +96,16 @@ impl Case {
         }
     }
 
+    /// The libraries that it calls.
+    pub fn libraries(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Path(program) => vec![program.plugin.library.path().to_owned()],
+            Self::Pullout(program) => {
+                program.laws().into_iter().map(|(_, law)| law.library.path().to_owned()).collect()
+            }
+        }
+    }
+
     /// Things the user should know although nothing is wrong.
     pub fn warnings(&self) -> &[String] {
         match self {
@@ -226,6 +236,28 @@ pub fn is_study(path: &Path) -> bool {
 /// A case file as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
 pub fn document(path: &Path, overrides: &[String]) -> Option<Value> {
     text_with(path, overrides, &mut Vec::new())
+}
+
+/// The files that a case is read from: its own, and those that texts of it name (meshes, tables, measured curves), with
+/// the overrides. Plugins that are found by name are not among them.
+pub fn inputs(path: &Path, overrides: &[String]) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    named_files(&document(path, overrides).unwrap_or_default(), folder_of(path), &mut files);
+    files
+}
+
+fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
+    match value {
+        Value::String(text) if !text.is_empty() => {
+            let path = folder.join(text);
+            if path.is_file() {
+                files.push(path);
+            }
+        }
+        Value::Array(entries) => entries.iter().for_each(|entry| named_files(entry, folder, files)),
+        Value::Object(members) => members.values().for_each(|member| named_files(member, folder, files)),
+        _ => {}
+    }
 }
 
 fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> Option<Value> {

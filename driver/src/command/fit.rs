@@ -1,9 +1,11 @@
 //! `pullout fit`: laws from experiments.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, refuse, say};
+use super::{BAD_INPUT, DONE, FAILED, complain, refuse, run, say};
+use crate::case;
 use crate::fit::{
     self, Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights,
 };
+use crate::output::directory::{Access, Kind, ResultDirectory};
 use crate::output::number::significant;
 use clap::{Args, Subcommand, ValueEnum};
 use std::io;
@@ -90,6 +92,9 @@ pub(super) struct Bond {
     /// Result directory [default: out/<curve file stem>/].
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    #[arg(long)]
+    overwrite: bool,
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
@@ -121,6 +126,10 @@ pub(super) fn act(law: &Law) -> u8 {
             return BAD_INPUT;
         }
     };
+    let mut directory = match bond.open() {
+        Ok(directory) => directory,
+        Err(code) => return code,
+    };
     let request = bond.request();
     let progress = |form: &str, runs: usize, rms: f64| {
         if !bond.quiet {
@@ -139,7 +148,7 @@ pub(super) fn act(law: &Law) -> u8 {
             return FAILED;
         }
     };
-    match bond.write(&curve, &request, &laws) {
+    match bond.write(&mut directory, &curve, &request, &laws) {
         Ok(()) => bond.tell(&laws),
         Err(error) => {
             complain(error);
@@ -181,11 +190,25 @@ impl Bond {
         self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(self.curve.file_stem().unwrap_or_default()))
     }
 
-    fn write(&self, curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> io::Result<()> {
-        let folder = self.folder();
-        std::fs::create_dir_all(&folder)
-            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
-        fit::write(&folder, &self.curve.display().to_string(), curve, request, laws)
+    /// Opens the result directory, or says why not.
+    fn open(&self) -> Result<ResultDirectory, u8> {
+        let mut inputs = vec![self.curve.clone()];
+        inputs.extend(self.specimen_case.iter().flat_map(|case| case::inputs(case, &[])));
+        let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
+        run::open_for(&self.folder(), Kind::Fit, access)
+    }
+
+    fn write(
+        &self,
+        directory: &mut ResultDirectory,
+        curve: &LoadSlipCurve,
+        request: &Request,
+        laws: &[FittedLaw],
+    ) -> io::Result<()> {
+        directory.begin(&[])?;
+        fit::write(directory, &self.curve.display().to_string(), curve, request, laws)?;
+        directory.remove_earlier()?;
+        directory.finish()
     }
 
     /// Says what came out; the result is the exit code.

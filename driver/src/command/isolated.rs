@@ -4,9 +4,9 @@ use super::run::{self, Telling};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
 use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Stage, Task};
 use crate::isolation::{prints, worker};
+use crate::output::directory::ResultDirectory;
 use crate::output::summary::{PluginFile, Status, Summary};
 use crate::path::Statistics;
-use std::fs;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::Instant;
@@ -22,14 +22,19 @@ pub(super) fn check(file: &Path, reading: &Reading, need: &Need, before_run: boo
     }
 }
 
-/// Runs a case.
-pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, telling: Telling) -> u8 {
+/// Runs a case into a directory that this process holds.
+pub(super) fn run(
+    file: &Path,
+    directory: ResultDirectory,
+    reading: &Reading,
+    need: &Need,
+    overwrite: bool,
+    telling: Telling,
+) -> u8 {
     let Telling { quiet, echo } = telling;
     let start = Instant::now();
-    let failure = match isolation::supervise(
-        &Job { echo, ..job(Stage::Run, file, Some(folder), reading, "null", quiet) },
-        need,
-    ) {
+    let run = Job { overwrite, echo, ..job(Stage::Run, file, Some(directory.path()), reading, "null", quiet) };
+    let failure = match isolation::supervise(&run, need) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,
         Err(error) => return refuse_to_start(file, &error),
@@ -41,7 +46,7 @@ pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, te
     if failure.report.at_loading {
         return fail(file, &failure, &failure.report.message);
     }
-    match conclude(file, folder, reading, need, &failure, start.elapsed().as_secs_f64(), quiet) {
+    match conclude(file, directory, reading, need, &failure, start.elapsed().as_secs_f64(), quiet) {
         Ok(code) => code,
         Err(error) => {
             complain(format!("{}: {error}", file.display()));
@@ -53,25 +58,23 @@ pub(super) fn run(file: &Path, folder: &Path, reading: &Reading, need: &Need, te
 /// Writes the replay case and the results of a run that was ended.
 fn conclude(
     file: &Path,
-    folder: &Path,
+    mut directory: ResultDirectory,
     reading: &Reading,
     need: &Need,
     failure: &Failure,
     wall_time_s: f64,
     quiet: bool,
 ) -> io::Result<u8> {
-    fs::create_dir_all(folder)?;
-    if !failure.has_rows {
-        // what is there is another run's
-        run::remove_leftovers(folder)?;
-        let _ = fs::remove_file(folder.join("history.csv"));
+    if failure.has_rows {
+        directory.reread()?;
+    } else {
+        directory.begin(&[])?;
     }
-    prints::remove_empty(folder);
+    prints::remove_empty(directory.path());
     let mut message = failure.report.message.clone();
     match &failure.replay {
         Some(case) => {
-            let replay = folder.join("replay.json");
-            fs::write(&replay, format!("{case:#}\n"))?;
+            let replay = directory.write("replay.json", format!("{case:#}\n"))?;
             message += &format!(" (replay case: {})", replay.display());
         }
         None if failure.report.call.as_ref().is_some_and(|call| !call.arguments.is_routine()) => {
@@ -82,12 +85,15 @@ fn conclude(
     let aftermath = Aftermath { message, statistics: failure.statistics, wall_time_s };
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
-        let job = job(Stage::Conclude, file, Some(folder), reading, &text, quiet);
+        let job = job(Stage::Conclude, file, Some(directory.path()), reading, &text, quiet);
         if let End::Done(FAILED) = isolation::supervise(&job, need)? {
             return Ok(FAILED);
         }
+        directory.reread()?;
     }
-    summary(file, failure, &aftermath)?.write(&folder.join("summary.json"))?;
+    summary(file, failure, &aftermath)?.write(&mut directory)?;
+    directory.remove_earlier()?;
+    directory.finish()?;
     Ok(fail(file, failure, &aftermath.message))
 }
 
@@ -134,7 +140,18 @@ fn job<'a>(
     quiet: bool,
 ) -> Job<'a> {
     let Reading { overrides, plugin_paths } = reading;
-    Job { stage, case: Some(case), out, overrides, plugin_paths, aftermath, quiet, echo: false, command: &[] }
+    Job {
+        stage,
+        case: Some(case),
+        out,
+        overwrite: false,
+        overrides,
+        plugin_paths,
+        aftermath,
+        quiet,
+        echo: false,
+        command: &[],
+    }
 }
 
 /// What a worker does.
@@ -144,7 +161,7 @@ pub(super) fn work(task: &Task, reading: &Reading) -> u8 {
     let done = worker::work(task, || match task.stage {
         Stage::Check => run::check_here(case, reading, *quiet),
         Stage::Command => super::act_on(&task.command),
-        Stage::Run => run::run_here(case, out, reading, *quiet),
+        Stage::Run => run::run_here(case, out, reading, task.overwrite, *quiet),
         Stage::Conclude => match serde_json::from_str(&task.aftermath) {
             Ok(aftermath) => run::conclude_here(case, out, reading, &aftermath, *quiet),
             Err(error) => {

@@ -13,6 +13,7 @@ use crate::PLUGIN_STACK;
 use crate::case::{self, Case, CaseErrors};
 use crate::isolation;
 use crate::isolation::prints::{Prints, say};
+use crate::output::directory::Kind;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -45,9 +46,8 @@ enum Command {
         /// Case files.
         #[arg(required = true, value_name = "CASE.json")]
         cases: Vec<PathBuf>,
-        /// Result directory (of several cases: their parent).
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
+        #[command(flatten)]
+        results: run::Results,
         #[command(flatten)]
         reading: Reading,
         #[command(flatten)]
@@ -85,17 +85,7 @@ enum Command {
     /// Print the JSON Schema of case and study files (draft 2020-12).
     Schema,
     /// Redraw the pictures of one or several runs, overlaid.
-    Plot {
-        /// Result directories.
-        #[arg(required = true, value_name = "RESULT_DIR")]
-        results: Vec<PathBuf>,
-        /// Where to; default: plots/ of the first.
-        #[arg(long, value_name = "DIR")]
-        out: Option<PathBuf>,
-        /// Make a PNG of every picture there as well.
-        #[arg(long)]
-        png: bool,
-    },
+    Plot(plot::Arguments),
     /// One case in a process of its own; started by the program itself.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker {
@@ -185,19 +175,21 @@ fn act_on(arguments: &[OsString]) -> u8 {
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
     match command {
-        Command::Run { cases, out, reading, interruption, threads, quiet, echo, parent } => {
+        Command::Run { cases, results, reading, interruption, threads, quiet, echo, parent } => {
             if let Some(parent) = parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
             let threads = threads.unwrap_or_else(processors);
-            run::run(&cases, out.as_deref(), &reading, &interruption, threads, run::Telling { quiet, echo })
+            // a study's run has what the study adds to its results
+            let kind = if parent.is_some() { Kind::Member } else { Kind::Run };
+            run::run(&cases, &results, kind, &reading, &interruption, threads, run::Telling { quiet, echo })
         }
-        Command::Study(arguments) => study::run(&arguments),
+        Command::Study(arguments) => study::run_all(&arguments),
         Command::Check { cases, reading } => run::check(&cases, &reading),
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
-        Command::Plot { results, out, png } => plot::plot(&results, out.as_deref(), png),
+        Command::Plot(arguments) => plot::plot(&arguments),
         Command::Fit { law } => fit::act(&law),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),

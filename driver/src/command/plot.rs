@@ -1,15 +1,32 @@
 //! `pullout plot`.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, say};
+use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
+use crate::output::directory::{Kind, ResultDirectory};
 use crate::output::history::History;
-use crate::output::plots::{self, Run, SPEC_FILE, Spec, png};
+use crate::output::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// `as_png`: every picture of the folder as PNG as well, those of a specimen's fields among them.
-pub(super) fn plot(results: &[PathBuf], out: Option<&Path>, as_png: bool) -> u8 {
+/// How pictures are drawn again.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Result directories.
+    #[arg(required = true, value_name = "RESULT_DIR")]
+    results: Vec<PathBuf>,
+    /// Where to; default: plots/ of the first.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Make a PNG of every picture there as well, those of a specimen's fields among them.
+    #[arg(long)]
+    png: bool,
+    /// Replace pictures there that this program did not write, or that were changed since.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+pub(super) fn plot(arguments: &Arguments) -> u8 {
     let mut runs = Vec::new();
-    for folder in results {
+    for folder in &arguments.results {
         match read(folder) {
             Ok(run) => runs.push(run),
             Err(error) => {
@@ -18,21 +35,27 @@ pub(super) fn plot(results: &[PathBuf], out: Option<&Path>, as_png: bool) -> u8 
             }
         }
     }
-    let folder = out.map_or_else(|| results[0].join("plots"), Path::to_path_buf);
-    let drawn = if let ([(history, spec)], None) = (&runs[..], out) {
-        plots::draw(&folder, history, spec)
-    } else {
-        let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
-        plots::draw_overlay(&folder, &runs)
+    let (root, kind, folder) = match &arguments.out {
+        Some(out) => (out, Kind::Pictures, ""),
+        None => (&arguments.results[0], Kind::Run, "plots"),
     };
-    let drawn = drawn.and_then(|pictures| {
-        let paths = pictures.into_iter().map(|picture| picture.path).collect();
-        if as_png { rasterise(&folder, paths) } else { Ok(paths) }
-    });
-    match drawn {
-        Ok(paths) => {
+    let directory = match ResultDirectory::open_to_add(root, kind) {
+        Ok(directory) => directory,
+        Err(refusal) => return run::refused(refusal),
+    };
+    match draw(&runs, directory, folder, arguments) {
+        Ok(Ok(paths)) => {
             paths.iter().for_each(|path| say(&format!("{}\n", path.display())));
             DONE
+        }
+        Ok(Err(foreign)) => {
+            complain(format!(
+                "{}: {} would be replaced, but this program did not write it, or it was changed since: choose another \
+                 --out, or replace it with --overwrite",
+                root.display(),
+                foreign.join(", ")
+            ));
+            BAD_INPUT
         }
         Err(error) => {
             complain(error);
@@ -41,18 +64,49 @@ pub(super) fn plot(results: &[PathBuf], out: Option<&Path>, as_png: bool) -> u8 
     }
 }
 
-/// Adds a PNG to every SVG in a folder.
-fn rasterise(folder: &Path, mut paths: Vec<PathBuf>) -> io::Result<Vec<PathBuf>> {
-    let files = std::fs::read_dir(folder)?.flatten().map(|entry| entry.path());
-    let mut drawings: Vec<PathBuf> =
-        files.filter(|path| path.extension().is_some_and(|extension| extension == "svg")).collect();
-    drawings.sort();
-    for drawing in drawings {
-        let png = drawing.with_extension("png");
-        png::write(&png, &std::fs::read_to_string(&drawing)?)?;
-        paths.push(png);
+/// Draws into a folder of a directory; the result is the files, or those of the user's that stand in the way.
+fn draw(
+    runs: &[(History, Spec)],
+    mut directory: ResultDirectory,
+    folder: &str,
+    arguments: &Arguments,
+) -> io::Result<Result<Vec<PathBuf>, Vec<String>>> {
+    let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
+    let figures = selection::figures(&runs);
+    let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
+    let mut drawings = drawn.clone();
+    if arguments.png {
+        drawings.extend(present(&directory.path().join(folder)).into_iter().map(|name| within(folder, &name)));
+        drawings.sort();
+        drawings.dedup();
     }
-    Ok(paths)
+    let png_of = |drawing: &String| Path::new(drawing).with_extension("png").to_string_lossy().into_owned();
+    let pngs: Vec<String> = if arguments.png { drawings.iter().map(png_of).collect() } else { Vec::new() };
+    let foreign = directory.foreign(drawn.iter().chain(&pngs).map(String::as_str));
+    if !foreign.is_empty() && !arguments.overwrite {
+        return Ok(Err(foreign));
+    }
+    if !foreign.is_empty() {
+        complain(format!("{}: --overwrite replaces {}", directory.path().display(), foreign.join(", ")));
+    }
+    let pictures = plots::write_all(&mut directory, folder, &figures)?;
+    let mut paths: Vec<PathBuf> = pictures.into_iter().map(|picture| picture.path).collect();
+    for (drawing, name) in drawings.iter().zip(&pngs) {
+        let svg = std::fs::read_to_string(directory.path().join(drawing))?;
+        paths.push(directory.write(name, png::of(&svg)?)?);
+    }
+    directory.finish()?;
+    Ok(Ok(paths))
+}
+
+/// The drawings in a folder.
+fn present(folder: &Path) -> Vec<String> {
+    let names = std::fs::read_dir(folder)
+        .into_iter()
+        .flatten()
+        .flatten()
+        .filter_map(|entry| entry.file_name().into_string().ok());
+    names.filter(|name| name.ends_with(".svg")).collect()
 }
 
 fn read(folder: &Path) -> io::Result<(History, Spec)> {

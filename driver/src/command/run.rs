@@ -2,11 +2,12 @@
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, study};
 use crate::case::{self, Case};
-use crate::isolation::prints::{self, Prints, say};
+use crate::isolation::prints::{Prints, say};
 use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::compare;
+use crate::output::directory::{self, Access, Refusal, ResultDirectory};
 use crate::output::history::History;
-use crate::output::plots::{self, Spec};
+use crate::output::plots::{self, Picture, Spec};
 use crate::output::progress::{Extent, Progress};
 use crate::output::report::{self, Account};
 use crate::output::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
@@ -16,7 +17,6 @@ use crate::pullout;
 use crate::pullout::checkpoint::{self, Checkpoints};
 use fe_core::threads::Threads;
 use std::collections::BTreeSet;
-use std::fs;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -67,10 +67,32 @@ pub(super) struct Telling {
     pub(super) echo: bool,
 }
 
-/// Runs cases, after all of them were read without an error.
+impl Job<'_> {
+    /// The libraries that it calls.
+    fn libraries(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Here(case, _) => case.libraries(),
+            Self::Isolated { need, .. } => need.libraries.keys().cloned().collect(),
+        }
+    }
+}
+
+/// Where the results of cases go, and how.
+#[derive(Debug, clap::Args)]
+pub(super) struct Results {
+    /// Result directory (of several cases: their parent).
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    #[arg(long)]
+    overwrite: bool,
+}
+
+/// Runs cases, after all of them were read without an error. `kind`: what the results are part of.
 pub(super) fn run(
     cases: &[PathBuf],
-    out: Option<&Path>,
+    results: &Results,
+    kind: directory::Kind,
     reading: &Reading,
     interruption: &Interruption,
     threads: NonZeroUsize,
@@ -92,7 +114,7 @@ pub(super) fn run(
     let mut code = DONE;
     for file in cases {
         let stem = file.file_stem().unwrap_or_default().to_owned();
-        let folder = match out.or(interruption.restart.as_deref()) {
+        let folder = match results.out.as_deref().or(interruption.restart.as_deref()) {
             Some(out) if cases.len() == 1 => out.to_path_buf(),
             Some(out) => out.join(&stem),
             None => Path::new("out").join(&stem),
@@ -115,7 +137,7 @@ pub(super) fn run(
                 if cases.len() > 1 {
                     code = code.max(isolated::check(file, reading, &need, true));
                 }
-                jobs.push((Job::Isolated { file, need }, folder));
+                jobs.push((Job::Isolated { file, need }, file, folder));
             }
             None => match reading.case(file) {
                 Ok(mut case) => match interruption.checkpoints(&case) {
@@ -123,7 +145,7 @@ pub(super) fn run(
                         if let Case::Pullout(program) = &mut case {
                             program.threads = threads.clone();
                         }
-                        jobs.push((Job::Here(Box::new(case), checkpoints), folder));
+                        jobs.push((Job::Here(Box::new(case), checkpoints), file, folder));
                     }
                     Err(message) => {
                         complain(format!("{}: {message}", file.display()));
@@ -137,104 +159,131 @@ pub(super) fn run(
     if code != DONE {
         return code;
     }
-    let run = |(job, folder): &(Job<'_>, PathBuf)| match job {
-        Job::Here(case, checkpoints) => tell(case, folder, telling.quiet, run_into(case, folder, checkpoints, telling)),
-        Job::Isolated { file, need } => isolated::run(file, folder, reading, need, telling),
+    let mut ready = Vec::new();
+    for (job, file, folder) in jobs {
+        match open(file, &folder, kind, reading, &job.libraries(), results.overwrite, false) {
+            Ok(directory) => ready.push((job, directory)),
+            Err(refused) => code = code.max(refused),
+        }
+    }
+    if code != DONE {
+        return code;
+    }
+    let run = |(job, directory): (Job<'_>, ResultDirectory)| match job {
+        Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling),
+        Job::Isolated { file, need } => isolated::run(file, directory, reading, &need, results.overwrite, telling),
     };
-    jobs.iter().map(run).max().unwrap_or(DONE)
+    ready.into_iter().map(run).max().unwrap_or(DONE)
 }
 
-/// Reads and runs a case in this process.
-pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, quiet: bool) -> u8 {
-    match reading.case(file) {
-        Ok(case) => {
-            // the supervisor shows what is printed
-            let telling = Telling { quiet, echo: false };
-            tell(&case, folder, quiet, run_into(&case, folder, &Checkpoints::default(), telling))
+/// Opens the result directory of a case, or says why not.
+pub(super) fn open(
+    file: &Path,
+    folder: &Path,
+    kind: directory::Kind,
+    reading: &Reading,
+    libraries: &[PathBuf],
+    overwrite: bool,
+    is_locked: bool,
+) -> Result<ResultDirectory, u8> {
+    let inputs = [&case::inputs(file, &reading.overrides), libraries].concat();
+    open_for(folder, kind, Access { inputs: &inputs, overwrite, is_locked })
+}
+
+/// Opens a result directory, or says why not.
+pub(super) fn open_for(folder: &Path, kind: directory::Kind, access: Access<'_>) -> Result<ResultDirectory, u8> {
+    match ResultDirectory::open(folder, kind, access) {
+        Ok(directory) => {
+            if !access.is_locked {
+                directory.notes().iter().for_each(complain);
+            }
+            Ok(directory)
         }
+        Err(refusal) => Err(refused(refusal)),
+    }
+}
+
+/// Says why a result directory cannot be used; the result is the exit code.
+pub(super) fn refused(refusal: Refusal) -> u8 {
+    match refusal {
+        Refusal::Content(message) => {
+            complain(message);
+            BAD_INPUT
+        }
+        Refusal::System(error) => {
+            complain(error);
+            FAILED
+        }
+    }
+}
+
+/// Reads and runs a case in this process, whose supervisor holds the result directory.
+pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, overwrite: bool, quiet: bool) -> u8 {
+    match reading.case(file) {
+        Ok(case) => match open(file, folder, directory::Kind::Run, reading, &case.libraries(), overwrite, true) {
+            // the supervisor shows what is printed
+            Ok(directory) => run_into(&case, directory, &Checkpoints::default(), Telling { quiet, echo: false }),
+            Err(code) => code,
+        },
         Err(errors) => refuse(&errors),
     }
 }
 
 /// Makes results of the rows that a run left which was ended from outside.
 pub(super) fn conclude_here(file: &Path, folder: &Path, reading: &Reading, aftermath: &Aftermath, quiet: bool) -> u8 {
-    match reading.case(file) {
-        Ok(case) => {
-            let end = RunEnd::of(&case, folder, aftermath);
-            tell(&case, folder, quiet, end.and_then(|end| conclude(&case, folder, end, None)))
-        }
-        Err(errors) => refuse(&errors),
-    }
+    let case = match reading.case(file) {
+        Ok(case) => case,
+        Err(errors) => return refuse(&errors),
+    };
+    let concluded = ResultDirectory::join(folder, directory::Kind::Run).and_then(|mut directory| {
+        let end = RunEnd::of(&case, folder, aftermath)?;
+        conclude(&case, &mut directory, end, None)
+    });
+    tell(&case, folder, quiet, concluded)
 }
 
 /// Says what came out of a run; the result is its exit code.
-fn tell(case: &Case, folder: &Path, quiet: bool, summary: io::Result<Summary>) -> u8 {
-    match summary {
-        Ok(summary) => {
-            if !quiet {
-                say(&outcome(&summary, case, folder));
-            }
-            for warning in &summary.warnings {
-                complain(format!("{}: warning: {warning}", case.file().display()));
-            }
-            match &summary.message {
-                None => DONE,
-                Some(message) => {
-                    complain(format!("{}: {message}", case.file().display()));
-                    FAILED
-                }
-            }
-        }
+fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary, io::Result<()>)>) -> u8 {
+    let complain = |message: &dyn std::fmt::Display| complain(format!("{}: {message}", case.file().display()));
+    let (summary, written) = match concluded {
+        Ok(concluded) => concluded,
         Err(error) => {
-            complain(format!("{}: {error}", case.file().display()));
-            FAILED
+            complain(&error);
+            return FAILED;
         }
+    };
+    if !quiet {
+        say(&outcome(&summary, case, folder));
     }
-}
-
-/// Files that an earlier run may have left and this one may not write.
-pub(super) fn remove_leftovers(folder: &Path) -> io::Result<()> {
-    remove_conclusions(folder)?;
-    let names = ["fields.pvd", checkpoint::FILE, checkpoint::PARTIAL].map(|name| folder.join(name));
-    let printed = prints::FILES.map(|name| folder.join(name));
-    remove(files(folder.join("fields"), "vtu").chain(names).chain(printed))
-}
-
-/// What is made when a run is over.
-fn remove_conclusions(folder: &Path) -> io::Result<()> {
-    let names = ["replay.json", "report.html", "summary.json"].map(|name| folder.join(name));
-    remove(files(folder.join("plots"), "svg").chain(names))
-}
-
-/// The files of a folder with an extension.
-fn files(folder: PathBuf, wanted: &'static str) -> impl Iterator<Item = PathBuf> {
-    let files = fs::read_dir(folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    files.filter(move |path| path.extension().is_some_and(|extension| extension == wanted))
-}
-
-fn remove(leftovers: impl Iterator<Item = PathBuf>) -> io::Result<()> {
-    for path in leftovers {
-        match fs::remove_file(&path) {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => {
-                return Err(io::Error::new(error.kind(), format!("{}: {error}", path.display())));
-            }
-            _ => {}
-        }
+    summary.warnings.iter().for_each(|warning| complain(&format!("warning: {warning}")));
+    summary.message.iter().for_each(|message| complain(message));
+    if let Err(error) = &written {
+        complain(error);
     }
-    Ok(())
+    if summary.message.is_none() && written.is_ok() { DONE } else { FAILED }
 }
 
-fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, telling: Telling) -> io::Result<Summary> {
-    fs::create_dir_all(folder)
-        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
+/// What of an earlier run a restarted one goes on with.
+const KEPT: [&str; 7] =
+    ["history.csv", checkpoint::FILE, "fields.pvd", "fields/#.vtu", "fields/contact_#.vtu", "umat.log", "umat.msg"];
+
+/// Runs a case, and says what came out; the result is its exit code.
+fn run_into(case: &Case, mut directory: ResultDirectory, checkpoints: &Checkpoints, telling: Telling) -> u8 {
+    let concluded = run_case(case, &mut directory, checkpoints, telling);
+    tell(case, directory.path(), telling.quiet, concluded)
+}
+
+fn run_case(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    checkpoints: &Checkpoints,
+    telling: Telling,
+) -> io::Result<(Summary, io::Result<()>)> {
     let kept = checkpoints.from.as_deref().and_then(Kept::of);
-    if kept.is_some() {
-        remove_conclusions(folder)?
-    } else {
-        remove_leftovers(folder)?
-    }
+    directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
+    let folder = directory.path().to_owned();
     case.announce();
-    let _prints = Prints::keep(folder, telling.echo)?;
+    let prints = Prints::keep(&folder, telling.echo)?;
     let columns = case.columns();
     let history_file = folder.join("history.csv");
     worker::note_start();
@@ -249,25 +298,26 @@ fn run_into(case: &Case, folder: &Path, checkpoints: &Checkpoints, telling: Tell
             (statistics, result, None)
         }
         Case::Pullout(program) => {
-            let mut outcome = pullout::run(program, folder, checkpoints, &mut record);
+            let mut outcome = pullout::run(program, &folder, checkpoints, &mut record);
             let result = std::mem::replace(&mut outcome.result, Ok(()));
             (outcome.statistics, result, Some((&**program, outcome)))
         }
     };
     record.progress.finish();
+    // what plugins printed is complete before the results are listed
+    drop(prints);
     let message = match result {
         Ok(()) => None,
-        Err(Stop::Write(error)) => Some(error.to_string()),
+        Err(Stop::Write(error)) => Some(format!("{}: {error}", record.place())),
         Err(Stop::Failed(failure)) if failure.replay.is_null() => Some(failure.message),
         Err(Stop::Failed(failure)) => {
-            let replay = folder.join("replay.json");
-            fs::write(&replay, format!("{:#}\n", failure.replay))?;
+            let replay = directory.write("replay.json", format!("{:#}\n", failure.replay))?;
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
     let [wall_time_s, cpu_time_s] = record.times();
     let end = RunEnd { peaks: record.peaks, statistics, message, wall_time_s, cpu_time_s: Some(cpu_time_s) };
-    conclude(case, folder, end, specimen)
+    conclude(case, directory, end, specimen)
 }
 
 /// How a run ended.
@@ -298,13 +348,14 @@ impl RunEnd {
     }
 }
 
-/// Writes summary, plots and report beside a history.
+/// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
+/// The second result is what could not be written.
 fn conclude(
     case: &Case,
-    folder: &Path,
+    directory: &mut ResultDirectory,
     end: RunEnd,
     mut specimen: Option<(&pullout::Program, pullout::Outcome<'_>)>,
-) -> io::Result<Summary> {
+) -> io::Result<(Summary, io::Result<()>)> {
     let mut summary = summarise(case, &end)?;
     summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
     if let Some(moved) = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement) {
@@ -313,21 +364,40 @@ fn conclude(
              moved by up to {moved:.3e} mm until it was"
         ));
     }
-    let mut pictures = Vec::new();
     // a long history is read back only if something is made of it
-    if case.draws_plots() || !case.compare().is_empty() {
-        let history = History::read(&folder.join("history.csv"))?;
-        summary.compare = case.compare().iter().map(|curve| compare(&history, curve)).collect();
-        if case.draws_plots() {
-            pictures = plots::draw(&folder.join("plots"), &history, &Spec::of(case))?;
-            if let Some((program, outcome)) = &specimen {
-                pictures.extend(pullout::pictures::draw(&folder.join("plots"), program, outcome)?);
-            }
-        }
+    let history = if case.draws_plots() || !case.compare().is_empty() {
+        History::read(&directory.path().join("history.csv"))
+    } else {
+        Ok(History::default())
+    };
+    if let Ok(history) = &history {
+        summary.compare = case.compare().iter().map(|curve| compare(history, curve)).collect();
     }
-    summary.write(&folder.join("summary.json"))?;
-    report::write(&folder.join("report.html"), &Account::of(case), &summary, &pictures)?;
-    Ok(summary)
+    let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
+        let pictures = history.and_then(|history| draw(case, directory, &history, specimen.as_ref()));
+        let shown = pictures.as_deref().unwrap_or_default();
+        report::write(directory, &Account::of(case), &summary, shown)?;
+        directory.finish()?;
+        pictures.map(|_| ())
+    });
+    Ok((summary, written))
+}
+
+/// Draws what the case asks for.
+fn draw(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    history: &History,
+    specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
+) -> io::Result<Vec<Picture>> {
+    if !case.draws_plots() {
+        return Ok(Vec::new());
+    }
+    let mut pictures = plots::draw(directory, "plots", history, &Spec::of(case))?;
+    if let Some((program, outcome)) = specimen {
+        pictures.extend(pullout::pictures::draw(directory, "plots", program, outcome)?);
+    }
+    Ok(pictures)
 }
 
 fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {

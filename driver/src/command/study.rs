@@ -1,6 +1,8 @@
 //! `pullout study`, and what `pullout check` does with a study.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, say};
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, run, say};
+use crate::case;
+use crate::output::directory::{Access, Kind, ResultDirectory};
 use crate::output::number::significant;
 use crate::study::claims::{self, Finding, Verdict};
 use crate::study::{self, Execution, Results, RunResult, Study};
@@ -29,13 +31,17 @@ pub(super) struct Arguments {
     /// Run again what is done and has not changed.
     #[arg(long)]
     force: bool,
+    /// Replace files in the result directories that this program did not write, or that were changed since; they are
+    /// listed.
+    #[arg(long)]
+    overwrite: bool,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
 }
 
 /// Runs studies, after all of them were read without an error.
-pub(super) fn run(arguments: &Arguments) -> u8 {
+pub(super) fn run_all(arguments: &Arguments) -> u8 {
     let Arguments { studies, out, reading, .. } = arguments;
     let mut stems = BTreeSet::new();
     let mut read = Vec::new();
@@ -62,13 +68,23 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     if code != DONE {
         return code;
     }
-    let run = |(study, folder): &(Study, PathBuf)| {
-        run_one(study, folder, arguments).unwrap_or_else(|error| {
+    let mut ready = Vec::new();
+    for (study, folder) in &read {
+        match open(study, folder, arguments) {
+            Ok(directory) => ready.push((study, directory)),
+            Err(refused) => code = code.max(refused),
+        }
+    }
+    if code != DONE {
+        return code;
+    }
+    let run = |(study, directory): (&Study, ResultDirectory)| {
+        run_one(study, directory, arguments).unwrap_or_else(|error| {
             complain(format!("{}: {error}", study.file.display()));
             FAILED
         })
     };
-    read.iter().map(run).max().unwrap_or(DONE)
+    ready.into_iter().map(run).max().unwrap_or(DONE)
 }
 
 /// Validates a study and the cases of all its runs.
@@ -113,6 +129,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
         plugin_paths: &arguments.reading.plugin_paths,
         only: &arguments.only,
         force: arguments.force,
+        overwrite: arguments.overwrite,
     }
 }
 
@@ -132,21 +149,42 @@ fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
     code
 }
 
-fn run_one(study: &Study, folder: &Path, arguments: &Arguments) -> io::Result<u8> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
+/// Opens the directory of a study, or says why not; those of the runs that are due must be in order as well.
+fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDirectory, u8> {
+    let execution = execution(folder, arguments);
+    let mut inputs = vec![study.file.clone()];
+    let mut of_runs = Vec::new();
+    for run in &study.runs {
+        let own = case::inputs(&run.base, &run.overrides);
+        inputs.extend_from_slice(&own);
+        if execution.is_due(study, run) {
+            of_runs.push((folder.join(&run.folder), own));
+        }
+    }
+    let access = |inputs| Access { inputs, overwrite: arguments.overwrite, is_locked: false };
+    let directory = run::open_for(folder, Kind::Study, access(&inputs))?;
+    let checked =
+        of_runs.iter().filter_map(|(folder, inputs)| run::open_for(folder, Kind::Member, access(inputs)).err());
+    checked.max().map_or(Ok(directory), Err)
+}
+
+fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments) -> io::Result<u8> {
+    directory.begin(&[])?;
+    let folder = &directory.path().to_owned();
     let progress = Progress::new(study, arguments.quiet);
     let states = study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
-        let result = RunResult::of_one(run, study, folder);
+        let result = RunResult::of_one(run, study, folder, code);
         progress.tell(&study.name_of(run), code, &result, count, of);
     })?;
     progress.bar.as_ref().inspect(|bar| bar.finish_and_clear());
     let results = Results::read(study, folder, &states);
     let findings = claims::test_all(study, &results);
-    study::write_csv(&folder.join("study.csv"), study, &results)?;
-    study::write_json(&folder.join("study.json"), study, &results, &findings)?;
-    let pictures = study::pictures::draw(&folder.join("plots"), study, &results)?;
-    study::write_report(&folder.join("report.html"), study, &results, &findings, &pictures)?;
+    study::write_csv(&mut directory, study, &results)?;
+    study::write_json(&mut directory, study, &results, &findings)?;
+    directory.remove_earlier()?;
+    let pictures = study::pictures::draw(&mut directory, study, &results)?;
+    study::write_report(&mut directory, study, &results, &findings, &pictures)?;
+    directory.finish()?;
     if !arguments.quiet {
         say(&outcome(study, &results, &findings, folder));
     }

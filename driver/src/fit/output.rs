@@ -4,15 +4,15 @@ use super::curve::LoadSlipCurve;
 use super::law::Quantity;
 use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use crate::output::directory::ResultDirectory;
 use crate::output::number::significant;
-use crate::output::plots::Picture;
+use crate::output::plots;
 use crate::output::plots::figure::{Figure, Line, Marks, Scale, Style};
 use crate::output::plots::quantity::Quantity as AxisQuantity;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io;
-use std::path::Path;
 
 mod report;
 
@@ -23,22 +23,18 @@ const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
 const LAW_POINTS: usize = 400;
 
-/// Writes everything into a folder that is there.
+/// Writes everything into a result directory.
 ///
 /// # Errors
 /// A file that cannot be written.
 pub fn write(
-    folder: &Path,
+    directory: &mut ResultDirectory,
     source: &str,
     curve: &LoadSlipCurve,
     request: &Request,
     laws: &[FittedLaw],
 ) -> io::Result<()> {
-    let file = |name: &str, content: &str| {
-        let path = folder.join(name);
-        std::fs::write(&path, content)
-            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
-    };
+    let mut file = |name: &str, content: &str| directory.write(name, content).map(|_| ());
     file(CURVE_FILE, &table(["slip", "load"], &curve.slips, &curve.loads))?;
     for law in laws {
         let form = law.law.form();
@@ -48,16 +44,8 @@ pub fn write(
         file(&format!("{form}-curve.csv"), &table(["slip", "load"], &simulated.slips, &simulated.loads))?;
     }
     file("fit.json", &format!("{:#}\n", summary(source, request, laws)))?;
-    let plots = folder.join("plots");
-    std::fs::create_dir_all(&plots)?;
-    let mut pictures = Vec::new();
-    for figure in figures(curve, request, laws) {
-        let path = plots.join(format!("{}.svg", figure.name));
-        let svg = figure.svg()?;
-        std::fs::write(&path, &svg)?;
-        pictures.push(Picture { path, svg });
-    }
-    file("report.html", &report::page(source, curve, request, laws, &pictures).into_string())
+    let pictures = plots::write_all(directory, "plots", &figures(curve, request, laws))?;
+    directory.write("report.html", report::page(source, curve, request, laws, &pictures).into_string()).map(|_| ())
 }
 
 fn table(header: [&str; 2], x: &[f64], y: &[f64]) -> String {

@@ -31,6 +31,8 @@ pub struct Job<'a> {
     pub case: Option<&'a Path>,
     /// Result directory; none to check a case.
     pub out: Option<&'a Path>,
+    /// What stands in the way there is replaced.
+    pub overwrite: bool,
     /// The texts of `--set`.
     pub overrides: &'a [String],
     /// Folders of plugins.
@@ -142,6 +144,9 @@ fn command(job: &Job<'_>, recorder: &Path) -> Command {
     }
     for folder in job.plugin_paths {
         command.arg("--plugin-path").arg(folder);
+    }
+    if job.overwrite {
+        command.arg("--overwrite");
     }
     if job.quiet {
         command.arg("--quiet");

@@ -55,6 +55,9 @@ pub struct Task {
     /// Result directory; none to check a case.
     #[arg(long)]
     pub out: Option<PathBuf>,
+    /// Replace what stands in the way there.
+    #[arg(long)]
+    pub overwrite: bool,
     /// What came of the run, as JSON.
     #[arg(long, default_value = "null")]
     pub aftermath: String,

@@ -8,6 +8,7 @@ use std::io;
 use std::path::Path;
 
 pub mod compare;
+pub mod directory;
 pub mod history;
 pub mod number;
 pub mod plots;

@@ -1,6 +1,7 @@
 //! A result directory from beginning to end, on a curve with a known formula.
 
 use super::compare::compare;
+use super::directory::{Access, Kind, ResultDirectory};
 use super::history::{History, HistoryWriter};
 use super::plots::{self, Curve, Spec, Subject};
 use super::report::{self, Account};
@@ -45,6 +46,8 @@ fn rows() -> Vec<[f64; 5]> {
 
 /// Writes everything a run leaves.
 pub(super) fn result_directory(folder: &Path) -> Summary {
+    let mut directory = ResultDirectory::open(folder, Kind::Run, Access::default()).unwrap();
+    directory.begin(&[]).unwrap();
     let columns = ["step", "increment", "time", "e11", "e22", "s11", "D", "iterations"].map(String::from);
     let mut writer = HistoryWriter::create(&folder.join("history.csv"), &columns).unwrap();
     let mut recorder = PeakRecorder::new(&columns);
@@ -73,7 +76,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         units: Default::default(),
         curves: vec![Curve { label: measured.label.clone(), x: "e11".into(), y: "s11".into(), points }],
     };
-    let pictures = plots::draw(&folder.join("plots"), &history, &spec).unwrap();
+    let pictures = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
     let summary = Summary {
         status: Status::Done,
         message: None,
@@ -91,9 +94,10 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         specimen: None,
         warnings: vec![],
     };
-    summary.write(&folder.join("summary.json")).unwrap();
+    summary.write(&mut directory).unwrap();
     let account = Account { law: spec.law.clone(), mode: "3-D".into(), ..Account::default() };
-    report::write(&folder.join("report.html"), &account, &summary, &pictures).unwrap();
+    report::write(&mut directory, &account, &summary, &pictures).unwrap();
+    directory.finish().unwrap();
     summary
 }
 

@@ -8,21 +8,21 @@
 
 use super::fibre::{Fibre, Wall};
 use super::{Outcome, Program, State};
+use crate::output::directory::ResultDirectory;
 use crate::output::number::significant;
-use crate::output::plots::Picture;
 use crate::output::plots::field::{
     Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
     interface_profiles, zones,
 };
 use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::quantity::{Quantity, Sort};
+use crate::output::plots::{self, Picture};
 use fe_core::mesh::Mesh;
 use fe_core::model::ContactPair;
 use fe_core::output::{FieldsError, Principal, Recovery, axial_stress};
 use plotters::style::RGBColor;
 use std::collections::BTreeSet;
 use std::io;
-use std::path::Path;
 
 /// The zoom shows so many diameters of the fibre to each side of its exit.
 const ZOOM: f64 = 3.0;
@@ -40,14 +40,17 @@ const ACTIVITIES: [Class; 4] = [
 const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
-/// Draws everything into a folder.
+/// Draws everything into a folder of the result directory.
 ///
 /// # Errors
 /// A file that cannot be written, or fields that cannot be drawn.
-pub fn draw(folder: &Path, program: &Program, outcome: &Outcome<'_>) -> io::Result<Vec<Picture>> {
-    std::fs::create_dir_all(folder)
-        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", folder.display())))?;
-    let mut album = Album::new(folder, program);
+pub fn draw(
+    directory: &mut ResultDirectory,
+    folder: &str,
+    program: &Program,
+    outcome: &Outcome<'_>,
+) -> io::Result<Vec<Picture>> {
+    let mut album = Album::new(directory, folder, program);
     let states = || outcome.peak.iter().chain(&outcome.end);
     let greatest = states().map(|state| state.load.abs()).fold(0.0, f64::max);
     let load = |state: &State<'_>| without_rounding(state.load, greatest);
@@ -88,7 +91,8 @@ fn without_rounding(value: f64, greatest: f64) -> f64 {
 
 /// Pictures of one run.
 struct Album<'a> {
-    folder: &'a Path,
+    directory: &'a mut ResultDirectory,
+    folder: &'a str,
     mesh: &'a Mesh,
     recovery: Recovery,
     fibre: Option<Fibre>,
@@ -102,7 +106,7 @@ struct Album<'a> {
 }
 
 impl<'a> Album<'a> {
-    fn new(folder: &'a Path, program: &'a Program) -> Self {
+    fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a Program) -> Self {
         let mesh = &program.model.mesh;
         let contacts = &program.model.contacts;
         let slaves = contacts.iter().flat_map(|pair| &pair.slave);
@@ -110,6 +114,7 @@ impl<'a> Album<'a> {
         let wall = |pair: &ContactPair| Wall::of(fibre.as_ref()?, mesh, &pair.slave);
         Self {
             walls: contacts.iter().map(wall).collect(),
+            directory,
             folder,
             mesh,
             recovery: Recovery::new(mesh),
@@ -272,10 +277,7 @@ impl<'a> Album<'a> {
     }
 
     fn write(&mut self, name: &str, svg: String) -> io::Result<()> {
-        let path = self.folder.join(format!("{name}.svg"));
-        std::fs::write(&path, &svg)
-            .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
-        self.pictures.push(Picture { path, svg });
+        self.pictures.push(plots::write(self.directory, self.folder, name, svg)?);
         Ok(())
     }
 }

@@ -2,6 +2,7 @@
 
 use super::{Run, Study};
 use crate::isolation;
+use crate::output::directory::{Kind, ResultDirectory};
 use crate::output::summary::{Status, Summary};
 use serde::{Deserialize, Serialize};
 use std::fs;
@@ -32,6 +33,8 @@ pub struct Execution<'a> {
     pub only: &'a [String],
     /// Run again what is done already.
     pub force: bool,
+    /// Replace what stands in the way in result directories.
+    pub overwrite: bool,
 }
 
 /// What became of a run.
@@ -82,34 +85,49 @@ impl Execution<'_> {
         }
     }
 
+    /// Whether a run has to be run.
+    pub fn is_due(&self, study: &Study, run: &Run) -> bool {
+        self.present(study, run).is_none()
+    }
+
     fn run(&self, run: &Run) -> io::Result<u8> {
         let folder = self.out.join(&run.folder);
         fs::create_dir_all(&folder)?;
-        for file in [MARK, PRINTED, "summary.json", "history.csv"] {
-            match fs::remove_file(folder.join(file)) {
-                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(error),
-                _ => {}
-            }
-        }
         let mut arguments = vec![run.base.display().to_string()];
         arguments.extend(run.overrides.iter().map(|text| format!("--set={text}")));
         let mut command = Command::new(isolation::program());
         command.arg0("pullout").args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
         command.args(["--threads", &self.threads.to_string()]);
         command.arg("--out").arg(&folder).args(&arguments[1..]);
+        if self.overwrite {
+            command.arg("--overwrite");
+        }
         self.plugin_paths.iter().for_each(|path| {
             command.arg("--plugin-path").arg(path);
         });
         let output = command.arg(&run.base).stdin(Stdio::null()).output()?;
         let printed = [output.stdout, output.stderr].concat();
+        let mut directory = ResultDirectory::join(&folder, Kind::Member)?;
         if !printed.is_empty() {
-            fs::write(folder.join(PRINTED), printed)?;
+            directory.write(PRINTED, printed)?;
+        }
+        // a signal has no exit code
+        let code = output.status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+        if is_refused(code) {
+            // what is there is of an earlier run
+            directory.finish()?;
+            return Ok(code);
         }
         let mark = Mark { arguments, fingerprint: run.fingerprint.clone() };
-        fs::write(folder.join(MARK), format!("{}\n", serde_json::to_string_pretty(&mark)?))?;
-        // a signal has no exit code
-        Ok(output.status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1))
+        directory.write(MARK, format!("{}\n", serde_json::to_string_pretty(&mark)?))?;
+        directory.finish()?;
+        Ok(code)
     }
+}
+
+/// Whether an exit code says that nothing was run.
+pub(super) fn is_refused(code: u8) -> bool {
+    matches!(code, 2 | 3)
 }
 
 /// Runs what is asked for and not there yet. `finished` hears of each run that was started when it is over (how many, of

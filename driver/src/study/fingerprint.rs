@@ -5,7 +5,6 @@
 use super::Run;
 use crate::case::{self, Case};
 use crate::isolation;
-use serde_json::Value;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
@@ -23,13 +22,7 @@ impl Fingerprints {
 
     /// Of a run whose case was read.
     pub fn of(&mut self, run: &Run, case: &Case) -> String {
-        let libraries: Vec<PathBuf> = match case {
-            Case::Path(program) => vec![program.plugin.library.path().to_owned()],
-            Case::Pullout(program) => {
-                program.laws().into_iter().map(|(_, law)| law.library.path().to_owned()).collect()
-            }
-        };
-        self.with(run, &libraries)
+        self.with(run, &case.libraries())
     }
 
     /// Of a run whose plugins are not loaded here.
@@ -41,8 +34,10 @@ impl Fingerprints {
 
     fn with(&mut self, run: &Run, libraries: &[PathBuf]) -> String {
         let document = case::document(&run.base, &run.overrides).unwrap_or_default();
-        let mut files = libraries.to_vec();
-        named_files(&document, run.base.parent().unwrap_or(Path::new("")), &mut files);
+        let mut files = case::inputs(&run.base, &run.overrides);
+        // the document with its overrides is hashed instead
+        files.remove(0);
+        files.extend_from_slice(libraries);
         files.sort();
         files.dedup();
         let mut digest = Sha256::new();
@@ -53,21 +48,6 @@ impl Fingerprints {
             digest.update(*self.files.entry(file.clone()).or_insert_with(|| of_file(&file)));
         }
         digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
-    }
-}
-
-/// Files that texts of a case name: meshes, tables, measured curves.
-fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
-    match value {
-        Value::String(text) if !text.is_empty() => {
-            let path = folder.join(text);
-            if path.is_file() {
-                files.push(path);
-            }
-        }
-        Value::Array(entries) => entries.iter().for_each(|entry| named_files(entry, folder, files)),
-        Value::Object(members) => members.values().for_each(|member| named_files(member, folder, files)),
-        _ => {}
     }
 }
 

@@ -3,37 +3,23 @@
 use super::claims::work_unit;
 use super::results::{Results, RunResult};
 use super::{Columns, Study};
+use crate::output::directory::ResultDirectory;
 use crate::output::number::significant;
-use crate::output::plots::Picture;
 use crate::output::plots::figure::{Figure, Line, Scale, Style};
 use crate::output::plots::png;
 use crate::output::plots::quantity::Quantity;
+use crate::output::plots::{self, Picture};
 use std::io;
-use std::path::Path;
 
-/// Draws everything into a folder (made if missing), as SVG and as PNG. Pictures of an earlier state go.
+/// Draws everything into `plots/` of the result directory, as SVG and as PNG.
 ///
 /// # Errors
 /// A file that cannot be written.
-pub fn draw(folder: &Path, study: &Study, results: &Results) -> io::Result<Vec<Picture>> {
-    let at = |path: &Path| {
-        let path = path.display().to_string();
-        move |error: io::Error| io::Error::new(error.kind(), format!("{path}: {error}"))
-    };
-    std::fs::create_dir_all(folder).map_err(at(folder))?;
-    for entry in std::fs::read_dir(folder).map_err(at(folder))?.flatten() {
-        let path = entry.path();
-        if path.extension().is_some_and(|extension| extension == "svg" || extension == "png") {
-            std::fs::remove_file(&path).map_err(at(&path))?;
-        }
-    }
-    let mut pictures = Vec::new();
-    for figure in figures(study, results) {
-        let path = folder.join(format!("{}.svg", figure.name));
-        let svg = figure.svg().map_err(at(&path))?;
-        std::fs::write(&path, &svg).map_err(at(&path))?;
-        png::write(&path.with_extension("png"), &svg)?;
-        pictures.push(Picture { path, svg });
+pub fn draw(directory: &mut ResultDirectory, study: &Study, results: &Results) -> io::Result<Vec<Picture>> {
+    let pictures = plots::write_all(directory, "plots", &figures(study, results))?;
+    for picture in &pictures {
+        let name = picture.path.file_stem().unwrap_or_default().to_string_lossy();
+        directory.write(&format!("plots/{name}.png"), png::of(&picture.svg)?)?;
     }
     Ok(pictures)
 }

@@ -4,19 +4,19 @@ use super::Study;
 use super::claims::{Finding, Verdict, work_unit};
 use super::results::Results;
 use super::table::lines;
+use crate::output::directory::ResultDirectory;
 use crate::output::number::{rounded, significant};
 use crate::output::plots::Picture;
 use crate::output::report::page;
 use maud::{Markup, PreEscaped, html};
 use std::io;
-use std::path::Path;
 
 /// Writes the page.
 ///
 /// # Errors
 /// The file cannot be written.
 pub fn write(
-    path: &Path,
+    directory: &mut ResultDirectory,
     study: &Study,
     results: &Results,
     findings: &[Finding],
@@ -32,8 +32,7 @@ pub fn write(
         (troubles(study, results))
         (what_was_run(study))
     };
-    std::fs::write(path, page(&study.title, &body).into_string())
-        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
+    directory.write("report.html", page(&study.title, &body).into_string()).map(|_| ())
 }
 
 fn state(results: &Results) -> Markup {

@@ -9,7 +9,7 @@
 //! ```
 
 use super::document::{NamedPlace, NamedQuantity, Where};
-use super::execution::State;
+use super::execution::{State, is_refused};
 use super::{Columns, Quantity, Run, Study};
 use crate::output::history::History;
 use crate::output::summary::{Status, Summary};
@@ -68,14 +68,20 @@ impl Results {
 
 impl RunResult {
     /// Of a run that has just ended.
-    pub fn of_one(run: &Run, study: &Study, out: &Path) -> Self {
-        Self::read(run, study, out, State::Ran(0))
+    pub fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
+        Self::read(run, study, out, State::Ran(code))
     }
 
     fn read(run: &Run, study: &Study, out: &Path, state: State) -> Self {
         let folder = out.join(&run.folder);
         if state == State::NotRun {
             return Self::default();
+        }
+        if let State::Ran(code) = state
+            && is_refused(code)
+        {
+            let message = Some("it was not run; output.txt has the reason".into());
+            return Self { status: Some(Status::Failed), message, ..Self::default() };
         }
         let history = History::read(&folder.join("history.csv")).unwrap_or_default();
         let summary = Summary::read(&folder.join("summary.json")).ok();

@@ -3,11 +3,11 @@
 use super::claims::{Finding, work_unit};
 use super::results::{Results, RunResult};
 use super::{Run, Study};
+use crate::output::directory::ResultDirectory;
 use crate::output::number;
 use crate::output::summary::Status;
 use serde_json::{Value, json};
 use std::io;
-use std::path::Path;
 
 /// The columns of `study.csv`. Empty fields are not known.
 const COLUMNS: [&str; 18] = [
@@ -81,9 +81,9 @@ pub(super) fn lines<'a>(study: &'a Study, results: &'a Results) -> impl Iterator
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_csv(path: &Path, study: &Study, results: &Results) -> io::Result<()> {
-    let text = csv_of(study, results).map_err(|error| io::Error::other(format!("{}: {error}", path.display())))?;
-    std::fs::write(path, text).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
+pub fn write_csv(directory: &mut ResultDirectory, study: &Study, results: &Results) -> io::Result<()> {
+    let text = csv_of(study, results).map_err(|error| io::Error::other(error.to_string()))?;
+    directory.write("study.csv", text).map(|_| ())
 }
 
 fn csv_of(study: &Study, results: &Results) -> Result<Vec<u8>, Box<dyn std::error::Error>> {
@@ -125,7 +125,12 @@ fn csv_of(study: &Study, results: &Results) -> Result<Vec<u8>, Box<dyn std::erro
 ///
 /// # Errors
 /// The file cannot be written.
-pub fn write_json(path: &Path, study: &Study, results: &Results, findings: &[Finding]) -> io::Result<()> {
+pub fn write_json(
+    directory: &mut ResultDirectory,
+    study: &Study,
+    results: &Results,
+    findings: &[Finding],
+) -> io::Result<()> {
     let run = |(run, line): (&Run, Line<'_>)| {
         let result = line.result;
         json!({
@@ -149,6 +154,5 @@ pub fn write_json(path: &Path, study: &Study, results: &Results, findings: &[Fin
         "runs": lines(study, results).map(run).collect::<Vec<_>>(),
         "claims": findings,
     });
-    std::fs::write(path, format!("{document:#}\n"))
-        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
+    directory.write("study.json", format!("{document:#}\n")).map(|_| ())
 }

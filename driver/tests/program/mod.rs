@@ -217,7 +217,9 @@ pub fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         for entry in fs::read_dir(folder.join(within)).into_iter().flatten() {
             let path = entry.expect("an entry").path();
             let name = path.strip_prefix(folder).expect("within").to_string_lossy().into_owned();
-            if path.is_file() && !["checkpoint.bin", "summary.json", "report.html"].contains(&name.as_str()) {
+            if path.is_file()
+                && !["checkpoint.bin", "manifest.json", "summary.json", "report.html"].contains(&name.as_str())
+            {
                 found.insert(name, fs::read(&path).expect("a file"));
             }
         }

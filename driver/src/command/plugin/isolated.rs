@@ -18,6 +18,7 @@ pub(super) fn supervised(
     }
     let need = isolation::need_of_library(library, case, paths)?;
     let job = Job {
+        overwrite: false,
         stage: Stage::Command,
         case: None,
         out: None,

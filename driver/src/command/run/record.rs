@@ -18,6 +18,8 @@ pub(super) struct Record {
     pub(super) peaks: PeakRecorder,
     pub(super) progress: Progress,
     done: u64,
+    /// Step and increment of the last row.
+    place: [u32; 2],
     start: Instant,
     cpu_start: Duration,
     /// Times that the run took before it was interrupted, of the clock and of the processors, s.
@@ -46,7 +48,7 @@ impl Record {
     pub(super) fn new(history: &Path, columns: &[String], progress: Progress) -> io::Result<Self> {
         let (writer, peaks) = (HistoryWriter::create(history, columns)?, PeakRecorder::new(columns));
         let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self { writer, peaks, progress, done: 0, start, cpu_start, earlier_s: [0.0; 2] })
+        Ok(Self { writer, peaks, progress, done: 0, place: [0; 2], start, cpu_start, earlier_s: [0.0; 2] })
     }
 
     /// Of a run that goes on.
@@ -54,7 +56,13 @@ impl Record {
         let Kept { history_bytes, peaks, done, times_s: earlier_s } = kept;
         let writer = HistoryWriter::resume(history, columns, history_bytes)?;
         let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self { writer, peaks, progress, done, start, cpu_start, earlier_s })
+        Ok(Self { writer, peaks, progress, done, place: [0; 2], start, cpu_start, earlier_s })
+    }
+
+    /// Where the run was when the last row was written.
+    pub(super) fn place(&self) -> String {
+        let [step, increment] = self.place;
+        format!("step {step}, increment {increment}")
     }
 
     /// Times that the run took so far, of the clock and of the processors, s.
@@ -66,6 +74,7 @@ impl Record {
 
 impl Observer for Record {
     fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        self.place = [row.step, row.increment];
         if row.step == 0 {
             self.peaks.observe(&row);
         }

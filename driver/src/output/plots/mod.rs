@@ -4,10 +4,12 @@
 //! so that `pullout plot` can redraw them without the case. [`selection`] decides which pictures there are,
 //! [`figure`] draws one; [`field`] draws what a mesh carries.
 
+use super::directory::ResultDirectory;
 use super::history::History;
 use super::{at, malformed};
 use crate::case::Case;
 use crate::path::program::{Compare, Control, Kind, PointDrive, PointStep, Program};
+use figure::Figure;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::io;
@@ -90,24 +92,37 @@ pub struct Picture {
     pub svg: String,
 }
 
-/// Draws a run into `folder` (made if missing) and leaves the spec there.
-pub fn draw(folder: &Path, history: &History, spec: &Spec) -> io::Result<Vec<Picture>> {
-    let pictures = draw_overlay(folder, &[Run { history, spec }])?;
-    spec.write(&folder.join(SPEC_FILE))?;
+/// Draws a run into a folder of a result directory and leaves the spec there.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Vec<Picture>> {
+    let pictures = write_all(directory, folder, &selection::figures(&[Run { history, spec }]))?;
+    let text = serde_json::to_string(spec).map_err(io::Error::other)?;
+    directory.write(&within(folder, SPEC_FILE), text)?;
     Ok(pictures)
 }
 
-/// Draws several runs on top of each other into `folder`; the legend names them by their titles.
-pub fn draw_overlay(folder: &Path, runs: &[Run<'_>]) -> io::Result<Vec<Picture>> {
-    std::fs::create_dir_all(folder).map_err(at(folder))?;
-    let mut pictures = Vec::new();
-    for figure in selection::figures(runs) {
-        let path = folder.join(format!("{}.svg", figure.name));
-        let svg = figure.svg().map_err(at(&path))?;
-        std::fs::write(&path, &svg).map_err(at(&path))?;
-        pictures.push(Picture { path, svg });
-    }
-    Ok(pictures)
+/// Writes figures into a folder of a result directory (`""`: the directory itself).
+///
+/// # Errors
+/// A figure that cannot be drawn, a file that cannot be written.
+pub fn write_all(directory: &mut ResultDirectory, folder: &str, figures: &[Figure]) -> io::Result<Vec<Picture>> {
+    figures.iter().map(|figure| write(directory, folder, &figure.name, figure.svg()?)).collect()
+}
+
+/// Writes a picture into a folder of a result directory.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(directory: &mut ResultDirectory, folder: &str, name: &str, svg: String) -> io::Result<Picture> {
+    let path = directory.write(&within(folder, &format!("{name}.svg")), &svg)?;
+    Ok(Picture { path, svg })
+}
+
+/// The name of a file in a folder of a result directory.
+pub(crate) fn within(folder: &str, file: &str) -> String {
+    if folder.is_empty() { file.to_owned() } else { format!("{folder}/{file}") }
 }
 
 impl Spec {
@@ -129,11 +144,6 @@ impl Spec {
     pub fn read(path: &Path) -> io::Result<Self> {
         let text = std::fs::read(path).map_err(at(path))?;
         serde_json::from_slice(&text).map_err(|error| malformed(path, error))
-    }
-
-    fn write(&self, path: &Path) -> io::Result<()> {
-        let text = serde_json::to_string(self).map_err(|error| malformed(path, error))?;
-        std::fs::write(path, text).map_err(at(path))
     }
 }
 

@@ -1,11 +1,9 @@
 //! Pictures as PNG: the SVG, rasterised by resvg with the fonts of the system.
 
-use super::super::at;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::{Database, Family, Query};
 use resvg::usvg::{Options, Tree};
 use std::io;
-use std::path::Path;
 use std::sync::{Arc, OnceLock};
 
 /// Pixels of the file per px of the picture: 640 px become 300 dots per inch at a width of 16 cm.
@@ -13,13 +11,12 @@ const DENSITY: f32 = 3.0;
 /// What "sans-serif" is, the first that is there; the pictures' texts were measured with fonts of this width.
 const SANS_SERIF: [&str; 5] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica"];
 
-/// Writes a picture.
+/// A picture as PNG.
 ///
 /// # Errors
-/// No valid SVG, no font, or a file that cannot be written.
-pub fn write(path: &Path, svg: &str) -> io::Result<()> {
-    let png = rasterised(svg).map_err(io::Error::other).map_err(at(path))?;
-    std::fs::write(path, png).map_err(at(path))
+/// No valid SVG, or no font.
+pub fn of(svg: &str) -> io::Result<Vec<u8>> {
+    rasterised(svg).map_err(io::Error::other)
 }
 
 fn rasterised(svg: &str) -> Result<Vec<u8>, String> {

@@ -3,6 +3,7 @@ use super::decimation::{Coordinate, decimate, drawable_stretches};
 use super::figure::{Figure, Line, Marks, Scale, Style, UNIT};
 use super::quantity::{Quantity, Sort};
 use super::*;
+use crate::output::directory::{Kind, ResultDirectory};
 
 fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
     Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default(), marked: false }
@@ -174,10 +175,11 @@ fn the_spec_survives_its_file_and_errors_name_theirs() {
         units: BTreeMap::from([("eta".to_string(), "-".to_string())]),
         curves: vec![Curve { label: "m".into(), x: "e11".into(), y: "s11".into(), points: vec![(0.1 + 0.2, -1e-9)] }],
     };
-    let pictures = draw(&folder.path().join("plots"), &history, &spec).unwrap();
+    let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
+    let pictures = draw(&mut directory, "plots", &history, &spec).unwrap();
     assert_eq!(std::fs::read_to_string(&pictures[0].path).unwrap(), pictures[0].svg);
     assert_eq!(Spec::read(&folder.path().join("plots").join(SPEC_FILE)).unwrap(), spec);
     std::fs::write(folder.path().join("file"), "").unwrap();
-    let error = draw(&folder.path().join("file/plots"), &history, &spec).unwrap_err().to_string();
+    let error = draw(&mut directory, "file/plots", &history, &spec).unwrap_err().to_string();
     assert!(error.contains("file/plots"), "{error}");
 }

@@ -1,12 +1,11 @@
 //! `report.html`: one page that needs nothing but itself.
 
-use super::at;
+use super::directory::ResultDirectory;
 use super::number::{rounded, significant};
 use super::plots::Picture;
 use super::summary::{Peak, Place, Status, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use std::io;
-use std::path::Path;
 
 mod account;
 mod specimen;
@@ -17,9 +16,17 @@ mod test;
 
 const STYLE: &str = include_str!("style.css");
 
+/// Name of the file in the result directory.
+pub const FILE: &str = "report.html";
+
 /// Writes the page.
-pub fn write(path: &Path, account: &Account, summary: &Summary, pictures: &[Picture]) -> io::Result<()> {
-    std::fs::write(path, page_of(account, summary, pictures).into_string()).map_err(at(path))
+pub fn write(
+    directory: &mut ResultDirectory,
+    account: &Account,
+    summary: &Summary,
+    pictures: &[Picture],
+) -> io::Result<()> {
+    directory.write(FILE, page_of(account, summary, pictures).into_string()).map(|_| ())
 }
 
 fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {

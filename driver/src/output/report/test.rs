@@ -1,5 +1,6 @@
 use super::super::summary;
 use super::*;
+use crate::output::directory::{self, ResultDirectory};
 use crate::path::program::*;
 use std::path::PathBuf;
 use umat_abi::host::{Found, search_paths};
@@ -79,11 +80,12 @@ fn says_why_a_run_failed() {
 fn the_page_is_written_or_the_error_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
-    write(&path, &account(), &summary::test::summary(), &[]).unwrap();
+    let mut directory = ResultDirectory::join(folder.path(), directory::Kind::Run).unwrap();
+    write(&mut directory, &account(), &summary::test::summary(), &[]).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE html>"));
-    let missing = folder.path().join("none/report.html");
-    let error = write(&missing, &account(), &summary::test::summary(), &[]).unwrap_err();
-    assert!(error.to_string().contains("none/report.html"));
+    let missing = folder.path().join("report.html/none");
+    let error = ResultDirectory::join(&missing, directory::Kind::Run).unwrap_err();
+    assert!(error.to_string().contains("report.html/none"));
 }
 
 /// `linear_elastic` along a ramp with a relation, a row of a table and a bound.

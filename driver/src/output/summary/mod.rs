@@ -1,6 +1,7 @@
 //! `summary.json`: what came out, for scripts.
 
 use super::compare::Comparison;
+use super::directory::ResultDirectory;
 use super::{at, malformed};
 use crate::path::Row;
 use crate::pullout::Findings;
@@ -12,6 +13,9 @@ use std::path::Path;
 
 #[cfg(test)]
 pub(in crate::output) mod test;
+
+/// Name of the file in the result directory.
+pub const FILE: &str = "summary.json";
 
 /// How a run ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -63,11 +67,10 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Writes the file.
-    pub fn write(&self, path: &Path) -> io::Result<()> {
-        let mut text = serde_json::to_string_pretty(self).map_err(|error| malformed(path, error))?;
-        text.push('\n');
-        std::fs::write(path, text).map_err(at(path))
+    /// Writes [`FILE`].
+    pub fn write(&self, directory: &mut ResultDirectory) -> io::Result<()> {
+        let text = serde_json::to_string_pretty(self).map_err(io::Error::other)?;
+        directory.write(FILE, text + "\n").map(|_| ())
     }
 
     /// Reads a file.

@@ -1,4 +1,5 @@
 use super::*;
+use crate::output::directory::{Kind, ResultDirectory};
 
 fn columns() -> Vec<String> {
     ["step", "increment", "time", "e11", "s11", "e33", "iterations"].map(String::from).to_vec()
@@ -40,7 +41,8 @@ pub(in crate::output) fn summary() -> Summary {
 fn has_the_keys_of_the_contract() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("summary.json");
-    summary().write(&path).unwrap();
+    let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
+    summary().write(&mut directory).unwrap();
     let value: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
     let contract = "status title plugin peaks increments iterations plugin_calls cutbacks wall_time_s compare warnings";
@@ -71,7 +73,8 @@ fn reads_back_and_says_why_it_failed() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("summary.json");
     let failed = Summary { status: Status::Failed, message: Some("no convergence".into()), ..summary() };
-    failed.write(&path).unwrap();
+    let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
+    failed.write(&mut directory).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().contains("\"status\": \"failed\""));
     assert_eq!(Summary::read(&path).unwrap(), failed);
     let error = Summary::read(&folder.path().join("missing.json")).unwrap_err().to_string();

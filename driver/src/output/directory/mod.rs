@@ -1,0 +1,339 @@
+//! The result directory: who may write in it, and which of its files are the program's.
+//!
+//! ```text
+//! DIR/manifest.json      what the program wrote here, each file with its content (manifest)
+//! DIR/.pullout.lock      while something writes here: process and host (lock)
+//! DIR/previous/          earlier results, from when a run begins until the new summary stands
+//! DIR/history.csv, …     results
+//! ```
+//!
+//! Only what the manifest lists, with the content that it lists, is ever replaced or removed; the rest is the user's. What
+//! of the user's has a name that results may need stands in the way: the directory is refused before anything runs, or
+//! `--overwrite` treats these files like results. What a case is read from is never touched.
+//!
+//! A run that is killed leaves its manifest open: what it claimed is the program's with any content. The next run sets that
+//! aside as well, so that nothing is removed before a new summary stands.
+
+use super::at;
+use manifest::Manifest;
+use std::fs;
+use std::io;
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+mod lock;
+mod manifest;
+mod names;
+#[cfg(test)]
+mod test;
+
+pub use lock::Lock;
+pub use names::Kind;
+
+/// File that says what the program wrote.
+pub const MANIFEST: &str = "manifest.json";
+/// A file while it is written, beside its place.
+const PARTIAL: &str = ".pullout.partial";
+/// Names of files that a message lists.
+const MOST_NAMES: usize = 10;
+
+/// How a directory is opened.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Access<'a> {
+    /// What the results are made from: never touched.
+    pub inputs: &'a [PathBuf],
+    /// What stands in the way is replaced.
+    pub overwrite: bool,
+    /// The process that started this one holds the lock.
+    pub is_locked: bool,
+}
+
+/// Why a directory cannot be used.
+#[derive(Debug)]
+pub enum Refusal {
+    /// What is in it.
+    Content(String),
+    /// The operating system.
+    System(io::Error),
+}
+
+impl From<io::Error> for Refusal {
+    fn from(error: io::Error) -> Self {
+        Self::System(error)
+    }
+}
+
+/// A directory that this process may write results into.
+#[derive(Debug)]
+pub struct ResultDirectory {
+    path: PathBuf,
+    kind: Kind,
+    manifest: Manifest,
+    lock: Option<Lock>,
+    /// Files of the user's that are replaced because that was asked for.
+    replaced: Vec<String>,
+    notes: Vec<String>,
+    /// Folders that were made for it, which vanish if nothing begins.
+    made: Vec<PathBuf>,
+}
+
+impl ResultDirectory {
+    /// Opens a directory (made if missing) for new results. Nothing in it changes before [`ResultDirectory::begin`].
+    ///
+    /// # Errors
+    /// Somebody else writes there; files stand in the way; the operating system.
+    pub fn open(path: &Path, kind: Kind, access: Access<'_>) -> Result<Self, Refusal> {
+        let made = make(path)?;
+        let mut directory = Self {
+            path: path.to_owned(),
+            kind,
+            manifest: Manifest::new(kind),
+            lock: None,
+            replaced: Vec::new(),
+            notes: Vec::new(),
+            made,
+        };
+        if !access.is_locked {
+            let (lock, note) = Lock::take(path)?;
+            directory.lock = Some(lock);
+            directory.notes.extend(note);
+        }
+        directory.survey(access)?;
+        Ok(directory)
+    }
+
+    /// Opens a directory (made if missing) to add to what is there.
+    ///
+    /// # Errors
+    /// Somebody else writes there; the manifest is none; the operating system.
+    pub fn open_to_add(path: &Path, kind: Kind) -> Result<Self, Refusal> {
+        let made = make(path)?;
+        let (lock, _) = Lock::take(path)?;
+        match Self::join(path, kind) {
+            Ok(mut directory) => {
+                (directory.lock, directory.made) = (Some(lock), made);
+                Ok(directory)
+            }
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => Err(Refusal::Content(error.to_string())),
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Goes on with results that were begun, or adds to those of a finished run; the caller sees to it that nobody else
+    /// writes there.
+    ///
+    /// # Errors
+    /// The manifest cannot be read.
+    pub fn join(path: &Path, kind: Kind) -> io::Result<Self> {
+        let manifest = Manifest::read(path, kind)?.unwrap_or_else(|| Manifest::new(kind));
+        let (lock, replaced, notes, made) = (None, Vec::new(), Vec::new(), Vec::new());
+        Ok(Self { path: path.to_owned(), kind, manifest, lock, replaced, notes, made })
+    }
+
+    /// Takes over what another process, which had the directory from this one, noted in it.
+    ///
+    /// # Errors
+    /// The manifest cannot be read.
+    pub fn reread(&mut self) -> io::Result<()> {
+        self.made.clear();
+        self.manifest = Self::join(&self.path, self.kind)?.manifest.clone();
+        Ok(())
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// What the user should know.
+    pub fn notes(&self) -> &[String] {
+        &self.notes
+    }
+
+    /// Finds out what stands in the way.
+    fn survey(&mut self, access: Access<'_>) -> Result<(), Refusal> {
+        let path = self.path.clone();
+        let mut foreign = Vec::new();
+        match Manifest::read(&path, self.kind) {
+            Ok(Some(manifest)) => self.manifest = manifest,
+            Ok(None) => {}
+            Err(error) if error.kind() == io::ErrorKind::InvalidData => foreign.push(MANIFEST.to_owned()),
+            Err(error) => return Err(error.into()),
+        }
+        let mut names = self.kind.present(&path);
+        names.extend(self.manifest.present(&path));
+        let owned = |name: &String| self.manifest.owns(name, &path);
+        foreign.extend(names.iter().filter(|name| !owned(name)).cloned());
+        names.extend(self.manifest.aside());
+        let read: Vec<String> = names
+            .into_iter()
+            .filter(|name| access.inputs.iter().any(|input| is_same(&path.join(name), input)))
+            .collect();
+        if !read.is_empty() {
+            return Err(Refusal::Content(format!(
+                "{}: the case is read from {} there, which its results would replace: choose another --out",
+                path.display(),
+                listed(&read)
+            )));
+        }
+        if !self.manifest.is_empty() && !self.manifest.kind.agrees_with(self.kind) && !access.overwrite {
+            return Err(Refusal::Content(format!(
+                "{}: holds the results of {}: choose another --out, or replace them with --overwrite",
+                path.display(),
+                self.manifest.kind.words()
+            )));
+        }
+        if foreign.is_empty() {
+            return Ok(());
+        }
+        let listed = listed(&foreign);
+        if !access.overwrite {
+            return Err(Refusal::Content(format!(
+                "{}: {listed} would be replaced, but this program did not write it, or it was changed since: choose \
+                 another --out, or replace it with --overwrite",
+                path.display()
+            )));
+        }
+        self.notes.push(format!("{}: --overwrite replaces {listed}", path.display()));
+        self.replaced = foreign;
+        Ok(())
+    }
+
+    /// Sets earlier results aside, but for those whose names fit one of `kept`, and claims what the new ones need.
+    ///
+    /// # Errors
+    /// A file that cannot be written or moved.
+    pub fn begin(&mut self, kept: &[&str]) -> io::Result<()> {
+        self.made.clear();
+        let mut earlier = self.manifest.present(&self.path);
+        earlier.extend(std::mem::take(&mut self.replaced));
+        let is_kept = |name: &String| kept.iter().any(|pattern| names::fits(pattern, name));
+        let earlier: Vec<String> = earlier.into_iter().filter(|name| !is_kept(name)).collect();
+        // What was foreign is ours from here on, wherever a kill leaves it.
+        self.manifest.claim(earlier.iter().map(String::as_str));
+        self.manifest.claim(self.kind.claims().iter().copied());
+        self.manifest.kind = self.kind;
+        if !earlier.is_empty() {
+            let aside = self.free_name();
+            // A foreign manifest makes room for ours first.
+            let (first, rest): (Vec<String>, Vec<String>) = earlier.into_iter().partition(|name| name == MANIFEST);
+            self.manifest.set_aside(&aside, first.iter().chain(&rest));
+            first.iter().try_for_each(|name| self.move_aside(name, &aside))?;
+            self.manifest.write(&self.path)?;
+            rest.iter().try_for_each(|name| self.move_aside(name, &aside))?;
+        }
+        self.manifest.forget_all_but(self.kind.claims());
+        self.manifest.write(&self.path)
+    }
+
+    fn move_aside(&self, name: &str, aside: &str) -> io::Result<()> {
+        let to = self.path.join(aside).join(name);
+        let folder = to.parent().unwrap_or(&self.path);
+        fs::create_dir_all(folder).map_err(at(folder))?;
+        fs::rename(self.path.join(name), &to).map_err(at(&to))
+    }
+
+    /// A name for a folder of earlier results.
+    fn free_name(&self) -> String {
+        let candidates = std::iter::once("previous".to_owned()).chain((2..).map(|k| format!("previous-{k}")));
+        let is_free = |name: &String| fs::symlink_metadata(self.path.join(name)).is_err();
+        candidates.into_iter().find(is_free).unwrap_or_default()
+    }
+
+    /// Writes a file: it appears under its name when it is complete.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn write(&mut self, name: &str, content: impl AsRef<[u8]>) -> io::Result<PathBuf> {
+        let path = self.path.join(name);
+        if !self.manifest.is_claimed(name) {
+            self.manifest.claim([name]);
+            self.manifest.write(&self.path)?;
+        }
+        let folder = path.parent().unwrap_or(&self.path);
+        fs::create_dir_all(folder).map_err(at(folder))?;
+        write_whole(&path, content.as_ref())?;
+        Ok(path)
+    }
+
+    /// The names of which a file is there that the program did not write.
+    pub fn foreign<'n>(&self, names: impl IntoIterator<Item = &'n str>) -> Vec<String> {
+        let is_there = |name: &&str| fs::symlink_metadata(self.path.join(name)).is_ok();
+        let names = names.into_iter().filter(is_there).filter(|name| !self.manifest.owns(name, &self.path));
+        names.map(str::to_owned).collect()
+    }
+
+    /// Removes the earlier results: new ones stand.
+    ///
+    /// # Errors
+    /// A file that cannot be removed.
+    pub fn remove_earlier(&mut self) -> io::Result<()> {
+        for name in self.manifest.aside() {
+            let path = self.path.join(&name);
+            match fs::remove_file(&path) {
+                Err(error) if error.kind() != io::ErrorKind::NotFound => return Err(at(&path)(error)),
+                _ => {}
+            }
+            // folders that are empty now
+            for folder in Path::new(&name).ancestors().skip(1).filter(|folder| !folder.as_os_str().is_empty()) {
+                let _ = fs::remove_dir(self.path.join(folder));
+            }
+        }
+        self.manifest.forget_aside();
+        self.manifest.write(&self.path)
+    }
+
+    /// Lists what was written with its content: what is changed from now on is the user's.
+    ///
+    /// # Errors
+    /// A file that cannot be read, or the manifest not written.
+    pub fn finish(&mut self) -> io::Result<()> {
+        self.manifest.close(&self.path)?;
+        self.manifest.write(&self.path)
+    }
+}
+
+impl Drop for ResultDirectory {
+    fn drop(&mut self) {
+        self.lock = None;
+        // Only empty folders can be removed; that nothing began is then all there is to say.
+        for folder in self.made.iter().rev() {
+            let _ = fs::remove_dir(folder);
+        }
+    }
+}
+
+/// Writes a file beside its place and moves it there; what a failure leaves of it is removed.
+pub(super) fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
+    let partial = path.with_file_name(PARTIAL);
+    let written = fs::write(&partial, content).and_then(|()| fs::rename(&partial, path));
+    if written.is_err() {
+        let _ = fs::remove_file(&partial);
+    }
+    written.map_err(at(path))
+}
+
+/// Makes a folder with its parents; the result is those that were missing, the outermost first.
+fn make(path: &Path) -> io::Result<Vec<PathBuf>> {
+    let missing: Vec<PathBuf> = path
+        .ancestors()
+        .take_while(|folder| !folder.as_os_str().is_empty() && !folder.exists())
+        .map(Path::to_owned)
+        .collect();
+    fs::create_dir_all(path).map_err(at(path))?;
+    Ok(missing.into_iter().rev().collect())
+}
+
+/// Whether two names are of one file.
+fn is_same(one: &Path, other: &Path) -> bool {
+    let identity = |path: &Path| fs::metadata(path).ok().map(|file| (file.dev(), file.ino()));
+    identity(one).is_some_and(|one| identity(other) == Some(one))
+}
+
+fn listed(names: &[String]) -> String {
+    let shown = names.iter().take(MOST_NAMES).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(MOST_NAMES) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}

@@ -1,0 +1,240 @@
+use super::*;
+use proptest::prelude::*;
+use std::collections::BTreeMap;
+
+fn opened(path: &Path, access: Access<'_>) -> ResultDirectory {
+    ResultDirectory::open(path, Kind::Run, access).unwrap()
+}
+
+fn refused(path: &Path, kind: Kind, access: Access<'_>) -> String {
+    match ResultDirectory::open(path, kind, access) {
+        Err(Refusal::Content(message)) => message,
+        other => panic!("{other:?}"),
+    }
+}
+
+/// A finished run with these files.
+fn results(path: &Path, files: &[(&str, &str)]) {
+    let mut directory = opened(path, Access::default());
+    directory.begin(&[]).unwrap();
+    fs::write(path.join("history.csv"), "rows").unwrap();
+    files.iter().for_each(|(name, content)| drop(directory.write(name, content).unwrap()));
+    directory.remove_earlier().unwrap();
+    directory.finish().unwrap();
+}
+
+fn files(path: &Path) -> BTreeMap<String, String> {
+    let mut all = BTreeMap::new();
+    let mut folders = vec![path.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in fs::read_dir(folder).unwrap().flatten() {
+            if entry.path().is_dir() {
+                folders.push(entry.path());
+            } else {
+                let name = entry.path().strip_prefix(path).unwrap().to_string_lossy().into_owned();
+                all.insert(name, fs::read_to_string(entry.path()).unwrap());
+            }
+        }
+    }
+    all.remove(MANIFEST);
+    all
+}
+
+fn names(path: &Path) -> Vec<String> {
+    files(path).into_keys().collect()
+}
+
+#[test]
+fn earlier_results_go_when_new_ones_stand_and_nothing_else_does() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    results(path, &[("summary.json", "1"), ("plots/a.svg", "a"), ("plots/b.svg", "b")]);
+    for user in ["notes.txt", "plots/notes.txt", "fields/notes.txt"] {
+        fs::create_dir_all(path.join(user).parent().unwrap()).unwrap();
+        fs::write(path.join(user), "mine").unwrap();
+    }
+    let mut directory = opened(path, Access::default());
+    directory.begin(&[]).unwrap();
+    assert!(!path.join("history.csv").exists() && !path.join("plots/a.svg").exists());
+    let aside = ["history.csv", "plots/a.svg", "plots/b.svg", "summary.json"];
+    assert!(aside.iter().all(|name| path.join("previous").join(name).exists()), "{:?}", names(path));
+    directory.write("summary.json", "2").unwrap();
+    directory.write("plots/b.svg", "b").unwrap();
+    directory.remove_earlier().unwrap();
+    directory.finish().unwrap();
+    drop(directory);
+    let expected = ["fields/notes.txt", "notes.txt", "plots/b.svg", "plots/notes.txt", "summary.json"];
+    assert_eq!(names(path), expected);
+    assert!(!path.join("previous").exists());
+}
+
+#[test]
+fn what_a_killed_run_left_is_set_aside_with_what_was_before_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    results(path, &[("summary.json", "1")]);
+    for kill in 1..4 {
+        let mut killed = opened(path, Access::default());
+        killed.begin(&[]).unwrap();
+        fs::write(path.join("history.csv"), format!("rows {kill}")).unwrap();
+        fs::create_dir_all(path.join("fields")).unwrap();
+        fs::write(path.join("fields/000000.vtu"), "field").unwrap();
+        fs::write(path.join("fields/000001.partial"), "fie").unwrap();
+        killed.write("plots/a.svg", "a").unwrap();
+        // no finish
+    }
+    let rows: Vec<String> =
+        files(path).into_iter().filter(|(name, _)| name.ends_with("history.csv")).map(|(_, rows)| rows).collect();
+    assert_eq!(rows, ["rows 3", "rows 1", "rows 2", "rows"], "by folder: ., previous-2, previous-3, previous");
+    let mut next = opened(path, Access::default());
+    next.begin(&[]).unwrap();
+    next.write("summary.json", "4").unwrap();
+    next.remove_earlier().unwrap();
+    next.finish().unwrap();
+    drop(next);
+    assert_eq!(names(path), ["summary.json"]);
+}
+
+#[test]
+fn what_the_user_changed_or_put_there_is_refused_and_replaced_on_demand() {
+    for (name, content) in
+        [("report.html", "mine"), ("plots/mine.svg", "mine"), ("fields/x.vtu", "mine"), ("history.csv", "ROWS")]
+    {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        results(path, &[("summary.json", "1"), ("report.html", "page")]);
+        fs::create_dir_all(path.join(name).parent().unwrap()).unwrap();
+        fs::write(path.join(name), content).unwrap();
+        let before = files(path);
+        let message = refused(path, Kind::Run, Access::default());
+        assert!(message.contains(name) && message.contains("--overwrite"), "{message}");
+        assert_eq!(files(path), before);
+        let mut directory = opened(path, Access { overwrite: true, ..Access::default() });
+        assert!(directory.notes()[0].contains(name), "{:?}", directory.notes());
+        assert_eq!(files(path).len(), before.len() + 1, "the lock");
+        directory.begin(&[]).unwrap();
+        assert_eq!(fs::read_to_string(path.join("previous").join(name)).unwrap(), content);
+        directory.remove_earlier().unwrap();
+        directory.finish().unwrap();
+        drop(directory);
+        assert_eq!(names(path), [""; 0]);
+    }
+}
+
+#[test]
+fn a_copy_of_results_is_still_ours() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    results(path, &[("summary.json", "1")]);
+    let history = path.join("history.csv");
+    fs::remove_file(&history).unwrap();
+    fs::write(&history, "rows").unwrap();
+    opened(path, Access::default());
+    fs::write(&history, "sowr").unwrap();
+    assert!(refused(path, Kind::Run, Access::default()).contains("history.csv"));
+}
+
+#[test]
+fn inputs_are_never_replaced() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    results(path, &[("summary.json", "1"), ("replay.json", "case")]);
+    let link = path.join("link.json");
+    std::os::unix::fs::symlink(path.join("replay.json"), &link).unwrap();
+    for input in [path.join("replay.json"), link] {
+        for overwrite in [false, true] {
+            let inputs = [input.clone()];
+            let message = refused(path, Kind::Run, Access { inputs: &inputs, overwrite, is_locked: false });
+            assert!(message.contains("replay.json") && !message.contains("--overwrite"), "{message}");
+        }
+    }
+    // an input of another name is in nobody's way
+    let inputs = [path.join("table.csv")];
+    fs::write(&inputs[0], "0").unwrap();
+    opened(path, Access { inputs: &inputs, ..Access::default() });
+    // neither is one of those that were set aside
+    opened(path, Access::default()).begin(&[]).unwrap();
+    let inputs = [path.join("previous/replay.json")];
+    assert!(refused(path, Kind::Run, Access { inputs: &inputs, ..Access::default() }).contains("previous/replay.json"));
+}
+
+#[test]
+fn results_of_another_kind_and_a_manifest_of_another_program_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    results(path, &[("summary.json", "1")]);
+    assert!(refused(path, Kind::Study, Access::default()).contains("holds the results of a run"));
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path();
+    fs::write(path.join(MANIFEST), "{\"name\": \"an app\"}").unwrap();
+    assert!(refused(path, Kind::Run, Access::default()).contains(MANIFEST));
+    let mut directory = opened(path, Access { overwrite: true, ..Access::default() });
+    directory.begin(&[]).unwrap();
+    assert!(fs::read_to_string(path.join("previous").join(MANIFEST)).unwrap().contains("an app"));
+}
+
+#[test]
+fn one_writer_at_a_time() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("a").join("b");
+    let first = opened(&path, Access::default());
+    let message = refused(&path, Kind::Run, Access::default());
+    assert!(message.contains(&format!("process {} on ", std::process::id())), "{message}");
+    opened(&path, Access { is_locked: true, ..Access::default() });
+    drop(first);
+    // nothing began: nothing stays
+    assert!(!folder.path().join("a").exists());
+    // a file that a killed process left locks nothing
+    fs::create_dir_all(&path).unwrap();
+    fs::write(path.join(".pullout.lock"), "1 elsewhere\n").unwrap();
+    opened(&path, Access::default());
+    assert_eq!(names(&path), [""; 0]);
+}
+
+proptest! {
+    /// Whatever is in a directory: unasked, nothing of the user's goes.
+    #[test]
+    fn the_user_s_files_stay(
+        ours in proptest::collection::btree_set(0_usize..8, 0..8),
+        theirs in proptest::collection::btree_set(0_usize..8, 0..8),
+        kills in 0_usize..3,
+    ) {
+        let names = ["summary.json", "report.html", "plots/a.svg", "plots/b.svg", "run.json", "a.txt", "plots/a.png", "umat.msg"];
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        results(path, &ours.iter().map(|&k| (names[k], "ours")).collect::<Vec<_>>());
+        for &k in &theirs {
+            fs::create_dir_all(path.join(names[k]).parent().unwrap()).unwrap();
+            fs::write(path.join(names[k]), "theirs").unwrap();
+        }
+        for _ in 0..kills {
+            if let Ok(mut directory) = ResultDirectory::open(path, Kind::Run, Access::default()) {
+                directory.begin(&[]).unwrap();
+            }
+        }
+        if let Ok(mut directory) = ResultDirectory::open(path, Kind::Run, Access::default()) {
+            directory.begin(&[]).unwrap();
+            directory.write("summary.json", "new").unwrap();
+            directory.remove_earlier().unwrap();
+            directory.finish().unwrap();
+        }
+        for &k in &theirs {
+            prop_assert_eq!(fs::read_to_string(path.join(names[k])).unwrap(), "theirs");
+        }
+    }
+}
+
+#[test]
+fn patterns() {
+    for (pattern, name, expected) in [
+        ("fields/#.vtu", "fields/000012.vtu", true),
+        ("fields/#.vtu", "fields/.vtu", false),
+        ("fields/#.vtu", "fields/12a.vtu", false),
+        ("fields/*.vtu", "fields/a.vtu", true),
+        ("fields/*.vtu", "fields/a/b.vtu", false),
+        ("history.csv", "history.csv", true),
+        ("history.csv", "history_csv", false),
+    ] {
+        assert_eq!(names::fits(pattern, name), expected, "{pattern} {name}");
+    }
+}
