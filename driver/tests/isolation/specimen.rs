@@ -110,7 +110,7 @@ fn a_law_that_ends_the_process_at_its_first_call() {
     let case = desk.case("case.json", &plate(material, false));
     // an earlier run's rows are not this run's
     desk.write("out/history.csv", "step\n1\n");
-    let outcome = desk.pullout(["run", "--quiet", "--out", "out", "case.json"]).expect(1);
+    let outcome = desk.pullout(["run", "--quiet", "--overwrite", "--out", "out", "case.json"]).expect(1);
     let summary = json(&desk.path("out/summary.json"));
     for text in [outcome.stderr.as_str(), summary["message"].as_str().expect("a message")] {
         assert!(text.contains("plugin 'misbehaving', step 1, increment 1"), "{text}");
