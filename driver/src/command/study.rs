@@ -2,6 +2,7 @@
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, run, say};
 use crate::case;
+use crate::isolation::prints::Prints;
 use crate::output::directory::{Access, Kind, ResultDirectory};
 use crate::output::number::significant;
 use crate::study::claims::{self, Finding, Verdict};
@@ -104,6 +105,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     let of_run =
         |overrides: &[String]| Reading { overrides: overrides.to_vec(), plugin_paths: reading.plugin_paths.clone() };
     let mut apart = Vec::new();
+    let prints = Prints::discard();
     let read = study::read(file, &reading.overrides, &reading.plugin_paths, &mut |base, overrides| {
         let own = of_run(overrides);
         let need = own.need(base);
@@ -111,6 +113,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         apart.extend(need.map(|need| (base.to_owned(), own, need)));
         is_isolated
     });
+    drop(prints);
     let own = read.as_ref().map_or_else(refuse, |_| DONE);
     let theirs = apart.iter().map(|(base, reading, need)| isolated::check(base, reading, need, true)).max();
     match (read, own.max(theirs.unwrap_or(DONE))) {

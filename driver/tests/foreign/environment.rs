@@ -223,6 +223,36 @@ fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
     assert_eq!(occasions(&specimen), expected);
 }
 
+/// A run that goes on from a checkpoint: LOP = 0, so that tables are there, and LOP = 4; not the start of a step again.
+#[test]
+fn a_restart_is_told() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "occasions.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [E, NU, 10.0], "nstatv": 0, "isolate": false });
+    let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
+    let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
+    let steps = json!([{ "slip": 0.004, "increments": 3, "time": 3.0 }]);
+    desk.case("case.json", &rectangle(material, "plane_stress", supports, grip, steps));
+    desk.pullout(["run", "case.json", "--quiet", "--out", "out", "--checkpoint-every", "1"]).expect(0);
+    let kept = || std::fs::read_to_string(desk.path("out/umat.log")).expect("a log");
+    let before = kept();
+    desk.pullout(["run", "case.json", "--quiet", "--restart", "out"]).expect(0);
+    let after = kept();
+    let numbers = |line: &str| line.split_whitespace().skip(1).map(|word| word.parse().expect("a number")).collect();
+    let told: Vec<Vec<f64>> = after.strip_prefix(&before).expect("the log goes on").lines().map(numbers).collect();
+    assert_eq!(
+        told,
+        [
+            [0.0, 1.0, 0.0, 0.0, 0.0, 0.0],
+            [4.0, 1.0, 2.0, 2.0, 2.0, 0.0],
+            [1.0, 1.0, 3.0, 2.0, 2.0, 1.0],
+            [2.0, 1.0, 3.0, 3.0, 3.0, 1.0],
+            [6.0, 1.0, 3.0, 3.0, 3.0, 1.0],
+            [3.0, 1.0, 3.0, 3.0, 3.0, 1.0],
+        ]
+    );
+}
+
 #[test]
 fn plugin_info_lists_the_routines_around_the_laws() {
     let desk = Desk::new();
@@ -232,6 +262,16 @@ fn plugin_info_lists_the_routines_around_the_laws() {
     let Some(_) = built(&desk, "initial_stress.f", &[]) else { return };
     let outcome = desk.pullout(["plugin", "info", "./libinitial_stress.so"]).expect(0);
     assert!(outcome.stdout.contains("Other routines: SIGINI"), "{}", outcome.stdout);
+    // UVARM computes output variables, of which there are none
+    let source = std::fs::read_to_string(end_to_end_tests::workspace("tests/umats/occasions.f")).expect("a source");
+    let source = source.replace("SUBROUTINE UEXTERNALDB", "SUBROUTINE UVARM");
+    let source = desk.write("with_uvarm.f", &source);
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libuvarm.so"]).expect(0);
+    let outcome = desk.pullout(["plugin", "info", "./libuvarm.so"]).expect(0);
+    assert!(outcome.stdout.contains("Other routines: UVARM (not called by this program)"), "{}", outcome.stdout);
+    let material = json!({ "plugin": "./libuvarm.so", "props": [E, NU, 10.0], "nstatv": 0 });
+    let run = run(&desk, "uvarm", &point(material, "3d", json!([{ "increments": 1, "target": { "e11": 1e-3 } }])));
+    assert!(warned(&run, "its UVARM is not called"), "{}", run.summary);
 }
 
 #[test]

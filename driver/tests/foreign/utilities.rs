@@ -62,13 +62,30 @@ fn every_routine_answers_as_its_manual_says() {
     let folder = desk.path("");
     let folder = folder.to_str().expect("UTF-8").trim_end_matches('/');
     assert_eq!((state(35), state(36)), ("utilities".len() as f64, folder.len() as f64));
-    for line in [
-        format!("***NOTE: JOB utilities IN {folder}"),
-        "***WARNING: 1, 0.5, STEEL; -7, -2, FIBRE; 5%".into(),
-        "***ERROR: AN ERROR".into(),
-    ] {
-        assert!(run.outcome.stderr.lines().any(|found| found == line), "no '{line}' in {}", run.outcome.stderr);
+    let note = format!("***NOTE: JOB utilities IN {folder}");
+    let issued = ["***WARNING: 1, 0.5, STEEL; -7, -2, FIBRE; 5%", "***ERROR: AN ERROR"];
+    let log = run.log();
+    for line in [note.as_str()].into_iter().chain(issued) {
+        assert!(log.lines().any(|found| found == line), "no '{line}' in {log}");
+        let is_shown = run.outcome.stderr.lines().any(|found| found == line);
+        assert_eq!(is_shown, line != note, "'{line}' in {}", run.outcome.stderr);
     }
+}
+
+/// A law that warns in each call shows what it has to say a few times.
+#[test]
+fn messages_do_not_flood_the_terminal() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "calls_utilities.f", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [30e3, 0.2], "nstatv": 45 });
+    // it does so in the first increment of a step
+    let steps = json!([{ "repeat": 100, "steps": [{ "increments": 1, "target": { "e11": 1e-3 } }] }]);
+    let run = run(&desk, "many", &point(material, "3d", steps));
+    let count =
+        |text: &str| text.lines().filter(|line| line.starts_with("***WARNING") || line.starts_with("***ERROR")).count();
+    assert!(count(&run.log()) >= 200, "{}", run.log());
+    assert_eq!(count(&run.outcome.stderr), 10, "{}", run.outcome.stderr);
+    assert!(run.outcome.stderr.contains("umat.log in the result directory has all"), "{}", run.outcome.stderr);
 }
 
 /// `<prefix>/bin/pullout` finds them in `<prefix>/lib/pullout`, and says so if they are not there.

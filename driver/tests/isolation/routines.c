@@ -1,10 +1,10 @@
-/* Linear elasticity whose SDVINI or UEXTERNALDB misbehaves: ROUTINE (1 SDVINI, 2 UEXTERNALDB), FAULT and, of UEXTERNALDB,
+/* Linear elasticity whose SDVINI, UEXTERNALDB or SIGINI misbehaves: ROUTINE (1, 2, 3), FAULT and, of UEXTERNALDB,
  * the LOP, step and increment AT_LOP, AT_STEP, AT_INCREMENT at which it does are defined in front of this text. */
 #include <stdint.h>
 #include <stdlib.h>
 #include <unistd.h>
 
-enum { SDVINI = 1, UEXTERNALDB = 2 };
+enum { SDVINI = 1, UEXTERNALDB = 2, SIGINI = 3 };
 enum { EXIT_0 = 1, ABORT, WILD_POINTER, ENDLESS_LOOP };
 
 static void misbehave(void)
@@ -21,6 +21,12 @@ void sdvini_(double *statev)
 {
     statev[0] = 5.0;
     if (ROUTINE == SDVINI)
+        misbehave();
+}
+
+void sigini_(double *sigma)
+{
+    if (ROUTINE == SIGINI)
         misbehave();
 }
 

@@ -1,4 +1,4 @@
-//! SDVINI and UEXTERNALDB that misbehave: the message names the routine, and when it was called.
+//! SDVINI, SIGINI and UEXTERNALDB that misbehave: the message names the routine, and when it was called.
 
 use super::program::{Desk, json};
 use end_to_end_tests::{Tool, find};
@@ -12,10 +12,11 @@ enum Fault {
     EndlessLoop,
 }
 
-/// Who misbehaves: SDVINI, or UEXTERNALDB with LOP, in a step and an increment.
+/// Who misbehaves: SDVINI, SIGINI, or UEXTERNALDB with LOP, in a step and an increment.
 #[derive(Clone, Copy)]
 enum Routine {
     Sdvini,
+    Sigini,
     Uexternaldb([u32; 3]),
 }
 
@@ -26,6 +27,7 @@ fn compiled(desk: &Desk, routine: Routine, fault: Fault) -> bool {
     }
     let (number, [lop, step, increment]) = match routine {
         Routine::Sdvini => (1, [0; 3]),
+        Routine::Sigini => (3, [0; 3]),
         Routine::Uexternaldb(at) => (2, at),
     };
     let defined = format!(
@@ -90,15 +92,17 @@ const FAULTS: [(Fault, &str); 4] = [
 ];
 
 #[test]
-fn sdvini() {
+fn sdvini_and_sigini() {
     let desk = Desk::new();
-    for (fault, how) in FAULTS {
-        if !compiled(&desk, Routine::Sdvini, fault) {
-            return;
+    for (routine, name) in [(Routine::Sdvini, "SDVINI"), (Routine::Sigini, "SIGINI")] {
+        for (fault, how) in FAULTS {
+            if !compiled(&desk, routine, fault) {
+                return;
+            }
+            let place = format!("{name}, element 1, integration point 1");
+            assert_eq!(ended(&desk, &point(), &place, how), 0);
+            assert_eq!(ended(&desk, &plate(), &place, how), 0);
         }
-        let place = "SDVINI, element 1, integration point 1";
-        assert_eq!(ended(&desk, &point(), place, how), 0);
-        assert_eq!(ended(&desk, &plate(), place, how), 0);
     }
 }
 

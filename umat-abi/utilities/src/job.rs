@@ -1,7 +1,7 @@
 //! What a routine may ask about the run: GETJOBNAME, GETOUTDIR, GETRANK, GETNUMCPUS, GETPARTINFO, GETVRM.
 
 use crate::character::{assign, trimmed};
-use crate::messages::say;
+use crate::messages::{forget_issued, say};
 use std::sync::{PoisonError, RwLock};
 
 /// CHARACTER*256 OUTDIR, JOBNAME.
@@ -13,10 +13,10 @@ const COMPONENTS: usize = 15;
 /// CHARACTER*3 FLGRAY.
 const FLAG_LENGTH: usize = 3;
 
-/// Name and result folder.
+/// Name and folder.
 static JOB: RwLock<Option<(String, String)>> = RwLock::new(None);
 
-/// Tells the job's name and the folder of its results; of this library's host.
+/// Tells the job's name and folder; of this library's host.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn pullout_utilities_job_v1(
     name: *const u8,
@@ -26,6 +26,7 @@ unsafe extern "C" fn pullout_utilities_job_v1(
 ) {
     // SAFETY: the host passes two texts with their lengths.
     let job = unsafe { (trimmed(name, name_length), trimmed(folder, folder_length)) };
+    forget_issued();
     *JOB.write().unwrap_or_else(PoisonError::into_inner) = Some(job);
 }
 
@@ -55,7 +56,7 @@ unsafe extern "C" fn getjobname_(jobname: *mut u8, lenjobname: *mut i32, room: u
     unsafe { answer(&name, jobname, lenjobname, room) }
 }
 
-/// GETOUTDIR(OUTDIR,LENOUTDIR): the folder of the results and the length of its name.
+/// GETOUTDIR(OUTDIR,LENOUTDIR): the folder of the job, which is that of its case, and the length of its name.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn getoutdir_(outdir: *mut u8, lenoutdir: *mut i32, room: usize) {
     let here = || std::env::current_dir().map_or_else(|_| ".".to_owned(), |folder| folder.display().to_string());

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `SINV`, `SPRINC`, `SPRIND`, `ROTSIG` | invariants, principal values and directions, rotation |
 //! | `XIT`, `STDB_ABQERR` | end the program; print a note, a warning or an error |
-//! | `GETJOBNAME`, `GETOUTDIR`, `GETRANK`, `GETNUMCPUS` | the run: the case's name, its result folder, rank 0 of 1 |
+//! | `GETJOBNAME`, `GETOUTDIR`, `GETRANK`, `GETNUMCPUS` | the run: the case's name and folder, rank 0 of 1 |
 //! | `GETPARTINFO`, `GETVRM` | the model has no part instances; no output variables can be asked for |
 //! | `MutexInit`, `MutexLock`, `MutexUnlock` | 100 locks, numbered from 1 |
 //!

@@ -2,6 +2,7 @@
 
 use crate::character::trimmed;
 use std::io::Write;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 /// Exit code of a run that failed.
 const FAILED: i32 = 1;
@@ -9,6 +10,33 @@ const FAILED: i32 = 1;
 const LONGEST_STRING: usize = 500;
 /// CHARACTER*8 CHARV(*).
 const CHARV_LENGTH: usize = 8;
+
+/// Warnings and errors of a job that are shown at once: a law that warns in every call is not to flood the terminal.
+const MOST_SHOWN: u32 = 10;
+/// How many the present job has issued.
+static ISSUED: AtomicU32 = AtomicU32::new(0);
+
+/// Another job begins.
+pub(crate) fn forget_issued() {
+    ISSUED.store(0, Ordering::Relaxed);
+}
+
+/// Prints a line among what the plugin itself prints, which hosts keep.
+fn log(line: &str) {
+    let _ = writeln!(std::io::stdout(), "{line}");
+}
+
+/// Prints a warning or an error with what the plugin prints, and shows the first of them.
+fn issue(line: &str) {
+    log(line);
+    match ISSUED.fetch_add(1, Ordering::Relaxed) {
+        before if before < MOST_SHOWN => say(line),
+        MOST_SHOWN => {
+            say("***NOTE: no more messages of STDB_ABQERR are shown; umat.log in the result directory has all")
+        }
+        _ => {}
+    }
+}
 
 /// Prints a line; a closed stderr is no reason to stop.
 pub(crate) fn say(line: &str) {
@@ -51,10 +79,10 @@ unsafe extern "C" fn stdb_abqerr_(
         }
     });
     match lop {
-        -1 => say(&format!("***WARNING: {text}")),
-        -2 => say(&format!("***ERROR: {text}")),
+        -1 => issue(&format!("***WARNING: {text}")),
+        -2 => issue(&format!("***ERROR: {text}")),
         -3 => end(&format!("***ERROR: {text}\n***ERROR: the plugin ended the analysis (STDB_ABQERR with LOP = -3)")),
-        _ => say(&format!("***NOTE: {text}")),
+        _ => log(&format!("***NOTE: {text}")),
     }
 }
 

@@ -20,7 +20,6 @@ impl Law {
     /// The sources compiled; `None`, after a notice, where there is no compiler.
     fn built(&self, desk: &Desk, flags: &[&str]) -> Option<Value> {
         desk.write("hardening.txt", cases::HARDENING);
-        desk.write("driven/hardening.txt", cases::HARDENING);
         built_of(desk, self.sources, flags)
     }
 
