@@ -62,4 +62,4 @@ unsafe fn body(a: &UmatArguments) {
 }
 
 umat_abi::umat_symbol!("umat_", umat_fortran, body);
-umat_abi::plugin_symbol!(umat_abi::law_plugin!((umat Damage<Selected>)));
+umat_abi::plugin_symbol!("pullout_plugin_v1", umat_abi::law_plugin!((umat Damage<Selected>)));

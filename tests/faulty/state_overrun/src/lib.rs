@@ -22,4 +22,4 @@ unsafe fn body(arguments: &UmatArguments) {
 }
 
 umat_abi::umat_symbol!("umat_", umat_fortran, body);
-umat_abi::plugin_symbol!(umat_abi::law_plugin!((umat Damage<Overrun>)));
+umat_abi::plugin_symbol!("pullout_plugin_v1", umat_abi::law_plugin!((umat Damage<Overrun>)));
