@@ -159,7 +159,7 @@ fn a_c_program_reads_the_description() {
 fn stresses_of_two_laws() -> [Vec<f64>; 2] {
     let strain = [4e-3, -1e-3, -5e-4, 1e-3, 2e-3, 3e-3];
     let stress = |name: &str, states: usize, props: &[f64]| {
-        let library = Library::open(&plugin(name)).expect("a plugin that Cargo built");
+        let library = end_to_end_tests::open(&plugin(name));
         let mut call = UmatCall::new(&library, None, name, StressState::ThreeD, states, props).expect("umat_");
         call.dstran = strain;
         call.call(Request::StressAndTangent).expect("no overrun");

@@ -124,7 +124,9 @@ fn a_fracture_energy_asks_for_a_length_in_every_increment() {
         for before in 0..3 {
             let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
             point.characteristic_length = Some(5.0);
-            strains[..before.min(2)].iter().for_each(|strain| drop(point.advance(&[*strain, 0.0, 0.0, 0.0, 0.0, 0.0])));
+            for strain in &strains[..before] {
+                point.advance(&[*strain, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            }
             let mut increment = Increment::at_rest(StressState::ThreeD);
             increment.strain[0] = strains[0];
             let missing = ConfigurationError::CharacteristicLengthMissing { parameter: energy };
