@@ -10,6 +10,7 @@ pub mod case;
 pub mod command;
 pub mod conformance;
 pub mod fit;
+pub mod import;
 mod isolation;
 pub mod output;
 pub mod path;

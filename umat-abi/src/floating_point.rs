@@ -5,6 +5,22 @@
 #[cfg(target_arch = "x86_64")]
 const DEFAULT: u32 = 0x1f80;
 
+/// The masks of invalid operations, divisions by zero and overflow.
+#[cfg(target_arch = "x86_64")]
+const MASKS: u32 = 1 << 7 | 1 << 9 | 1 << 10;
+
+/// The control with traps for invalid operations, divisions by zero and overflow, and no exception pending.
+#[cfg(target_arch = "x86_64")]
+pub(crate) fn with_traps(control: u32) -> u32 {
+    modes(control) & !MASKS
+}
+
+/// Elsewhere there are none.
+#[cfg(not(target_arch = "x86_64"))]
+pub(crate) fn with_traps(control: u32) -> u32 {
+    control
+}
+
 /// Reads MXCSR.
 #[cfg(target_arch = "x86_64")]
 #[inline]
@@ -42,7 +58,7 @@ pub(crate) fn modes(control: u32) -> u32 {
 /// harmless in a law, a trapped one kills the process) or flush-to-zero.
 #[cfg(target_arch = "x86_64")]
 #[inline]
-pub(crate) fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
+pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     let hosts = control();
     if modes(hosts) == DEFAULT {
         return body();
@@ -55,6 +71,6 @@ pub(crate) fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
 
 /// Elsewhere the environment is taken as it is.
 #[cfg(not(target_arch = "x86_64"))]
-pub(crate) fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
+pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     body()
 }

@@ -16,3 +16,5 @@ pub mod law;
 pub mod metadata;
 pub mod uinter;
 pub mod umat;
+
+pub use floating_point::in_default_environment;

@@ -12,6 +12,24 @@ pub enum Form {
     Free,
 }
 
+/// What every Fortran source gets, besides its form: what Intel's compiler understands unasked. (Not `-fdec` as a whole:
+/// its integer intrinsics are named like many a routine of a UMAT, KDIM or IMAX.)
+const FORTRAN: [&str; 10] = [
+    "-std=legacy",
+    "-fdollar-ok",
+    "-fcray-pointer",
+    "-fdec-structure",
+    "-fdec-static",
+    "-fdec-math",
+    "-fdec-include",
+    "-fdec-char-conversions",
+    "-fdec-blank-format-item",
+    "-fdec-format-defaults",
+];
+
+/// What a source with lines of the preprocessor gets: ABAQUS's own definitions.
+pub(super) const PREPROCESSED: [&str; 4] = ["-cpp", "-DABQ_LINUX", "-DABQ_LNX86_64", "-DFOR_TRAIL"];
+
 /// What a source is compiled by.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Language {
@@ -50,14 +68,15 @@ impl Language {
     }
 
     /// What sources of this kind need.
-    pub(super) fn flags(self) -> &'static [&'static str] {
-        match self {
-            Self::Fortran(Form::Fixed) => &["-std=legacy", "-ffixed-form", "-ffixed-line-length-132"],
-            Self::Fortran(Form::Free) => &["-std=legacy", "-ffree-form", "-ffree-line-length-none"],
+    pub(super) fn flags(self) -> Vec<&'static str> {
+        let form: &[&str] = match self {
+            Self::Fortran(Form::Fixed) => &["-ffixed-form", "-ffixed-line-length-132", "-fd-lines-as-comments"],
+            Self::Fortran(Form::Free) => &["-ffree-form", "-ffree-line-length-none"],
             // unique symbols are shared across libraries whatever the loader is told
-            Self::Cpp => &["-fno-gnu-unique"],
-            Self::C | Self::Object => &[],
-        }
+            Self::Cpp => return vec!["-fno-gnu-unique"],
+            Self::C | Self::Object => return Vec::new(),
+        };
+        [&FORTRAN, form].concat()
     }
 }
 
@@ -72,7 +91,7 @@ pub(super) struct Source {
 
 impl Source {
     pub(super) fn new(file: &Path, form: Option<Form>) -> Result<Self, Refusal> {
-        let refusal = |message: String| Refusal::Source { file: file.to_path_buf(), message };
+        let refusal = |message: String| Refusal::File { file: file.to_path_buf(), message };
         let suffix = file.extension().unwrap_or_default().to_string_lossy();
         let Some(language) = Language::of(&suffix) else {
             return Err(refusal(

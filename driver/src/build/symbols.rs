@@ -33,6 +33,11 @@ impl Symbols {
         ROUTINES.iter().filter_map(|routine| self.spelling_of(routine)).collect()
     }
 
+    /// All routines that Fortran can call, by their names in capitals.
+    pub(super) fn routines(&self) -> Vec<String> {
+        self.0.iter().filter_map(|symbol| symbol.strip_suffix('_')).map(str::to_ascii_uppercase).collect()
+    }
+
     /// Whether the loader finds a UMAT, UINTER or FRIC, or a routine of the library's own name.
     pub(super) fn has_law(&self, library: &Path) -> bool {
         let stem = library.file_stem().unwrap_or_default().to_string_lossy();

@@ -31,7 +31,7 @@ fn the_suffix_tells_the_language_and_the_form() {
     assert_eq!(language("a.for", "C comment\n!DIR$ FREEFORM\n", None), Language::Fortran(Form::Free));
     assert_eq!(language("a.for", "      END\n!DIR$ FREEFORM\n", None), Language::Fortran(Form::Fixed));
     let (_folder, file) = written("a.txt", "");
-    assert!(matches!(Source::new(&file, None), Err(Refusal::Source { .. })));
+    assert!(matches!(Source::new(&file, None), Err(Refusal::File { .. })));
 }
 
 #[test]
@@ -41,13 +41,52 @@ fn a_linkers_words_name_what_is_undefined() {
     assert_eq!(symbols::undefined(words), ["abc_", "kwork_"]);
 }
 
+/// What is found in a source of this name and text.
+fn scanned(name: &str, text: &str) -> (tempfile::TempDir, Scan) {
+    let (folder, file) = written(name, text);
+    let scan = Scan::of(&Source::new(&file, None).unwrap());
+    (folder, scan)
+}
+
 #[test]
-fn aba_param_is_found_in_whatever_letters_a_source_writes_it() {
-    let (_folder, file) = written("a.f", "      INCLUDE 'Aba_Param.inc'\n      include 'aba_param.inc'\n");
+fn our_includes_are_found_in_whatever_letters_a_source_writes_them() {
+    let text = "      INCLUDE 'Aba_Param.inc'\n      include 'aba_param.inc'\n#include <SMAAspUserSubroutines.hdr>\n";
+    let (_folder, scan) = scanned("a.f", text);
+    assert!(scan.preprocessed && scan.rewritten.is_none());
     let folder = tempfile::tempdir().unwrap();
-    includes::write(folder.path(), &[Source::new(&file, None).unwrap()]).unwrap();
-    for name in ["Aba_Param.inc", "aba_param.inc", "pullout_umat.h"] {
+    includes::write(folder.path(), &[scan]).unwrap();
+    for name in ["Aba_Param.inc", "aba_param.inc", "SMAAspUserSubroutines.hdr", "omi_for_c.h", "pullout_umat.h"] {
         assert!(folder.path().join(name).is_file(), "{name}");
     }
     assert!(!folder.path().join("ABA_PARAM.INC").exists());
+}
+
+#[test]
+fn lines_of_the_preprocessor_are_found_and_nothing_else_is_taken_for_one() {
+    for (name, text, expected) in [
+        ("a.f", "#define A 1\n", true),
+        ("a.f90", "# ifdef A\n#endif\n", true),
+        ("a.F", "      END\n", true),
+        ("a.F90", "end\n", true),
+        ("a.f", "C #define A\n     # ,B)\n", false),
+        ("a.f", "#ff0000\n", false),
+        ("a.c", "#define A\n", false),
+    ] {
+        assert_eq!(scanned(name, text).1.preprocessed, expected, "{name}: {text}");
+    }
+}
+
+#[test]
+fn sources_are_ordered_by_their_modules() {
+    let scans = |texts: &[&str]| texts.iter().map(|text| scanned("a.f90", text).1).collect::<Vec<_>>();
+    let order = |texts: &[&str]| scan::order(&scans(texts));
+    let user = "subroutine umat\n  use, intrinsic :: iso_c_binding\n  USE Outer, only: a\nend\n";
+    let outer =
+        "module outer\n use inner; use iso_fortran_env\n contains\n module procedure x\n end\nend module outer\n";
+    let inner = "! use outer\nMODULE INNER ! the first\nend module\n";
+    assert_eq!(order(&[user, outer, inner]), Ok(vec![2, 1, 0]));
+    assert_eq!(order(&["end\n", "end\n"]), Ok(vec![0, 1]), "as they are given");
+    assert_eq!(order(&["submodule (inner) part\nend\n", inner]), Ok(vec![1, 0]));
+    let other = "module inner\nuse outer\nend module\n";
+    assert_eq!(order(&[user, outer, other, "module alone\nend\n"]), Err(vec![1, 2]), "the circle alone");
 }

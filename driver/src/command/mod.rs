@@ -2,6 +2,7 @@
 
 mod bench;
 mod fit;
+mod import;
 mod isolated;
 mod plot;
 mod plugin;
@@ -94,6 +95,8 @@ enum Command {
         #[command(flatten)]
         reading: Reading,
     },
+    /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
+    Import(import::Arguments),
     /// Find a law's parameters from an experiment.
     Fit {
         #[command(subcommand)]
@@ -190,6 +193,7 @@ fn act(command: Command) -> u8 {
         Command::Plugin { action } => plugin::act(&action),
         Command::Schema => schema(),
         Command::Plot(arguments) => plot::plot(&arguments),
+        Command::Import(arguments) => import::run(&arguments),
         Command::Fit { law } => fit::act(&law),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),

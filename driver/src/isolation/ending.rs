@@ -1,6 +1,7 @@
 //! What ended a worker, and where, in words.
 
 use super::Need;
+use super::last_words::explanation;
 use crate::path::Statistics;
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
@@ -44,7 +45,7 @@ pub struct Aftermath {
 
 impl Report {
     /// From what the worker left.
-    pub(super) fn new(cause: Cause, recording: &Recording, need: &Need) -> Self {
+    pub(super) fn new(cause: Cause, recording: &Recording, need: &Need, last_words: &str) -> Self {
         if let Some(library) = recording.loading() {
             let message = format!("{}: cannot be loaded: {}", library.display(), cause.at_loading());
             return Self { message, at_loading: true, call: None };
@@ -55,6 +56,11 @@ impl Report {
             (false, _) => format!("after this call, outside any other, {}", cause.outside_a_call()),
         };
         let call = unfinished.or_else(|| recording.last_call());
+        let explanation = match cause {
+            Cause::Exit(_) | Cause::Signal(_) => explanation(last_words, matches!(cause, Cause::Exit(_))),
+            Cause::TimeLimit(_) | Cause::ClosedOutput => None,
+        };
+        let happened = explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}"));
         let message = match &call {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),

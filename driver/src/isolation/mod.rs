@@ -42,6 +42,7 @@
 //! one call does not have.
 
 mod ending;
+mod last_words;
 mod need;
 pub mod prints;
 mod replay;

@@ -1,6 +1,7 @@
 //! Starts a worker and watches it.
 
 use super::ending::{Cause, Report};
+use super::last_words::LastWords;
 use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
@@ -11,7 +12,7 @@ use std::ffi::OsString;
 use std::io;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
-use std::process::{Child, Command, ExitStatus};
+use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 use umat_abi::host::recorder::{Beat, CallRecord, Recording};
 use wait_timeout::ChildExt;
@@ -76,7 +77,8 @@ pub struct Failure {
 pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;
-    let mut child = command(job, &path).spawn()?;
+    let mut child = command(job, &path).stderr(Stdio::piped()).spawn()?;
+    let last_words = LastWords::of(&mut child);
     let mut echo = job.out.filter(|_| job.echo).map(Echo::of);
     // before the run has begun, the files are an earlier one's
     let mut tell = || match &mut echo {
@@ -89,6 +91,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         // nothing watches it any more
         let _ = child.kill();
     }
+    let last_words = last_words.heard();
     let cause = match ended? {
         Watched::Ended(_) | Watched::Killed(_) if recording.done().is_some() => {
             return Ok(End::Done(recording.done().unwrap_or_default()));
@@ -96,7 +99,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         Watched::Ended(status) => cause_of(status, &recording),
         Watched::Killed(limit) => Cause::TimeLimit(limit),
     };
-    let report = Report::new(cause, &recording, need);
+    let report = Report::new(cause, &recording, need, &last_words);
     let note = |note: Note| recording.note(note as usize);
     Ok(End::Failed(Box::new(Failure {
         replay: report.call.as_ref().and_then(|call| job.replay(call, need)),
@@ -130,6 +133,8 @@ fn command(job: &Job<'_>, recorder: &Path) -> Command {
     if std::env::var_os(UNBUFFERED).is_none() {
         command.env(UNBUFFERED, "y");
     }
+    // a runtime error tells the routine as well
+    command.env("GFORTRAN_ERROR_BACKTRACE", "y");
     command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
     command.arg("--recorder").arg(recorder);
     if let Some(case) = job.case {

@@ -3,9 +3,12 @@
 use super::system;
 use crate::path::Statistics;
 use clap::ValueEnum;
+use console::Term;
 use std::ffi::OsString;
 use std::fs::File;
+use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 use umat_abi::host::print_by_lines;
 use umat_abi::host::recorder::{self, Recorder};
 
@@ -86,6 +89,20 @@ pub fn is_this_process() -> bool {
     recorder::installed().is_some()
 }
 
+/// The terminal behind the standard error, which is a pipe to the supervisor: for what moves, such as a bar.
+static TERMINAL: OnceLock<Term> = OnceLock::new();
+
+/// The terminal to which progress is told, if there is one.
+pub fn terminal() -> Option<Term> {
+    if io::stderr().is_terminal() { Some(Term::stderr()) } else { TERMINAL.get().cloned() }
+}
+
+/// The supervisor's standard error, if that is a terminal.
+fn terminal_of(supervisor: u32) -> Option<Term> {
+    let file = File::options().write(true).open(format!("/proc/{supervisor}/fd/2")).ok()?;
+    file.is_terminal().then(|| Term::read_write_pair(io::stdin(), file))
+}
+
 /// Ties this process to its supervisor, and does the work; the exit code goes into the done-mark.
 ///
 /// # Errors
@@ -97,6 +114,9 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
     }
     let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
     print_by_lines();
+    if let Some(terminal) = terminal_of(task.supervisor) {
+        let _ = TERMINAL.set(terminal);
+    }
     let code = work();
     recorder.done(code);
     Ok(code)

@@ -67,6 +67,189 @@ fn what_is_undefined_is_named() {
     desk.write("mine.f", &source("UMAT", calls));
     let words = refused(&desk, &["mine.f"], 1);
     assert!(words.contains("libmine.so: not built: undefined symbols: dgetrf_, keiser_; "), "{words}");
+    assert!(words.contains("ROTSIG") && words.contains("SMAINTARRAYCREATE") && words.contains("XIT"), "{words}");
+}
+
+/// A case of one increment of e11 = 0.01.
+fn one_increment(nstatv: usize, props: &[f64]) -> serde_json::Value {
+    json!({ "kind": "point", "mode": "3d",
+        "material": { "plugin": "./libmine.so", "props": props, "nstatv": nstatv },
+        "steps": [{ "increments": 1, "target": { "e11": 0.01, "e22": 0, "e33": 0, "g12": 0, "g13": 0, "g23": 0 } }] })
+}
+
+/// s11 of that case.
+fn stress_of_one_increment(desk: &Desk, name: &str) -> f64 {
+    desk.run(&desk.case(&format!("{name}.json"), &one_increment(0, &[])), &[], name, 0).history.last("s11")
+}
+
+#[test]
+fn a_utility_that_is_not_offered_ends_the_run_only_where_it_is_reached() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    for (condition, code) in [("STRESS(1).GT.1.D9", 0), ("STRESS(1).GT.0.5D0", 1)] {
+        let call = format!("      IF ({condition}) CALL GETVRMAVGATNODE(1,'S',STRESS)\n");
+        desk.write("mine.f", &source("UMAT", &call));
+        let outcome = desk.pullout(["plugin", "build", "mine.f"]).expect(0);
+        assert!(outcome.stderr.contains("libmine.so: GETVRMAVGATNODE is a utility routine of ABAQUS"), "{outcome:?}");
+        let run = desk.run(&desk.case("case.json", &one_increment(0, &[])), &[], "out", code);
+        let told = run.outcome.stderr.contains("the plugin called GETVRMAVGATNODE");
+        assert_eq!(told, code != 0, "{}", run.outcome.stderr);
+    }
+}
+
+#[test]
+fn lines_of_the_preprocessor_are_obeyed_wherever_they_stand() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    // in the source, in a file it includes in other letters, and behind a directive that Windows' compilers know
+    desk.write("factor.inc", "#define FACTOR 3.D0\n#ifdef ABQ_LINUX\n      STRESS(1)=FACTOR*STRESS(1)\n#endif\n");
+    desk.write("Offset.H", "#define OFFSET 0.25D0\n");
+    let calls = "#define TWO 2.D0\n      STRESS(1)=TWO*STRESS(1)\n      INCLUDE 'FACTOR.INC'\n#INCLUDE \"offset.h\"\n      \
+                 STRESS(1)=STRESS(1)+OFFSET\n";
+    desk.write("mine.f", &source("UMAT", calls));
+    desk.pullout(["plugin", "build", "mine.f"]).expect(0);
+    close(stress_of_one_increment(&desk, "case"), 2.0 * 3.0 + 0.25);
+    // the compiler's words still have the source's own lines
+    desk.write("mine.f", &source("UMAT", &format!("{calls}      STRESS(1)=(\n")));
+    std::fs::remove_file(desk.path("libmine.so")).expect("it was there");
+    let words = refused(&desk, &["mine.f"], 1);
+    assert!(words.contains("mine.f:14:"), "{words}");
+}
+
+#[test]
+fn modules_are_compiled_before_what_uses_them() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    desk.write("mine.f", &source("UMAT", "      CALL KSCALE(STRESS)\n"));
+    desk.write("scale.f90", "subroutine kscale(s)\n  use outer\n  real(8) :: s(6)\n  s = factor * s\nend\n");
+    desk.write("outer.f90", "module outer\n  use inner, only: two\n  real(8) :: factor = 2 * two\nend module\n");
+    desk.write("inner.f90", "module inner\n  real(8), parameter :: two = 2\nend module\n");
+    let sources = ["plugin", "build", "mine.f", "scale.f90", "outer.f90", "inner.f90"];
+    desk.pullout(sources).expect(0);
+    close(stress_of_one_increment(&desk, "case"), 4.0);
+    desk.write("inner.f90", "module inner\n  use outer\n  real(8), parameter :: two = 2\nend module\n");
+    let words = desk.pullout(sources).expect(2).stderr;
+    assert!(words.contains("modules of outer.f90, inner.f90 use each other"), "{words}");
+}
+
+#[test]
+fn what_intels_compiler_understands_is_understood() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    // a format without a width, written and read; a debug line; an angle in degrees; KDIM stays the source's own
+    let own = "      SUBROUTINE KWORK(S)\n      REAL*8 S(6)\n      CHARACTER*40 TEXT\n      WRITE(TEXT,100) 7\n 100  \
+               FORMAT(I)\n      READ(TEXT,*) N\nD     THIS IS NO STATEMENT\n      S(1)=S(1)+N+KDIM(1)+SIND(30.D0)\n      \
+               END\n      INTEGER FUNCTION KDIM(I)\n      KDIM=10*I\n      END\n";
+    desk.write("mine.f", &(source("UMAT", "      CALL KWORK(STRESS)\n") + own));
+    desk.pullout(["plugin", "build", "mine.f"]).expect(0);
+    close(stress_of_one_increment(&desk, "case"), 1.0 + 7.0 + 10.0 + 0.5);
+}
+
+#[test]
+fn arrays_threads_and_tables_are_answered_to_fortran_and_to_c() {
+    if [Tool::Fortran, Tool::Cpp].into_iter().any(|tool| find(tool).is_none()) {
+        return;
+    }
+    let desk = Desk::new();
+    let fortran = "      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE)
+      INCLUDE 'ABA_PARAM.INC'
+#include <SMAAspUserSubroutines.hdr>
+      DIMENSION STRESS(6),STATEV(20),DDSDDE(6,6)
+      CHARACTER*80 NAME
+      DIMENSION RINDEP(1),FIELD(1),RPROPS(4),DPROPS(4)
+      INTEGER IA(*)
+      POINTER(PTRI,IA)
+      REAL*8 B(*)
+      POINTER(PTRB,B)
+      REAL*4 C(*)
+      POINTER(PTRC,C)
+      DO I=1,6
+        DDSDDE(I,I)=100.D0
+      END DO
+      PTRI=SMAIntArrayCreate(1,3,7)
+      IA(2)=8
+      PTRI=SMAIntArrayCreate(1,5,9)
+      STATEV(1)=100*IA(1)+10*IA(2)+IA(5)
+      STATEV(2)=SMAIntArraySize(1)
+      PTRI=SMALocalIntArrayCreate(1,2)
+      STATEV(3)=IA(2)
+      PTRI=SMAIntArrayAccess(1)
+      STATEV(4)=IA(3)
+      PTRB=SMAFloatArrayCreate(1,4,-1.5)
+      STATEV(5)=B(4)
+      PTRB=SMALocalFloatArrayCreate(1,4,2.5D0)
+      STATEV(6)=B(3)
+      PTRB=SMAFloatArrayCreate(2,1)
+      IF (B(1).NE.B(1)) STATEV(7)=1.D0
+      PTRC=SMARealArrayCreate(1,4,0.5)
+      STATEV(8)=C(4)
+      CALL KFROMC(STATEV(9))
+      STATEV(11)=SMAFloatArraySize(1)
+      STATEV(12)=SMARealArrayAccess(99)
+      STATEV(13)=get_thread_id()
+      IF (getNumThreads().GE.1) STATEV(14)=1.D0
+      STATEV(15)=getcommunicator()
+      CALL setTableCollection('MATTC_X',JERROR)
+      STATEV(16)=JERROR
+      NAME='LABEL'
+      CALL getPropertyTable(NAME,RINDEP,0.D0,FIELD,NUM,RPROPS,DPROPS,0,JERROR)
+      STATEV(17)=JERROR
+      CALL queryTableCollectionSize(JSIZE,JERROR)
+      STATEV(18)=10*JSIZE+JERROR
+      END
+";
+    let cpp = "#include <SMAAspUserSubroutines.h>
+extern \"C\" void FOR_NAME(kfromc, KFROMC)(double *answers) {
+  answers[0] = SMAFloatArrayAccess(1)[0] + SMAIntArrayAccess(1)[4];
+  int *mine = SMALocalIntArrayCreate(5, 2);
+  answers[1] = mine[1] == 2147483647 && SMAIntArrayAccess(5) == 0;
+  SMAFloatArrayDelete(1);
+}
+";
+    desk.write("mine.f", fortran);
+    desk.write("fromc.cpp", cpp);
+    desk.pullout(["plugin", "build", "mine.f", "fromc.cpp"]).expect(0);
+    let run = desk.run(&desk.case("case.json", &one_increment(20, &[])), &[], "out", 0);
+    let states: Vec<f64> = (1..=18).map(|k| run.history.last(&format!("sdv{k}"))).collect();
+    let none = f64::from(i32::MAX);
+    let expected = [789.0, 5.0, none, 7.0, -1.5, 2.5, 1.0, 0.5, 7.5, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 1.0, 1.0, 0.0];
+    assert_eq!(states, expected);
+    assert!(run.outcome.stderr.contains("there is no table collection MATTC_X"), "{}", run.outcome.stderr);
+}
+
+#[test]
+fn nothing_but_a_library_is_overwritten() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    let text = source("UMAT", "");
+    desk.write("mine.f", &text);
+    desk.write("notes.so", "the only copy\n");
+    let build = |output: &str, code| desk.pullout(["plugin", "build", "mine.f", "-o", output]).expect(code).stderr;
+    for output in ["mine.f", "./mine.f"] {
+        assert!(build(output, 2).contains("is one of the sources"), "{output}");
+    }
+    assert!(build("notes.so", 2).contains("notes.so: is there and is no shared library"));
+    // a program is laid out like a library
+    let program = desk.path("program");
+    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    assert!(build("program", 2).contains("is no shared library"));
+    assert!(build(".", 2).contains("is no shared library"));
+    assert_eq!(std::fs::read_to_string(desk.path("mine.f")).expect("it is there"), text);
+    assert_eq!(std::fs::read_to_string(desk.path("notes.so")).expect("it is there"), "the only copy\n");
+    build("libmine.so", 0);
+    build("libmine.so", 0);
+    let info = desk.pullout(["plugin", "info", "./libmine.so"]).expect(0).stdout;
+    assert!(info.starts_with("./libmine.so: "), "{info}");
 }
 
 #[test]
@@ -117,4 +300,108 @@ fn a_compiler_that_is_not_installed_is_named() {
     assert!(words.contains("mine.f: gfortran is needed for it and is not installed"), "{words}");
     let other = pullout_in(Path::new(&desk.path(".")), ["plugin", "info", "./libmine.so"]);
     assert_eq!(other.code, 3);
+}
+
+/// A UMAT with all its arguments, elastic with a modulus of 100: `declarations` and `statements` are in it.
+fn whole(declarations: &str, statements: &str) -> String {
+    format!(
+        "      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,RPL,DDSDDT,
+     1 DRPLDE,DRPLDT,STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,
+     2 CMNAME,NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     3 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,JSTEP,KINC)
+      INCLUDE 'ABA_PARAM.INC'
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),STRAN(NTENS),DSTRAN(NTENS)
+{declarations}      DO I=1,NTENS
+        DDSDDE(I,I)=100.D0
+        STRESS(I)=STRESS(I)+100.D0*DSTRAN(I)
+      END DO
+{statements}      END
+"
+    )
+}
+
+/// The line of a text that has some words, from 1.
+fn line_of(text: &str, words: &str) -> usize {
+    text.lines().position(|line| line.contains(words)).expect("they are there") + 1
+}
+
+/// A failed run of three increments with six states, its message.
+fn failure(desk: &Desk, mode: &str) -> String {
+    let case = json!({ "kind": "point", "mode": mode,
+        "material": { "plugin": "./libmine.so", "props": [], "nstatv": 6 },
+        "steps": [{ "increments": 3, "target": { "e11": 0.01, "g12": 0.0 } }] });
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 1);
+    let summary = std::fs::read_to_string(desk.path("out/summary.json")).expect("a summary");
+    let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
+    let message = summary["message"].as_str().expect("a message").to_owned();
+    assert!(run.outcome.stderr.contains(&message), "{}", run.outcome.stderr);
+    message
+}
+
+#[test]
+fn a_library_made_to_be_debugged_names_the_line_that_goes_wrong() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    let square = "      DIMENSION DDSDDE(NTENS,NTENS)\n";
+    let routine = "      SUBROUTINE KPART(S)\n      REAL*8 S,X\n      IF (S.GT.1.D9) X=1.D0\n      S=S+X\n      END\n";
+    for (statements, expected, line) in [
+        (
+            "      K=6+KINC/2\n      STATEV(K)=1.D0\n",
+            "Index '7' of dimension 1 of array 'statev' above upper bound of 6",
+            "STATEV(K)",
+        ),
+        ("      IF (KINC.EQ.2) CALL KPART(STRESS(1))\n", "SIGFPE", "S=S+X"),
+        ("      IF (KINC.EQ.2) STRESS(2)=LOG(STRESS(1)-1.D3)\n", "SIGFPE", "LOG("),
+    ] {
+        let text = whole(square, statements) + routine;
+        desk.write("mine.f", &text);
+        desk.pullout(["plugin", "build", "--debug", "mine.f"]).expect(0);
+        let message = failure(&desk, "3d");
+        let routine = if line == "S=S+X" { "kpart" } else { "umat" };
+        let place = format!("{routine}, mine.f:{}", line_of(&text, line));
+        assert!(message.contains("step 1, increment 2") && message.contains(expected), "{message}");
+        assert!(message.contains(&place), "{place}: {message}");
+        let check = desk.pullout(["plugin", "check", "./libmine.so", "--case", "case.json"]);
+        assert!(check.code != 0, "{}", check.stdout);
+    }
+    // what is sound runs, and a C source as well
+    desk.write("mine.f", &whole(square, "      CALL KPART(STRESS(1))\n"));
+    desk.write("part.c", "void kpart_(double *s) {\n  double zero = *s - *s;\n  if (*s > 0.5) *s = 1.0 / zero;\n}\n");
+    desk.pullout(["plugin", "build", "--debug", "mine.f", "part.c"]).expect(0);
+    let message = failure(&desk, "3d");
+    assert!(
+        message.contains("increment 2") && message.contains("SIGFPE") && message.contains("kpart, part.c:3"),
+        "{message}"
+    );
+}
+
+#[test]
+fn arrays_that_are_overrun_are_named_as_far_as_can_be_known() {
+    if find(Tool::Fortran).is_none() {
+        return;
+    }
+    let desk = Desk::new();
+    // made for six components, called with four
+    let fixed = "      DIMENSION DDSDDE(6,6)\n";
+    desk.write(
+        "mine.f",
+        &whole(fixed, "      DO I=1,6\n        DO J=1,6\n          DDSDDE(I,J)=1.D0\n        END DO\n      END DO\n"),
+    );
+    desk.pullout(["plugin", "build", "mine.f"]).expect(0);
+    let message = failure(&desk, "plane_strain");
+    assert!(message.contains("DDSDDE (length 16)"), "{message}");
+    // an array of its own
+    let own = "      DIMENSION DDSDDE(NTENS,NTENS),WORK(NTENS*500)\n";
+    let overrun = "      DO I=1,3000\n        WORK(I)=STRESS(1)+I\n      END DO\n      CALL KSINK(WORK)\n";
+    let sink = "      SUBROUTINE KSINK(W)\n      REAL*8 W(*)\n      W(1)=W(2)\n      END\n";
+    desk.write("mine.f", &(whole(own, overrun) + sink));
+    desk.pullout(["plugin", "build", "mine.f", "--flag=-fno-inline"]).expect(0);
+    let message = failure(&desk, "plane_strain");
+    assert!(message.contains("SIGABRT") && message.contains("wrote beyond the end of an array"), "{message}");
+    desk.pullout(["plugin", "build", "--debug", "mine.f"]).expect(0);
+    let message = failure(&desk, "plane_strain");
+    assert!(message.contains("Index '2001' of dimension 1 of array 'work' above upper bound of 2000"), "{message}");
 }

@@ -28,7 +28,7 @@ pub fn names_a_file(plugin: &str) -> bool {
 /// search path.
 pub fn library_path(folder: &Path, file: &str) -> PathBuf {
     let path = folder.join(file);
-    if path.is_absolute() { path } else { Path::new(".").join(path) }
+    if path.is_absolute() || path.starts_with(".") { path } else { Path::new(".").join(path) }
 }
 
 /// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`,

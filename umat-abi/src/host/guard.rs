@@ -10,6 +10,8 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
 pub(super) struct Guard {
     /// `None`: the library is known to be thread-safe.
     turn: Option<Arc<Mutex<()>>>,
+    /// Whether invalid operations, divisions by zero and overflow end the process with SIGFPE in a call.
+    traps: bool,
     changed_modes: Arc<AtomicBool>,
 }
 
@@ -34,8 +36,8 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 }
 
 impl Guard {
-    pub(super) fn new(path: &Path) -> Self {
-        Self { turn: Some(turn_of(path)), changed_modes: Arc::default() }
+    pub(super) fn new(path: &Path, traps: bool) -> Self {
+        Self { turn: Some(turn_of(path)), traps, changed_modes: Arc::default() }
     }
 
     /// The same without waiting for other threads.
@@ -53,9 +55,13 @@ impl Guard {
     pub(super) fn run<R>(&self, call: impl FnOnce() -> R) -> R {
         let _turn = self.turn.as_deref().map(locked);
         let control = floating_point::control();
+        let before = if self.traps { floating_point::with_traps(control) } else { control };
+        if self.traps {
+            floating_point::set_control(before);
+        }
         let result = call();
         let after = floating_point::control();
-        if floating_point::modes(after) != floating_point::modes(control) {
+        if floating_point::modes(after) != floating_point::modes(before) {
             self.changed_modes.store(true, Ordering::Relaxed);
         }
         floating_point::set_control(control);

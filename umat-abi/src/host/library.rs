@@ -13,6 +13,9 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+/// What `plugin build --debug` puts into a library.
+const DEBUG_SYMBOL: &str = "pullout_debug_v1";
+
 /// A shared library that can be loaded is no plugin, or no library.
 #[derive(Clone, Debug)]
 pub enum LoadError {
@@ -134,8 +137,10 @@ impl Library {
             Some(description) => unsafe { Law::read_all(description(), &handle) }.map_err(metadata_error)?,
             None => Vec::new(),
         };
-        let guard = laws.is_empty().then(|| Guard::new(path));
         prints::note_loaded(&handle);
+        // SAFETY: the symbol is only looked for.
+        let is_debug = unsafe { own_symbol::<*const c_void>(&handle, path, DEBUG_SYMBOL) }.is_some();
+        let guard = laws.is_empty().then(|| Guard::new(path, is_debug));
         if recorder::installed().is_some() {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
             std::mem::forget(Arc::clone(&handle));

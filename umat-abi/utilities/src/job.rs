@@ -82,6 +82,12 @@ unsafe extern "C" fn getnumcpus_(numprocesses: *mut i32) {
     unsafe { *numprocesses = 1 }
 }
 
+/// GETCOMMUNICATOR(): none in a run of one process.
+#[unsafe(no_mangle)]
+extern "C" fn getcommunicator_() -> i32 {
+    0
+}
+
 /// GETPARTINFO(INTNUM,JTYP,CPNAME,LOCNUM,JRCD): part instance and number in it of a node (JTYP 0) or element (1).
 ///
 /// Our models have no part instances: the name is blank, and the number is the one that was given. JRCD 1: no such

@@ -6,6 +6,9 @@
 //! | `XIT`, `STDB_ABQERR` | end the program; print a note, a warning or an error |
 //! | `GETJOBNAME`, `GETOUTDIR`, `GETRANK`, `GETNUMCPUS` | the run: the case's name and folder, rank 0 of 1 |
 //! | `GETPARTINFO`, `GETVRM` | the model has no part instances; no output variables can be asked for |
+//! | `SMAIntArrayCreate` and its kin | arrays found again by their number, of the process or of a thread |
+//! | `GETNUMTHREADS`, `get_thread_id`, `GETCOMMUNICATOR` | threads by number from 0; no communicator |
+//! | `setTableCollection`, `getPropertyTable`, `getParameterTable`, … | there are no tables: JERROR = 1 |
 //! | `MutexInit`, `MutexLock`, `MutexUnlock` | 100 locks, numbered from 1 |
 //!
 //! The host loads this library with RTLD_GLOBAL before the first plugin. It exports these names, and
@@ -15,8 +18,11 @@
 //! Fortran passes everything by reference, and after all arguments the lengths of the CHARACTER ones by value. Every
 //! routine relies on its arguments being as the manual says; that is the reason behind each `unsafe` block here.
 
+mod arrays;
 mod character;
 mod job;
 mod locks;
 mod messages;
+mod tables;
 mod tensor;
+mod threads;

@@ -2,8 +2,11 @@
 //!
 //! A tensor has NDI direct components 11, 22, 33 and then NSHR shear components 12, 13, 23; what it lacks is 0. LSTR
 //! is 1 for a stress (tensor components) and 2 for a strain (engineering shear).
+//!
+//! A caller may have floating-point traps on; principal values are computed without.
 
 use models::tensor::{Spectral, deviator, stress_norm_squared, trace};
+use umat_abi::in_default_environment;
 
 /// LSTR of a strain.
 const STRAIN: i32 = 2;
@@ -35,7 +38,9 @@ fn places(ndi: i32, nshr: i32) -> impl Iterator<Item = (usize, usize)> {
 unsafe fn spectral(tensor: *const f64, lstr: *const i32, ndi: *const i32, nshr: *const i32) -> Spectral {
     // SAFETY: said above.
     let (components, lstr) = unsafe { (components(tensor, *ndi, *nshr), *lstr) };
-    if lstr == STRAIN { Spectral::of_strain(&components) } else { Spectral::of_stress(&components) }
+    in_default_environment(|| {
+        if lstr == STRAIN { Spectral::of_strain(&components) } else { Spectral::of_stress(&components) }
+    })
 }
 
 /// SINV(STRESS,SINV1,SINV2,NDI,NSHR): SINV1 = tr σ/3, SINV2 = √(3/2 S:S) with the deviator S.

@@ -60,7 +60,7 @@ pub fn library(law: &str, target: Target, folder: &Path) -> Result<Library, Benc
     };
     let output = folder.join(format!("lib{law}_{suffix}.so"));
     let flags = ["-O3"].into_iter().chain(extra).map(str::to_owned).collect();
-    match build(&Request { sources: vec![source], output: Some(output.clone()), form: None, flags }) {
+    match build(&Request { sources: vec![source], output: Some(output.clone()), form: None, flags, debug: false }) {
         Ok(_) => Ok(Library::Built(output)),
         Err(Refusal::NoCompiler { .. }) => Ok(Library::NotInstalled),
         Err(refusal) => Err(BenchError::Failed(refusal.to_string())),

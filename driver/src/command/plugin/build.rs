@@ -21,6 +21,10 @@ pub(in crate::command) struct Arguments {
     /// A further flag for the compilers, e.g. --flag=-fopenmp (may be repeated).
     #[arg(long = "flag", value_name = "FLAG", allow_hyphen_values = true)]
     flags: Vec<String>,
+    /// Check array bounds, uninitialised reals and invalid operations at run time: slower, and what goes wrong is told
+    /// with the source's line.
+    #[arg(long)]
+    debug: bool,
 }
 
 pub(super) fn run(arguments: &Arguments) -> u8 {
@@ -34,9 +38,17 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         output: arguments.output.clone(),
         form,
         flags: arguments.flags.clone(),
+        debug: arguments.debug,
     };
     match build::build(&request) {
         Ok(built) => {
+            for routine in &built.not_offered {
+                complain(format!(
+                    "{}: {routine} is a utility routine of ABAQUS that this program does not offer: a run that reaches \
+                     a call of it ends there and says so",
+                    built.library.display()
+                ));
+            }
             say(&format!("{}: {}\n", built.library.display(), built.entry_points.join(", ")));
             DONE
         }

@@ -1,10 +1,11 @@
 //! How far a run is: a bar on a terminal, now and then a line otherwise, nothing when quiet.
 
 use super::number;
+use crate::isolation::worker;
 use crate::path::Row;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::fmt::Write as _;
-use std::io::{IsTerminal, Write};
+use std::io::Write;
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -12,6 +13,8 @@ mod test;
 
 /// The bar is redrawn, and the clock read, about this often.
 const REFRESH: Duration = Duration::from_millis(50);
+/// At most so many times a second.
+const REFRESHES: u8 = 20;
 /// Lines are at least so far apart.
 const LEAST_PAUSE: Duration = Duration::from_secs(2);
 /// A line is due after so long, however little was done.
@@ -61,8 +64,9 @@ impl Progress {
     pub fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
         let display = if quiet {
             Display::Quiet
-        } else if std::io::stderr().is_terminal() {
-            let bar = ProgressBar::new(extent.share(0, 0.0).1);
+        } else if let Some(terminal) = worker::terminal() {
+            let to = ProgressDrawTarget::term(terminal, REFRESHES);
+            let bar = ProgressBar::with_draw_target(Some(extent.share(0, 0.0).1), to);
             let template = match extent {
                 Extent::Increments(_) => "{prefix} [{bar:30}] {pos}/{len} {elapsed}<{eta} {msg}",
                 Extent::Time(_) => "{prefix} [{bar:30}] {percent} % {elapsed}<{eta} {msg}",

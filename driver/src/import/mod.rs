@@ -1,0 +1,106 @@
+//! `pullout import`: a one-element ABAQUS job as a case of kind "point".
+//!
+//! [`keywords`] reads the lines, [`model`] what they mean, [`element`] and [`history`] make strains and stresses of
+//! displacements and loads. What a material point has no place for is left out and named; what would make another
+//! problem of it is refused with its line.
+
+mod element;
+mod history;
+mod keywords;
+mod model;
+
+use history::Evolution;
+use model::{Material, Model};
+use serde_json::{Value, json};
+use std::path::Path;
+use umat_abi::host::{Found, search_paths};
+
+/// What an input file makes.
+#[derive(Clone, Debug)]
+pub struct Imported {
+    /// The case, or the material alone.
+    pub document: Value,
+    /// What was not taken over, with its places.
+    pub left_out: Vec<String>,
+}
+
+/// What is asked for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Wishes<'w> {
+    /// Only the material of this name.
+    pub material: Option<&'w str>,
+    /// The law's name or library; default: the shipped law that is called like the material.
+    pub plugin: Option<&'w str>,
+}
+
+/// Reads a job.
+///
+/// # Errors
+/// Why it is no job of one box-shaped element with a user material, with the place.
+pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
+    let mut model = Model::default();
+    for keyword in keywords::read(job)? {
+        model.take(&keyword)?;
+    }
+    if let Some(name) = wishes.material {
+        let material = model.material(name).map_err(|error| format!("{}: {error}", job.display()))?;
+        let mut left_out = Vec::new();
+        let document = material_block(material, wishes.plugin, &mut left_out);
+        return Ok(Imported { document, left_out });
+    }
+    let mut left_out = std::mem::take(&mut model.left_out);
+    let (brick, material) = model.brick_and_material().map_err(|error| format!("{}: {error}", job.display()))?;
+    let mut case = json!({ "kind": "point", "mode": brick.shape.mode });
+    if let Some(title) = &model.title {
+        case["title"] = json!(title);
+    }
+    case["material"] = material_block(material, wishes.plugin, &mut left_out);
+    case["characteristic_length"] = json!(brick.characteristic_length());
+    let evolution = Evolution::of(&model, &brick)?;
+    left_out.extend(evolution.left_out);
+    if evolution.nlgeom {
+        case["nlgeom"] = json!(true);
+        // displacements that grow in proportion are stretches that do
+        case["measure"] = json!("nominal");
+    }
+    let initial = &model.initial;
+    for (key, values) in [("stress", &initial.stress), ("statev", &initial.states)] {
+        if !values.is_empty() {
+            case["initial"][key] = json!(values);
+        }
+    }
+    if let Some(temperature) = initial.temperature {
+        case["temperature"] = json!(temperature);
+    }
+    if !initial.fields.is_empty() {
+        case["predef"] = json!(initial.fields);
+    }
+    case["steps"] = json!(evolution.steps);
+    let name = job.file_name().unwrap_or_default().to_string_lossy();
+    let rest = if left_out.is_empty() { String::new() } else { format!(" Not taken over: {}.", left_out.join("; ")) };
+    case["description"] = json!(format!("Imported from {name}.{rest}"));
+    Ok(Imported { document: case, left_out })
+}
+
+/// The material as a case has it.
+fn material_block(material: &Material, plugin: Option<&str>, left_out: &mut Vec<String>) -> Value {
+    let own = material.name.to_lowercase();
+    let shipped = Found::by_name(&own, &search_paths(&[])).map(|_| own);
+    let (plugin, is_shipped) = match (plugin, shipped) {
+        (Some(plugin), _) => (plugin.to_owned(), false),
+        (None, Some(own)) => (own, true),
+        (None, None) => {
+            left_out.push(format!(
+                "{}: which library has {}: \"plugin\" is ./libumat.so; --plugin names it",
+                material.place, material.name
+            ));
+            ("./libumat.so".to_owned(), false)
+        }
+    };
+    let mut block = json!({ "plugin": plugin, "props": material.constants });
+    if !is_shipped {
+        block["nstatv"] = json!(material.states);
+        block["cmname"] = json!(material.name);
+    }
+    block
+}

@@ -1,0 +1,162 @@
+//! What a worker wrote to the standard error before it ended: passed on as it comes, and the end of it kept.
+
+use std::io::{self, Read, Write};
+use std::path::Path;
+use std::process::Child;
+use std::sync::mpsc::{self, Receiver};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+/// How much of it is kept, bytes.
+const KEPT: usize = 16 << 10;
+/// How long a pipe is listened to whose worker is gone: a child of its own may hold it.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// The standard error of a worker.
+pub(super) struct LastWords {
+    kept: Arc<Mutex<Vec<u8>>>,
+    /// Disconnected when all is passed on.
+    end: Receiver<()>,
+}
+
+impl LastWords {
+    /// Begins to listen to a worker whose standard error is a pipe.
+    pub(super) fn of(child: &mut Child) -> Self {
+        let kept = Arc::<Mutex<Vec<u8>>>::default();
+        let (sender, end) = mpsc::channel();
+        if let Some(mut pipe) = child.stderr.take() {
+            let kept = Arc::clone(&kept);
+            thread::spawn(move || {
+                let _until_the_end = sender;
+                let mut chunk = [0; 4096];
+                while let Ok(length @ 1..) = pipe.read(&mut chunk) {
+                    let _ = io::stderr().write_all(&chunk[..length]);
+                    let mut kept = kept.lock().unwrap_or_else(PoisonError::into_inner);
+                    kept.extend(&chunk[..length]);
+                    let superfluous = kept.len().saturating_sub(KEPT);
+                    kept.drain(..superfluous);
+                }
+            });
+        }
+        Self { kept, end }
+    }
+
+    /// What was kept, once all is passed on.
+    pub(super) fn heard(self) -> String {
+        let _ = self.end.recv_timeout(PATIENCE);
+        String::from_utf8_lossy(&self.kept.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
+    }
+}
+
+/// What the last words say of the end: the runtime's error, the line of the source, what was written over, and where the
+/// worker ended by `exit`, the error that it told before.
+pub(super) fn explanation(words: &str, is_exit: bool) -> Option<String> {
+    let found = runtime_error(words).or_else(|| line_of_signal(words)).or_else(|| destroyed_heap(words));
+    found.or_else(|| own_error(words).filter(|_| is_exit))
+}
+
+/// gfortran: `At line 12 of file u.f`, `Fortran runtime error: Index …`, and the routine of its backtrace.
+fn runtime_error(words: &str) -> Option<String> {
+    const MARK: &str = "Fortran runtime error: ";
+    let (before, after) = words.rsplit_once(MARK)?;
+    let error = after.lines().next()?.trim();
+    let place = before.lines().rev().find_map(|line| line.strip_prefix("At line "));
+    let place = place.and_then(|place| place.split_once(" of file "));
+    let place = place.map(|(line, file)| (line.trim(), file.split(" (unit").next().unwrap_or(file).trim()));
+    let Some((line, file)) = place else { return Some(format!("{MARK}{error}")) };
+    let file = file_name(file);
+    // "#1  0x7f… in umat_" and below it "at /folder/u.f:12"
+    let mut frames = after.lines().map(str::trim).zip(after.lines().skip(1).map(str::trim));
+    let routine = frames.find_map(|(frame, below)| {
+        let here = below.strip_prefix("at ").is_some_and(|place| file_name(place).starts_with(&format!("{file}:")));
+        frame.split_once(" in ").filter(|_| here).map(|(_, routine)| plain(routine))
+    });
+    let routine = routine.map_or_else(String::new, |routine| format!("{routine}, "));
+    Some(format!("{routine}{file}:{line}: {MARK}{error}"))
+}
+
+/// The handler of a library made with --debug: `***SIGNAL: SIGFPE`, and below it `umat_ at u.f:12`.
+fn line_of_signal(words: &str) -> Option<String> {
+    let (_, after) = words.rsplit_once("***SIGNAL: ")?;
+    let (routine, place) = after.lines().find_map(|line| line.split_once(" at "))?;
+    let place = place.split(" (discriminator").next().unwrap_or(place).trim();
+    let heap = destroyed_heap(words).map_or_else(String::new, |heap| format!("; {heap}"));
+    Some(format!("{}, {}{heap}", plain(routine.trim()), file_name(place)))
+}
+
+/// The C library, where it finds that its own numbers between the arrays were written over.
+fn destroyed_heap(words: &str) -> Option<String> {
+    const OVERWRITTEN: [&str; 9] = [
+        "corrupted",
+        "corruption",
+        "free(): invalid",
+        "munmap_chunk(): invalid",
+        "malloc(): ",
+        "realloc(): ",
+        "malloc_consolidate(): ",
+        "invalid next size",
+        "stack smashing detected",
+    ];
+    let is_of_it = |line: &&str| OVERWRITTEN.iter().any(|mark| line.contains(mark));
+    let line = words.lines().rev().find(is_of_it)?.trim().trim_matches('*').trim();
+    Some(format!(
+        "memory beside an array was written over (\"{line}\"): this call or an earlier one wrote beyond the end of an \
+         array; a library made with `plugin build --debug` names Fortran's"
+    ))
+}
+
+/// A message of the utility routines: XIT, STDB_ABQERR, a routine that is not offered.
+fn own_error(words: &str) -> Option<String> {
+    let line = words.lines().rev().find_map(|line| line.strip_prefix("***ERROR: "))?;
+    Some(line.trim().to_owned())
+}
+
+/// A Fortran routine without what the compiler puts behind it.
+fn plain(routine: &str) -> &str {
+    routine.strip_suffix('_').unwrap_or(routine)
+}
+
+fn file_name(place: &str) -> String {
+    Path::new(place).file_name().map_or_else(|| place.to_owned(), |name| name.to_string_lossy().into_owned())
+}
+
+#[cfg(test)]
+mod test {
+    use super::explanation;
+
+    #[test]
+    fn what_ended_a_worker_is_found_in_its_last_words() {
+        let index = "At line 12 of file /home/a b/u.f\nFortran runtime error: Index '7' of dimension 1 of array 'statev' above \
+                     upper bound of 6\n\nError termination. Backtrace:\n#0  0x7f01 in ???\n#1  0x7f02 in kpart_\n\tat \
+                     /home/a b/u.f:12\n#2  0x7f03 in umat_\n\tat /home/a b/u.f:40\n";
+        let reading = "At line 3 of file u.f (unit = 15, file = 'fort.15')\nFortran runtime error: End of file\n";
+        let signal = "***ERROR: earlier\n***SIGNAL: SIGFPE\nkpart_ at u.f:9 (discriminator 2)\numat_ at u.f:30\n";
+        for (words, expected) in [
+            (
+                index,
+                "kpart, u.f:12: Fortran runtime error: Index '7' of dimension 1 of array 'statev' above upper bound of 6",
+            ),
+            (reading, "u.f:3: Fortran runtime error: End of file"),
+            (signal, "kpart, u.f:9"),
+            (
+                "***ERROR: a\n***ERROR: the plugin ended the analysis (it called XIT)\n",
+                "the plugin ended the analysis (it called XIT)",
+            ),
+        ] {
+            assert_eq!(explanation(words, true).as_deref(), Some(expected));
+        }
+        for line in [
+            "free(): invalid next size (normal)",
+            "corrupted size vs. prev_size",
+            "*** stack smashing detected ***: terminated",
+        ] {
+            assert!(
+                explanation(&format!("x\n{line}\n"), false).expect("known").contains(line.trim_matches('*').trim()),
+                "{line}"
+            );
+        }
+        assert_eq!(explanation("a note\n", true), None);
+        assert_eq!(explanation("***ERROR: of no consequence\n", false), None);
+    }
+}

@@ -1,0 +1,231 @@
+//! `pullout import`: one-element jobs become cases, and what cannot become one is refused with its line.
+
+use super::{built, close};
+use crate::program::Desk;
+use serde_json::{Value, json};
+
+const CUBE: &str = "*NODE, NSET=ALL
+1, 0., 0., 0.
+2, 2., 0., 0.
+3, 2., 2., 0.
+4, 0., 2., 0.
+5, 0., 0., 4.
+6, 2., 0., 4.
+7, 2., 2., 4.
+8, 0., 2., 4.
+*ELEMENT, TYPE=C3D8R, ELSET=CUBE
+1, 1, 2, 3, 4,
+5, 6, 7, 8
+*NSET, NSET=LEFT
+1, 4, 5, 8
+*NSET, NSET=RIGHT
+2, 3, 6, 7
+*NSET, NSET=FRONT
+1, 2, 5, 6
+*NSET, NSET=BOTTOM, GENERATE
+1, 4
+*SOLID SECTION, ELSET=CUBE, MATERIAL=STEEL
+";
+const STEEL: &str = "*MATERIAL, NAME=STEEL\n*DEPVAR\n 3,\n*USER MATERIAL, CONSTANTS=2\n 200.D3, 0.25\n";
+const ROLLERS: &str = "*BOUNDARY\nLEFT, 1\nFRONT, 2\nBOTTOM, 3\n";
+
+/// A case of a job, and what was not taken over.
+fn imported(desk: &Desk, job: &str) -> (Value, String) {
+    desk.write("job.inp", job);
+    let outcome = desk.pullout(["import", "job.inp"]).expect(0);
+    (serde_json::from_str(&outcome.stdout).expect("JSON"), outcome.stderr)
+}
+
+/// Why a job is refused.
+fn refused(desk: &Desk, job: &str) -> String {
+    desk.write("job.inp", job);
+    desk.pullout(["import", "job.inp"]).expect(2).stderr
+}
+
+/// The line of a job that a text stands on.
+fn line_of(job: &str, text: &str) -> String {
+    let number = job.lines().position(|line| line.contains(text)).expect("it is there") + 1;
+    format!("job.inp:{number}: ")
+}
+
+#[test]
+fn a_job_in_tension_gives_the_stress_of_hookes_law() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    // Up to 1e-3 at the fourth of the time, down to -1e-3 at its end; pressure on the sides; then 2e-3 at once.
+    let job = format!(
+        "*HEADING\nTension and back\n** a comment\n{CUBE}{STEEL}*SURFACE, NAME=BACK, TYPE=ELEMENT\nCUBE, S5\n*AMPLITUDE, \
+         NAME=saw\n0., 0., 0.25, 1., 1., -1.\n{ROLLERS}*STEP, NAME=first\n*STATIC, DIRECT\n0.05, 1.\n*BOUNDARY, \
+         AMPLITUDE=SAW\nRIGHT, 1, 1, 0.002\n*DSLOAD\nBACK, P, 30.\n*OUTPUT, FIELD\n*END STEP\n*STEP\n*STATIC, DIRECT\n1., \
+         2.\n*BOUNDARY\nRIGHT, 1, 1, 0.004\n*END STEP\n"
+    );
+    let (case, left_out) = imported(&desk, &job);
+    assert_eq!(
+        left_out,
+        format!(
+            "not taken over: {}which library has STEEL: \"plugin\" is ./libumat.so; --plugin names it\n",
+            line_of(&job, "*MATERIAL")
+        )
+    );
+    assert_eq!(case["title"], "Tension and back");
+    assert_eq!(case["characteristic_length"], json!(16.0_f64.cbrt()));
+    let steps = case["steps"].as_array().expect("steps");
+    let counts: Vec<_> = steps.iter().map(|step| (step["increments"].as_u64(), step["time"].as_f64())).collect();
+    assert_eq!(counts, [(Some(5), Some(0.25)), (Some(15), Some(0.75)), (Some(2), Some(2.0))]);
+    let target = |e11: f64, s22: f64| json!({ "e11": e11, "s22": s22, "g12": 0.0, "g13": 0.0, "g23": 0.0 });
+    assert_eq!((&steps[0]["target"], &steps[2]["target"]), (&target(1e-3, -7.5), &target(2e-3, -30.0)));
+
+    let output = desk.path("case.json");
+    let arguments = ["import", "job.inp", "--plugin", library.as_str().expect("a path"), "-o"];
+    desk.pullout(arguments.iter().copied().chain([output.to_str().expect("UTF-8")])).expect(0);
+    let history = desk.run(&output, &[], "out", 0).history;
+    // s11 = E e11 + nu s22 (s33 = 0)
+    close(history.last("s11"), 200e3 * 2e-3 - 0.25 * 30.0);
+    close(history.last("time"), 3.0);
+    let again = desk.pullout(arguments.iter().copied().chain(["case.json"])).expect(2);
+    assert!(again.stderr.contains("is not overwritten"), "{}", again.stderr);
+}
+
+#[test]
+fn all_of_a_law_with_many_constants_is_taken_over() {
+    let desk = Desk::new();
+    // 184 constants, blanks for zeros, a file of its own in the job's folder
+    let constants: Vec<f64> = (0..184).map(|k| if k % 7 == 3 { 0.0 } else { 1.5 * f64::from(k) - 20.0 }).collect();
+    let lines: String = constants
+        .chunks(8)
+        .map(|line| {
+            let values: Vec<_> =
+                line.iter().map(|value| if *value == 0.0 { String::new() } else { value.to_string() }).collect();
+            values.join(", ") + ",\n"
+        })
+        .collect();
+    desk.write("crystal.inc", &format!("*USER MATERIAL, CONSTANTS=184, UNSYMM\n{lines}*DEPVAR\n125,\n"));
+    let job = "*MATERIAL, NAME=Crystal\n*INCLUDE, INPUT=crystal.inc\n*DENSITY\n7.8E-9\n";
+    desk.write("job.inp", job);
+    let outcome = desk.pullout(["import", "job.inp", "--material", "crystal", "--plugin", "./libcp.so"]).expect(0);
+    let material: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+    let expected = json!({ "plugin": "./libcp.so", "props": constants, "nstatv": 125, "cmname": "CRYSTAL" });
+    assert_eq!(material, expected);
+    assert!(refused(&desk, job).contains("has no element; --material NAME"));
+    let missing = desk.pullout(["import", "job.inp", "--material", "steel"]).expect(2).stderr;
+    assert!(missing.contains("has no *USER MATERIAL steel; there is CRYSTAL"), "{missing}");
+    desk.write("crystal.inc", &format!("*USER MATERIAL, CONSTANTS=192\n{lines}"));
+    let words = refused(&desk, job);
+    assert!(words.contains("crystal.inc:1: CONSTANTS=192, but 184 are given"), "{words}");
+}
+
+#[test]
+fn what_plugin_info_prints_can_be_imported() {
+    let desk = Desk::new();
+    for law in ["concrete_damage", "bond_slip", "linear_elastic"] {
+        let text = desk.pullout(["plugin", "info", law, "--abaqus"]).expect(0).stdout;
+        desk.write("material.inp", &text);
+        if law == "bond_slip" {
+            // no user material, only an interface
+            desk.pullout(["import", "material.inp", "--material", law]).expect(2);
+            continue;
+        }
+        let outcome = desk.pullout(["import", "material.inp", "--material", law]).expect(0);
+        let material: Value = serde_json::from_str(&outcome.stdout).expect("JSON");
+        assert_eq!(material["plugin"], law);
+        let case = |material: &Value| {
+            json!({ "kind": "point", "mode": "3d", "material": material, "characteristic_length": 10.0,
+                "steps": [{ "increments": 4, "target": { "e11": 2e-4 } }] })
+        };
+        let s11 = |name: &str, material: &Value| {
+            let file = desk.case(&format!("{name}.json"), &case(material));
+            desk.run(&file, &[], name, 0).history.last("s11")
+        };
+        let defaults = json!({ "plugin": law });
+        assert_eq!(s11("imported", &material).to_bits(), s11("defaults", &defaults).to_bits(), "{law}");
+    }
+}
+
+#[test]
+fn plane_and_axisymmetric_elements_and_parts_are_understood() {
+    let desk = Desk::new();
+    let job = |kind: &str, x: f64| {
+        format!(
+            "*PART, NAME=P\n*NODE\n1, {x}, 0.\n2, {}, 0.\n3, {}, 5.\n4, {x}, 5.\n*ELEMENT, TYPE={kind}\n1, 1, 2, 3, \
+             4\n*ELSET, ELSET=E\n1,\n*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n2.,\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, \
+             NAME=P-1, PART=P\n*END INSTANCE\n*NSET, NSET=TOP, INSTANCE=P-1\n3, 4\n*END ASSEMBLY\n{STEEL}*INITIAL \
+             CONDITIONS, TYPE=STRESS\nP-1.E, -1., -2., -3., 0.\n*INITIAL CONDITIONS, TYPE=SOLUTION\nE, 1., 2., 3.\n*INITIAL \
+             CONDITIONS, TYPE=TEMPERATURE\nTOP, 20.\n*INITIAL CONDITIONS, TYPE=FIELD, VARIABLE=2\nTOP, \
+             0.5\n*BOUNDARY\nP-1.1, 1, 2\nP-1.4, 1\nP-1.2, 2\n*STEP\n*STATIC\n1., 1.\n*CLOAD\nTOP, 2, \
+             100.\n*TEMPERATURE\nTOP, 80.\n*FIELD, VARIABLE=2\nTOP, 1.5\n*END STEP\n",
+            x + 10.0,
+            x + 10.0
+        )
+    };
+    for (kind, mode) in [("CPE4R", "plane_strain"), ("CPS4", "plane_stress"), ("CPE4H", "plane_strain")] {
+        let (case, _) = imported(&desk, &job(kind, 7.0));
+        assert_eq!(case["mode"], mode);
+        // 2 · 100 N on 10 mm · 2 mm
+        let step = json!({ "increments": 1, "time": 1.0, "target": { "s22": 10.0, "g12": 0.0 },
+            "temperature": 80.0, "predef": [0.0, 1.5] });
+        assert_eq!(case["steps"], json!([step]));
+        assert_eq!(case["initial"], json!({ "stress": [-1.0, -2.0, -3.0, 0.0], "statev": [1.0, 2.0, 3.0] }));
+        assert_eq!((&case["temperature"], &case["predef"]), (&json!(20.0), &json!([0.0, 0.5])));
+        assert_eq!(case["characteristic_length"], json!(50.0_f64.sqrt()));
+    }
+    let pressed = |x: f64| {
+        job("CAX4", x).replace("*CLOAD\nTOP, 2, 100.", "*BOUNDARY\n2, 1, 1, 0.05\n3, 1, 1, 0.05\nTOP, 2, 2, -0.1")
+    };
+    let (case, _) = imported(&desk, &pressed(0.0));
+    assert_eq!(case["steps"][0]["target"], json!({ "e11": 0.005, "e33": 0.005, "e22": -0.02, "g12": 0.0 }));
+    let words = refused(&desk, &pressed(7.0));
+    assert!(words.contains("off the axis"), "{words}");
+}
+
+#[test]
+fn large_deformations_are_nominal_strains_or_a_deformation_gradient() {
+    let desk = Desk::new();
+    let job = |boundary: &str| {
+        format!("{CUBE}{STEEL}{ROLLERS}*STEP, NLGEOM=YES\n*STATIC, DIRECT\n0.1, 1.\n*BOUNDARY\n{boundary}*END STEP\n")
+    };
+    let (case, _) = imported(&desk, &job("RIGHT, 1, 1, 1.0\n"));
+    assert_eq!((&case["nlgeom"], &case["measure"]), (&json!(true), &json!("nominal")));
+    assert_eq!(case["steps"][0]["target"]["e11"], 0.5);
+    // a shear of the top along 1, everything else held
+    let held = "ALL, 2, 3\nBOTTOM, 1\n5, 1, 1, 0.8\n6, 1, 1, 0.8\n7, 1, 1, 0.8\n8, 1, 1, 0.8\n";
+    let sheared = job(held).replace("LEFT, 1\n", "");
+    let (case, _) = imported(&desk, &sheared);
+    assert_eq!(case["steps"][0]["F"], json!([[1.0, 0.0, 0.2], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]));
+    let words = refused(&desk, &sheared.replace("ALL, 2, 3", "ALL, 2"));
+    assert!(words.contains("its rotation is not known"), "{words}");
+    let small = sheared.replace(", NLGEOM=YES", "");
+    let (case, _) = imported(&desk, &small);
+    assert_eq!(case["steps"][0]["target"]["g13"], 0.2);
+}
+
+#[test]
+fn what_is_no_material_point_is_refused_with_its_line() {
+    let desk = Desk::new();
+    let end = "*STEP\n*STATIC\n0.5, 1.\n*BOUNDARY\nRIGHT, 1, 1, 0.002\n*END STEP\n";
+    let job = format!("{CUBE}{STEEL}{ROLLERS}{end}");
+    for (from, to, words) in [
+        ("7, 2., 2., 4.", "7, 2., 2.1, 4.", "is no box"),
+        ("5, 6, 7, 8\n", "5, 6, 7, 8\n2, 1, 2, 3, 4, 5, 6, 7, 8\n", "a second element"),
+        ("C3D8R", "C3D10", "C3D10 make no material point"),
+        ("RIGHT, 1, 1, 0.002", "2, 1, 1, 0.002\n3, 1, 1, 0.003", "of no uniform strain"),
+        ("RIGHT, 1, 1", "WRONG, 1, 1", "there is no node set WRONG"),
+        ("RIGHT, 1, 1, 0.002", "RIGHT, 1, 1, O.002", "'O.002' is no number"),
+        ("*STEP", "*INITIAL CONDITIONS, TYPE=TEMPERATURE\nLEFT, 20.\nRIGHT, 30.\n*STEP", "not the same at all nodes"),
+        ("*STATIC", "*DYNAMIC", "*DYNAMIC makes it another problem"),
+        ("*STEP", "*EQUATION\n2\n2, 1, 1., 3, 1, -1.\n*STEP", "*EQUATION makes it another problem"),
+        ("*BOUNDARY\nRIGHT", "*BOUNDARY, AMPLITUDE=A\nRIGHT", "there is no amplitude A"),
+        ("*BOUNDARY\nRIGHT, 1, 1, 0.002", "*CLOAD\n2, 1, 5.", "make no uniform stress"),
+        ("MATERIAL=STEEL", "MATERIAL=TIN", "has no *USER MATERIAL TIN; there is STEEL"),
+        ("*STEP", "*INCLUDE, INPUT=gone.inp\n*STEP", "gone.inp"),
+    ] {
+        let wrong = job.replacen(from, to, 1);
+        assert_ne!(wrong, job, "{from}");
+        let found = refused(&desk, &wrong);
+        assert!(found.contains(words) && found.starts_with("job.inp:"), "{words}: {found}");
+    }
+    // what only narrows the job is named
+    let (case, left_out) = imported(&desk, &job.replace(end, &format!("*ORIENTATION, NAME=O\n1., 0., 0.\n{end}")));
+    assert!(left_out.contains("*ORIENTATION") && left_out.contains("automatic increments"), "{left_out}");
+    let description = case["description"].as_str().expect("a text");
+    assert!(description.starts_with("Imported from job.inp. Not taken over: job.inp:"), "{description}");
+}
