@@ -47,6 +47,18 @@ fn sound_plugins_pass_everything() {
     }
 }
 
+/// Without one it refuses, and that is what the checks ask for.
+#[test]
+fn a_law_that_needs_a_length_passes() {
+    let plugin = plugin("concrete_damage");
+    let law = plugin.law.as_ref().expect("metadata");
+    let mut props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
+    props[12] = 0.1;
+    let report = check(&plugin, &Options { props: Some(props), states: 60, ..Options::default() });
+    assert!(report.passed(), "{report}");
+    assert_eq!(row(&report, "CELENT unusable", "3D").verdict, Verdict::Pass);
+}
+
 #[test]
 fn a_secant_is_called_so() {
     let report = report("secant_tangent");

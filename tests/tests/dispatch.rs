@@ -3,6 +3,7 @@
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
 use umat_abi::host::Library;
 use umat_abi::law::StressState;
+use umat_abi::metadata::{Plugin, UmatBatch};
 
 fn library() -> Library {
     end_to_end_tests::open(&plugin("pullout_laws"))
@@ -10,7 +11,12 @@ fn library() -> Library {
 
 /// A point after some increments, with CMNAME as given.
 fn run(library: &Library, law: &Sample, name: Option<&[u8]>) -> PointMemory {
-    let umat = library.umat(None).expect("umat_");
+    run_symbol(library, law, "umat_", name)
+}
+
+/// The same by another entry point.
+fn run_symbol(library: &Library, law: &Sample, symbol: &str, name: Option<&[u8]>) -> PointMemory {
+    let umat = library.umat(Some(symbol)).expect("the entry point");
     let mut point = PointMemory::new(law, StressState::ThreeD);
     for increment in strain_path(23, 6, law.strain, 20) {
         point.dstran = increment;
@@ -30,6 +36,39 @@ fn run(library: &Library, law: &Sample, name: Option<&[u8]>) -> PointMemory {
 
 fn padded(name: &str) -> Vec<u8> {
     format!("{name:80}").into_bytes()
+}
+
+/// Programs that link the library of all laws call each by its own name, whatever the material's.
+#[test]
+fn each_law_has_its_own_symbols() {
+    let library = library();
+    // SAFETY: a library of ours.
+    let all = unsafe { libloading::Library::new(plugin("pullout_laws")) }.expect("a plugin that Cargo built");
+    for law in LAWS {
+        // SAFETY: as above.
+        let own = unsafe { libloading::Library::new(plugin(law.name)) }.expect("a plugin that Cargo built");
+        for library in [&all, &own] {
+            let symbol = format!("{}_plugin_v1", law.name);
+            // SAFETY: the symbol has this type.
+            let plugin =
+                unsafe { library.get::<extern "C" fn() -> *const Plugin>(symbol.as_bytes()) }.expect("it is there");
+            // SAFETY: the description and its text are static.
+            let name = unsafe { std::ffi::CStr::from_ptr((*plugin()).law.as_ptr()) };
+            assert_eq!(name.to_str(), Ok(law.name));
+            let symbol = format!("{}_umat_batch_v1", law.name);
+            // SAFETY: as above.
+            assert!(unsafe { library.get::<UmatBatch>(symbol.as_bytes()) }.is_ok(), "{symbol}");
+        }
+        let own = end_to_end_tests::open(&plugin(law.name));
+        let blank = [b' '; 80];
+        for kind in ["umat_", "umat_kratos_"] {
+            let symbol = format!("{}_{kind}", law.name);
+            let expected = run_symbol(&own, law, &symbol, None).output_bits();
+            assert_eq!(run_symbol(&library, law, &symbol, Some(&blank)).output_bits(), expected, "{symbol}");
+            let by_name = run_symbol(&library, law, kind, Some(&padded(law.name)));
+            assert_eq!(by_name.output_bits(), expected, "{kind} by CMNAME {}", law.name);
+        }
+    }
 }
 
 #[test]
