@@ -460,3 +460,57 @@ fn figures_of_model_iv() {
 fn figures_of_concrete_damage() {
     check(CONCRETE_DAMAGE);
 }
+
+/// p and q in compression, the strain of the volume and of the shear.
+fn triaxial(history: &Table, row: usize) -> [f64; 4] {
+    let [axial, radial, other] = ["s11", "s22", "s33"].map(|name| history.column(name)[row]);
+    assert!((radial - other).abs() < 1e-7);
+    let [along, across, depth] = ["e11", "e22", "e33"].map(|name| history.column(name)[row]);
+    let volume = along + across + depth;
+    [-(axial + radial + other) / 3.0, radial - axial, volume, (across + depth - 2.0 * along) / 3.0]
+}
+
+#[test]
+fn drained_triaxial_compression_follows_its_stress_path() {
+    let desk = Desk::new();
+    let run = desk.run(&cases().join("soil/triaxial-stress-path.json"), &[], "drained", 0);
+    let rows = run.history.rows.len();
+    let (shear, bulk) = (60.0 / 2.5, 60.0 / 1.5);
+    let start = triaxial(&run.history, 10);
+    for row in 10..rows {
+        let [p, q, volume, distortion] = triaxial(&run.history, row);
+        assert!((q - 1.5 * (p - 0.2)).abs() < 1e-7, "row {row}: p = {p}, q = {q}");
+        if q < 0.659 {
+            assert!((distortion - start[3] - q / (3.0 * shear)).abs() < 1e-9 && (volume + p / bulk).abs() < 1e-9);
+        }
+    }
+    // the cone q = 0.02 + p, and flow along it: tan 15° of volume for each unit of shear
+    let [before, last] = [rows - 20, rows - 1].map(|row| triaxial(&run.history, row));
+    assert!((last[0] - 0.64).abs() < 1e-7 && (last[1] - 0.66).abs() < 1e-7, "{last:?}");
+    let dilation = (last[2] - before[2]) / (last[3] - before[3]);
+    assert!((dilation - 15.0_f64.to_radians().tan()).abs() < 1e-6, "{dilation}");
+}
+
+#[test]
+fn undrained_triaxial_compression_keeps_the_volume() {
+    let desk = Desk::new();
+    let run = desk.run(&cases().join("soil/triaxial-undrained.json"), &[], "undrained", 0);
+    let volume = |row: usize| {
+        let [a, b, c] = ["F11", "F22", "F33"].map(|name| run.history.column(name)[row]);
+        a * b * c
+    };
+    let (shear, bulk) = (60.0 / 2.5, 60.0 / 1.5);
+    let start = triaxial(&run.history, 10);
+    let dilation = 2.0_f64.to_radians().tan();
+    // p grows by K tan ψ for each unit of plastic shear, and q with it along the cone
+    let hindered = bulk * dilation / (1.0 + bulk * dilation / (3.0 * shear));
+    for row in 10..run.history.rows.len() {
+        let [p, q, _, distortion] = triaxial(&run.history, row);
+        assert!((volume(row) / volume(10) - 1.0).abs() < 1e-13, "row {row}: {}", volume(row) / volume(10));
+        let elastic = 3.0 * shear * (distortion - start[3]);
+        let plastic = (distortion - start[3] - 0.22 / (3.0 * shear)).max(0.0);
+        let mean = 0.2 + hindered * plastic;
+        assert!((p - mean).abs() < 2e-6 && (q - elastic.min(0.02 + mean)).abs() < 2e-6, "row {row}: p = {p}, q = {q}");
+    }
+    assert!(triaxial(&run.history, run.history.rows.len() - 1)[0] > 0.4, "the cone was reached");
+}

@@ -1,7 +1,7 @@
 //! Which stress-free component each linear relation takes the place of.
 
 use super::Reader;
-use super::document;
+use super::document::{self, EndValue};
 use super::problem::Place;
 use crate::path::program::{Constraint, Control, Mode, STRAIN_NAMES, STRESS_NAMES};
 use nalgebra::{Matrix6, RowVector6};
@@ -73,7 +73,8 @@ fn read(reader: &mut Reader<'_>, given: &document::Constraint, mode: Mode, place
     let constraint = Constraint {
         strain: given.strain().map(Option::unwrap_or_default),
         stress: given.stress().map(Option::unwrap_or_default),
-        equals: given.equals.unwrap_or(0.0),
+        equals: if let Some(EndValue::Value(value)) = given.equals { value } else { 0.0 },
+        hold: matches!(given.equals, Some(EndValue::Hold(_))),
     };
     if !has_coefficient(&constraint) {
         reader.problem(

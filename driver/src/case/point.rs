@@ -9,8 +9,11 @@ use super::problem::{Place, hint};
 use super::steps::{self, Counted};
 use super::table::Table;
 use super::{Reader, Resolved};
-use crate::path::program::{Control, Kind, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep, TableFields};
-use crate::path::program::{STRAIN_NAMES, STRESS_NAMES, point_columns};
+use crate::path::deformation::{Polar, columns, exponential, matrix, rotated, turns};
+use crate::path::program::{
+    Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep, TableFields,
+};
+use crate::path::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, point_columns};
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
@@ -21,6 +24,7 @@ const TEMPERATURE: &str = "temperature";
 struct Setting<'c> {
     mode: Mode,
     nlgeom: bool,
+    measure: Measure,
     field_variables: usize,
     columns: Option<&'c [String]>,
 }
@@ -50,23 +54,87 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         plugin::resolve(reader, material, &place, Use { subject: Subject::Point, entry: Entry::Umat, mode, length })
     });
     let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
+    let measure = measure(reader, case.measure.as_ref(), nlgeom);
+    if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {
+        check_thickness(reader, plugin, measure);
+    }
     let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
+    if nlgeom
+        && case
+            .arguments
+            .as_ref()
+            .and_then(|given| reader.piece(given, &root.key("arguments")))
+            .is_some_and(|given| given.drot.is_some() || given.dfgrd0.is_some() || given.dfgrd1.is_some())
+    {
+        let message = "drot, dfgrd0 and dfgrd1 belong to cases without nlgeom: here the steps tell them";
+        reader.problem(&root.key("arguments"), message);
+    }
     let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments")).map(super::arguments::umat);
     let setting = Setting {
         mode: mode.unwrap_or(Mode::ThreeD),
         nlgeom,
+        measure,
         field_variables: initial.predef.len(),
         columns: columns.as_deref(),
     };
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
-    let mut resolve =
-        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
+    let mut gradient = initial.deformation_gradient;
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
+        let step = one_step(reader, step, &setting, place)?;
+        if let PointDrive::DeformationGradient { end, .. } = &step.drive {
+            gradient = *end;
+        } else if nlgeom && steps_apart(&step, &setting, &gradient) {
+            reader.problem(place, TURNED);
+        }
+        Some(step)
+    };
     let steps = steps::expand(reader, documents, &place, &mut resolve);
     let kind = mode.map(|mode| {
-        Kind::Point(PointProgram { mode, nlgeom, initial, arguments: arguments.unwrap_or_default(), steps })
+        Kind::Point(PointProgram { mode, nlgeom, measure, initial, arguments: arguments.unwrap_or_default(), steps })
     });
     Resolved { plugin, kind, columns, characteristic_length }
+}
+
+fn measure(reader: &mut Reader<'_>, given: Option<&Piece<document::Measure>>, nlgeom: bool) -> Measure {
+    let place = Place::root().key("measure");
+    let given = reader.optional(given, &place).copied();
+    if given.is_some() && !nlgeom {
+        reader.problem(&place, "small strains have no measure: it needs \"nlgeom\": true");
+    }
+    match given {
+        Some(document::Measure::Nominal) => Measure::Nominal,
+        Some(document::Measure::Logarithmic) | None => Measure::Logarithmic,
+    }
+}
+
+/// Says what is not known of the thickness in plane stress at finite strain.
+fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
+    if plugin.strain_33().is_some() {
+        return;
+    }
+    const INSTEAD: &str = "mode 3d has the same stresses, with s33, s13 and s23 free";
+    if measure == Measure::Nominal {
+        let message = format!(
+            "nominal stresses need the thickness strain, which '{}' does not tell in plane stress: {INSTEAD}",
+            plugin.name
+        );
+        reader.problem(&Place::root().key("measure"), message);
+    } else {
+        reader.warnings.push(format!(
+            "F33 is unknown, as '{}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a constant \
+             volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
+             reads it, {INSTEAD}",
+            plugin.name
+        ));
+    }
+}
+
+/// Whether a step controls strains and Cauchy stresses of a material that has turned.
+fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bool {
+    setting.measure == Measure::Logarithmic
+        && step.mixes_strain_and_stress(setting.mode.controllable())
+        && turns(&Polar::new(&matrix(gradient)).rotation)
 }
 
 fn mode_of(mode: document::Mode) -> Mode {
@@ -137,7 +205,7 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
     let time = ramp.time.map_or(1.0, |time| time.0);
     let target = ramp.target.clone().unwrap_or_default();
     let mut controls = [Control::FREE; 6];
-    let named = target_controls(reader, &target, setting.mode, &mut controls, &place.key("target"));
+    let named = target_controls(reader, &target, setting, &mut controls, &place.key("target"));
     let relations = ramp.constraints.as_deref().unwrap_or_default();
     let gradient = match (ramp.deformation_gradient, target.deformation_gradient) {
         (Some(_), Some(_)) => {
@@ -170,12 +238,19 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
 fn target_controls(
     reader: &mut Reader<'_>,
     target: &document::Target,
-    mode: Mode,
+    setting: &Setting<'_>,
     controls: &mut [Control; 6],
     place: &Place,
 ) -> [bool; 6] {
     let (strain, stress) = (target.strain(), target.stress());
-    check_names(reader, &strain.map(|v| v.is_some()), &stress.map(|v| v.is_some()), mode, |name| place.key(name), "");
+    check_names(
+        reader,
+        &strain.map(|v| v.is_some()),
+        &stress.map(|v| v.is_some()),
+        setting.mode,
+        |name| place.key(name),
+        "",
+    );
     let mut named = [false; 6];
     for i in 0..6 {
         let control = match (strain[i], stress[i]) {
@@ -185,6 +260,13 @@ fn target_controls(
             (None, Some(EndValue::Hold(_))) => Control::HoldStress,
             (None, None) => continue,
         };
+        if let Control::Strain(value) = control
+            && setting.measure == Measure::Nominal
+            && i < 3
+            && value <= -1.0
+        {
+            reader.problem(&place.key(STRAIN_NAMES[i]), format!("a nominal strain must be > -1, it is {value}"));
+        }
         (controls[i], named[i]) = (control, true);
     }
     named
@@ -334,12 +416,22 @@ fn initial(
     let root = Place::root();
     let place = root.key("initial");
     let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
-    let strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
+    let mut strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
     let place_of_stress = place.key("stress");
     let stress =
         given.stress.as_ref().map(|stress| components(reader, Some(stress), &STRESS_NAMES, mode, &place_of_stress));
-    let deformation_gradient = given.deformation_gradient.unwrap_or(IDENTITY);
-    check_gradient(reader, &deformation_gradient, mode, nlgeom, &place.key("F"), false);
+    let mut deformation_gradient = IDENTITY;
+    if let Some(gradient) = given.deformation_gradient {
+        check_gradient(reader, &gradient, mode, nlgeom, &place.key("F"), false);
+        deformation_gradient = gradient;
+        if given.strain.is_none() {
+            let polar = Polar::new(&matrix(&gradient));
+            strain = rotated(&polar.logarithmic_strain(), &polar.rotation, 2.0);
+        }
+    } else if nlgeom {
+        // symmetric: its columns are its rows
+        deformation_gradient = columns(&exponential(&strain));
+    }
     let temperature = number(reader, case.temperature.as_ref(), &root.key("temperature"));
     let predef = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
     let statev = statev(reader, material, given.statev.as_deref(), plugin);

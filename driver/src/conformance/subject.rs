@@ -450,7 +450,7 @@ impl<'p> Subject<'p> {
         if let Entry::Umat(stress_state) = self.entry {
             stress_state.components().iter().zip(input).for_each(|(&i, d)| six[i] = *d);
         }
-        symmetric(&six)
+        symmetric(&six, 2.0)
     }
 
     /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.

@@ -1,6 +1,7 @@
 //! Arguments of a plugin that a path leaves open. A replay of a recorded call gives them, so that the plugin is called
 //! with what it was called with.
 
+use super::deformation::columns;
 use nalgebra::Matrix3;
 use umat_abi::host::{FricCall, UinterCall, UmatCall};
 
@@ -13,7 +14,7 @@ pub struct UmatArguments {
     pub step_time: f64,
     /// COORDS, mm.
     pub coords: [f64; 3],
-    /// DROT, DFGRD0 and DFGRD1 of steps that give no F; `None`: those of a point that does not turn.
+    /// DROT, DFGRD0 and DFGRD1 at small strain; `None`: 1.
     pub kinematics: Option<[Matrix3<f64>; 3]>,
     /// NOEL and NPT, from 1.
     pub element: Option<[i32; 2]>,
@@ -31,6 +32,9 @@ impl UmatArguments {
         call.coords = self.coords;
         [call.noel, call.npt] = self.element.unwrap_or([call.noel, call.npt]);
         call.jstep = self.jstep.unwrap_or(call.jstep);
+        if let Some(kinematics) = &self.kinematics {
+            [call.drot, call.dfgrd0, call.dfgrd1] = kinematics.map(|matrix| columns(&matrix));
+        }
     }
 
     /// JSTEP(1) of a step and KINC of an increment, both from 1.

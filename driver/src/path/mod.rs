@@ -3,6 +3,7 @@
 
 mod arguments;
 pub(crate) mod deformation;
+mod finite;
 mod interface;
 mod newton;
 mod point;

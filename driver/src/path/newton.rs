@@ -62,6 +62,18 @@ impl Targets<'_> {
         self.components.iter().all(|&i| matches!(self.controls[i], Control::Strain(_)))
     }
 
+    /// The strain at the end: exactly the prescribed values, not the sums of their increments.
+    pub(super) fn end(&self, increment: &[f64; 6]) -> [f64; 6] {
+        let mut end = self.strain;
+        for &i in self.components {
+            end[i] = match self.controls[i] {
+                Control::Strain(value) => value,
+                _ => end[i] + increment[i],
+            };
+        }
+        end
+    }
+
     fn residual(&self, increment: &[f64; 6], stress: &[f64; 6]) -> Vector {
         let mut residual = Vector::zeros();
         for &i in self.components {

@@ -1,14 +1,17 @@
 //! A material point along a path.
 
-use super::deformation::{columns, incremental_motion, matrix, rotated};
+use super::deformation::matrix;
+use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, Mode, PointDrive, PointProgram, PointStep, Program};
-use super::program::{STRAIN_NAMES, STRESS_NAMES};
+use super::program::{Constraint, Control, Measure, Mode, PointDrive, PointProgram, PointStep, Program};
+use super::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
-use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
+use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
 use nalgebra::Matrix3;
 use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, UmatCall};
 use umat_abi::law::Request;
+
+const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
 
 /// Runs a point program.
 pub(super) fn run(
@@ -91,7 +94,8 @@ impl Goal {
 struct Runner<'p> {
     components: &'static [usize],
     controllable: &'static [usize],
-    nlgeom: bool,
+    /// `None`: small strain.
+    finite: Option<Finite>,
     arguments: &'p UmatArguments,
     plane_stress: bool,
     /// State that tells ε33, if the law has one.
@@ -115,7 +119,6 @@ struct Trial {
     tangent: Option<[[f64; 6]; 6]>,
     step_time: f64,
     total_time: f64,
-    deformation_gradient: Matrix3<f64>,
     temperature: f64,
     predef: Vec<f64>,
 }
@@ -148,8 +151,7 @@ impl<'p> Runner<'p> {
             call.dpred = vec![0.0; initial.predef.len()];
         }
         let plane_stress = stress_state.components().len() == 3;
-        let states = plugin.law.as_ref().map_or(&[][..], |law| &law.states);
-        let gradient = matrix(&initial.deformation_gradient);
+        let strain_33 = plugin.strain_33();
         let committed = Committed {
             strain: initial.strain,
             stress: initial_stress(program, point, &call)?,
@@ -158,10 +160,11 @@ impl<'p> Runner<'p> {
             energies: point.arguments.energies,
             step_time: 0.0,
             total_time: initial.time,
-            deformation_gradient: gradient,
+            deformation_gradient: matrix(&initial.deformation_gradient),
             temperature: initial.temperature,
             predef: call.predef.clone(),
         };
+        let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed));
         let goal = Goal {
             start: [0.0; 6],
             controls: [Control::FREE; 6],
@@ -176,10 +179,10 @@ impl<'p> Runner<'p> {
         Ok(Self {
             components: stress_state.components(),
             controllable: point.mode.controllable(),
-            nlgeom: point.nlgeom,
+            finite,
             arguments: &point.arguments,
             plane_stress,
-            strain_33: states.iter().position(|state| state.name == "strain_33"),
+            strain_33,
             plugin_name: &plugin.name,
             max_iterations: program.controls.max_iterations,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
@@ -190,7 +193,6 @@ impl<'p> Runner<'p> {
                 tangent: None,
                 step_time: 0.0,
                 total_time: initial.time,
-                deformation_gradient: gradient,
                 temperature: initial.temperature,
                 predef: committed.predef.clone(),
             },
@@ -209,7 +211,14 @@ impl<'p> Runner<'p> {
         statistics: &mut Statistics,
     ) -> Result<Next, Stop> {
         self.committed.step_time = 0.0;
-        self.rest();
+        if let Some(finite) = &self.finite
+            && finite.measure == Measure::Logarithmic
+            && finite.is_turned()
+            && step.mixes_strain_and_stress(self.controllable)
+        {
+            let message = format!("plugin '{}', step {number}: {TURNED}", program.plugin.name);
+            return Err(Stop::Failed(Failure { step: number, increment: 1, message, replay: serde_json::Value::Null }));
+        }
         let plan = Plan::new(step, self);
         let count = plan.increments();
         for index in 0..count {
@@ -228,13 +237,6 @@ impl<'p> Runner<'p> {
         Ok(Next::GoOn)
     }
 
-    /// The kinematics of a point that does not move: what a step without F leaves as it is.
-    fn rest(&mut self) {
-        let gradient = self.committed.deformation_gradient;
-        let kinematics = self.arguments.kinematics.unwrap_or([Matrix3::identity(), gradient, gradient]);
-        [self.call.drot, self.call.dfgrd0, self.call.dfgrd1] = kinematics.map(|matrix| columns(&matrix));
-    }
-
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
     ///
     /// Below the peak of a softening law two strains have the same lower stress: further along the softening branch
@@ -247,21 +249,12 @@ impl<'p> Runner<'p> {
         }
         self.prepare_call(0.0, 1.0);
         self.databases.increment_starts(clock(&self.call, self.call.time));
-        let (call, committed) = (&mut self.call, &self.committed);
-        let outcome = evaluate(
-            call,
-            committed,
-            &committed.strain,
-            &committed.stress,
-            &[0.0; 6],
-            Request::StressAndTangent,
-            self.components,
-            self.plugin_name,
-            statistics,
-        );
-        let tangent = evaluation(call, self.components).tangent;
-        if outcome.is_ok() && tangent.as_flattened().iter().all(|x| x.is_finite()) {
-            self.tangent = Some(tangent);
+        let strain = *self.strain();
+        let evaluation = self.point(statistics).evaluate(&[0.0; 6], || strain, Request::StressAndTangent);
+        if let Ok(evaluation) = evaluation
+            && evaluation.tangent.as_flattened().iter().all(|x| x.is_finite())
+        {
+            self.tangent = Some(evaluation.tangent);
         }
     }
 
@@ -269,8 +262,18 @@ impl<'p> Runner<'p> {
     fn relation(&self, relation: &Constraint) -> f64 {
         self.components
             .iter()
-            .map(|&i| relation.strain[i] * self.committed.strain[i] + relation.stress[i] * self.committed.stress[i])
+            .map(|&i| relation.strain[i] * self.strain()[i] + relation.stress[i] * self.stress()[i])
             .sum()
+    }
+
+    /// The case's strain.
+    fn strain(&self) -> &[f64; 6] {
+        self.finite.as_ref().map_or(&self.committed.strain, Finite::strain)
+    }
+
+    /// The case's stress.
+    fn stress(&self) -> &[f64; 6] {
+        self.finite.as_ref().map_or(&self.committed.stress, Finite::stress)
     }
 
     /// Controls and relations at a fraction of the increment.
@@ -309,34 +312,28 @@ impl<'p> Runner<'p> {
         self.trial.temperature = lerp(goal.temperature.0, goal.temperature.1, to);
     }
 
-    /// The strain controlled by F: its midpoint increment; STRAN and STRESS are rotated by the host.
-    fn attempt_deformation(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
-        let Some((start, end)) = self.goal.deformation_gradient else { return Ok(0) };
-        let at = |fraction: f64| if fraction == 1.0 { end } else { start + (end - start) * fraction };
-        let (f0, f1) = (at(from), at(to));
-        let motion = incremental_motion(&f0, &f1)
-            .ok_or_else(|| Trouble::Fatal("the deformation gradient inverts the volume (det F <= 0)".into()))?;
-        let strain = rotated(&self.committed.strain, &motion.rotation, 2.0);
-        let stress = rotated(&self.committed.stress, &motion.rotation, 1.0);
-        self.call.drot = columns(&motion.rotation);
-        self.call.dfgrd0 = columns(&f0);
-        self.call.dfgrd1 = columns(&f1);
-        let request = Request::Stress;
-        evaluate(
-            &mut self.call,
-            &self.committed,
-            &strain,
-            &stress,
-            &motion.strain_increment,
-            request,
-            self.components,
-            self.plugin_name,
+    /// The point that the plugin is called at.
+    fn point<'r>(&'r mut self, statistics: &'r mut Statistics) -> Point<'r> {
+        Point {
+            call: &mut self.call,
+            committed: &self.committed,
+            finite: self.finite.as_mut(),
+            components: self.components,
+            plugin: self.plugin_name,
             statistics,
-        )?;
-        for &i in self.components {
-            self.trial.strain[i] = strain[i] + motion.strain_increment[i];
         }
-        self.trial.deformation_gradient = f1;
+    }
+
+    /// Goes to F at a fraction of the increment.
+    fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        let Some((start, end)) = self.goal.deformation_gradient else { return Ok(0) };
+        let end = if to == 1.0 { end } else { start + (end - start) * to };
+        let mut point = self.point(statistics);
+        let Some(finite) = point.finite.as_mut() else { return Ok(0) };
+        let strain = finite.strain_of_case(&end);
+        let entry = finite.deform(point.committed, &end, point.call).ok_or_else(|| Trouble::Fatal(INVERTED.into()))?;
+        point.call(&entry.strain, &entry.stress, &entry.increment, Request::Stress)?;
+        self.trial.strain = strain;
         self.trial.tangent = None;
         statistics.iterations += 1;
         Ok(1)
@@ -370,31 +367,62 @@ fn clock(call: &UmatCall, time: [f64; 2]) -> Clock {
     Clock { time, time_increment: call.dtime, step: call.jstep[0], increment: call.kinc }
 }
 
-/// One call from the committed state.
-#[inline]
-#[allow(clippy::too_many_arguments, reason = "borrows parts of the runner separately")]
-fn evaluate(
-    call: &mut UmatCall,
-    committed: &Committed,
-    strain: &[f64; 6],
-    stress: &[f64; 6],
-    increment: &[f64; 6],
-    request: Request,
-    components: &[usize],
-    plugin: &str,
-    statistics: &mut Statistics,
-) -> Result<(), Trouble> {
-    for (k, &i) in components.iter().enumerate() {
-        call.stran[k] = strain[i];
-        call.dstran[k] = increment[i];
-        call.stress_mut()[k] = stress[i];
+/// Calls the plugin from the committed state.
+struct Point<'r> {
+    call: &'r mut UmatCall,
+    committed: &'r Committed,
+    finite: Option<&'r mut Finite>,
+    components: &'static [usize],
+    plugin: &'r str,
+    statistics: &'r mut Statistics,
+}
+
+impl Point<'_> {
+    /// Stress and tangent of the case after an increment of its strain, or at its `end`.
+    #[inline]
+    fn evaluate(
+        &mut self,
+        increment: &[f64; 6],
+        end: impl FnOnce() -> [f64; 6],
+        request: Request,
+    ) -> Result<Evaluation, Trouble> {
+        let Some(finite) = self.finite.as_mut() else {
+            let Committed { strain, stress, .. } = self.committed;
+            self.call(strain, stress, increment, request)?;
+            return Ok(evaluation(self.call, self.components));
+        };
+        let end = end();
+        let entry = finite
+            .stretch(self.committed, &end, self.call)
+            .ok_or_else(|| Trouble::CutBack { fraction: 0.5, reason: INVERTED.into() })?;
+        self.call(&entry.strain, &entry.stress, &entry.increment, request)?;
+        let returned = evaluation(self.call, self.components);
+        let Some(finite) = &self.finite else { return Ok(returned) };
+        Ok(finite.evaluation(&returned, &end, self.components, self.call.statev()))
     }
-    call.statev_mut().copy_from_slice(&committed.statev);
-    call.energies = committed.energies;
-    statistics.plugin_calls += 1;
-    let outcome = call.call(request);
-    let finite = call.stress().iter().all(|s| s.is_finite());
-    Trouble::of_call(outcome, finite, plugin, "stresses")
+
+    /// One call.
+    #[inline]
+    fn call(
+        &mut self,
+        strain: &[f64; 6],
+        stress: &[f64; 6],
+        increment: &[f64; 6],
+        request: Request,
+    ) -> Result<(), Trouble> {
+        let call = &mut *self.call;
+        for (k, &i) in self.components.iter().enumerate() {
+            call.stran[k] = strain[i];
+            call.dstran[k] = increment[i];
+            call.stress_mut()[k] = stress[i];
+        }
+        call.statev_mut().copy_from_slice(&self.committed.statev);
+        call.energies = self.committed.energies;
+        self.statistics.plugin_calls += 1;
+        let outcome = call.call(request);
+        let finite = call.stress().iter().all(|s| s.is_finite());
+        Trouble::of_call(outcome, finite, self.plugin, "stresses")
+    }
 }
 
 /// The result of a call in six components.
@@ -415,72 +443,62 @@ impl Divisible for Runner<'_> {
         self.prepare_call(from, to);
         self.databases.increment_starts(clock(&self.call, self.call.time));
         if self.goal.deformation_gradient.is_some() {
-            return self.attempt_deformation(from, to, statistics);
+            return self.attempt_deformation(to, statistics);
         }
         let mut relations = Vec::new();
         let controls = self.targets_at(to, &mut relations);
         let targets =
-            Targets { components: self.components, controls, constraints: &relations, strain: self.committed.strain };
+            Targets { components: self.components, controls, constraints: &relations, strain: *self.strain() };
         let mut increment = [0.0; 6];
         for &i in self.components {
             if let Control::Strain(end) = controls[i] {
-                increment[i] = end - self.committed.strain[i];
+                increment[i] = end - targets.strain[i];
             }
         }
-        let components = self.components;
-        let ddsdde = self.arguments.ddsdde;
-        let (call, committed, plugin) = (&mut self.call, &self.committed, self.plugin_name);
-        let mut run = |increment: &[f64; 6], request: Request| {
-            let (strain, stress) = (&committed.strain, &committed.stress);
-            evaluate(call, committed, strain, stress, increment, request, components, plugin, statistics)
-                .map(|()| evaluation(call, components))
-        };
-        let iterations = if targets.strain_only() {
-            run(&increment, if ddsdde { Request::StressAndTangent } else { Request::Stress })?;
-            self.trial.tangent = None;
-            1
+        let strain_only = targets.strain_only();
+        if !strain_only && let Some(tangent) = &self.tangent {
+            targets.first_guess(&mut increment, self.stress(), tangent);
+        }
+        let (max_iterations, ddsdde) = (self.max_iterations, self.arguments.ddsdde);
+        let mut point = self.point(statistics);
+        let mut last_tangent = None;
+        let solved = if strain_only {
+            let request = if ddsdde { Request::StressAndTangent } else { Request::Stress };
+            point.evaluate(&increment, || targets.end(&increment), request).map_err(Divergence::Evaluation).map(|_| 1)
         } else {
-            if let Some(tangent) = &self.tangent {
-                targets.first_guess(&mut increment, &self.committed.stress, tangent);
-            }
-            let mut last_tangent = [[0.0; 6]; 6];
-            let solved = targets.solve_increment(&mut increment, self.max_iterations, |increment| {
-                let evaluation = run(increment, Request::StressAndTangent)?;
-                last_tangent = evaluation.tangent;
+            targets.solve_increment(&mut increment, max_iterations, |increment| {
+                let evaluation = point.evaluate(increment, || targets.end(increment), Request::StressAndTangent)?;
+                last_tangent = Some(evaluation.tangent);
                 Ok(evaluation)
-            });
-            self.trial.tangent = Some(last_tangent);
-            match solved {
-                Ok(iterations) => iterations,
-                Err(Divergence::Evaluation(trouble)) => return Err(trouble),
-                Err(Divergence::NotConverged { residual }) => {
-                    return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
-                }
+            })
+        };
+        self.trial.tangent = last_tangent;
+        let iterations = match solved {
+            Ok(iterations) => iterations,
+            Err(Divergence::Evaluation(trouble)) => return Err(trouble),
+            Err(Divergence::NotConverged { residual }) => {
+                return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
             }
         };
         statistics.iterations += u64::from(iterations);
-        for &i in components {
-            // exactly the prescribed value, not the sum of its increments
-            self.trial.strain[i] = match controls[i] {
-                Control::Strain(end) => end,
-                _ => self.committed.strain[i] + increment[i],
-            };
-        }
+        self.trial.strain = targets.end(&increment);
         Ok(iterations)
     }
 
     fn commit(&mut self, observer: &mut dyn Observer) {
         observer.accepted(Accepted::Umat(&self.committed, &self.call));
         let state = &mut self.committed;
-        state.strain = self.trial.strain;
         for (k, &i) in self.components.iter().enumerate() {
             state.stress[i] = self.call.stress()[k];
         }
         state.statev.copy_from_slice(self.call.statev());
+        match &mut self.finite {
+            None => state.strain = self.trial.strain,
+            Some(finite) => finite.commit(self.trial.strain, state),
+        }
         state.energies = self.call.energies;
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
-        state.deformation_gradient = self.trial.deformation_gradient;
         state.temperature = self.trial.temperature;
         state.predef.clone_from(&self.trial.predef);
         self.tangent = self.trial.tangent;
@@ -490,16 +508,20 @@ impl Divisible for Runner<'_> {
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
         values[0] = state.total_time;
-        values[1..7].copy_from_slice(&state.strain);
+        values[1..7].copy_from_slice(self.strain());
         if self.plane_stress {
-            values[3] = self.strain_33.map_or(f64::NAN, |k| state.statev[k]);
+            values[3] = match &self.finite {
+                Some(finite) => finite.thickness(&state.statev)[1],
+                None => self.strain_33.map_or(f64::NAN, |k| state.statev[k]),
+            };
         }
-        values[7..13].copy_from_slice(&state.stress);
+        values[7..13].copy_from_slice(self.stress());
         let mut next = 13;
-        if self.nlgeom {
+        if let Some(finite) = &self.finite {
+            let gradient = finite.gradient(state);
             for i in 0..3 {
                 for j in 0..3 {
-                    values[next] = state.deformation_gradient[(i, j)];
+                    values[next] = gradient[(i, j)];
                     next += 1;
                 }
             }
@@ -515,7 +537,7 @@ impl Divisible for Runner<'_> {
     }
 
     fn replay(&self, program: &Program) -> serde_json::Value {
-        replay::point(program, &self.committed, &self.goal)
+        replay::point(program, &self.committed, &self.goal, &self.call)
     }
 }
 
@@ -536,7 +558,7 @@ impl Runner<'_> {
                 "no equilibrium found for {stress} = {end} MPa (reached {reached} MPa): stress control cannot pass a \
                  peak; control {strain} by strain instead",
                 stress = STRESS_NAMES[i],
-                reached = self.committed.stress[i],
+                reached = self.stress()[i],
                 strain = STRAIN_NAMES[i],
             );
         }
@@ -556,6 +578,7 @@ struct Plan<'s> {
     step: &'s PointStep,
     start: [f64; 6],
     relations: Vec<f64>,
+    constraints: Vec<Constraint>,
     time: f64,
     gradient: Matrix3<f64>,
     temperature: f64,
@@ -570,15 +593,21 @@ impl<'s> Plan<'s> {
             PointDrive::DeformationGradient { .. } => [Control::FREE; 6],
         };
         let start = std::array::from_fn(|i| match controls[i] {
-            _ if !runner.controllable.contains(&i) => state.strain[i],
-            Control::Strain(_) | Control::HoldStrain => state.strain[i],
-            Control::Stress(_) | Control::HoldStress => state.stress[i],
+            _ if !runner.controllable.contains(&i) => runner.strain()[i],
+            Control::Strain(_) | Control::HoldStrain => runner.strain()[i],
+            Control::Stress(_) | Control::HoldStress => runner.stress()[i],
             Control::Constraint(_) => 0.0,
         });
+        let relations: Vec<f64> = step.constraints.iter().map(|relation| runner.relation(relation)).collect();
+        let mut constraints = step.constraints.clone();
+        for (constraint, start) in constraints.iter_mut().zip(&relations).filter(|(constraint, _)| constraint.hold) {
+            constraint.equals = *start;
+        }
         Self {
             step,
             start,
-            relations: step.constraints.iter().map(|relation| runner.relation(relation)).collect(),
+            relations,
+            constraints,
             time: state.total_time,
             gradient: state.deformation_gradient,
             temperature: state.temperature,
@@ -599,6 +628,7 @@ impl<'s> Plan<'s> {
         let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
         let (before, after) = (fraction(index), fraction(index + 1));
         let controllable = runner.controllable;
+        let (strain, stress) = (*runner.strain(), *runner.stress());
         let goal = &mut runner.goal;
         goal.time_of_step = self.time;
         goal.deformation_gradient = None;
@@ -610,7 +640,7 @@ impl<'s> Plan<'s> {
             goal.predef.0[k] = lerp(self.predef[k], end_predef[k], before);
             goal.predef.1[k] = lerp(self.predef[k], end_predef[k], after);
         }
-        goal.relations.clone_from(&self.step.constraints);
+        goal.relations.clone_from(&self.constraints);
         goal.relations_at_start.clear();
         for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
             goal.relations_at_start.push(lerp(start, relation.equals, before));
@@ -650,10 +680,8 @@ impl<'s> Plan<'s> {
                 goal.step_time = (start, start + time_increments[index]);
                 for i in 0..6 {
                     let present = match controls[i] {
-                        Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => {
-                            runner.committed.stress[i]
-                        }
-                        _ => runner.committed.strain[i],
+                        Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => stress[i],
+                        _ => strain[i],
                     };
                     goal.start[i] = present;
                     goal.controls[i] = match controls[i] {

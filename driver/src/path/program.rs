@@ -44,6 +44,11 @@ impl Plugin {
         }
     }
 
+    /// State that is the strain 33 of plane stress, if the law has one.
+    pub fn strain_33(&self) -> Option<usize> {
+        self.law.as_ref()?.states.iter().position(|state| state.name == "strain_33")
+    }
+
     /// Column names of the states and the derived outputs (abi: metadata names, or `sdv1`…).
     pub fn state_names(&self) -> Vec<String> {
         match &self.law {
@@ -90,6 +95,16 @@ impl Mode {
     }
 }
 
+/// The strain and stress of steps and history at finite strain, where F = R U.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// ln U and Cauchy's stress σ.
+    #[default]
+    Logarithmic,
+    /// U − 1 (twice the shear components) and Biot's stress: the symmetric part of RᵀP with P = J σ F⁻ᵀ.
+    Nominal,
+}
+
 /// Everything a run needs.
 #[derive(Clone, Debug)]
 pub struct Program {
@@ -133,8 +148,10 @@ pub enum Kind {
 pub struct PointProgram {
     /// Kinematic mode.
     pub mode: Mode,
-    /// Large deformation: paths of F, DROT, STRAN rotated.
+    /// Finite strain: DFGRD0, DFGRD1, DROT; STRAN and STRESS rotated.
     pub nlgeom: bool,
+    /// What strains and stresses of the steps and of the history are at finite strain.
+    pub measure: Measure,
     /// The state before the first step.
     pub initial: PointState,
     /// What the path leaves open.
@@ -146,9 +163,9 @@ pub struct PointProgram {
 /// Initial values of a material point.
 #[derive(Clone, Debug)]
 pub struct PointState {
-    /// Strain, six components, engineering shear.
+    /// STRAN, six components, engineering shear.
     pub strain: [f64; 6],
-    /// Stress, MPa; `None`: what the library's SIGINI says, or zeros.
+    /// STRESS, MPa: Cauchy's at finite strain; `None`: what the library's SIGINI says, or zeros.
     pub stress: Option<Box<[f64; 6]>>,
     /// STATEV, NSTATV values; `None`: what the library's SDVINI says, or zeros.
     pub statev: Option<Vec<f64>>,
@@ -175,6 +192,32 @@ pub struct PointStep {
     pub temperature: Option<f64>,
     /// Field variables at the end (`None`: unchanged).
     pub predef: Option<Vec<f64>>,
+}
+
+/// Why a step is not taken whose s11 and e11 would belong to different directions.
+pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so that strains along its directions and Cauchy \
+                      stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
+                      or take \"measure\": \"nominal\", whose stresses turn with the material";
+
+impl PointStep {
+    /// Whether it controls strains of some of these components, and stresses of others.
+    pub fn mixes_strain_and_stress(&self, components: &[usize]) -> bool {
+        let (PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. }) = &self.drive else {
+            return false;
+        };
+        let (mut strain, mut stress) = (false, false);
+        for &i in components {
+            match controls[i] {
+                Control::Strain(_) | Control::HoldStrain => strain = true,
+                Control::Stress(_) | Control::HoldStress => stress = true,
+                Control::Constraint(k) => {
+                    strain |= self.constraints[k].strain.iter().any(|coefficient| *coefficient != 0.0);
+                    stress |= self.constraints[k].stress.iter().any(|coefficient| *coefficient != 0.0);
+                }
+            }
+        }
+        strain && stress
+    }
 }
 
 /// How a step is driven.
@@ -250,6 +293,8 @@ pub struct Constraint {
     pub stress: [f64; 6],
     /// Right side at the end of the step.
     pub equals: f64,
+    /// The right side stays what the left side is at the start of the step, whatever `equals`.
+    pub hold: bool,
 }
 
 /// A contact point along a path.

@@ -4,7 +4,7 @@ use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS
 use super::{interface, point};
 use crate::case::job_folder;
 use serde_json::{Map, Value, json};
-use umat_abi::host;
+use umat_abi::host::{self, UmatCall};
 use umat_abi::law::StressState;
 
 /// How a case of kind "point" repeats a call that was given all its strains.
@@ -63,7 +63,7 @@ fn frame(program: &Program) -> Map<String, Value> {
 }
 
 /// Replays an increment of a material point.
-pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::Goal) -> Value {
+pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::Goal, call: &UmatCall) -> Value {
     let Kind::Point(point) = &program.kind else { return Value::Null };
     let mut case = frame(program);
     let components = point.mode.stress_state().components();
@@ -73,9 +73,11 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
         "statev": state.statev,
         "time": state.total_time,
     });
-    let mut step = json!({ "increments": 1, "time": goal.step_time.1 - goal.step_time.0 });
-    if let Some((start, end)) = &goal.deformation_gradient {
-        initial["F"] = rows(start);
+    if point.nlgeom {
+        initial["F"] = rows(&state.deformation_gradient);
+    }
+    let mut step = json!({ "increments": 1, "time": goal.step_time.1 - state.step_time });
+    if let Some((_, end)) = &goal.deformation_gradient {
         step["F"] = rows(end);
     } else {
         let mut target = Map::new();
@@ -103,15 +105,21 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
             step["constraints"] = relations.collect();
         }
     }
-    case.insert("temperature".into(), json!(goal.temperature.0));
+    case.insert("temperature".into(), json!(state.temperature));
     step["temperature"] = json!(goal.temperature.1);
     if !point.initial.predef.is_empty() {
-        case.insert("predef".into(), json!(goal.predef.0));
+        case.insert("predef".into(), json!(state.predef));
         step["predef"] = json!(goal.predef.1);
     }
     case.insert("initial".into(), initial);
     case.insert("steps".into(), json!([step]));
-    Value::Object(case)
+    let mut case = Value::Object(case);
+    let arguments = &mut case["arguments"];
+    arguments["energies"] = json!(state.energies);
+    arguments["step_time"] = json!(point.arguments.step_time + state.step_time);
+    arguments["jstep"] = json!(call.jstep);
+    arguments["kinc"] = json!(call.kinc);
+    case
 }
 
 /// Replays an increment of a contact point.

@@ -27,8 +27,11 @@ pub struct PointCase {
     pub material: Piece<Material>,
     /// Which components exist (default "3d").
     pub mode: Option<Piece<Mode>>,
-    /// Large deformation (default false).
+    /// Finite strain (default false): strains are those of U in F = R U, of which a step that is given strains or stresses
+    /// keeps R; UMAT is given DFGRD0, DFGRD1 and DROT, and STRAN and STRESS turned by DROT.
     pub nlgeom: Option<Piece<bool>>,
+    /// What strains and stresses of steps and history are with nlgeom (default "logarithmic").
+    pub measure: Option<Piece<Measure>>,
     /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
     /// case it comes from.
     #[expect(dead_code, reason = "read by `job_folder`")]
@@ -79,20 +82,33 @@ pub enum Mode {
     PlaneStress,
 }
 
-/// The state before the first step.
+/// The strain and stress of steps and history with nlgeom, where F = R U and P = J s F^-T is the first Piola-Kirchhoff
+/// stress, s Cauchy's.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Measure {
+    /// Hencky's strain ln U (gNM twice the component) and Cauchy's stress.
+    Logarithmic,
+    /// Biot's: strain U - 1 (g12 = 2 U12), stress the symmetric part of R^T P, which is force per area before the
+    /// deformation.
+    Nominal,
+}
+
+/// The state before the first step, as UMAT is given it.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PointInitial {
-    /// Strain: six values 11, 22, 33, 12, 13, 23 (or those of the mode), or by name (e11, g12, …).
+    /// STRAN: six values 11, 22, 33, 12, 13, 23 (or those of the mode), or by name (e11, g12, …); with nlgeom the
+    /// logarithmic strain, default that of F.
     pub strain: Option<Components>,
-    /// Stress, MPa: six values 11, 22, 33, 12, 13, 23 (or those of the mode), or by name (s11, …).
+    /// STRESS, MPa (with nlgeom Cauchy's): six values 11, 22, 33, 12, 13, 23 (or those of the mode), or by name (s11, …).
     pub stress: Option<Components>,
     /// State variables, NSTATV values.
     pub statev: Option<Vec<f64>>,
     /// Total time, s.
     #[schemars(range(min = 0.0))]
     pub time: Option<f64>,
-    /// Deformation gradient, row by row (needs nlgeom).
+    /// Deformation gradient, row by row (needs nlgeom); default: the stretch whose logarithm is the strain.
     #[serde(rename = "F")]
     pub deformation_gradient: Option<Matrix>,
 }
@@ -161,7 +177,8 @@ pub struct PointTable {
     pub predef: Option<Vec<f64>>,
 }
 
-/// End values of controlled components: strains (engineering shear) or stresses (MPa), or "hold".
+/// End values of controlled components: strains (engineering shear) or stresses (MPa), or "hold". With nlgeom, in the
+/// case's measure.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Target {
@@ -206,7 +223,8 @@ impl Target {
     }
 }
 
-/// A linear relation: the sum of coefficient · component equals a value at the end of the step.
+/// A linear relation: the sum of coefficient · component equals a value at the end of the step. Undrained: the sum of e11,
+/// e22 and e33 holds. A stress path: q - η p holds.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Constraint {
@@ -234,8 +252,8 @@ pub struct Constraint {
     pub s13: Option<f64>,
     /// Coefficient of stress 23.
     pub s23: Option<f64>,
-    /// Right side (default 0).
-    pub equals: Option<f64>,
+    /// Right side at the end of the step (default 0), reached linearly; "hold" keeps the left side as it is.
+    pub equals: Option<EndValue>,
 }
 
 impl Constraint {

@@ -155,6 +155,21 @@ const POINT: &[Sample] = &[
         ByMeaning,
     ),
     (&["initial.F=[[2,0,0],[0,1,0],[0,0,1]]"], "$.initial.F", "needs \"nlgeom\": true", ByMeaning),
+    (&["nlgeom=true", "initial.F=[[1,0.2,0],[0,1,0],[0,0,1]]"], "$.steps[0]", "the material has turned", ByMeaning),
+    (
+        &["nlgeom=true", "arguments={\"dfgrd0\": [[1,0,0],[0,1,0],[0,0,1]]}"],
+        "$.arguments",
+        "belong to cases without nlgeom",
+        ByMeaning,
+    ),
+    // measures
+    (&["measure=nominal"], "$.measure", "it needs \"nlgeom\": true", ByMeaning),
+    (
+        &["nlgeom=true", "measure=nominal", "steps.0.target={\"e11\": -1}"],
+        "$.steps[0].target.e11",
+        "must be > -1",
+        ByMeaning,
+    ),
     // constraints
     (&["steps.0.constraints=[{\"equals\": 1}]"], "$.steps[0].constraints[0]", "no coefficient other than 0", ByMeaning),
     (

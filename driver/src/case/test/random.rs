@@ -75,7 +75,7 @@ impl Random {
     }
 
     fn key(&mut self) -> &'static str {
-        const KEYS: [&str; 32] = [
+        const KEYS: [&str; 33] = [
             "e11",
             "s22",
             "g12",
@@ -93,6 +93,7 @@ impl Random {
             "symbol",
             "mode",
             "nlgeom",
+            "measure",
             "initial",
             "strain",
             "predef",

@@ -138,7 +138,7 @@ fn cycles_are_expanded_in_order() {
 fn a_constraint_takes_the_place_of_the_stress_free_component_that_it_names() {
     let program = program(&point_case(), &[r#"steps.0.constraints=[{"s22": 1, "s11": -0.52, "equals": 0}]"#]);
     assert_eq!(controls(&program, 0), [Control::Strain(-0.001), Control::Constraint(0), FREE, FREE, FREE, FREE]);
-    let expected = Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals: 0.0 };
+    let expected = Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals: 0.0, hold: false };
     assert_eq!(point(&program).steps[0].constraints, [expected]);
     assert!(program.warnings.is_empty());
 }
@@ -165,6 +165,13 @@ fn constraints_go_with_tables_and_strains() {
         r#"steps.0={"table": "untimed.csv", "constraints": [{"e22": 1, "e33": -1}, {"e33": 1, "equals": 1e-4}]}"#;
     let program = program(&point_case(), &[step]);
     assert!(matches!(controls(&program, 0)[1..3], [Control::Constraint(_), Control::Constraint(_)]));
+}
+
+#[test]
+fn constraints_may_hold_what_there_is() {
+    let step = r#"steps.0.constraints=[{"e11": 1, "e22": 1, "e33": 1, "equals": "hold"}]"#;
+    let program = program(&point_case(), &[step]);
+    assert!(point(&program).steps[0].constraints[0].hold);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 use crate::case::Case;
 use crate::output::number::{rounded, signed};
 use crate::path::program::{
-    Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Mode, NormalControl,
-    PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
+    Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
+    NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
 };
 use umat_abi::host::Law;
 
@@ -159,7 +159,11 @@ fn point_mode(point: &PointProgram) -> String {
         Mode::Axisymmetric => "material point, axisymmetric (NTENS 4)",
         Mode::PlaneStress => "material point, plane stress (NTENS 3)",
     };
-    if point.nlgeom { format!("{mode}, large deformation") } else { mode.into() }
+    match (point.nlgeom, point.measure) {
+        (false, _) => mode.into(),
+        (true, Measure::Logarithmic) => format!("{mode}, finite strain: ln U and Cauchy stress"),
+        (true, Measure::Nominal) => format!("{mode}, finite strain: U - 1 and nominal (Biot) stress"),
+    }
 }
 
 fn interface_mode(contact: &InterfaceProgram) -> String {
@@ -222,7 +226,8 @@ fn relation(constraint: &Constraint) -> String {
     let strains = STRAIN_NAMES.iter().zip(constraint.strain);
     let terms = strains.chain(STRESS_NAMES.iter().zip(constraint.stress)).filter(|(_, factor)| *factor != 0.0);
     let terms: Vec<String> = terms.map(|(name, factor)| format!("{} {name}", rounded(factor))).collect();
-    format!("{} = {}", terms.join(" + "), rounded(constraint.equals))
+    let terms = terms.join(" + ");
+    if constraint.hold { format!("{terms} held") } else { format!("{terms} = {}", rounded(constraint.equals)) }
 }
 
 fn interface_step(step: &InterfaceStep, columns: &[String]) -> String {

@@ -130,6 +130,7 @@ fn program() -> Program {
         kind: Kind::Point(PointProgram {
             mode: Mode::PlaneStress,
             nlgeom: false,
+            measure: Measure::Logarithmic,
             arguments: crate::path::UmatArguments::default(),
             initial: PointState {
                 strain: [0.0; 6],
@@ -140,9 +141,13 @@ fn program() -> Program {
                 temperature: 0.0,
                 predef: vec![],
             },
-            steps: std::iter::once(step(ramp, vec![Constraint { strain, stress, equals: 3.0 }], Some(until)))
-                .chain((0..50).map(|_| step(table.clone(), vec![], None)))
-                .collect(),
+            steps: std::iter::once(step(
+                ramp,
+                vec![Constraint { strain, stress, equals: 3.0, hold: false }],
+                Some(until),
+            ))
+            .chain((0..50).map(|_| step(table.clone(), vec![], None)))
+            .collect(),
         }),
         characteristic_length: Some(12.5),
         until: None,

@@ -167,3 +167,84 @@ fn umat_in_every_mode() {
         }
     }
 }
+
+/// The state before a failed increment, and a strain at its end, lead to the same call bit by bit.
+#[test]
+fn a_replay_at_finite_strain_calls_with_the_same_bits() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let target =
+        |x: f64| json!({ "e11": 0.3 * x, "e22": -0.1, "e33": 0.07 * x, "g12": 0.4, "g13": 0.1 * x, "g23": -0.2 });
+    let case = |steps: [&serde_json::Value; 3]| {
+        json!({
+            "kind": "point", "mode": "3d", "nlgeom": true, "steps": steps,
+            "material": { "plugin": library, "props": [1000], "nstatv": 1 },
+        })
+    };
+    let turned = json!({ "increments": 3, "F": [[1.1, 0.4, 0.0], [0.0, 0.9, 0.2], [0.1, 0.0, 1.2]] });
+    let stretched = json!({ "increments": 3, "time": 0.7, "target": target(1.0) });
+    // half-way to half a turn nothing is left of the volume
+    let half_turn = json!({ "increments": 1, "F": [[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [0.0, 0.0, 1.0]] });
+    let last = json!({ "increments": 1, "time": 0.3, "target": target(-1.3) });
+    let failed = desk.case("fails.json", &case([&turned, &stretched, &half_turn]));
+    let failed = desk.run(&failed, &[], "fails", 1);
+    let mut replay = crate::program::json(&failed.folder.join("replay.json"));
+    replay["steps"] = json!([last]);
+    let [whole, again] = [("whole", &case([&turned, &stretched, &last])), ("again", &replay)].map(|(name, case)| {
+        let run = run(&desk, name, case);
+        let mut call = calls(&run.log(), "UMAT").pop().expect("a call");
+        // what the call before left there, which is no input
+        call.remove("rpl");
+        call
+    });
+    assert_eq!(whole, again);
+    assert!(values(&whole["drot"])[1] != 0.0 && values(&whole["stran"])[3] != 0.0);
+}
+
+/// STRAN turns with the material; the history's strain is that of U.
+#[test]
+fn stran_turns_and_the_strain_of_the_history_does_not() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let stretched = json!({ "e11": 0.2, "e22": 0, "e33": 0, "g12": 0, "g13": 0, "g23": 0 });
+    let (sine, cosine) = 1.2_f64.sin_cos();
+    let stretch = 0.2_f64.exp();
+    let turned = [[cosine * stretch, -sine, 0.0], [sine * stretch, cosine, 0.0], [0.0, 0.0, 1.0]];
+    let case = json!({
+        "kind": "point", "mode": "3d", "nlgeom": true,
+        "material": { "plugin": library, "props": [1000], "nstatv": 1 },
+        "steps": [{ "increments": 1, "target": stretched }, { "increments": 1, "F": turned }],
+    });
+    let run = run(&desk, "turned", &case);
+    let calls = calls(&run.log(), "UMAT");
+    let stran = values(&calls[1]["stran"]);
+    let midpoint = 2.0 * 0.1_f64.tanh();
+    let expected = [midpoint * cosine * cosine, midpoint * sine * sine, 0.0, 2.0 * midpoint * sine * cosine];
+    for (found, expected) in stran.iter().zip(expected) {
+        assert!((found - expected).abs() < 1e-14, "{stran:?} instead of {expected:?}");
+    }
+    for row in 1..=2 {
+        let [e11, e22, g12] = ["e11", "e22", "g12"].map(|name| run.history.column(name)[row]);
+        assert!((e11 - 0.2).abs() < 1e-14 && e22.abs() < 1e-14 && g12.abs() < 1e-14);
+    }
+}
+
+/// F33 of plane stress is that of a constant volume, as ABAQUS has it, which is said.
+#[test]
+fn plane_stress_at_finite_strain() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let mut case = json!({
+        "kind": "point", "mode": "plane_stress", "nlgeom": true,
+        "material": { "plugin": library, "props": [1000], "nstatv": 1 },
+        "steps": [{ "increments": 1, "target": { "e11": 0.3, "e22": -0.1, "g12": 0.4 } }],
+    });
+    let run = run(&desk, "plane", &case);
+    let f = values(&calls(&run.log(), "UMAT").pop().expect("a call")["dfgrd1"]);
+    assert!((f[8] * 0.2_f64.exp() - 1.0).abs() < 1e-14 && f[1] > 0.1 && f[1] == f[3], "{f:?}");
+    assert!(run.history.last("F33").is_nan() && run.history.last("e33").is_nan());
+    assert!(run.summary["warnings"].to_string().contains("F33 is unknown"), "{}", run.summary["warnings"]);
+    case["measure"] = json!("nominal");
+    let refused = desk.pullout(["check".as_ref(), desk.case("nominal.json", &case).as_os_str()]).expect(2);
+    assert!(refused.stderr.contains("$.measure") && refused.stderr.contains("mode 3d"), "{}", refused.stderr);
+}
