@@ -1,6 +1,7 @@
 //! Work against stored and dissipated energy, on paths that are subdivided until the trapezoidal rule
 //! tells the truth.
 
+use super::case_path::CasePath;
 use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::sample::target;
@@ -61,6 +62,11 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     const CHECK: &str = "energy balance";
     if subject.reads_gradient {
         return ledger.skip(CHECK, "finite strain: which volume its energies belong to is the law's choice");
+    }
+    let is_heated =
+        |path: &CasePath| path.increments.iter().any(|increment| increment.from.setting.temperature[1] != 0.0);
+    if subject.path.as_deref().is_some_and(is_heated) {
+        return ledger.skip(CHECK, "the case changes the temperature: heat is energy as well");
     }
     let mut random = Random(options.seed ^ 0xE4E6);
     let (mut errors, mut paths, mut fall, mut returned) = ([0.0_f64; INCREMENTS.len()], 0, 0.0_f64, false);

@@ -3,7 +3,7 @@
 
 use super::report::{Ledger, Verdict};
 use super::sample::State;
-use super::subject::{Committed, Subject, distance, largest};
+use super::subject::{Committed, Entry, Subject, distance, largest};
 use super::tolerances::NONLINEAR;
 use umat_abi::host::{Alignment, Alteration, CallOutcome, Probed};
 
@@ -17,7 +17,13 @@ const VALUES: [f64; 7] = [1e-4, 1e-3, 1e-2, 0.5, 1.0, 10.0, 1e3];
 /// enlarged; `None` if a call gives no stress.
 pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[f64]) -> Option<bool> {
     const SMALL: f64 = 1e-3;
-    let virgin = subject.virgin_during(from);
+    let mut virgin = subject.virgin_during(from);
+    let mut small: Vec<f64> = step.iter().map(|d| SMALL * d).collect();
+    if let Entry::Fric(n) = subject.entry {
+        // friction sticks under a pressure: nothing sticks at the start, where there may be none
+        virgin.input[n] = from.input[n] + step[n];
+        small[n] = 0.0;
+    }
     // the tangent may be anything
     let mut stress = |from: &Committed, step: &[f64]| {
         let answer = subject.call(from, step, 0.0, Alteration::None);
@@ -26,7 +32,6 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     };
     let end = stress(from, step)?;
     let zero = vec![0.0; step.len()];
-    let small: Vec<f64> = step.iter().map(|d| SMALL * d).collect();
     let base = stress(&virgin, &zero)?;
     let probe = stress(&virgin, &small)?;
     let raised: Vec<f64> = end.iter().zip(&from.output).map(|(end, start)| end - start).collect();
@@ -77,11 +82,39 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         "the sample missed what the case does".to_owned()
     } else if let Some(state) = influential_state(subject, sample) {
         format!("the stress depends on {state}, and no sampled state shows how")
+    } else if let Some(factor) = nonlinear_beyond(subject, sample) {
+        format!("it is nonlinear at {factor} times what was sampled")
     } else {
         return ledger.add(CHECK, Verdict::Pass, figure, format!("linear everywhere it was looked at; {words}"));
     };
     let advice = if subject.path.is_some() { "give a case that goes farther" } else { "give a case by --case" };
     ledger.add(CHECK, Verdict::NotTested, figure, format!("not tested: {why}; {words}; {advice}"));
+}
+
+/// How many times farther than the sample a first step finds the law nonlinear, or ended by what it cannot answer. Asked
+/// in a process of its own first. At finite strain the rotation alone is nonlinear.
+fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> {
+    const FACTORS: [f64; 5] = [3.0, 10.0, 100.0, 1e3, 1e4];
+    if subject.finite {
+        return None;
+    }
+    for factor in FACTORS {
+        for state in sample.iter().rev().take(ASKED) {
+            // friction is a cone: it slides farther under the same pressure
+            let slips = if let Entry::Fric(n) = subject.entry { n } else { state.step.len() };
+            let reach =
+                state.step.iter().zip(&subject.size).take(slips).fold(0.0_f64, |m, (d, size)| m.max((d / size).abs()));
+            let mut step = state.step.clone();
+            step[..slips].iter_mut().for_each(|d| *d *= factor / reach);
+            let virgin = subject.virgin_during(&state.from);
+            let ends =
+                !subject.described() && matches!(subject.probe(&virgin, &step, Alignment::End), Ok(Probed::Ended(_)));
+            if ends || is_nonlinear(subject, &virgin, &step) == Some(true) {
+                return Some(factor);
+            }
+        }
+    }
+    None
 }
 
 /// A state variable on which the stress depends. Asked in a process of its own first: values that the law never gives may

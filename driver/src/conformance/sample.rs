@@ -198,10 +198,11 @@ fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {
     point.input.iter().zip(step).map(|(start, d)| start + d).collect()
 }
 
-/// A pressure stays one.
+/// A pressure stays one: hosts ask for friction where the surfaces touch.
 fn admissible(subject: &Subject<'_>, point: &Committed, mut step: Vec<f64>) -> Vec<f64> {
+    const LEAST: f64 = 1e-3;
     if let Entry::Fric(n) = subject.entry {
-        step[n] = step[n].max(-point.input[n]);
+        step[n] = (point.input[n] + step[n]).abs().max(LEAST * subject.size[n]) - point.input[n];
     }
     step
 }

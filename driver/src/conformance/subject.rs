@@ -519,7 +519,13 @@ impl<'p> Subject<'p> {
 
     /// The response to a step, or why there is none.
     pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
-        let answer = self.call(from, step, 0.0, Alteration::None);
+        let mut answer = self.call(from, step, 0.0, Alteration::None);
+        // FRIC's LM = 2: no friction here
+        if answer.lm > 1 {
+            answer.lm = 0;
+            answer.output.fill(0.0);
+            answer.tangent.fill(0.0);
+        }
         let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
         match answer.outcome {
             CallOutcome::CutBack(_) if answer.output.iter().any(|x| x.is_nan()) => Err(Trouble::Refused),
