@@ -26,6 +26,10 @@ C
       END DO
       PM=PM+BULK*DVOL
       CALL KRETUR(NDI,NTENS)
+      IF (DLAM.LT.0.D0) THEN
+        PNEWDT=0.25D0
+        RETURN
+      END IF
       DO I=1,NTENS
         STRESS(I)=S(I)-2.D0*G*DLAM*AN(I)
         IF (I.LE.NDI) STRESS(I)=STRESS(I)+PM

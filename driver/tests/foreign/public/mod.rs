@@ -4,6 +4,7 @@
 
 mod cases;
 mod curves;
+mod verdicts;
 
 use super::{built_of, run};
 use crate::program::{Desk, Table};
