@@ -3,7 +3,7 @@
 mod program;
 
 use end_to_end_tests::SHIPPED_LAWS;
-use program::{Desk, case_files, cases, command, json, pullout_in};
+use program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
 use serde_json::{Value, json};
 use std::path::Path;
 
@@ -213,8 +213,10 @@ fn every_law_is_listed_and_described() {
 fn every_shipped_law_passes_the_check() {
     let desk = Desk::new();
     for law in SHIPPED_LAWS {
-        let report = desk.pullout(["plugin", "check", law, "--states", "60"]).expect(0).stdout;
+        let Outcome { stdout: report, stderr, .. } = desk.pullout(["plugin", "check", law, "--states", "60"]).expect(0);
         assert!(report.contains(", none failed"), "{law}\n{report}");
+        // what it says of input that makes no sense is told in the rows
+        assert!(stderr.is_empty() && report.contains("the plugin says '"), "{law}: {stderr}\n{report}");
     }
     // with a case's parameters and mode
     let case = cases().join("examples/crack-band-50mm.json");

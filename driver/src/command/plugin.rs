@@ -2,19 +2,16 @@
 
 mod abaqus;
 mod build;
+mod check;
 mod isolated;
 
-use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, complain, refuse, say};
-use crate::case::{self, Case};
-use crate::conformance::{self, Options};
+use super::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
 use crate::isolation::describes_laws;
 use crate::isolation::prints::Prints;
-use crate::path::program::Plugin;
 use clap::Subcommand;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 use umat_abi::host::{Found, Law, Library, Routine, library_path, names_a_file, search_paths};
 use umat_abi::metadata::{flags, kinds, stress_states};
 
@@ -40,21 +37,7 @@ pub(super) enum Action {
     },
     /// Test a plugin against what its metadata claims, around the path of a case; exit code 1 if it fails, 4 if it was
     /// nowhere seen to be nonlinear although it has states that matter.
-    Check {
-        /// A law's name, or a shared library.
-        #[arg(value_name = "NAME|FILE.so")]
-        plugin: String,
-        /// Around the path of this case, with its parameters, mode, times, temperatures, initial state; a library without
-        /// metadata cannot be judged without one.
-        #[arg(long, value_name = "CASE.json")]
-        case: Option<PathBuf>,
-        /// Random histories per stress state.
-        #[arg(long, default_value_t = Options::default().states)]
-        states: usize,
-        /// Look here first (may be repeated).
-        #[arg(long = "plugin-path", value_name = "DIR")]
-        plugin_paths: Vec<PathBuf>,
-    },
+    Check(check::Arguments),
     /// Compile a UMAT in Fortran, C or C++ to a library, with the flags that it needs.
     Build(build::Arguments),
 }
@@ -62,13 +45,17 @@ pub(super) enum Action {
 pub(super) fn act(action: &Action) -> u8 {
     match action {
         Action::List { plugin_paths } => list(plugin_paths),
-        Action::Info { plugin, abaqus, plugin_paths } => with_library(plugin, None, plugin_paths, action, |library| {
-            if *abaqus { abaqus_input(library) } else { info(library) }
-        }),
-        Action::Check { plugin, case, states, plugin_paths } => {
-            let case = case.as_deref();
-            with_library(plugin, case, plugin_paths, action, |library| check(library, case, *states, plugin_paths))
+        Action::Info { plugin, abaqus, plugin_paths } => {
+            with_library(
+                plugin,
+                plugin_paths,
+                action,
+                |library| {
+                    if *abaqus { abaqus_input(library) } else { info(library) }
+                },
+            )
         }
+        Action::Check(arguments) => check::run(arguments),
         Action::Build(arguments) => build::run(arguments),
     }
 }
@@ -81,12 +68,7 @@ impl Action {
                 let abaqus = abaqus.then(|| "--abaqus".into());
                 (std::iter::once("info".into()).chain(abaqus).collect(), plugin, plugin_paths)
             }
-            Self::Check { plugin, case, states, plugin_paths } => {
-                let case = case.iter().flat_map(|case| ["--case".into(), case.into()]);
-                let states = format!("--states={states}").into();
-                (["check".into(), states].into_iter().chain(case).collect(), plugin, plugin_paths)
-            }
-            Self::List { .. } | Self::Build(_) => return Vec::new(),
+            Self::List { .. } | Self::Check(_) | Self::Build(_) => return Vec::new(),
         };
         let paths = plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]);
         let plugin = ["--".into(), plugin.into()];
@@ -96,25 +78,12 @@ impl Action {
 
 /// Loads a library, by its law's name or by its path, and does something with it; in a process of its own if nobody
 /// vouches for it.
-fn with_library(
-    name: &str,
-    case: Option<&Path>,
-    plugin_paths: &[PathBuf],
-    action: &Action,
-    work: impl FnOnce(&Library) -> u8,
-) -> u8 {
-    let paths = search_paths(plugin_paths);
-    let file = if names_a_file(name) {
-        Some(library_path(Path::new(""), name))
-    } else {
-        Found::by_name(name, &paths).map(|found| found.path)
+fn with_library(name: &str, plugin_paths: &[PathBuf], action: &Action, work: impl FnOnce(&Library) -> u8) -> u8 {
+    let file = match file_of(name, plugin_paths) {
+        Ok(file) => file,
+        Err(code) => return code,
     };
-    let Some(file) = file else {
-        let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
-        complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));
-        return NO_PLUGIN;
-    };
-    if let Some(code) = isolated::supervised(&file, case, &action.command_line(), plugin_paths) {
+    if let Some(code) = isolated::supervised(&file, &action.command_line(), plugin_paths) {
         return code;
     }
     // what it prints in thousands of calls is nobody's
@@ -126,6 +95,22 @@ fn with_library(
             NO_PLUGIN
         }
     }
+}
+
+/// The file of a library, by its law's name or by its path; an exit code if there is none.
+fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, u8> {
+    let paths = search_paths(plugin_paths);
+    let file = if names_a_file(name) {
+        Some(library_path(Path::new(""), name))
+    } else {
+        Found::by_name(name, &paths).map(|found| found.path)
+    };
+    let Some(file) = file else {
+        let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
+        complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));
+        return Err(NO_PLUGIN);
+    };
+    Ok(file)
 }
 
 fn list(plugin_paths: &[PathBuf]) -> u8 {
@@ -279,53 +264,4 @@ fn describe(law: &Law, path: &Path) -> String {
     }
     text.push('\n');
     text
-}
-
-fn check(library: &Library, case_file: Option<&Path>, states: usize, plugin_paths: &[PathBuf]) -> u8 {
-    let mut options = Options { states, listener: Some(|row| say(&format!("{row}\n"))), ..Options::default() };
-    let plugins = match case_file {
-        Some(file) => match case::read(file, &[], plugin_paths) {
-            Ok(Case::Pullout(_)) => {
-                complain(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
-                return BAD_INPUT;
-            }
-            Ok(Case::Path(program)) => {
-                if program.plugin.library.path() != library.path() {
-                    complain(format!(
-                        "{}: uses the plugin {}, not {}",
-                        file.display(),
-                        program.plugin.library.path().display(),
-                        library.path().display()
-                    ));
-                    return BAD_INPUT;
-                }
-                options.characteristic_length = program.characteristic_length;
-                let plugin = program.plugin.clone();
-                options.program = Some(Arc::new(*program));
-                vec![plugin]
-            }
-            Err(errors) => return refuse(&errors),
-        },
-        None if library.laws().is_empty() => {
-            complain(format!(
-                "{}: has no metadata; give its props and nstatv by --case, a case along whose path the law shows what it \
-                 does: without one it cannot be judged",
-                library.path().display()
-            ));
-            return BAD_INPUT;
-        }
-        None => library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect(),
-    };
-    let mut code = DONE;
-    for plugin in plugins {
-        say(&format!("{} ({})\n", plugin.name, plugin.library.path().display()));
-        let report = conformance::check(&plugin, &options);
-        say(&format!("{}\n\n", report.conclusion()));
-        if report.failures().next().is_some() {
-            code = FAILED;
-        } else if report.is_vacuous() && code == DONE {
-            code = NOT_TESTED;
-        }
-    }
-    code
 }

@@ -3,6 +3,7 @@
 //! Input that makes no sense: arrays as they were and a cut-back request, or NaN and a cut-back request. Wrong
 //! configuration: NaN and a cut-back request, because some hosts ignore PNEWDT and would go on with zeros.
 
+use super::messages::Capture;
 use super::metadata::parameter_of;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
@@ -44,10 +45,12 @@ fn chosen(sample: &[State]) -> impl Iterator<Item = &State> {
 /// NaN and infinities in strains, increments and states, one at a time.
 pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "NaN and infinity";
+    ledger.begin(CHECK);
     let described = subject.described();
     // Third-party code may loop for ever on infinity; NaN ends most loops.
     let values = if described { &BAD[..] } else { &BAD[..1] };
     let (mut tried, mut wrong, mut first) = (0, 0, String::new());
+    let said = Capture::start();
     for state in chosen(sample) {
         for &value in values {
             for (name, from, step) in spoiled(subject, state, value) {
@@ -66,9 +69,9 @@ pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     }
     let figure = format!("{}/{tried} refused", tried - wrong);
     match (wrong, described) {
-        (0, _) => ledger.add(CHECK, Verdict::Pass, figure, "outputs untouched"),
-        (_, true) => ledger.add(CHECK, Verdict::Fail, figure, first),
-        (_, false) => ledger.add(CHECK, Verdict::Info, figure, first),
+        (0, _) => ledger.add(CHECK, Verdict::Pass, figure, said.told("outputs untouched")),
+        (_, true) => ledger.add(CHECK, Verdict::Fail, figure, said.told(first)),
+        (_, false) => ledger.add(CHECK, Verdict::Info, figure, said.told(first)),
     }
 }
 
@@ -112,11 +115,12 @@ fn spoiled(subject: &Subject<'_>, state: &State, value: f64) -> Vec<(String, Com
 struct Refusals {
     tried: usize,
     accepted: Vec<String>,
+    said: Capture,
 }
 
 impl Refusals {
     fn new() -> Self {
-        Self { tried: 0, accepted: Vec::new() }
+        Self { tried: 0, accepted: Vec::new(), said: Capture::start() }
     }
 
     fn note(&mut self, from: &Committed, answer: &Answer, count: usize, what: impl FnOnce() -> String) {
@@ -129,8 +133,8 @@ impl Refusals {
     fn report(self, check: &'static str, ledger: &mut Ledger<'_>) {
         let figure = format!("{}/{} refused", self.tried - self.accepted.len(), self.tried);
         match self.accepted.first() {
-            None => ledger.add(check, Verdict::Pass, figure, ""),
-            Some(first) => ledger.add(check, Verdict::Fail, figure, first.clone()),
+            None => ledger.add(check, Verdict::Pass, figure, self.said.told("")),
+            Some(first) => ledger.add(check, Verdict::Fail, figure, self.said.told(first)),
         }
     }
 }
@@ -138,6 +142,7 @@ impl Refusals {
 /// Each parameter NaN, infinite, outside its bounds, none of its choices.
 pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "wrong PROPS";
+    ledger.begin(CHECK);
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
         return ledger.skip(CHECK, "no metadata: bounds are unknown");
     };
@@ -159,6 +164,7 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
 /// Wrong NTENS, NSTATV, NPROPS, and stress states that the law does not support.
 pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "wrong counts";
+    ledger.begin(CHECK);
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
         return ledger.skip(CHECK, "no metadata: what the plugin checks is unknown");
     };
@@ -201,12 +207,14 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
 /// CELENT 0, NaN, negative and NULL: all alike, by a law that does not need it now or by a refusal; no division by it.
 pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "CELENT unusable";
+    ledger.begin(CHECK);
     if !matches!(subject.entry, Entry::Umat(_)) {
         return;
     }
     if !subject.claims(flags::USES_CELENT) {
         return ledger.skip(CHECK, "not used");
     }
+    let said = Capture::start();
     let length = subject.length;
     for state in sample.iter().take(30) {
         let expected = subject.call(&state.from, &state.step, 0.0, Alteration::Null("celent"));
@@ -226,5 +234,5 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
             }
         }
     }
-    ledger.add(CHECK, Verdict::Pass, "", "0, NaN, negative, infinite and NULL alike");
+    ledger.add(CHECK, Verdict::Pass, "", said.told("0, NaN, negative, infinite and NULL alike"));
 }

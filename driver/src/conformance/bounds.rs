@@ -13,6 +13,7 @@ const STATES: usize = 8;
 
 /// Reads and writes outside the arrays.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin(CHECK);
     if subject.described() {
         return;
     }

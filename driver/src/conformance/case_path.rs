@@ -1,14 +1,17 @@
 //! The case's own path: the point before each of its increments, and what the plugin was called with. It tells the law's
 //! scale, and the states that the law has in use.
 
+use super::Options;
 use super::report::{Ledger, Verdict};
 use super::subject::{Committed, Entry, Setting};
+use crate::isolation::worker;
 use crate::path::program::{InterfaceEntry, Kind, Program};
 use crate::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
 use std::io;
 use std::time::{Duration, Instant};
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
 
+const CHECK: &str = "case's path";
 /// Increments kept; of a longer path every second, fourth, ...
 const KEPT: usize = 4096;
 /// Time that the path may take: a check is not a run.
@@ -30,28 +33,39 @@ pub(super) struct CasePath {
     pub(super) increments: Vec<Increment>,
     /// How many increments there were, kept or not.
     pub(super) taken: u64,
-    /// Why it ended early.
-    pub(super) failure: Option<String>,
 }
 
 impl CasePath {
     /// Runs a case.
-    pub(super) fn of(program: &Program, databases: &mut ExternalDatabases) -> Self {
+    pub(super) fn of(
+        program: &Program,
+        options: &Options,
+        databases: &mut ExternalDatabases,
+        ledger: &mut Ledger<'_>,
+    ) -> Self {
+        ledger.begin(CHECK);
         let mut program = program.clone();
         program.output.every = 1;
         let entry = entry(&program);
-        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, start: Instant::now() };
+        let longest = options.longest_path.unwrap_or(u64::MAX);
+        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, start: Instant::now(), longest };
         let (statistics, result) = path::run_within(&program, databases, &mut keeper);
         let failure = match result {
             Ok(()) => None,
             Err(Stop::Failed(failure)) => Some(failure.message),
+            Err(Stop::Write(_)) if keeper.count as u64 >= longest => {
+                Some(format!("left after {longest} increments: the plugin does not survive the next one"))
+            }
             Err(Stop::Write(_)) => Some(format!(
                 "left after {} increments, because it takes longer than {} s",
                 statistics.increments,
                 TIME_LIMIT.as_secs_f64()
             )),
         };
-        Self { entry, increments: keeper.increments, taken: statistics.increments, failure }
+        let taken = statistics.increments;
+        let verdict = if failure.is_some() { Verdict::Warn } else { Verdict::Info };
+        ledger.add(CHECK, verdict, format!("{taken} increments"), failure.unwrap_or_default());
+        Self { entry, increments: keeper.increments, taken }
     }
 
     /// The largest magnitude of each input, at the ends of the increments.
@@ -62,12 +76,6 @@ impl CasePath {
         };
         (0..self.entry.inputs()).map(largest).collect()
     }
-}
-
-/// The row "case's path".
-pub(super) fn tell(path: &CasePath, ledger: &mut Ledger<'_>) {
-    let verdict = if path.failure.is_some() { Verdict::Warn } else { Verdict::Info };
-    ledger.add("case's path", verdict, format!("{} increments", path.taken), path.failure.clone().unwrap_or_default());
 }
 
 /// The entry point of a case.
@@ -88,17 +96,23 @@ struct Keeper {
     stride: usize,
     count: usize,
     start: Instant,
+    longest: u64,
 }
 
 impl Observer for Keeper {
     fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
-        if self.start.elapsed() > TIME_LIMIT { Err(io::ErrorKind::TimedOut.into()) } else { Ok(()) }
+        if self.start.elapsed() > TIME_LIMIT || self.count as u64 >= self.longest {
+            Err(io::ErrorKind::TimedOut.into())
+        } else {
+            Ok(())
+        }
     }
 
     fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
 
     fn accepted(&mut self, accepted: Accepted<'_>) {
         self.count += 1;
+        worker::note_call();
         if !(self.count - 1).is_multiple_of(self.stride) {
             return;
         }

@@ -30,6 +30,7 @@ fn difference(a: &Answer, b: &Answer) -> String {
 
 /// Each call twice in a row.
 pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin("repeated call");
     for state in sample {
         let (first, second) = (answer(subject, state), answer(subject, state));
         if !first.same(&second) {
@@ -42,6 +43,7 @@ pub(super) fn repeatability(subject: &mut Subject<'_>, sample: &[State], ledger:
 
 /// Every state again after all others, in reversed order, and one in between each pair.
 pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin("order of calls");
     let forward: Vec<Answer> = sample.iter().map(|state| answer(subject, state)).collect();
     for (state, before) in sample.iter().zip(&forward).rev() {
         let again = answer(subject, state);
@@ -56,6 +58,7 @@ pub(super) fn call_order(subject: &mut Subject<'_>, sample: &[State], ledger: &m
 /// All threads at once on different states, against the answers of one.
 pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "thread safety";
+    ledger.begin(CHECK);
     if !subject.claims(flags::THREAD_SAFE) {
         return ledger.skip(CHECK, "not claimed");
     }
@@ -96,6 +99,7 @@ pub(super) fn threads(subject: &mut Subject<'_>, sample: &[State], options: &Opt
 /// The tangent's pointer NULL gives the same stress and states.
 pub(super) fn stress_only(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "stress only";
+    ledger.begin(CHECK);
     if !subject.claims(flags::STRESS_ONLY) {
         return ledger.skip(CHECK, "not claimed");
     }

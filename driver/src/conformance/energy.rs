@@ -60,6 +60,7 @@ fn dissipated(energies: &[f64; 5]) -> f64 {
 /// The rows "energy balance" and "dissipation".
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "energy balance";
+    ledger.begin(CHECK);
     if subject.reads_gradient {
         return ledger.skip(CHECK, "finite strain: which volume its energies belong to is the law's choice");
     }

@@ -14,6 +14,7 @@ const STATES: usize = 12;
 /// Variables that change from call to call. What was set up once, in the calls so far, does not.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "data between calls";
+    ledger.begin(CHECK);
     if subject.described() {
         return;
     }

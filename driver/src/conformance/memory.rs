@@ -12,6 +12,7 @@ const STATES: usize = 30;
 
 /// Entries of the tangent (FRIC: and of DSLIP) that the plugin leaves as they were.
 pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin("tangent entries set");
     let columns = subject.entry.inputs();
     let mut unset = std::collections::BTreeSet::new();
     for state in sample.iter().take(STATES) {
@@ -34,6 +35,7 @@ pub(super) fn unset_entries(subject: &mut Subject<'_>, sample: &[State], ledger:
 
 /// Input arguments that the plugin writes.
 pub(super) fn inputs_untouched(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin("inputs untouched");
     for state in sample.iter().take(STATES) {
         subject.call(&state.from, &state.step, 0.0, Alteration::None);
         let changed = subject.changed_inputs(&state.from, &state.step);

@@ -52,6 +52,7 @@ struct Seen {
 /// Counts the nonlinear states, and judges whether the sample says anything of the law.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const LOOKED_AT: usize = 200;
+    ledger.begin(CHECK);
     let mut seen = Seen::default();
     for state in sample {
         seen.stress += usize::from(is_nonlinear(subject, &state.from, &state.step) == Some(true));

@@ -1,5 +1,6 @@
 //! NULL for every argument that a plugin may not need: hosts pass it.
 
+use super::messages::Capture;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::Subject;
@@ -12,9 +13,11 @@ const STATES: usize = 5;
 /// The answer is the same bit for bit.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "NULL arguments";
+    ledger.begin(CHECK);
     if !subject.described() {
         return ledger.skip(CHECK, "no metadata: the plugin may read any argument");
     }
+    let said = Capture::start();
     let several_laws = subject.plugin.library.laws().len() > 1;
     let mut errors = Vec::new();
     let names = subject.argument_names().0;
@@ -37,5 +40,5 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
         }
     }
     let verdict = if errors.is_empty() { Verdict::Pass } else { Verdict::Fail };
-    ledger.add(CHECK, verdict, format!("{} arguments", names.len()), errors.join("; "));
+    ledger.add(CHECK, verdict, format!("{} arguments", names.len()), said.told(errors.join("; ")));
 }

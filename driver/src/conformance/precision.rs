@@ -24,6 +24,7 @@ const LAST_BITS: u64 = 0xff << 29;
 /// The row "double precision" of a plain UMAT.
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "double precision";
+    ledger.begin(CHECK);
     if subject.described() {
         return;
     }

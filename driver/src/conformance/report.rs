@@ -1,9 +1,12 @@
 //! What was checked and what came out.
 
+use crate::isolation::worker;
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
 /// What a check found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Verdict {
     /// As it should be.
     Pass,
@@ -16,6 +19,7 @@ pub enum Verdict {
     /// Not applicable: not claimed.
     Skipped,
     /// Nothing that was looked at could have shown an error.
+    #[serde(rename = "not tested")]
     NotTested,
 }
 
@@ -33,7 +37,7 @@ impl fmt::Display for Verdict {
 }
 
 /// One check of one stress state.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// What was checked.
     pub check: &'static str,
@@ -56,13 +60,24 @@ impl fmt::Display for Row {
     }
 }
 
+/// What happens in a check, as it happens.
+#[derive(Clone, Copy, Debug)]
+pub enum Event<'a> {
+    /// A check of an entry point begins.
+    Begins(&'static str, &'static str),
+    /// This state of the sample is drawn; whether it is a long step away from the case's path.
+    Draws(usize, bool),
+    /// A check has ended.
+    Ends(&'a Row),
+}
+
 /// All rows.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
     /// In the order of the checks.
     pub rows: Vec<Row>,
-    /// Told of each row as it is added.
-    pub(super) listener: Option<fn(&Row)>,
+    /// Told of what happens.
+    pub(super) listener: Option<fn(Event<'_>)>,
 }
 
 impl Report {
@@ -104,11 +119,28 @@ impl fmt::Display for Report {
 pub(super) struct Ledger<'r> {
     report: &'r mut Report,
     stress_state: &'static str,
+    /// Rows that another process reports are not wanted.
+    pub(super) is_muted: bool,
 }
 
 impl<'r> Ledger<'r> {
     pub(super) fn new(report: &'r mut Report, stress_state: &'static str) -> Self {
-        Self { report, stress_state }
+        Self { report, stress_state, is_muted: false }
+    }
+
+    /// Says which check the calls from now on belong to.
+    pub(super) fn begin(&mut self, check: &'static str) {
+        worker::begin_calls();
+        if let Some(listener) = self.report.listener {
+            listener(Event::Begins(check, self.stress_state));
+        }
+    }
+
+    /// Says which state of the sample the calls from now on draw.
+    pub(super) fn draw(&mut self, number: usize, is_far: bool) {
+        if let Some(listener) = self.report.listener {
+            listener(Event::Draws(number, is_far));
+        }
     }
 
     pub(super) fn add(
@@ -118,10 +150,13 @@ impl<'r> Ledger<'r> {
         figure: impl Into<String>,
         detail: impl Into<String>,
     ) {
+        if self.is_muted {
+            return;
+        }
         let (figure, detail) = (figure.into(), detail.into());
         let row = Row { check, stress_state: self.stress_state, verdict, figure, detail };
         if let Some(listener) = self.report.listener {
-            listener(&row);
+            listener(Event::Ends(&row));
         }
         self.report.rows.push(row);
     }

@@ -79,6 +79,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     const CHECK: &str = "isotropy";
     /// More than what an iteration leaves.
     const CLEAR: f64 = 1e-3;
+    ledger.begin(CHECK);
     let claimed = subject.claims(flags::ISOTROPIC);
     if !claimed && (subject.described() || subject.finite) {
         return ledger.skip(CHECK, "not claimed");
@@ -147,6 +148,7 @@ pub(super) fn incremental_rotation(
     ledger: &mut Ledger<'_>,
 ) {
     const CHECK: &str = "DROT";
+    ledger.begin(CHECK);
     if !matches!(subject.entry, Entry::Umat(_)) {
         return;
     }
@@ -183,6 +185,7 @@ pub(super) fn incremental_rotation(
 /// NLGEOM: a point that turns as a rigid body, F₁ = Q F₀, and is then strained answers like one that does not turn, turned.
 pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: &Options, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "objectivity";
+    ledger.begin(CHECK);
     const STATES: usize = 100;
     if !subject.finite {
         return;

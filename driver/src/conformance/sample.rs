@@ -44,11 +44,14 @@ impl fmt::Display for State {
     }
 }
 
-/// A random end point: sizes over two decades, so that elastic, peak and tail states all occur.
+/// A random end point: sizes over two decades, so that elastic, peak and tail states all occur. Where only the case says how
+/// far the law goes, no farther than the case.
 pub(super) fn target(subject: &Subject<'_>, random: &mut Random) -> Vec<f64> {
-    let magnitude = random.magnitude();
+    let has_path = subject.path.as_ref().is_some_and(|path| !path.increments.is_empty());
+    let reach = if has_path && !subject.described() { 0.1 } else { 1.0 };
+    let magnitude = reach * random.magnitude();
     let mut other_magnitude = || {
-        let value = random.magnitude();
+        let value = reach * random.magnitude();
         (value, random.signed())
     };
     (0..subject.entry.inputs())
@@ -77,10 +80,12 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     let (mut cut_backs, mut failures, mut far) = (0, 0, 0);
     let mut first_failure = String::new();
     let path = subject.path.clone().filter(|path| !path.increments.is_empty());
+    ledger.begin("answers");
     let (start, calls) = (Instant::now(), subject.calls);
-    for number in 0..options.states {
+    for number in (0..options.states).filter(|number| !options.skipped.contains(number)) {
         let mut random = Random(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95));
         let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
+        ledger.draw(number, matches!(origin, Origin::Excursion(_)));
         match state(subject, &mut random, origin, ways, &mut point, &mut cut_backs) {
             Ok(step) => sample.push(State { number, origin, from: point, step }),
             // what the case never does may be beyond the law

@@ -17,6 +17,7 @@ const PRESSURE: f64 = 10.0;
 
 /// Sets [`Subject::size`] and [`Subject::output_size`].
 pub(super) fn find(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    ledger.begin("typical size");
     let is_of_path = of_path(subject);
     match subject.entry {
         _ if is_of_path => {}

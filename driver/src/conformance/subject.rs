@@ -11,6 +11,7 @@ use super::Options;
 use super::case_path::CasePath;
 use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
 use super::sample::State;
+use crate::isolation::worker;
 use crate::path::deformation::{columns, incremental_motion, rotated, spinless, symmetric};
 use crate::path::program::{Kind, Plugin};
 use nalgebra::Matrix3;
@@ -565,6 +566,7 @@ impl<'p> Subject<'p> {
     /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
     pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
         self.calls += 1;
+        worker::note_call();
         self.prepare_call(from, step);
         let (answer, result) = match &mut self.call {
             Call::Umat(call) => umat(call, from, filling, alteration),

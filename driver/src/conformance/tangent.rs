@@ -72,6 +72,7 @@ impl fmt::Display for Kind {
 /// The row "consistent tangent".
 pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "consistent tangent";
+    ledger.begin(CHECK);
     let (mut worst, mut kinks, mut undecided) = (0.0_f64, 0, 0);
     let mut wrong: Vec<(&State, Mismatch)> = Vec::new();
     let calls = 1 + 4 * STEPS.len() * subject.entry.inputs();
@@ -343,6 +344,7 @@ fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Opt
 
 /// C_ij = C_ji as claimed, or how far from it.
 pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
+    ledger.begin("symmetric tangent");
     let n = subject.entry.outputs();
     if n != subject.entry.inputs() {
         return;

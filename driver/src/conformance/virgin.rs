@@ -16,6 +16,7 @@ fn blame(subject: &Subject<'_>) -> Verdict {
 /// Zero step from the start: no stress but an initial one. (Contact in a soft layer begins before the gap closes: there the shear.)
 pub(super) fn virgin_state(subject: &mut Subject<'_>, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "virgin state";
+    ledger.begin(CHECK);
     let virgin = subject.virgin();
     subject.share = INSTANT;
     let answer = subject.evaluate(&virgin, &vec![0.0; subject.entry.inputs()]);
@@ -48,6 +49,7 @@ fn typical_states(subject: &Subject<'_>, sample: &[State]) -> Vec<f64> {
 /// A step of zero leaves stress, states and energies as they are.
 pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "zero increment";
+    ledger.begin(CHECK);
     let zero = vec![0.0; subject.entry.inputs()];
     let mut worst = (0.0, String::new());
     let typical = typical_states(subject, sample);
@@ -93,6 +95,7 @@ fn strain_33_index(subject: &Subject<'_>) -> Option<usize> {
 /// Where ε33 is given, the state strain_33 is that.
 pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "strain_33";
+    ledger.begin(CHECK);
     let given = matches!(subject.entry, Entry::Umat(stress_state) if stress_state != StressState::PlaneStress);
     let (Some(index), true) = (strain_33_index(subject), given) else { return };
     for state in sample {
@@ -131,6 +134,7 @@ fn agreement(
     ledger: &mut Ledger<'_>,
 ) {
     const CHECK: &str = "agrees with 3D";
+    ledger.begin(CHECK);
     const PATHS: usize = 20;
     let condensed = stress_state == StressState::PlaneStress;
     let index = strain_33_index(plane);

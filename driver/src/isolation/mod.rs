@@ -53,7 +53,7 @@ mod test;
 pub mod worker;
 
 pub use ending::Aftermath;
-pub use need::{Need, describes_laws, need, need_of_library};
+pub use need::{CALL_TIME_LIMIT, Need, describes_laws, need, need_of_library};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, program};
 pub use worker::{Stage, Task};

@@ -9,7 +9,7 @@ use umat_abi::host::{self, Found};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
 /// Longest time of one call unless the case says otherwise, s.
-pub(super) const CALL_TIME_LIMIT: f64 = 60.0;
+pub const CALL_TIME_LIMIT: f64 = 60.0;
 
 /// Why a case is isolated, and how.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -75,11 +75,16 @@ pub fn need(file: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Opti
 
 /// Why a command that loads a library needs a process of its own, if it does: it has no metadata, or `case`, which the
 /// command reads, needs one. A case may vouch for its library.
-pub fn need_of_library(library: &Path, case: Option<&Path>, plugin_paths: &[PathBuf]) -> Option<Need> {
+pub fn need_of_library(
+    library: &Path,
+    case: Option<&Path>,
+    overrides: &[String],
+    plugin_paths: &[PathBuf],
+) -> Option<Need> {
     if !super::system::IS_SUPPORTED {
         return None;
     }
-    let document = case.and_then(|case| case::document(case, &[]));
+    let document = case.and_then(|case| case::document(case, overrides));
     if document.is_some_and(|document| document["material"]["isolate"] == false) {
         return None;
     }
@@ -87,7 +92,7 @@ pub fn need_of_library(library: &Path, case: Option<&Path>, plugin_paths: &[Path
         let path = std::path::absolute(library).unwrap_or_else(|_| library.to_owned());
         (!describes_laws(&path)).then(|| Need { libraries: [(path, Terms::default())].into(), ..Need::default() })
     };
-    case.and_then(|case| need(case, &[], plugin_paths)).or_else(of_library)
+    case.and_then(|case| need(case, overrides, plugin_paths)).or_else(of_library)
 }
 
 /// Everything in a case that names a plugin.

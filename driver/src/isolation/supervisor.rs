@@ -68,6 +68,8 @@ pub struct Failure {
     pub has_rows: bool,
     /// What the finished increments cost.
     pub statistics: Statistics,
+    /// Calls of the check that a plugin did not survive.
+    pub calls_of_check: u64,
 }
 
 /// Runs a worker to its end.
@@ -105,6 +107,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         replay: report.call.as_ref().and_then(|call| job.replay(call, need)),
         report,
         has_rows: note(Note::Running) == 1,
+        calls_of_check: note(Note::Calls),
         statistics: Statistics {
             increments: note(Note::Increments),
             iterations: note(Note::Iterations),

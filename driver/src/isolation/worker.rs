@@ -9,6 +9,7 @@ use std::fs::File;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
+use std::sync::atomic::{AtomicU64, Ordering};
 use umat_abi::host::print_by_lines;
 use umat_abi::host::recorder::{self, Recorder};
 
@@ -82,6 +83,23 @@ pub(super) enum Note {
     Cutbacks,
     /// 1: the standard output was closed.
     ClosedOutput,
+    /// Calls of the present check of a plugin.
+    Calls,
+}
+
+/// Calls of the present check.
+static CALLS: AtomicU64 = AtomicU64::new(0);
+
+/// A check of a plugin begins.
+pub fn begin_calls() {
+    CALLS.store(0, Ordering::Relaxed);
+}
+
+/// A check calls a plugin once more, or a case takes an increment.
+pub fn note_call() {
+    if let Some(recorder) = recorder::installed() {
+        recorder.note(Note::Calls as usize, 1 + CALLS.fetch_add(1, Ordering::Relaxed));
+    }
 }
 
 /// Whether this process is a worker: what it does needs no other one.

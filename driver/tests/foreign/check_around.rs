@@ -176,3 +176,92 @@ fn a_small_strain_law_in_a_large_deformation() {
     assert!(row_of("consistent tangent").contains("consistent with DSTRAN; DFGRD1 is not read"), "{}", outcome.stdout);
     assert!(row_of("objectivity").starts_with("pass"), "{}", row_of("objectivity"));
 }
+
+/// The rows of a report as JSON.
+fn in_json(desk: &Desk, library: &Value, case: &Value, more: &[&str], code: i32) -> Value {
+    let case = desk.case("case.json", case);
+    let arguments = ["plugin", "check", "--json", "--states", "60", "--case", case.to_str().expect("UTF-8")];
+    let library = library.as_str().expect("a path");
+    let outcome = desk.pullout(arguments.into_iter().chain(more.iter().copied()).chain([library])).expect(code);
+    serde_json::from_str(&outcome.stdout).unwrap_or_else(|error| panic!("{error}: {}", outcome.stdout))
+}
+
+/// The row of a check in a report as JSON.
+#[track_caller]
+fn json_row<'r>(report: &'r Value, check: &str) -> &'r Value {
+    let rows = report["laws"][0]["rows"].as_array().expect("rows");
+    rows.iter().find(|row| row["check"] == check).unwrap_or_else(|| panic!("no row '{check}' in {report:#}"))
+}
+
+#[test]
+fn flags_change_the_case_and_a_report_is_json() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let case = damage(&library, 1e-4, 0);
+    let report = in_json(&desk, &library, &case, &[], 0);
+    assert_eq!((&report["verdict"], &report["laws"][0]["verdict"]), (&json!("pass"), &json!("pass")));
+    assert_eq!(json_row(&report, "consistent tangent")["verdict"], "pass");
+    let report = in_json(&desk, &library, &case, &["--props", "1,30e3,0.2,0.1,0"], 4);
+    assert_eq!(report["verdict"], "not tested");
+    assert_eq!(json_row(&report, "nonlinear states")["verdict"], "not tested");
+    in_json(&desk, &library, &case, &["--set", "material.props.3=0.1"], 4);
+    let report = in_json(&desk, &library, &case, &["--mode", "plane_stress", "--nstatv", "3"], 0);
+    assert_eq!(json_row(&report, "answers")["stress_state"], "plane stress, NTENS 3");
+    let report = in_json(&desk, &library, &damage(&library, 1e-4, 1), &[], 1);
+    assert_eq!(report["verdict"], "fail");
+    // they change a case, and a library without metadata needs one
+    let library = library.as_str().expect("a path");
+    for flags in [&["--nstatv", "3"][..], &["--props", "1,2"], &[]] {
+        let outcome = desk.pullout(["plugin", "check", library].iter().chain(flags)).expect(2);
+        assert!(outcome.stderr.contains("--case"), "{}", outcome.stderr);
+    }
+}
+
+/// A UMAT that ends the process in its five hundredth increment, which only one check makes.
+#[test]
+fn the_end_of_one_group_is_not_that_of_the_others() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/elastic.f")).expect("a source");
+    let file =
+        desk.write("ends.f", &source.replace("      E=PROPS(1)\n", "      E=PROPS(1)\n      IF (KINC.GT.500) STOP\n"));
+    let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+    let report = in_json(&desk, &library, &tension(&library, &[30e3, 0.2], 0), &[], 1);
+    let row = json_row(&report, "increment size");
+    assert_eq!((&row["verdict"], &row["figure"]), (&json!("fail"), &json!("ended")));
+    let words = row["detail"].as_str().expect("words");
+    // 1 + 10 + 100 increments, then those of the path in 1000
+    assert!(words.contains("call 612 of this check: plugin 'ends', step 1, increment 501: it ended"), "{words}");
+    for check in ["nonlinear states", "consistent tangent", "outside arrays", "zero increment", "NaN and infinity"] {
+        json_row(&report, check);
+    }
+    assert_eq!(report["laws"][0]["replays"].as_array().map(Vec::len), Some(1));
+    let replayed = desk.pullout(["run", "--quiet", "plugin-check-replay.json"]).expect(1);
+    assert!(replayed.stderr.contains("increment 501: it ended the process"), "{}", replayed.stderr);
+}
+
+#[test]
+fn an_end_at_input_that_makes_no_sense_is_told() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "check_laws.f", &[]) else { return };
+    let outcome = checked(&desk, &library, &damage(&library, 1e-4, 2), 0);
+    let row = row(&outcome, "NaN and infinity");
+    assert!(row.starts_with("warn") && row.contains("it ended the process"), "{row}");
+    assert!(outcome.stdout.trim_end().ends_with(", none failed"), "{}", outcome.stdout);
+}
+
+/// A law that stops a little beyond its case: the states that lead there are left out, the others are judged.
+#[test]
+fn states_that_a_law_does_not_survive_are_left_out() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/check_laws.f")).expect("a source");
+    let limited = "        EQ=SQRT(Q)\n        IF (EQ.GT.1.3D-3) STOP\n";
+    let file = desk.write("limited.f", &source.replace("        EQ=SQRT(Q)\n", limited));
+    let Some(library) = built(&desk, file.to_str().expect("UTF-8"), &[]) else { return };
+    let case = desk.case("case.json", &damage(&library, 1e-4, 0));
+    let library = library.as_str().expect("a path");
+    let arguments = ["plugin", "check", "--states", "60", library, "--case", case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(arguments);
+    println!("{}", outcome.stdout);
+    assert!(outcome.stdout.contains("ended") && outcome.stdout.contains("state "), "{}", outcome.stdout);
+    assert!(row(&outcome, "consistent tangent").contains("consistent;"), "{}", row(&outcome, "consistent tangent"));
+}

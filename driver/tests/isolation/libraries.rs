@@ -75,6 +75,17 @@ fn a_sound_library_is_told_of_as_before() {
     assert_eq!(checked(&desk, &trusted, "./libmisbehaving.so", 0).stdout, outcome.stdout);
 }
 
+/// What a plugin does to its own standard output takes nothing from the report.
+#[test]
+fn a_library_that_closes_the_standard_output() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    let outcome = checked(&desk, &point(material("misbehaving", Fault::CloseStdout as u32)), "./libmisbehaving.so", 0);
+    assert!(outcome.stdout.trim_end().ends_with(" checks, none failed"), "{}", outcome.stdout);
+}
+
 /// A UMAT that executes `statement` beyond a strain of 1e-4 in direction 1.
 fn beyond(statement: &str) -> String {
     format!(

@@ -1,6 +1,6 @@
 //! `pullout plugin build`.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, say};
+use super::super::{BAD_INPUT, DONE, FAILED, complain, say};
 use crate::build::{self, Form, Request};
 use std::path::PathBuf;
 

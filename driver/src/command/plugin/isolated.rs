@@ -1,4 +1,4 @@
-//! `pullout plugin info` and `check` of a library that nobody vouches for, in a process of their own.
+//! `pullout plugin info` of a library that nobody vouches for, in a process of their own.
 
 use super::super::{BAD_INPUT, FAILED, NO_PLUGIN, complain};
 use crate::isolation::{self, End, Job, Need, Stage, worker};
@@ -7,16 +7,11 @@ use std::path::Path;
 
 /// Runs a command line of this program that loads `library` and calls it, if the library needs it; the exit code.
 /// `None`: it needs no process of its own, or this is it.
-pub(super) fn supervised(
-    library: &Path,
-    case: Option<&Path>,
-    command: &[OsString],
-    paths: &[std::path::PathBuf],
-) -> Option<u8> {
+pub(super) fn supervised(library: &Path, command: &[OsString], paths: &[std::path::PathBuf]) -> Option<u8> {
     if worker::is_this_process() {
         return None;
     }
-    let need = isolation::need_of_library(library, case, paths)?;
+    let need = isolation::need_of_library(library, None, &[], paths)?;
     let job = Job {
         overwrite: false,
         stage: Stage::Command,

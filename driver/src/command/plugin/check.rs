@@ -1,0 +1,303 @@
+//! `pullout plugin check`: in this process, or each group of checks in one of its own where nobody vouches for the library.
+
+use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, complain, refuse, say};
+use super::file_of;
+use crate::case::{self, Case};
+use crate::conformance::{self, Event, Group, Options, Report};
+use crate::isolation::prints::Prints;
+use crate::isolation::{self, Job, Stage, worker};
+use crate::path::program::Plugin;
+use clap::ValueEnum;
+use serde_json::{Value, json};
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, OnceLock};
+use umat_abi::host::Library;
+use umat_abi::law::StressState;
+
+mod children;
+
+#[derive(Debug, Clone, clap::Args)]
+pub(in crate::command) struct Arguments {
+    /// A law's name, or a shared library.
+    #[arg(value_name = "NAME|FILE.so")]
+    plugin: String,
+    /// Around the path of this case, with its parameters, mode, times, temperatures, initial state; a library without
+    /// metadata cannot be judged without one.
+    #[arg(long, value_name = "CASE.json")]
+    case: Option<PathBuf>,
+    /// Override an entry of the case, e.g. steps.0.increments=5.
+    #[arg(long = "set", value_name = "a.b.c=VALUE")]
+    overrides: Vec<String>,
+    /// PROPS instead of the case's, or of the metadata's defaults.
+    #[arg(long, value_name = "P1,P2,...", allow_hyphen_values = true, value_delimiter = ',')]
+    props: Option<Vec<f64>>,
+    /// NSTATV instead of the case's.
+    #[arg(long, value_name = "N")]
+    nstatv: Option<usize>,
+    /// The mode instead of the case's; without a case, the only one that is checked.
+    #[arg(long, value_name = "3d|plane_strain|axisymmetric|plane_stress")]
+    mode: Option<String>,
+    /// States in which the law is looked at, for each stress state.
+    #[arg(long, default_value_t = Options::default().states)]
+    states: usize,
+    /// Rows and verdict as JSON.
+    #[arg(long)]
+    json: bool,
+    /// Look here first (may be repeated).
+    #[arg(long = "plugin-path", value_name = "DIR")]
+    plugin_paths: Vec<PathBuf>,
+    /// The checks of one group, for the process that started this one.
+    #[arg(long, hide = true, requires = "rows")]
+    group: Option<Group>,
+    /// Where that process reads what happens.
+    #[arg(long, hide = true)]
+    rows: Option<PathBuf>,
+    /// States that are left out.
+    #[arg(long, hide = true)]
+    skip: Vec<usize>,
+    /// Increments of the case at most.
+    #[arg(long, hide = true)]
+    longest_path: Option<u64>,
+}
+
+impl Arguments {
+    /// The entries of the case that change.
+    fn overrides(&self) -> Vec<String> {
+        let entry = |key: &str, value: Option<String>| value.map(|value| format!("{key}={value}"));
+        let changes = [
+            entry("material.props", self.props.as_ref().map(|props| json!(props).to_string())),
+            entry("material.nstatv", self.nstatv.map(|count| count.to_string())),
+            entry("mode", self.mode.clone()),
+        ];
+        self.overrides.iter().cloned().chain(changes.into_iter().flatten()).collect()
+    }
+
+    /// The command line of a group of checks, without the program's name.
+    fn command_line(&self, group: Group, rows: &Path, skip: &[usize], longest_path: Option<u64>) -> Vec<OsString> {
+        let group = group.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
+        let mut line: Vec<OsString> = vec!["plugin".into(), "check".into(), format!("--group={group}").into()];
+        line.extend(["--rows".into(), rows.into(), format!("--states={}", self.states).into()]);
+        line.extend(skip.iter().map(|state| format!("--skip={state}").into()));
+        line.extend(longest_path.map(|count| format!("--longest-path={count}").into()));
+        line.extend(self.case.iter().flat_map(|case| ["--case".into(), case.into()]));
+        line.extend(self.overrides().into_iter().map(|entry| format!("--set={entry}").into()));
+        line.extend(self.plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]));
+        line.extend(["--".into(), OsString::from(&self.plugin)]);
+        line
+    }
+}
+
+/// What came out of one law's check.
+struct Judged {
+    name: String,
+    library: PathBuf,
+    report: Report,
+    /// Cases that repeat calls that did not come back.
+    replays: Vec<Value>,
+}
+
+impl Judged {
+    fn header(name: &str, library: &Path) -> String {
+        format!("{name} ({})\n", library.display())
+    }
+
+    fn code(&self) -> u8 {
+        if self.report.failures().next().is_some() {
+            FAILED
+        } else if self.report.is_vacuous() {
+            NOT_TESTED
+        } else {
+            DONE
+        }
+    }
+
+    fn verdict(code: u8) -> &'static str {
+        match code {
+            DONE => "pass",
+            NOT_TESTED => "not tested",
+            _ => "fail",
+        }
+    }
+}
+
+/// The exit code of several: a failure, before what was not tested.
+fn code_of(judged: &[Judged]) -> u8 {
+    let codes = || judged.iter().map(Judged::code);
+    codes().find(|code| *code == FAILED).or(codes().max()).unwrap_or(FAILED)
+}
+
+/// Prints everything as JSON, if that is wanted; the exit code.
+fn conclude(arguments: &Arguments, judged: &[Judged]) -> u8 {
+    let code = code_of(judged);
+    if arguments.json {
+        let laws: Vec<Value> = judged
+            .iter()
+            .map(|law| {
+                json!({
+                    "name": law.name,
+                    "library": law.library.display().to_string(),
+                    "verdict": Judged::verdict(law.code()),
+                    "conclusion": law.report.conclusion(),
+                    "rows": law.report.rows,
+                    "replays": law.replays,
+                })
+            })
+            .collect();
+        say(&format!("{:#}\n", json!({ "verdict": Judged::verdict(code), "laws": laws })));
+    }
+    code
+}
+
+/// Checks a library, by its law's name or by its path; the exit code.
+pub(super) fn run(arguments: &Arguments) -> u8 {
+    let file = match file_of(&arguments.plugin, &arguments.plugin_paths) {
+        Ok(file) => file,
+        Err(code) => return code,
+    };
+    let case = arguments.case.as_deref();
+    if case.is_none() && (arguments.nstatv.is_some() || !arguments.overrides.is_empty()) {
+        complain("--nstatv and --set change a case: give one by --case");
+        return BAD_INPUT;
+    }
+    if !worker::is_this_process()
+        && let Some(need) = isolation::need_of_library(&file, case, &arguments.overrides(), &arguments.plugin_paths)
+    {
+        return children::run(arguments, &file, need);
+    }
+    // what it prints in thousands of calls is nobody's
+    let _prints = Prints::discard();
+    match isolation::load(&file) {
+        Ok(library) => here(arguments, &library),
+        Err(error) => {
+            complain(error);
+            NO_PLUGIN
+        }
+    }
+}
+
+/// Where the process that started this one reads what happens.
+static ROWS: OnceLock<Mutex<File>> = OnceLock::new();
+
+/// Hands a line on.
+fn hand_on(line: &Value) {
+    if let Some(mut file) = ROWS.get().and_then(|file| file.lock().ok()) {
+        let _ = file.write_all(format!("{line}\n").as_bytes());
+    }
+}
+
+/// Checks a library in this process.
+fn here(arguments: &Arguments, library: &Library) -> u8 {
+    let mut options = Options {
+        states: arguments.states,
+        group: arguments.group,
+        skipped: arguments.skip.clone(),
+        longest_path: arguments.longest_path,
+        ..Options::default()
+    };
+    let plugins = match plugins(arguments, library, &mut options) {
+        Ok(plugins) => plugins,
+        Err(code) => return code,
+    };
+    options.listener = match &arguments.rows {
+        Some(rows) => {
+            let Ok(file) = File::options().append(true).open(rows) else { return FAILED };
+            let _ = ROWS.set(Mutex::new(file));
+            Some(|event| match event {
+                Event::Begins(check, stress_state) => hand_on(&json!({ "begins": [check, stress_state] })),
+                Event::Draws(state, is_far) => hand_on(&json!({ "draws": [state, is_far] })),
+                Event::Ends(row) => hand_on(&json!({ "row": row })),
+            })
+        }
+        None if arguments.json => None,
+        None => Some(|event| {
+            if let Event::Ends(row) = event {
+                say(&format!("{row}\n"));
+            }
+        }),
+    };
+    let mut judged = Vec::new();
+    for plugin in plugins {
+        let path = plugin.library.path();
+        hand_on(&json!({ "law": [plugin.name, path] }));
+        let is_told = arguments.rows.is_none() && !arguments.json;
+        if is_told {
+            say(&Judged::header(&plugin.name, path));
+        }
+        let report = conformance::check(&plugin, &options);
+        if is_told {
+            say(&format!("{}\n\n", report.conclusion()));
+        }
+        judged.push(Judged { name: plugin.name.clone(), library: path.to_owned(), report, replays: Vec::new() });
+    }
+    if arguments.rows.is_some() { DONE } else { conclude(arguments, &judged) }
+}
+
+/// The laws to be checked: the case's, or all of the library.
+fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> Result<Vec<Plugin>, u8> {
+    let wrong = |message: String| {
+        complain(message);
+        Err(BAD_INPUT)
+    };
+    let path = library.path();
+    let Some(file) = &arguments.case else {
+        if library.laws().is_empty() {
+            return wrong(format!(
+                "{}: has no metadata; give its props and nstatv by --case, a case along whose path the law shows what it \
+                 does: without one it cannot be judged",
+                path.display()
+            ));
+        }
+        options.stress_state = match arguments.mode.as_deref() {
+            None => None,
+            Some("3d") => Some(StressState::ThreeD),
+            Some("plane_strain" | "axisymmetric") => Some(StressState::PlaneStrainOrAxisymmetric),
+            Some("plane_stress") => Some(StressState::PlaneStress),
+            Some(other) => {
+                return wrong(format!("--mode {other}: there are 3d, plane_strain, axisymmetric, plane_stress"));
+            }
+        };
+        for law in library.laws() {
+            let (given, wanted) =
+                (arguments.props.as_ref().map_or(law.parameters.len(), Vec::len), law.parameters.len());
+            if law.group.is_none() && given != wanted {
+                return wrong(format!("--props: {given} values; {} has {wanted}", law.name));
+            }
+        }
+        options.props.clone_from(&arguments.props);
+        return Ok(library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect());
+    };
+    let program = match case::read(file, &arguments.overrides(), &arguments.plugin_paths) {
+        Ok(Case::Path(program)) => program,
+        Ok(Case::Pullout(_)) => {
+            return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
+        }
+        Err(errors) => return Err(refuse(&errors)),
+    };
+    let plugin = program.plugin.clone();
+    if plugin.library.path() != path {
+        let other = plugin.library.path().display();
+        return wrong(format!("{}: uses the plugin {other}, not {}", file.display(), path.display()));
+    }
+    options.characteristic_length = program.characteristic_length;
+    options.program = Some(Arc::new(*program));
+    Ok(vec![plugin])
+}
+
+/// A worker that makes one group of checks.
+fn job(command: &[OsString]) -> Job<'_> {
+    Job {
+        overwrite: false,
+        stage: Stage::Command,
+        case: None,
+        out: None,
+        overrides: &[],
+        plugin_paths: &[],
+        aftermath: "null",
+        quiet: false,
+        echo: false,
+        command,
+    }
+}

@@ -1,0 +1,234 @@
+//! Each group of checks in a process of its own: what ends one does not end the others.
+
+use super::{Arguments, Judged, conclude, job};
+use crate::case;
+use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
+use crate::conformance::{Group, Report, Row, Verdict};
+use crate::isolation::{self, End, Failure, Need};
+use clap::ValueEnum;
+use serde_json::Value;
+use std::io::{Read, Seek};
+use std::path::{Path, PathBuf};
+
+/// Longest time of a call unless the case says otherwise, s: a check is to end within twenty.
+const CALL_TIME_LIMIT: f64 = 5.0;
+/// Ends of a process that the sample is drawn again for, without what led to it.
+const MOST_ENDS: usize = 16;
+/// The row that every group has.
+const BOUNDS: &str = "array bounds";
+
+/// What was read of a group.
+#[derive(Default)]
+struct Told {
+    /// Check and entry point.
+    begun: Option<(String, String)>,
+    /// The state that was being drawn, and whether it is far from the case's path.
+    drawn: Option<(usize, bool)>,
+}
+
+/// Everything that the groups have told.
+struct Tally<'a> {
+    arguments: &'a Arguments,
+    judged: Vec<Judged>,
+    /// Writes behind arrays, by law and entry point: what the first group found that found any.
+    bounds: Vec<(usize, Row)>,
+}
+
+/// Makes all groups.
+pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
+    for terms in need.libraries.values_mut() {
+        if terms.time_limit == isolation::CALL_TIME_LIMIT {
+            terms.time_limit = CALL_TIME_LIMIT;
+        }
+    }
+    let mut tally = Tally { arguments, judged: Vec::new(), bounds: Vec::new() };
+    let (mut skip, mut longest_path) = (Vec::new(), None);
+    for group in Group::value_variants() {
+        loop {
+            let Ok(mut rows) = tempfile::NamedTempFile::new() else {
+                complain("no temporary file can be made");
+                return BAD_INPUT;
+            };
+            let command = arguments.command_line(*group, rows.path(), &skip, longest_path);
+            let end = isolation::supervise(&job(&command), &need);
+            let mut text = String::new();
+            let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
+            let told = tally.read(&text);
+            let failure = match end {
+                Ok(End::Done(DONE)) => break,
+                Ok(End::Done(code)) => return code,
+                Ok(End::Failed(failure)) if failure.report.at_loading => {
+                    complain(failure.report.message);
+                    return NO_PLUGIN;
+                }
+                Ok(End::Failed(failure)) => failure,
+                Err(error) => {
+                    complain(format!("{}: no process can be started for it: {error}", library.display()));
+                    return BAD_INPUT;
+                }
+            };
+            tally.end(library, *group, &told, &failure);
+            let is_first = *group == Group::States;
+            match (&told.begun, told.drawn) {
+                (_, Some((state, _))) if is_first && skip.len() < MOST_ENDS => skip.push(state),
+                (Some((check, _)), _) if is_first && check == "case's path" && longest_path.is_none() => {
+                    longest_path = Some(failure.calls_of_check);
+                }
+                (_, Some(_)) | (Some(_), _) if is_first && told.is_in_the_sample() => {
+                    complain(format!("{}: no sample can be drawn: nothing else is checked", library.display()));
+                    return tally.conclude();
+                }
+                _ => break,
+            }
+            // the rows of what was looked at before are made again
+            tally.forget_passes();
+        }
+    }
+    tally.conclude()
+}
+
+impl Told {
+    /// Whether all groups would end here.
+    fn is_in_the_sample(&self) -> bool {
+        self.begun
+            .as_ref()
+            .is_none_or(|(check, _)| ["case's path", "typical size", "answers"].contains(&check.as_str()))
+    }
+}
+
+impl Tally<'_> {
+    /// Takes what a group has told.
+    fn read(&mut self, text: &str) -> Told {
+        let mut told = Told::default();
+        let mut law = 0;
+        for line in text.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok()) {
+            if let [Value::String(name), Value::String(path)] = list(&line["law"]) {
+                law = self.law(name, Path::new(path));
+            } else if let [Value::String(check), Value::String(entry)] = list(&line["begins"]) {
+                told = Told { begun: Some((check.clone(), entry.clone())), drawn: None };
+            } else if let [state, is_far] = list(&line["draws"]) {
+                told.drawn = state.as_u64().map(|state| (state as usize, *is_far == true));
+            } else if let Some(row) = row(&line["row"]) {
+                self.add(law, row);
+            }
+        }
+        told
+    }
+
+    fn law(&mut self, name: &str, library: &Path) -> usize {
+        if let Some(law) = self.judged.iter().position(|law| law.name == name) {
+            return law;
+        }
+        if !self.arguments.json {
+            say(&Judged::header(name, library));
+        }
+        self.judged.push(Judged {
+            name: name.to_owned(),
+            library: library.to_owned(),
+            report: Report::default(),
+            replays: Vec::new(),
+        });
+        self.judged.len() - 1
+    }
+
+    fn add(&mut self, law: usize, row: Row) {
+        if row.check == BOUNDS {
+            let known = self.bounds.iter_mut().find(|(of, other)| *of == law && other.stress_state == row.stress_state);
+            match known {
+                None => self.bounds.push((law, row)),
+                Some((_, other)) if other.verdict == Verdict::Pass => *other = row,
+                Some(_) => {}
+            }
+            return;
+        }
+        let rows = &mut self.judged[law].report.rows;
+        // a sample that is drawn again repeats what came before
+        let is_known = rows.iter().any(|other| {
+            (other.check, other.stress_state, &other.detail) == (row.check, row.stress_state, &row.detail)
+        });
+        if is_known {
+            return;
+        }
+        if !self.arguments.json {
+            say(&format!("{row}\n"));
+        }
+        rows.push(row);
+    }
+
+    /// A repeated group replaces what the same check said before, unless that was a failure.
+    fn forget_passes(&mut self) {
+        self.bounds.retain(|(_, row)| row.verdict == Verdict::Fail);
+    }
+
+    /// Tells of a call that did not come back.
+    fn end(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure) {
+        let message = &failure.report.message;
+        complain(format!("{}: {message}", library.display()));
+        let law = match self.judged.len() {
+            0 => self.law(&library.file_stem().unwrap_or_default().to_string_lossy(), library),
+            count => count - 1,
+        };
+        let (check, entry) = told.begun.clone().unwrap_or_else(|| ("loading".into(), "-".into()));
+        let mut detail = match told.drawn {
+            Some((state, true)) => format!("a long step away from the case's path, state {state}: {message}"),
+            Some((state, false)) => format!("state {state}: {message}"),
+            None if check == "case's path" => message.clone(),
+            None => format!("call {} of this check: {message}", failure.calls_of_check),
+        };
+        if let Some(mut case) = failure.replay.clone() {
+            if let Some(file) = &self.arguments.case {
+                let document = case::document(file, &self.arguments.overrides()).unwrap_or_default();
+                case["job_folder"] = case::job_folder(file, &document).to_string_lossy().into();
+            }
+            let path = replay_path(self.judged[law].replays.len());
+            if std::fs::write(&path, format!("{case:#}\n")).is_ok() {
+                detail += &format!(" (replay case: {})", path.display());
+            }
+            self.judged[law].replays.push(case);
+        }
+        // what makes no sense, or what the case never does, may end the analysis
+        let is_senseless = group == Group::BadInput || told.drawn.is_some_and(|(_, is_far)| is_far);
+        let verdict = if is_senseless { Verdict::Warn } else { Verdict::Fail };
+        self.add(law, Row { check: check.leak(), stress_state: entry.leak(), verdict, figure: "ended".into(), detail });
+    }
+
+    /// Tells the rows that concern all groups, and the conclusion; the exit code.
+    fn conclude(mut self) -> u8 {
+        for (law, row) in std::mem::take(&mut self.bounds) {
+            if !self.arguments.json {
+                say(&format!("{row}\n"));
+            }
+            self.judged[law].report.rows.push(row);
+        }
+        if !self.arguments.json {
+            for law in &self.judged {
+                say(&format!("{}\n\n", law.report.conclusion()));
+            }
+        }
+        conclude(self.arguments, &self.judged)
+    }
+}
+
+/// Where a replay case goes: the current folder.
+fn replay_path(number: usize) -> PathBuf {
+    match number {
+        0 => "plugin-check-replay.json".into(),
+        number => format!("plugin-check-replay-{}.json", number + 1).into(),
+    }
+}
+
+fn list(value: &Value) -> &[Value] {
+    value.as_array().map_or(&[], Vec::as_slice)
+}
+
+/// A row as a group has told it.
+fn row(value: &Value) -> Option<Row> {
+    let text = |key: &str| value[key].as_str().map(str::to_owned);
+    Some(Row {
+        check: text("check")?.leak(),
+        stress_state: text("stress_state")?.leak(),
+        verdict: serde_json::from_value(value["verdict"].clone()).ok()?,
+        figure: text("figure")?,
+        detail: text("detail")?,
+    })
+}
