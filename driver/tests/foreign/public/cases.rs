@@ -3,7 +3,7 @@
 use super::Law;
 use serde_json::{Value, json};
 
-pub const HGO: Law = Law { sources: &["hgo_modules.f90", "hgo.F90"], case: hgo };
+pub const HGO: Law = Law { sources: &["hgo.F90", "hgo_modules.f90"], case: hgo };
 pub const CRYSTAL: Law = Law { sources: &["crystal.F"], case: crystal };
 pub const PRONY: Law = Law { sources: &["prony.F"], case: prony };
 pub const THERMAL: Law = Law { sources: &["thermal.F"], case: thermal };

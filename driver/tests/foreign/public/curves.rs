@@ -59,6 +59,21 @@ fn an_artery_along_a_path_of_stretches() {
     close(history.last("s11"), mu * j.powf(-5.0 / 3.0) * (0.64 - (0.64 + 0.81 + 1.96) / 3.0) + kappa * (j - 1.0));
 }
 
+/// Sides free: the stretches across are found by the driver, to its 1e-8 MPa.
+#[test]
+fn an_artery_in_uniaxial_tension() {
+    let pulled = json!([{ "increments": 10, "target": { "e11": 0.3 } }]);
+    let Some(history) = cases::HGO.driven(|case| case["steps"] = pulled.clone()) else { return };
+    for k in 0..history.rows.len() {
+        let [e11, f11, s11] = row(&history, k, ["e11", "F11", "s11"]);
+        close(f11, e11.exp());
+        let [along, across, through] = hgo_stress(row(&history, k, ["F11", "F22", "F33"]));
+        close(s11, along);
+        assert!(across.abs().max(through.abs()) <= 1.1e-8, "{across}, {through}");
+    }
+    assert!(history.last("F22") < history.last("F33") && history.last("sdv1") > 1.1, "fibres turn towards the pull");
+}
+
 /// Tension along a cube axis: eight systems with Schmid factors 1/√6 slip alike, σ̇ = E (ε̇ − 8 γ̇/√6); the classical
 /// Runge–Kutta scheme in σ, g and one system's slip.
 fn eight_systems(rate: f64, duration: f64) -> [f64; 3] {
