@@ -15,6 +15,7 @@ mod isolation;
 pub mod output;
 pub mod path;
 pub mod pullout;
+mod signals;
 pub mod study;
 
 /// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.

@@ -176,9 +176,16 @@ fn what_cannot_go_on_is_refused() {
     refused_with("damaged", &["--restart", "out"]);
     content[middle] ^= 1;
     fs::write(&file, &content).expect("a file");
-    // rows from before the checkpoint are gone
+    // a line in front of the rows, of the same length in all
     let history = desk.path("out/history.csv");
     let text = fs::read(&history).expect("a history");
+    let header = text.iter().position(|&byte| byte == b'\n').expect("a header") + 1;
+    let put_in = [&text[..header], b"0,0,0\n", &text[header..]].concat();
+    fs::write(&history, put_in).expect("a file");
+    let outcome = desk.pullout(with(&["--restart", "out"])).expect(2);
+    assert!(outcome.stderr.contains("rows from before the checkpoint were changed"), "{}", outcome.stderr);
+    fs::write(&history, &text).expect("a file");
+    // rows from before the checkpoint are gone
     fs::write(&history, &text[..100]).expect("a file");
     let words = with(&["--restart", "out"]);
     let outcome = desk.pullout(words).expect(2);

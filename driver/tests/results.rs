@@ -371,3 +371,123 @@ fn a_second_run_into_the_same_folder_is_refused() {
     assert_eq!(run.history.rows.len(), 4);
     assert!(!desk.path("out/previous").exists());
 }
+
+/// Sends a signal to a child.
+fn signal(child: &std::process::Child, name: &str) {
+    let sent = std::process::Command::new("kill").args([format!("-{name}"), child.id().to_string()]).status();
+    assert!(sent.expect("kill").success());
+}
+
+/// Waits until a file of a running child is so long.
+fn grown(child: &mut std::process::Child, file: &std::path::Path, bytes: u64) {
+    let deadline = Instant::now() + Duration::from_secs(120);
+    while !std::fs::metadata(file).is_ok_and(|file| file.len() > bytes) {
+        let is_alive = child.try_wait().expect("a child").is_none();
+        assert!(Instant::now() < deadline && is_alive, "{} does not grow", file.display());
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// A shell that starts the tests in the background has them ignore Ctrl-C, and their children.
+fn signals() -> Vec<(&'static str, &'static str, i32)> {
+    let status = std::fs::read_to_string("/proc/self/status").expect("a status");
+    let ignored = status.lines().find_map(|line| line.strip_prefix("SigIgn:")).expect("a mask");
+    let is_ignored = u64::from_str_radix(ignored.trim(), 16).expect("a number") & 2 != 0;
+    [("INT", "SIGINT", 130), ("TERM", "SIGTERM", 143)].into_iter().skip(usize::from(is_ignored)).collect()
+}
+
+#[test]
+fn an_interrupted_run_says_so_and_keeps_what_it_has() {
+    for (name, words, code) in signals() {
+        for isolate in [false, true] {
+            let desk = Desk::new();
+            finished(&desk);
+            let mut long = json(&desk.path("case.json"));
+            long["steps"][0]["increments"] = json!(100_000_000);
+            long["material"]["isolate"] = json!(isolate);
+            desk.case("long.json", &long);
+            let mut process = command();
+            process.current_dir(desk.path("")).args(["run", "--out", "out", "long.json"]);
+            process.stderr(std::process::Stdio::piped()).stdout(std::process::Stdio::null());
+            let mut child = process.spawn().expect("the program starts");
+            let start = desk.path("out/previous/summary.json");
+            grown(&mut child, &start, 1);
+            grown(&mut child, &desk.path("out/history.csv"), 200_000);
+            signal(&child, name);
+            let output = child.wait_with_output().expect("an end");
+            let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+            assert_eq!(output.status.code(), Some(code), "{stderr}");
+            assert!(stderr.contains(&format!("interrupted by {words}")) && stderr.contains("is kept"), "{stderr}");
+            let summary = json(&desk.path("out/summary.json"));
+            assert_eq!(summary["status"], "interrupted");
+            let table = Table::read(&desk.path("out/history.csv"));
+            assert_eq!(table.rows.len() as u64, summary["increments"].as_u64().expect("a count") + 1);
+            assert!(std::fs::read_to_string(desk.path("out/report.html")).expect("a page").contains(">interrupted<"));
+            assert!(desk.path("out/plots/stress_strain.svg").exists() && !desk.path("out/previous").exists());
+            desk.run(&desk.path("case.json"), &[], "out", 0);
+        }
+    }
+}
+
+/// `ulimit` as shells have it, and the program with these arguments.
+fn limited(desk: &Desk, limit: &str, arguments: &str) -> std::process::Output {
+    let mut shell = std::process::Command::new("sh");
+    shell.current_dir(desk.path("")).env_remove("PULLOUT_PLUGIN_PATH").stdin(std::process::Stdio::null());
+    let program = env!("CARGO_BIN_EXE_pullout");
+    shell.args(["-c", &format!("ulimit {limit} && exec {program} {arguments}")]);
+    shell.output().expect("a shell")
+}
+
+#[test]
+fn a_file_that_cannot_grow_fails_the_run_at_its_step() {
+    for isolate in [false, true] {
+        let desk = Desk::new();
+        let mut material = elastic();
+        material["isolate"] = json!(isolate);
+        let steps = json!([
+            { "increments": 10, "target": { "e11": 0.001 } },
+            { "increments": 1_000_000, "target": { "e11": 0.002 } },
+        ]);
+        desk.case("case.json", &point(material, steps));
+        // 64 KiB to 128 KiB, by the shell's block
+        let output = limited(&desk, "-f 128", "run --out out case.json");
+        let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
+        assert!(stderr.contains("step 2, increment ") && stderr.contains("history.csv: File too large"), "{stderr}");
+        let summary = json(&desk.path("out/summary.json"));
+        assert_eq!(summary["status"], "failed");
+        assert!(summary["message"].as_str().is_some_and(|message| message.contains("File too large")), "{summary}");
+        assert!(Table::read(&desk.path("out/history.csv")).rows.len() > 100);
+        assert!(everything(&desk.path("out")).keys().all(|path| !path.to_string_lossy().contains("partial")));
+        // nothing was lost that the next run could not replace
+        desk.pullout(["run", "case.json", "--out", "out", "--set", "steps.1.increments=1"]).expect(0);
+    }
+    let desk = Desk::new();
+    finished(&desk);
+    desk.write("file", "");
+    let stderr = desk.pullout(["run", "case.json", "--out", "file"]).expect(1).stderr;
+    assert!(stderr.starts_with("file: "), "{stderr}");
+}
+
+#[test]
+fn pictures_and_comparison_of_a_long_history_need_little_memory() {
+    let desk = Desk::new();
+    let rows: String = (0..=100).map(|k| format!("{},{}\n", 1e-5 * f64::from(k), 0.01 * f64::from(k))).collect();
+    desk.write("curve.csv", &format!("strain,stress\n{rows}"));
+    let steps = json!([ { "increments": 200_000, "target": { "e11": 0.001 } } ]);
+    let mut case = point(elastic(), steps);
+    let compare = json!([{ "file": "curve.csv", "x": "e11", "y": "s11", "file_x": "strain", "file_y": "stress" }]);
+    case["compare"] = compare;
+    desk.case("case.json", &case);
+    // kB
+    let output = limited(&desk, "-v 400000", "run --quiet --out out case.json");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(0), "{stderr}");
+    let summary = json(&desk.path("out/summary.json"));
+    assert_eq!((&summary["status"], &summary["increments"]), (&json!("done"), &json!(200_000)));
+    assert_eq!(summary["compare"][0]["points"], 101);
+    let modulus = summary["peaks"]["s11"]["max"].as_f64().expect("a stress") / 0.001;
+    let rms = (0..=100).map(|k| (1e-5 * f64::from(k) * (modulus - 1000.0)).powi(2)).sum::<f64>() / 101.0;
+    assert!((summary["compare"][0]["rms"].as_f64().expect("a number") - rms.sqrt()).abs() < 1e-9);
+    assert!(desk.path("out/plots/stress_strain.svg").exists());
+}

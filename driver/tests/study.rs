@@ -160,3 +160,68 @@ fn everything_wrong_is_told_at_once_and_nothing_is_run() {
     let told = desk.pullout(["check", "family.json"]).expect(2).stderr;
     assert!(told.contains("$.claims[0].series"), "{told}");
 }
+
+#[test]
+fn names_that_no_folder_or_page_takes_are_refused_with_their_place() {
+    let desk = desk();
+    let refused = |change: &dyn Fn(&mut Value), expected: &str| {
+        let mut study = family(&[200.0, 300.0], value!([]));
+        change(&mut study);
+        desk.case("family.json", &study);
+        let stderr = desk.pullout(["study", "family.json", "--out", "out"]).expect(2).stderr;
+        assert!(stderr.contains(expected), "{stderr}");
+        assert!(!desk.path("out").exists());
+    };
+    refused(
+        &|study| study["series"][0]["name"] = value!("study.csv"),
+        "$.series[0].name: is a name in the study's own",
+    );
+    refused(
+        &|study| study["series"][1]["name"] = value!("Report.html"),
+        "$.series[1].name: is a name in the study's own",
+    );
+    refused(
+        &|study| study["members"][1]["label"] = value!("a".repeat(300)),
+        "$.members[1].label: names a directory: 1 to",
+    );
+    refused(&|study| study["members"][0]["label"] = value!(""), "$.members[0].label: names a directory: 1 to");
+    refused(&|study| study["members"][0]["title"] = value!("a\u{7}b"), "$.members[0].title: has a control character");
+    refused(&|study| study["title"] = value!("a\nb"), "$.title: has a control character");
+}
+
+#[test]
+fn an_interrupted_study_keeps_what_is_done_and_goes_on() {
+    let desk = desk();
+    let mut study = family(&[200.0, 300.0], value!([]));
+    study["members"][1]["set"]["steps.0.increments"] = value!(100_000_000);
+    desk.case("family.json", &study);
+    let mut process = program::command();
+    process.current_dir(desk.path("")).args(["study", "family.json", "--out", "out", "--jobs", "1"]);
+    process.stdout(std::process::Stdio::null()).stderr(std::process::Stdio::piped());
+    let mut child = process.spawn().expect("the program starts");
+    let history = desk.path("out/stiff/300/history.csv");
+    let deadline = std::time::Instant::now() + std::time::Duration::from_secs(120);
+    while !std::fs::metadata(&history).is_ok_and(|file| file.len() > 100_000) {
+        assert!(std::time::Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");
+        std::thread::sleep(std::time::Duration::from_millis(2));
+    }
+    let sent = std::process::Command::new("kill").args(["-TERM", &child.id().to_string()]).status();
+    assert!(sent.expect("kill").success());
+    let output = child.wait_with_output().expect("an end");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(143), "{stderr}");
+    assert!(stderr.contains("interrupted by SIGTERM: 1 of 4 runs are done and kept"), "{stderr}");
+    let statuses = |study: Value| -> Vec<String> {
+        study["runs"]
+            .as_array()
+            .expect("runs")
+            .iter()
+            .map(|run| run["status"].as_str().expect("a status").into())
+            .collect()
+    };
+    assert_eq!(statuses(json(&desk.path("out/study.json"))), ["done", "interrupted", "not run", "not run"]);
+    study["members"][1]["set"]["steps.0.increments"] = value!(100);
+    desk.case("family.json", &study);
+    let told = desk.pullout(["study", "family.json", "--out", "out"]).expect(0).stdout;
+    assert!(told.contains("4 of 4 runs done (1 as they were)"), "{told}");
+}

@@ -7,6 +7,7 @@ use crate::isolation::{prints, worker};
 use crate::output::directory::ResultDirectory;
 use crate::output::summary::{PluginFile, Status, Summary};
 use crate::path::Statistics;
+use crate::signals;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::Instant;
@@ -42,6 +43,12 @@ pub(super) fn run(
     if !quiet && io::stderr().is_terminal() {
         // what a progress bar left
         let _ = write!(io::stderr(), "\r\x1b[2K");
+    }
+    if let Some(signal) = signals::received()
+        && (failure.report.at_loading || !failure.has_rows)
+    {
+        complain(format!("{}: interrupted by {} before anything was done", file.display(), signal.words()));
+        return signal.exit_code();
     }
     if failure.report.at_loading {
         return fail(file, &failure, &failure.report.message);
@@ -82,12 +89,16 @@ fn conclude(
         }
         None => {}
     }
-    let aftermath = Aftermath { message, statistics: failure.statistics, wall_time_s };
+    let is_interrupted = signals::received().is_some();
+    if is_interrupted {
+        message = format!("{}; {message}", run::interrupted("the last row", false));
+    }
+    let aftermath = Aftermath { message, is_interrupted, statistics: failure.statistics, wall_time_s };
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
         let job = job(Stage::Conclude, file, Some(directory.path()), reading, &text, quiet);
         if let End::Done(FAILED) = isolation::supervise(&job, need)? {
-            return Ok(FAILED);
+            return Ok(signals::received().map_or(FAILED, signals::Interrupt::exit_code));
         }
         directory.reread()?;
     }
@@ -102,7 +113,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
     let Statistics { increments, iterations, plugin_calls, cutbacks } = aftermath.statistics;
     Ok(Summary {
-        status: Status::Failed,
+        status: if aftermath.is_interrupted { Status::Interrupted } else { Status::Failed },
         message: Some(aftermath.message.clone()),
         title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         plugin: plugin.unwrap_or_default(),
@@ -122,7 +133,11 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
 
 fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
     complain(format!("{}: {message}", file.display()));
-    if failure.report.at_loading { NO_PLUGIN } else { FAILED }
+    match signals::received() {
+        Some(signal) => signal.exit_code(),
+        None if failure.report.at_loading => NO_PLUGIN,
+        None => FAILED,
+    }
 }
 
 fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {

@@ -15,6 +15,7 @@ use crate::case::{self, Case, CaseErrors};
 use crate::isolation;
 use crate::isolation::prints::{Prints, say};
 use crate::output::directory::Kind;
+use crate::signals;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
@@ -177,6 +178,16 @@ fn act_on(arguments: &[OsString]) -> u8 {
 
 /// Does what a command says; the result is the exit code.
 fn act(command: Command) -> u8 {
+    // a study and a supervisor end at a second signal, and what they started with them
+    let listening = match &command {
+        Command::Run { parent, .. } => signals::listen(parent.is_none()),
+        Command::Worker { .. } => signals::listen(false),
+        Command::Study(_) => signals::listen(true),
+        _ => signals::write_beyond_limits_fails(),
+    };
+    if let Err(error) = listening {
+        complain(format!("signals cannot be listened to: {error}"));
+    }
     match command {
         Command::Run { cases, results, reading, interruption, threads, quiet, echo, parent } => {
             if let Some(parent) = parent {

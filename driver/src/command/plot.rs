@@ -2,7 +2,7 @@
 
 use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
 use crate::output::directory::{Kind, ResultDirectory};
-use crate::output::history::History;
+use crate::output::history::{History, HistoryFile};
 use crate::output::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -110,7 +110,7 @@ fn present(folder: &Path) -> Vec<String> {
 }
 
 fn read(folder: &Path) -> io::Result<(History, Spec)> {
-    let history = History::read(&folder.join("history.csv"))?;
+    let history = HistoryFile::open(&folder.join("history.csv"))?.for_pictures()?;
     let spec = Spec::read(&folder.join("plots").join(SPEC_FILE))?;
     Ok((history, spec))
 }

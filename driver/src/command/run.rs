@@ -4,9 +4,9 @@ use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, study}
 use crate::case::{self, Case};
 use crate::isolation::prints::{Prints, say};
 use crate::isolation::{Aftermath, Need, worker};
-use crate::output::compare::compare;
+use crate::output::compare::{Comparison, compare};
 use crate::output::directory::{self, Access, Refusal, ResultDirectory};
-use crate::output::history::History;
+use crate::output::history::HistoryFile;
 use crate::output::plots::{self, Picture, Spec};
 use crate::output::progress::{Extent, Progress};
 use crate::output::report::{self, Account};
@@ -15,6 +15,7 @@ use crate::path::program::Kind;
 use crate::path::{self, Statistics, Stop};
 use crate::pullout;
 use crate::pullout::checkpoint::{self, Checkpoints};
+use crate::signals;
 use fe_core::threads::Threads;
 use std::collections::BTreeSet;
 use std::io;
@@ -169,9 +170,15 @@ pub(super) fn run(
     if code != DONE {
         return code;
     }
-    let run = |(job, directory): (Job<'_>, ResultDirectory)| match job {
-        Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling),
-        Job::Isolated { file, need } => isolated::run(file, directory, reading, &need, results.overwrite, telling),
+    let run = |(job, directory): (Job<'_>, ResultDirectory)| {
+        if let Some(signal) = signals::received() {
+            complain(format!("{}: not run: interrupted by {}", directory.path().display(), signal.words()));
+            return signal.exit_code();
+        }
+        match job {
+            Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling),
+            Job::Isolated { file, need } => isolated::run(file, directory, reading, &need, results.overwrite, telling),
+        }
     };
     ready.into_iter().map(run).max().unwrap_or(DONE)
 }
@@ -260,7 +267,18 @@ fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary,
     if let Err(error) = &written {
         complain(error);
     }
-    if summary.message.is_none() && written.is_ok() { DONE } else { FAILED }
+    match (summary.status, signals::received()) {
+        (Status::Interrupted, Some(signal)) => signal.exit_code(),
+        (Status::Done, _) if written.is_ok() => DONE,
+        _ => FAILED,
+    }
+}
+
+/// What is said of a run that a signal ended at a place.
+pub(super) fn interrupted(place: &str, has_checkpoints: bool) -> String {
+    let signal = signals::received().map_or("a signal", signals::Interrupt::words);
+    let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };
+    format!("interrupted by {signal} after {place}: what was done so far is kept{go_on}")
 }
 
 /// What of an earlier run a restarted one goes on with.
@@ -289,7 +307,7 @@ fn run_case(
     worker::note_start();
     let progress = Progress::new(&title(case), extent(case), shown(case), telling.quiet);
     let mut record = match kept {
-        None => Record::new(&history_file, &columns, progress)?,
+        None => Record::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
     let (statistics, result, specimen) = match case {
@@ -306,7 +324,9 @@ fn run_case(
     record.progress.finish();
     // what plugins printed is complete before the results are listed
     drop(prints);
+    let is_interrupted = record.was_ended();
     let message = match result {
+        Ok(()) if is_interrupted => Some(interrupted(&record.place(), checkpoints.every.is_some())),
         Ok(()) => None,
         Err(Stop::Write(error)) => Some(format!("{}: {error}", record.place())),
         Err(Stop::Failed(failure)) if failure.replay.is_null() => Some(failure.message),
@@ -316,7 +336,8 @@ fn run_case(
         }
     };
     let [wall_time_s, cpu_time_s] = record.times();
-    let end = RunEnd { peaks: record.peaks, statistics, message, wall_time_s, cpu_time_s: Some(cpu_time_s) };
+    let end =
+        RunEnd { peaks: record.peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: Some(cpu_time_s) };
     conclude(case, directory, end, specimen)
 }
 
@@ -326,6 +347,8 @@ struct RunEnd {
     statistics: Statistics,
     /// Why it failed.
     message: Option<String>,
+    /// A signal asked for its end.
+    is_interrupted: bool,
     wall_time_s: f64,
     /// Not known of a process that was ended.
     cpu_time_s: Option<f64>,
@@ -340,11 +363,10 @@ fn cpu_time() -> Duration {
 impl RunEnd {
     /// Of a run that was ended from outside: its peaks are those of the rows that were written.
     fn of(case: &Case, folder: &Path, aftermath: &Aftermath) -> io::Result<Self> {
-        let history = History::read(&folder.join("history.csv"))?;
         let mut peaks = PeakRecorder::new(&case.columns());
-        history.each_row(|row| peaks.observe(&row));
-        let Aftermath { message, statistics, wall_time_s } = aftermath.clone();
-        Ok(Self { peaks, statistics, message: Some(message), wall_time_s, cpu_time_s: None })
+        HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
+        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath.clone();
+        Ok(Self { peaks, statistics, message: Some(message), is_interrupted, wall_time_s, cpu_time_s: None })
     }
 }
 
@@ -364,36 +386,38 @@ fn conclude(
              moved by up to {moved:.3e} mm until it was"
         ));
     }
-    // a long history is read back only if something is made of it
-    let history = if case.draws_plots() || !case.compare().is_empty() {
-        History::read(&directory.path().join("history.csv"))
-    } else {
-        Ok(History::default())
-    };
-    if let Ok(history) = &history {
-        summary.compare = case.compare().iter().map(|curve| compare(history, curve)).collect();
-    }
+    let compared = compare_all(case, directory.path());
+    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
     let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
-        let pictures = history.and_then(|history| draw(case, directory, &history, specimen.as_ref()));
+        let pictures = draw(case, directory, specimen.as_ref());
         let shown = pictures.as_deref().unwrap_or_default();
         report::write(directory, &Account::of(case), &summary, shown)?;
         directory.finish()?;
-        pictures.map(|_| ())
+        pictures.and(compared.map(|_| ()))
     });
     Ok((summary, written))
+}
+
+/// Compares a history with all curves of its case.
+fn compare_all(case: &Case, folder: &Path) -> io::Result<Vec<Comparison>> {
+    if case.compare().is_empty() {
+        return Ok(Vec::new());
+    }
+    let history = HistoryFile::open(&folder.join("history.csv"))?;
+    case.compare().iter().map(|curve| compare(&history, curve)).collect()
 }
 
 /// Draws what the case asks for.
 fn draw(
     case: &Case,
     directory: &mut ResultDirectory,
-    history: &History,
     specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
 ) -> io::Result<Vec<Picture>> {
     if !case.draws_plots() {
         return Ok(Vec::new());
     }
-    let mut pictures = plots::draw(directory, "plots", history, &Spec::of(case))?;
+    let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
+    let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
     if let Some((program, outcome)) = specimen {
         pictures.extend(pullout::pictures::draw(directory, "plots", program, outcome)?);
     }
@@ -404,7 +428,11 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
     let (plugin, plugins) = plugins(case)?;
     let statistics = &end.statistics;
     Ok(Summary {
-        status: if end.message.is_none() { Status::Done } else { Status::Failed },
+        status: match &end.message {
+            None => Status::Done,
+            Some(_) if end.is_interrupted => Status::Interrupted,
+            Some(_) => Status::Failed,
+        },
         message: end.message.clone(),
         title: case.title().to_owned(),
         plugin,
@@ -493,7 +521,11 @@ fn shown(case: &Case) -> Vec<(String, usize)> {
 /// A few lines on standard output.
 fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
     use std::fmt::Write;
-    let done = if summary.status == Status::Done { "done" } else { "FAILED" };
+    let done = match summary.status {
+        Status::Done => "done",
+        Status::Failed => "FAILED",
+        Status::Interrupted => "interrupted",
+    };
     let mut text = format!(
         "{}: {done}, {} increments, {} plugin calls, {:.3} s -> {}\n",
         title(case),

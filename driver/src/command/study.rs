@@ -5,6 +5,7 @@ use crate::case;
 use crate::isolation::prints::Prints;
 use crate::output::directory::{Access, Kind, ResultDirectory};
 use crate::output::number::significant;
+use crate::signals;
 use crate::study::claims::{self, Finding, Verdict};
 use crate::study::{self, Execution, Results, RunResult, Study};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -80,6 +81,10 @@ pub(super) fn run_all(arguments: &Arguments) -> u8 {
         return code;
     }
     let run = |(study, directory): (&Study, ResultDirectory)| {
+        if let Some(signal) = signals::received() {
+            complain(format!("{}: not run: interrupted by {}", study.file.display(), signal.words()));
+            return signal.exit_code();
+        }
         run_one(study, directory, arguments).unwrap_or_else(|error| {
             complain(format!("{}: {error}", study.file.display()));
             FAILED
@@ -196,6 +201,16 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
             complain(format!("{}: {message}", study.name_of(run)));
         }
     }
+    if let Some(signal) = signals::received() {
+        let done = results.runs.iter().filter(|run| run.is_done()).count();
+        complain(format!(
+            "{}: interrupted by {}: {done} of {} runs are done and kept; the same command goes on",
+            study.file.display(),
+            signal.words(),
+            results.runs.len()
+        ));
+        return Ok(signal.exit_code());
+    }
     let of_kept = results.runs.iter().map(|result| if result.message.is_some() { FAILED } else { DONE });
     let of_run = states.iter().map(|state| match state {
         study::State::Ran(code) => *code,
@@ -232,7 +247,11 @@ impl Progress {
         let unit = &self.end_unit;
         let peak = result.peak.map_or(String::new(), |peak| format!(", peak {} {unit}", significant(peak, 5)));
         let time = result.summary.as_ref().map_or(String::new(), |s| format!(", {} s", significant(s.wall_time_s, 3)));
-        let how = if code == DONE { "done" } else { "FAILED" };
+        let how = match code {
+            DONE => "done",
+            _ if signals::received().is_some() => "interrupted",
+            _ => "FAILED",
+        };
         let line = format!("[{count}/{of}] {name}: {how}{peak}{time}");
         match &self.bar {
             Some(bar) => {

@@ -37,6 +37,8 @@ pub struct Report {
 pub struct Aftermath {
     /// What happened.
     pub message: String,
+    /// Whether a signal asked for the end.
+    pub is_interrupted: bool,
     /// What the finished increments cost.
     pub statistics: Statistics,
     /// Seconds from start to end.

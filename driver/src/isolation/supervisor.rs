@@ -7,6 +7,7 @@ use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
 use crate::case;
 use crate::path::Statistics;
+use crate::signals;
 use serde_json::Value;
 use std::ffi::OsString;
 use std::io;
@@ -176,11 +177,18 @@ enum Watched {
 fn watch(child: &mut Child, recording: &Recording, need: &Need, look: &mut dyn FnMut()) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
     let mut last = Instant::now();
+    let mut passed_on = false;
     loop {
         if let Some(status) = child.wait_timeout(POLL)? {
             return Ok(Watched::Ended(status));
         }
         look();
+        if let Some(interrupt) = signals::received()
+            && !passed_on
+        {
+            passed_on = true;
+            interrupt.pass_on_to(child);
+        }
         // Where this process was stopped (Ctrl-Z), so was the worker.
         let passed = last.elapsed().min(2 * POLL);
         last = Instant::now();

@@ -49,7 +49,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     let mut directory = ResultDirectory::open(folder, Kind::Run, Access::default()).unwrap();
     directory.begin(&[]).unwrap();
     let columns = ["step", "increment", "time", "e11", "e22", "s11", "D", "iterations"].map(String::from);
-    let mut writer = HistoryWriter::create(&folder.join("history.csv"), &columns).unwrap();
+    let mut writer = HistoryWriter::create(&folder.join("history.csv"), &columns, false).unwrap();
     let mut recorder = PeakRecorder::new(&columns);
     for (k, values) in rows().iter().enumerate() {
         let row = Row { step: k.min(1) as u32, increment: k as u32, values, iterations: k.min(1) as u32 };
@@ -90,7 +90,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         cutbacks: 0,
         wall_time_s: 0.0123,
         cpu_time_s: Some(0.0121),
-        compare: vec![compare(&history, &measured)],
+        compare: vec![compare(&history, &measured).unwrap()],
         specimen: None,
         warnings: vec![],
     };

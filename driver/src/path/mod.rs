@@ -48,6 +48,11 @@ pub trait Observer {
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
     fn accepted(&mut self, _increment: Accepted<'_>) {}
 
+    /// Whether the run shall end with the present increment.
+    fn ends_here(&self) -> bool {
+        false
+    }
+
     /// What it needs to go on in another process, with a run that is resumed from here.
     fn state(&self) -> Vec<u8> {
         Vec::new()
@@ -205,7 +210,7 @@ impl<'a> Recorder<'a> {
         fill(&mut self.values);
         let place_values = [f64::from(place.step), f64::from(place.increment)];
         let reached = |until: Option<&Until>| until.is_some_and(|u| u.reached(&place_values, &self.values, iterations));
-        let next = if reached(self.until) {
+        let next = if self.observer.ends_here() || reached(self.until) {
             Next::EndRun
         } else if reached(step_until) {
             Next::EndStep

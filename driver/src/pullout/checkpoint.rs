@@ -23,7 +23,7 @@ pub const FILE: &str = "checkpoint.bin";
 pub const PARTIAL: &str = "checkpoint.partial";
 const MAGIC: &[u8] = b"pullout checkpoint\n";
 /// Of the file's layout; a program of another version does not read it either.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 2");
+const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 3");
 
 /// What a run does with checkpoints.
 #[derive(Debug, Default)]
@@ -83,7 +83,14 @@ impl Checkpoints {
         if header.fingerprint != fingerprint {
             return Err(named("made by another case, or with other plugins: a run goes on with what it began with"));
         }
-        let saved = postcard::from_bytes(state).map_err(|_| damaged())?;
+        let saved: Box<Saved> = postcard::from_bytes(state).map_err(|_| damaged())?;
+        if let Some(file) = saved.recorder.fields.as_ref().and_then(|fields| fields.changed(folder)) {
+            let file = folder.join(file);
+            return Err(format!(
+                "{}: is missing or was changed since the checkpoint: a run goes on with what it left",
+                file.display()
+            ));
+        }
         Ok(Self { every: Some(every.unwrap_or(header.every)), from: Some(saved), fingerprint })
     }
 
@@ -106,7 +113,11 @@ impl Checkpoints {
             file.sync_all()?;
             std::fs::rename(&partial, &path)
         };
-        write().map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
+        let written = write();
+        if written.is_err() {
+            let _ = std::fs::remove_file(&partial);
+        }
+        written.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))
     }
 }
 

@@ -86,7 +86,7 @@ pub fn run<'p>(
     let written = from.and_then(|saved| saved.recorder.fields.as_ref());
     let writer = || match written {
         Some(written) => FieldWriter::resume(folder, model, written),
-        None => FieldWriter::create(folder, model),
+        None => FieldWriter::create(folder, model, checkpoints.every.is_some()),
     };
     let fields = match program.output.fields_every.map(|_| writer()).transpose() {
         Ok(fields) => fields,
@@ -177,7 +177,7 @@ struct Recorder<'p, 'o> {
 /// What a recorder needs to go on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct RecorderState {
-    fields: Option<WrittenFields>,
+    pub(super) fields: Option<WrittenFields>,
     peak: KeptPeak,
     present: Present,
     energies: Energies,
@@ -263,7 +263,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        if self.present.has_reached(self.program.until.as_ref()) {
+        if self.observer.ends_here() || self.present.has_reached(self.program.until.as_ref()) {
             Directive::EndRun
         } else if self.present.has_reached(step_until) {
             Directive::EndStep

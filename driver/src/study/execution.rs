@@ -4,19 +4,25 @@ use super::{Run, Study};
 use crate::isolation;
 use crate::output::directory::{Kind, ResultDirectory};
 use crate::output::summary::{Status, Summary};
+use crate::signals;
 use serde::{Deserialize, Serialize};
 use std::fs;
-use std::io;
+use std::io::{self, Read, Seek, SeekFrom};
 use std::os::unix::process::CommandExt;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+use wait_timeout::ChildExt;
 
 /// File in a result directory that says which case it is of.
 const MARK: &str = "run.json";
 /// File in a result directory with what the run printed, if it printed anything.
 const PRINTED: &str = "output.txt";
+
+/// Time between two looks at signals.
+const POLL: Duration = Duration::from_millis(50);
 
 /// How a study is executed.
 #[derive(Clone, Debug)]
@@ -105,14 +111,30 @@ impl Execution<'_> {
         self.plugin_paths.iter().for_each(|path| {
             command.arg("--plugin-path").arg(path);
         });
-        let output = command.arg(&run.base).stdin(Stdio::null()).output()?;
-        let printed = [output.stdout, output.stderr].concat();
+        let mut output = tempfile::tempfile()?;
+        command.arg(&run.base).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output.try_clone()?);
+        let mut child = command.spawn()?;
+        let mut passed_on = false;
+        let status = loop {
+            if let Some(status) = child.wait_timeout(POLL)? {
+                break status;
+            }
+            if let Some(interrupt) = signals::received()
+                && !passed_on
+            {
+                passed_on = true;
+                interrupt.pass_on_to(&child);
+            }
+        };
+        let mut printed = Vec::new();
+        output.seek(SeekFrom::Start(0))?;
+        output.read_to_end(&mut printed)?;
         let mut directory = ResultDirectory::join(&folder, Kind::Member)?;
         if !printed.is_empty() {
             directory.write(PRINTED, printed)?;
         }
         // a signal has no exit code
-        let code = output.status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+        let code = status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
         if is_refused(code) {
             // what is there is of an earlier run
             directory.finish()?;
@@ -147,7 +169,9 @@ pub fn execute(
     std::thread::scope(|scope| {
         for _ in 0..execution.jobs.clamp(1, due.len().max(1)) {
             scope.spawn(|| {
-                while let Some(&index) = due.get(next.fetch_add(1, Ordering::Relaxed)) {
+                while signals::received().is_none()
+                    && let Some(&index) = due.get(next.fetch_add(1, Ordering::Relaxed))
+                {
                     let run = &study.runs[index];
                     let code = execution.run(run);
                     let count = over.fetch_add(1, Ordering::Relaxed) + 1;

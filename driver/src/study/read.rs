@@ -17,7 +17,19 @@ use std::path::{Path, PathBuf};
 /// Name of the only series of a study that has none.
 const ONLY_SERIES: &str = "runs";
 /// Names in the study's directory that are no series.
-const RESERVED: [&str; 1] = ["plots"];
+const RESERVED: [&str; 8] = [
+    "plots",
+    "study.csv",
+    "study.json",
+    "report.html",
+    "manifest.json",
+    "previous",
+    // of the runs below them
+    "summary.json",
+    "history.csv",
+];
+/// Bytes of a name: file systems take 255.
+const LONGEST_NAME: usize = 200;
 
 /// Reads a study file and checks the cases of all its runs.
 ///
@@ -62,6 +74,7 @@ impl Resolver<'_, '_> {
     fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Path, &[String]) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
         let title = self.reader.optional(document.title.as_ref(), &root.key("title")).cloned();
+        self.free_text(title.as_deref(), &root.key("title"));
         let description = self.reader.optional(document.description.as_ref(), &root.key("description")).cloned();
         let x = self.reader.optional(document.x.as_ref(), &root.key("x")).map(|x| Abscissa {
             name: x.name.clone(),
@@ -133,6 +146,7 @@ impl Resolver<'_, '_> {
         let mut members = Vec::new();
         for (place, member) in of_file {
             self.directory_name(&member.label, &mut labels, &place.key("label"));
+            self.free_text(member.title.as_deref(), &place.key("title"));
             if member.x.is_none() && with_x > 0 {
                 self.problem(&place.key("x"), "is missing: other members have one");
             }
@@ -163,13 +177,21 @@ impl Resolver<'_, '_> {
         let mut all = Vec::new();
         for (place, series) in of_file {
             self.directory_name(&series.name, &mut names, &place.key("name"));
-            if RESERVED.contains(&series.name.as_str()) {
-                self.problem(&place.key("name"), "is the name of the study's own directory; choose another");
+            if RESERVED.contains(&series.name.to_lowercase().as_str()) {
+                self.problem(&place.key("name"), "is a name in the study's own directory; choose another");
             }
+            self.free_text(series.title.as_deref(), &place.key("title"));
             let title = series.title.clone().unwrap_or_else(|| series.name.clone());
             all.push(Series { name: series.name.clone(), title });
         }
         all
+    }
+
+    /// A text that stands in tables, pictures and pages.
+    fn free_text(&mut self, text: Option<&str>, place: &JsonPlace) {
+        if text.is_some_and(|text| text.chars().any(char::is_control)) {
+            self.problem(place, "has a control character (a line break, a tab, …), which no picture or page can show");
+        }
     }
 
     /// A name that becomes a directory.
@@ -179,6 +201,11 @@ impl Resolver<'_, '_> {
             let message = format!(
                 "'{name}' names a directory: letters, digits and _ - + . , = without a leading dot; \"title\" is free"
             );
+            self.problem(place, message);
+        }
+        if name.is_empty() || name.len() > LONGEST_NAME {
+            let message =
+                format!("names a directory: 1 to {LONGEST_NAME} bytes, not {}; \"title\" is free", name.len());
             self.problem(place, message);
         }
         // some file systems do not tell capitals from small letters

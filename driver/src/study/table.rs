@@ -57,6 +57,7 @@ impl<'a> Line<'a> {
             status: match result.status {
                 Some(Status::Done) => "done",
                 Some(Status::Failed) => "failed",
+                Some(Status::Interrupted) => "interrupted",
                 None => "not run",
             },
             result,

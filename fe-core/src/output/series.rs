@@ -57,6 +57,13 @@ pub enum WriteError {
     },
 }
 
+impl SeriesFiles {
+    /// Their names, in the order in which they were written.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.entries.iter().map(|(_, _, name)| name.as_str())
+    }
+}
+
 impl Series {
     /// A series of this mesh in a folder that is made if missing. Files of an earlier series are replaced one by one.
     ///
@@ -119,9 +126,11 @@ impl Series {
     fn replace(&self, file: &str, content: &str) -> Result<(), WriteError> {
         let path = self.directory.join(file);
         let partial = path.with_extension("partial");
-        std::fs::write(&partial, content)
-            .and_then(|()| std::fs::rename(&partial, &path))
-            .map_err(|source| WriteError::File { path, source })
+        let written = std::fs::write(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
+        if written.is_err() {
+            let _ = std::fs::remove_file(&partial);
+        }
+        written.map_err(|source| WriteError::File { path, source })
     }
 
     fn list(&self) -> String {

@@ -2,6 +2,7 @@
 
 use super::record::Kept;
 use crate::case::Case;
+use crate::output::history::digest_of;
 use crate::pullout::checkpoint::Checkpoints;
 use std::fs;
 use std::path::PathBuf;
@@ -39,10 +40,17 @@ impl Interruption {
             Some(folder) => {
                 let checkpoints = Checkpoints::restart(program, folder, self.checkpoint_every)?;
                 let kept = checkpoints.from.as_deref().and_then(Kept::of);
-                let bytes = kept.map(|kept| kept.history_bytes).ok_or("the checkpoint is damaged")?;
+                let Kept { history_bytes: bytes, history_sha256, .. } = kept.ok_or("the checkpoint is damaged")?;
                 let history = folder.join("history.csv");
                 match fs::metadata(&history) {
-                    Ok(file) if file.len() >= bytes => Ok(checkpoints),
+                    Ok(file) if file.len() >= bytes => match digest_of(&history, bytes) {
+                        Ok(sha256) if sha256 == history_sha256 => Ok(checkpoints),
+                        Ok(_) => Err(format!(
+                            "{}: rows from before the checkpoint were changed: a run goes on with what it left",
+                            history.display()
+                        )),
+                        Err(error) => Err(error.to_string()),
+                    },
                     Ok(_) => Err(format!("{}: rows from before the checkpoint are missing", history.display())),
                     Err(error) => Err(format!("{}: {error}", history.display())),
                 }

@@ -7,7 +7,9 @@ use crate::output::progress::Progress;
 use crate::output::summary::PeakRecorder;
 use crate::path::{Observer, Row, Statistics};
 use crate::pullout::checkpoint::Saved;
+use crate::signals;
 use serde::{Deserialize, Serialize};
+use std::cell::Cell;
 use std::io;
 use std::path::Path;
 use std::time::{Duration, Instant};
@@ -20,6 +22,8 @@ pub(super) struct Record {
     done: u64,
     /// Step and increment of the last row.
     place: [u32; 2],
+    /// Whether the run was told to end.
+    ended: Cell<bool>,
     start: Instant,
     cpu_start: Duration,
     /// Times that the run took before it was interrupted, of the clock and of the processors, s.
@@ -31,6 +35,8 @@ pub(super) struct Record {
 pub(super) struct Kept {
     /// Length of history.csv.
     pub(super) history_bytes: u64,
+    /// SHA-256 of that.
+    pub(super) history_sha256: String,
     peaks: PeakRecorder,
     done: u64,
     times_s: [f64; 2],
@@ -45,18 +51,33 @@ impl Kept {
 
 impl Record {
     /// Of a run that begins.
-    pub(super) fn new(history: &Path, columns: &[String], progress: Progress) -> io::Result<Self> {
-        let (writer, peaks) = (HistoryWriter::create(history, columns)?, PeakRecorder::new(columns));
+    pub(super) fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
+        let (writer, peaks) = (HistoryWriter::create(history, columns, is_hashed)?, PeakRecorder::new(columns));
         let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self { writer, peaks, progress, done: 0, place: [0; 2], start, cpu_start, earlier_s: [0.0; 2] })
+        Ok(Self {
+            writer,
+            peaks,
+            progress,
+            done: 0,
+            place: [0; 2],
+            ended: Cell::new(false),
+            start,
+            cpu_start,
+            earlier_s: [0.0; 2],
+        })
     }
 
     /// Of a run that goes on.
     pub(super) fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
-        let Kept { history_bytes, peaks, done, times_s: earlier_s } = kept;
+        let Kept { history_bytes, history_sha256: _, peaks, done, times_s: earlier_s } = kept;
         let writer = HistoryWriter::resume(history, columns, history_bytes)?;
         let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self { writer, peaks, progress, done, place: [0; 2], start, cpu_start, earlier_s })
+        Ok(Self { writer, peaks, progress, done, place: [0; 2], ended: Cell::new(false), start, cpu_start, earlier_s })
+    }
+
+    /// Whether a signal ended the run.
+    pub(super) fn was_ended(&self) -> bool {
+        self.ended.get()
     }
 
     /// Where the run was when the last row was written.
@@ -81,6 +102,12 @@ impl Observer for Record {
         self.writer.write(&row)
     }
 
+    fn ends_here(&self) -> bool {
+        let ends = signals::received().is_some();
+        self.ended.set(ends);
+        ends
+    }
+
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics) {
         self.peaks.observe(&row);
         self.done += 1;
@@ -91,7 +118,8 @@ impl Observer for Record {
     fn state(&self) -> Vec<u8> {
         let Self { writer, peaks, done, .. } = self;
         let times_s = self.times();
-        let kept = Kept { history_bytes: writer.bytes(), peaks: peaks.clone(), done: *done, times_s };
+        let (history_bytes, history_sha256) = (writer.bytes(), writer.digest());
+        let kept = Kept { history_bytes, history_sha256, peaks: peaks.clone(), done: *done, times_s };
         postcard::to_stdvec(&kept).unwrap_or_default()
     }
 }

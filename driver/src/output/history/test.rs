@@ -27,7 +27,7 @@ fn every_double_reads_back_to_the_same_bits() {
         let any = (0..special.len()).map(|_| f64::from_bits(random(&mut seed)));
         rows.push(any.map(|value| if value.is_finite() { value } else { 0.25 }).collect());
     }
-    let mut writer = HistoryWriter::create(&path, &columns(special.len())).unwrap();
+    let mut writer = HistoryWriter::create(&path, &columns(special.len()), false).unwrap();
     for (k, values) in rows.iter().enumerate() {
         writer.write(&Row { step: 1, increment: k as u32, values, iterations: u32::MAX }).unwrap();
     }
@@ -58,7 +58,7 @@ fn text_is_the_shortest() {
 fn a_line_is_in_the_file_when_write_returns() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("history.csv");
-    let mut writer = HistoryWriter::create(&path, &columns(2)).unwrap();
+    let mut writer = HistoryWriter::create(&path, &columns(2), false).unwrap();
     assert_eq!(read_to_string(&path).unwrap(), "step,increment,c0,c1,iterations\n");
     writer.write(&Row { step: 0, increment: 0, values: &[0.0, f64::NAN], iterations: 0 }).unwrap();
     assert_eq!(read_to_string(&path).unwrap(), "step,increment,c0,c1,iterations\n0,0,0,nan,0\n");
@@ -71,7 +71,7 @@ fn a_line_is_in_the_file_when_write_returns() {
 #[test]
 fn no_row_outgrows_the_line() {
     let folder = tempfile::tempdir().unwrap();
-    let mut writer = HistoryWriter::create(&folder.path().join("history.csv"), &columns(40)).unwrap();
+    let mut writer = HistoryWriter::create(&folder.path().join("history.csv"), &columns(40), false).unwrap();
     let before = (writer.line.capacity(), writer.line.as_ptr());
     let longest = [-1.234_567_890_123_456_7e-300; 40];
     writer.write(&Row { step: u32::MAX, increment: u32::MAX, values: &longest, iterations: u32::MAX }).unwrap();
@@ -82,14 +82,14 @@ fn no_row_outgrows_the_line() {
 fn wrong_rows_and_files_are_errors_that_name_the_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("history.csv");
-    let mut writer = HistoryWriter::create(&path, &columns(2)).unwrap();
+    let mut writer = HistoryWriter::create(&path, &columns(2), false).unwrap();
     let error = writer.write(&Row { step: 0, increment: 0, values: &[0.0], iterations: 0 }).unwrap_err();
     assert!(error.to_string().contains("history.csv: 1 values for 2 columns"), "{error}");
     std::fs::write(&path, "step,increment,time,iterations\n0,0,zero,0\n").unwrap();
     let error = History::read(&path).unwrap_err().to_string();
     assert!(error.contains("history.csv: line 2: `zero` is not a number"), "{error}");
     let missing = folder.path().join("no/history.csv");
-    assert!(HistoryWriter::create(&missing, &columns(2)).unwrap_err().to_string().contains("no/history.csv"));
+    assert!(HistoryWriter::create(&missing, &columns(2), false).unwrap_err().to_string().contains("no/history.csv"));
     assert!(History::read(&missing).unwrap_err().to_string().contains("no/history.csv"));
 }
 
@@ -106,7 +106,7 @@ fn an_unfinished_last_line_is_left_out() {
 #[ignore = "a measurement"]
 fn formatting_speed() {
     let folder = tempfile::tempdir().unwrap();
-    let mut writer = HistoryWriter::create(&folder.path().join("history.csv"), &columns(32)).unwrap();
+    let mut writer = HistoryWriter::create(&folder.path().join("history.csv"), &columns(32), false).unwrap();
     let mut seed = 2;
     // full-length numbers: the worst case; a third are zeros, as in a typical line
     let rows: Vec<Vec<f64>> = (0..1000)
@@ -131,4 +131,49 @@ fn formatting_speed() {
         let line = start.elapsed().as_secs_f64() / (200.0 * rows.len() as f64);
         println!("{name}: {:.2} µs per line of 35 columns", line * 1e6);
     }
+}
+
+#[test]
+fn a_long_history_is_thinned_and_keeps_ends_peaks_and_gaps() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("history.csv");
+    let mut writer = HistoryWriter::create(&path, &columns(3), false).unwrap();
+    let rows = 40_000;
+    let value = |k: u32| {
+        let wave = (f64::from(k) * 0.01).sin();
+        [f64::from(k), if k == 12_345 { 7.0 } else { wave }, if k == 30_001 { f64::NAN } else { -wave }]
+    };
+    for k in 0..rows {
+        writer.write(&Row { step: 1, increment: k, values: &value(k), iterations: 1 }).unwrap();
+    }
+    let file = HistoryFile::open(&path).unwrap();
+    assert_eq!(file.thinned(usize::MAX).unwrap().rows(), rows as usize);
+    let thinned = file.thinned(50_000).unwrap();
+    assert!(thinned.rows() < 8_000 && thinned.rows() > 1_000, "{}", thinned.rows());
+    let at = |column: &str| thinned.column(column).unwrap();
+    let numbers = at("c0");
+    assert_eq!((numbers[0], numbers[numbers.len() - 1]), (0.0, f64::from(rows - 1)));
+    assert!(numbers.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(at("c1").contains(&7.0) && at("c2").iter().any(|value| value.is_nan()));
+    for (k, number) in numbers.iter().enumerate() {
+        assert_eq!(at("c1")[k].to_bits(), value(*number as u32)[1].to_bits());
+    }
+}
+
+#[test]
+fn the_digest_is_of_the_file_and_goes_on_after_a_restart() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("history.csv");
+    let row = |increment| Row { step: 1, increment, values: &[0.5], iterations: 1 };
+    let mut writer = HistoryWriter::create(&path, &columns(1), true).unwrap();
+    (0..5).for_each(|k| writer.write(&row(k)).unwrap());
+    let (bytes, digest) = (writer.bytes(), writer.digest());
+    assert_eq!(digest, digest_of(&path, u64::MAX).unwrap());
+    writer.write(&row(5)).unwrap();
+    assert_eq!(digest, digest_of(&path, bytes).unwrap());
+    let expected = writer.digest();
+    let mut again = HistoryWriter::resume(&path, &columns(1), bytes).unwrap();
+    assert_eq!(again.digest(), digest);
+    again.write(&row(5)).unwrap();
+    assert_eq!(again.digest(), expected);
 }

@@ -74,6 +74,7 @@ fn status(summary: &Summary) -> Markup {
             @match summary.status {
                 Status::Done => span.done { "done" },
                 Status::Failed => span.failed { "failed" },
+                Status::Interrupted => span.failed { "interrupted" },
             }
             " " (summary.increments) " increments in " (significant(summary.wall_time_s, 3)) " s"
         }

@@ -25,6 +25,8 @@ pub enum Status {
     Done,
     /// No convergence or a plugin error; everything up to there is kept.
     Failed,
+    /// A signal (Ctrl-C, SIGTERM); everything up to there is kept.
+    Interrupted,
 }
 
 /// The content of `summary.json`.

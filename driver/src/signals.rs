@@ -1,0 +1,94 @@
+//! Ctrl-C and SIGTERM: a run ends with its present increment, keeps what it has, and says so. And SIGXFSZ, which becomes
+//! an error of the write that met the limit.
+
+use rustix::process::{Pid, Signal, kill_process};
+use signal_hook::consts::{SIGINT, SIGTERM, SIGXFSZ};
+use signal_hook::flag;
+use std::io;
+use std::process::Child;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, LazyLock};
+
+/// The number of the last signal; 0: none.
+static RECEIVED: LazyLock<Arc<AtomicUsize>> = LazyLock::new(Arc::default);
+
+/// A signal that asks for the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Interrupt {
+    /// Ctrl-C.
+    Terminal,
+    /// SIGTERM.
+    Termination,
+}
+
+impl Interrupt {
+    /// 128 and the signal's number, as shells have it.
+    pub fn exit_code(self) -> u8 {
+        match self {
+            Self::Terminal => 130,
+            Self::Termination => 143,
+        }
+    }
+
+    /// Its name.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Terminal => "SIGINT (Ctrl-C)",
+            Self::Termination => "SIGTERM",
+        }
+    }
+
+    /// Sends it to a child, which may have met it already: to hear of it twice is all the same to a child.
+    pub fn pass_on_to(self, child: &Child) {
+        let signal = if self == Self::Terminal { Signal::INT } else { Signal::TERM };
+        if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
+            // one that has ended needs none
+            let _ = kill_process(pid, signal);
+        }
+    }
+}
+
+/// The signal that came, if one did.
+pub fn received() -> Option<Interrupt> {
+    match RECEIVED.load(Ordering::Relaxed) {
+        0 => None,
+        number if number == SIGINT as usize => Some(Interrupt::Terminal),
+        _ => Some(Interrupt::Termination),
+    }
+}
+
+/// From here on signals are noted and not obeyed; `second_ends`: the second one ends the process at once.
+///
+/// # Errors
+/// The system does not let it.
+pub fn listen(second_ends: bool) -> io::Result<()> {
+    write_beyond_limits_fails()?;
+    let again = Arc::new(AtomicBool::new(false));
+    for (signal, interrupt) in [(SIGINT, Interrupt::Terminal), (SIGTERM, Interrupt::Termination)] {
+        // a shell that starts a process in the background lets it ignore Ctrl-C
+        if is_ignored(signal) {
+            continue;
+        }
+        if second_ends {
+            flag::register_conditional_shutdown(signal, i32::from(interrupt.exit_code()), Arc::clone(&again))?;
+            flag::register(signal, Arc::clone(&again))?;
+        }
+        flag::register_usize(signal, Arc::clone(&RECEIVED), signal as usize)?;
+    }
+    Ok(())
+}
+
+/// A file that becomes larger than `ulimit -f` allows is an error of its write and does not end the process.
+///
+/// # Errors
+/// The system does not let it.
+pub fn write_beyond_limits_fails() -> io::Result<()> {
+    flag::register(SIGXFSZ, Arc::default()).map(|_| ())
+}
+
+/// Whether this process was started with a signal ignored.
+fn is_ignored(signal: i32) -> bool {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
+    mask.is_some_and(|mask| mask >> (signal - 1) & 1 == 1)
+}
