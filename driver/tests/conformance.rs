@@ -3,7 +3,7 @@
 use driver::conformance::{Options, Report, Row, Verdict, check};
 use driver::path::program::Plugin;
 use std::path::PathBuf;
-use umat_abi::host::{Found, search_paths};
+use umat_abi::host::{Found, Manner, search_paths};
 
 /// The plugin of that name, built into target/*/deps/ as a dev-dependency.
 fn plugin(name: &str) -> Plugin {
@@ -12,7 +12,8 @@ fn plugin(name: &str) -> Plugin {
     let library = end_to_end_tests::open(&found.path);
     let law = library.laws().first().cloned().expect("metadata");
     let nstatv = law.states.len();
-    Plugin { library, law: Some(law), name: name.into(), symbol: None, cmname: name.into(), props: vec![], nstatv }
+    let (symbol, cmname, manner) = (None, name.into(), Manner::default());
+    Plugin { library, law: Some(law), name: name.into(), symbol, cmname, props: vec![], nstatv, manner }
 }
 
 fn report(name: &str) -> Report {

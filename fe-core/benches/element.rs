@@ -12,6 +12,7 @@ use fe_core::model::{Controls, Measured, Model, PluginLaw, Skipping};
 use std::collections::HashMap;
 use std::hint::black_box;
 use std::time::Instant;
+use umat_abi::host::Manner;
 use umat_abi::law::Request;
 
 /// Elements along each side of a square.
@@ -92,6 +93,7 @@ fn linear_elastic() -> PluginLaw {
         nstatv,
         statev0: None,
         stress0: None,
+        manner: Manner::default(),
     }
 }
 

@@ -157,11 +157,41 @@ pub struct Material {
     /// a library without metadata.
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
+    /// In a plane: "3d" calls the UMAT with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.
+    /// Default: as it needs; of a library without metadata calls of a virgin point tell.
+    #[serde(rename = "as")]
+    pub components: Option<CalledAs>,
+    /// Where DDSDDE comes from. Default: reported; in parts numerical as soon as iterations show that it is not the
+    /// derivative of the stress.
+    pub tangent: Option<Tangent>,
     /// A library without metadata may be called by several threads at once.
     pub thread_safe: Option<bool>,
     /// Longest time of one call of an isolated plugin, s (default 60).
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub call_time_limit_s: Option<Positive>,
+}
+
+/// Components that a UMAT is called with in a plane.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum CalledAs {
+    /// NTENS 6.
+    #[serde(rename = "3d")]
+    ThreeD,
+    /// NTENS 4, in plane stress 3.
+    Plane,
+}
+
+/// Where DDSDDE comes from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Tangent {
+    /// The UMAT.
+    Reported,
+    /// Differences of its stress.
+    Numerical,
+    /// The UMAT, compared with differences; the largest deviation is told.
+    Compare,
 }
 
 /// Which entry point is called.

@@ -1,12 +1,12 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
 use super::Reader;
-use super::document::{Entry, Material, Props};
+use super::document::{CalledAs, Entry, Material, Props, Tangent};
 use super::problem::{Place, Problem, nearest};
 use super::props;
 use crate::path::program::{Mode, Plugin};
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found, Law, Library, LoadError, Validation};
+use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, TangentSource, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
 /// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100
@@ -60,8 +60,9 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
         library = unsafe { library.thread_safe() };
     }
     let law = choose_law(reader, &library, material, place)?;
+    let manner = manner(reader, material, place, &purpose);
     let usable = match &law {
-        Some(law) => check_kind(reader, law, &place_of_plugin, &purpose),
+        Some(law) => check_kind(reader, law, &place_of_plugin, &purpose, manner),
         None => true,
     };
     if usable {
@@ -80,6 +81,7 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
         symbol: material.symbol.clone(),
         props: props.unwrap_or_default(),
         nstatv,
+        manner,
     })
 }
 
@@ -171,8 +173,26 @@ pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
     laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
 }
 
+/// How the UMAT is called, as the case says.
+fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Manner {
+    let keys = [("as", material.components.is_some()), ("tangent", material.tangent.is_some())];
+    if purpose.entry != Entry::Umat {
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            reader.problem(&place.key(key), "is for the entry point umat alone");
+        }
+    }
+    Manner {
+        as_three_d: material.components.map(|components| components == CalledAs::ThreeD),
+        tangent: material.tangent.map(|tangent| match tangent {
+            Tangent::Reported => TangentSource::Reported,
+            Tangent::Numerical => TangentSource::Numerical,
+            Tangent::Compare => TangentSource::Compared,
+        }),
+    }
+}
+
 /// Whether the law has the entry point and the mode.
-fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use) -> bool {
+fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use, manner: Manner) -> bool {
     let of_specimen = purpose.subject == Subject::Specimen;
     let solid =
         if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
@@ -191,6 +211,7 @@ fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use) 
     }
     if let Some((mode, place_of_mode)) = &purpose.mode
         && law.stress_states & state_bit(*mode) == 0
+        && !manner.has_six(law, mode.stress_state())
     {
         let modes = [Mode::ThreeD, Mode::PlaneStrain, Mode::Axisymmetric, Mode::PlaneStress];
         let supported: Vec<&str> = modes

@@ -437,13 +437,6 @@ fn initial(
     let statev = statev(reader, material, given.statev.as_deref(), plugin);
     if let Some(plugin) = plugin {
         plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
-        if mode == Mode::PlaneStress && plugin.law.is_none() {
-            reader.warnings.push(format!(
-                "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not \
-                 say which state variable holds it",
-                plugin.name
-            ));
-        }
     }
     PointState {
         strain,

@@ -336,8 +336,9 @@ fn run_case(
         }
     };
     let [wall_time_s, cpu_time_s] = record.times();
-    let end =
-        RunEnd { peaks: record.peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: Some(cpu_time_s) };
+    let (peaks, warnings) = (record.peaks, record.warnings);
+    let cpu_time_s = Some(cpu_time_s);
+    let end = RunEnd { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s, warnings };
     conclude(case, directory, end, specimen)
 }
 
@@ -352,6 +353,8 @@ struct RunEnd {
     wall_time_s: f64,
     /// Not known of a process that was ended.
     cpu_time_s: Option<f64>,
+    /// What the run itself found that the user should know.
+    warnings: Vec<String>,
 }
 
 /// CPU time of this process so far.
@@ -366,7 +369,8 @@ impl RunEnd {
         let mut peaks = PeakRecorder::new(&case.columns());
         HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
         let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath.clone();
-        Ok(Self { peaks, statistics, message: Some(message), is_interrupted, wall_time_s, cpu_time_s: None })
+        let (message, warnings) = (Some(message), Vec::new());
+        Ok(Self { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
     }
 }
 
@@ -446,7 +450,7 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
         cpu_time_s: end.cpu_time_s,
         compare: Vec::new(),
         specimen: None,
-        warnings: warnings(case),
+        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).collect(),
     })
 }
 

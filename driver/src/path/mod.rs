@@ -53,6 +53,9 @@ pub trait Observer {
         false
     }
 
+    /// Something that the user should know although nothing is wrong.
+    fn warn(&mut self, _message: String) {}
+
     /// What it needs to go on in another process, with a run that is resumed from here.
     fn state(&self) -> Vec<u8> {
         Vec::new()

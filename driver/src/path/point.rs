@@ -3,12 +3,14 @@
 use super::deformation::matrix;
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, Measure, Mode, PointDrive, PointProgram, PointStep, Program};
+use super::program::{Constraint, Control, Measure, Mode, Plugin, PointDrive, PointProgram, PointStep, Program};
 use super::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
 use nalgebra::Matrix3;
-use umat_abi::host::{Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, UmatCall};
+use umat_abi::host::{
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall,
+};
 use umat_abi::law::Request;
 
 const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
@@ -26,15 +28,33 @@ pub(super) fn run(
         Err(message) => return Err(Stop::unusable(message)),
     };
     let mut recorder = Recorder::new(program, observer);
+    if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
+        recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
+    }
+    if runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid() {
+        recorder.observer.warn(format!(
+            "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
+             which state variable holds it (\"as\": \"3d\" finds it)",
+            program.plugin.name
+        ));
+    }
     recorder.initial(|values| runner.fill(values))?;
+    let mut result = Ok(());
     for (index, step) in point.steps.iter().enumerate() {
         let number = to_u32(index + 1);
-        match runner.step(step, number, program, &mut recorder, statistics)? {
-            Next::EndRun => break,
-            Next::GoOn | Next::EndStep => {}
+        match runner.step(step, number, program, &mut recorder, statistics) {
+            Ok(Next::EndRun) => break,
+            Ok(Next::GoOn | Next::EndStep) => {}
+            Err(stop) => {
+                result = Err(stop);
+                break;
+            }
         }
     }
-    Ok(())
+    if let Some(deviation) = runner.call.take_largest_deviation() {
+        recorder.observer.warn(format!("{}: {deviation}", program.plugin.name));
+    }
+    result
 }
 
 fn to_u32(n: usize) -> u32 {
@@ -131,15 +151,9 @@ impl<'p> Runner<'p> {
     ) -> Result<Self, String> {
         let plugin = &program.plugin;
         let stress_state = point.mode.stress_state();
-        let mut call = UmatCall::new(
-            &plugin.library,
-            plugin.symbol.as_deref(),
-            &plugin.cmname,
-            stress_state,
-            plugin.nstatv,
-            &plugin.props,
-        )
-        .map_err(|error| error.to_string())?;
+        let make = |state| plugin.plain_umat(state);
+        let prepared = plugin.manner.prepare(stress_state, plugin.law.as_ref(), make);
+        let mut call = prepared.map_err(|error| error.to_string())?;
         if let Some(length) = program.characteristic_length {
             call.celent = length;
         }
@@ -200,6 +214,24 @@ impl<'p> Runner<'p> {
             tangent: None,
             goal,
         })
+    }
+
+    /// ε33 of plane stress where the program finds it: ln F₃₃, or F₃₃ − 1.
+    fn known_thickness_strain(&self) -> f64 {
+        let strain = self.committed.strain[2];
+        let is_nominal = self.finite.as_ref().is_some_and(|finite| finite.measure == Measure::Nominal);
+        if is_nominal { strain.exp_m1() } else { strain }
+    }
+
+    /// Lets the call go through six components if the UMAT needs it; then says why.
+    fn find_components(&mut self, plugin: &Plugin) -> Result<Option<String>, String> {
+        self.call.statev_mut().copy_from_slice(&self.committed.statev);
+        for (k, &i) in self.components.iter().enumerate() {
+            (self.call.stran[k], self.call.stress_mut()[k]) = (self.committed.strain[i], self.committed.stress[i]);
+        }
+        self.call.strain_33 = self.committed.strain[2];
+        let make = |state| plugin.plain_umat(state);
+        plugin.manner.probe(&mut self.call, plugin.law.as_ref(), make).map_err(|error| error.to_string())
     }
 
     fn step(
@@ -332,7 +364,9 @@ impl<'p> Runner<'p> {
         let Some(finite) = point.finite.as_mut() else { return Ok(0) };
         let strain = finite.strain_of_case(&end);
         let entry = finite.deform(point.committed, &end, point.call).ok_or_else(|| Trouble::Fatal(INVERTED.into()))?;
-        point.call(&entry.strain, &entry.stress, &entry.increment, Request::Stress)?;
+        let compares = point.call.tangent_source() == TangentSource::Compared;
+        let request = if compares { Request::StressAndTangent } else { Request::Stress };
+        point.call(&entry.strain, &entry.stress, &entry.increment, request)?;
         self.trial.strain = strain;
         self.trial.tangent = None;
         statistics.iterations += 1;
@@ -416,6 +450,7 @@ impl Point<'_> {
             call.dstran[k] = increment[i];
             call.stress_mut()[k] = stress[i];
         }
+        call.strain_33 = strain[2];
         call.statev_mut().copy_from_slice(&self.committed.statev);
         call.energies = self.committed.energies;
         self.statistics.plugin_calls += 1;
@@ -459,7 +494,8 @@ impl Divisible for Runner<'_> {
         if !strain_only && let Some(tangent) = &self.tangent {
             targets.first_guess(&mut increment, self.stress(), tangent);
         }
-        let (max_iterations, ddsdde) = (self.max_iterations, self.arguments.ddsdde);
+        let ddsdde = self.arguments.ddsdde || self.call.tangent_source() == TangentSource::Compared;
+        let max_iterations = self.max_iterations;
         let mut point = self.point(statistics);
         let mut last_tangent = None;
         let solved = if strain_only {
@@ -496,6 +532,9 @@ impl Divisible for Runner<'_> {
             None => state.strain = self.trial.strain,
             Some(finite) => finite.commit(self.trial.strain, state),
         }
+        if self.plane_stress && self.call.is_through_solid() {
+            state.strain[2] = self.call.strain_33;
+        }
         state.energies = self.call.energies;
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
@@ -511,6 +550,7 @@ impl Divisible for Runner<'_> {
         values[1..7].copy_from_slice(self.strain());
         if self.plane_stress {
             values[3] = match &self.finite {
+                _ if self.call.is_through_solid() => self.known_thickness_strain(),
                 Some(finite) => finite.thickness(&state.statev)[1],
                 None => self.strain_33.map_or(f64::NAN, |k| state.statev[k]),
             };

@@ -3,7 +3,7 @@
 
 use super::{ContactArguments, UmatArguments};
 use std::path::PathBuf;
-use umat_abi::host::{self, Library};
+use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
 use umat_abi::law::StressState;
 
 /// Names of the strain components in case files and `history.csv`.
@@ -28,9 +28,19 @@ pub struct Plugin {
     pub props: Vec<f64>,
     /// NSTATV.
     pub nstatv: usize,
+    /// How its UMAT is called.
+    pub manner: Manner,
 }
 
 impl Plugin {
+    /// Plain calls of its UMAT.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn plain_umat(&self, state: StressState) -> Result<UmatCall, LoadError> {
+        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, state, self.nstatv, &self.props)
+    }
+
     /// A law of a library; its PROPS stay those of the metadata.
     pub fn with_defaults(library: &Library, law: &host::Law) -> Self {
         Self {
@@ -41,6 +51,7 @@ impl Plugin {
             props: Vec::new(),
             nstatv: law.states.len(),
             law: Some(law.clone()),
+            manner: Manner::default(),
         }
     }
 

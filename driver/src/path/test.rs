@@ -4,7 +4,7 @@ use super::program::*;
 use super::{Observer, Row, Statistics, Stop, run};
 use std::io;
 use std::path::PathBuf;
-use umat_abi::host::{Found, search_paths};
+use umat_abi::host::{Found, Manner, search_paths};
 
 /// Keeps every row.
 #[derive(Default)]
@@ -34,6 +34,7 @@ fn plugin(name: &str, props: &[f64]) -> Plugin {
         props: props.to_vec(),
         law: Some(law),
         library,
+        manner: Manner::default(),
     }
 }
 

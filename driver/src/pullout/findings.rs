@@ -15,7 +15,8 @@ pub struct Findings {
     pub peak_load: Option<PeakLoad>,
     /// The greatest imbalance of the energies, relative as in the history.
     pub energy_error_max: f64,
-    /// Energies at the end by their columns, N·mm.
+    /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that
+    /// can be believed, has no column.
     pub energies: IndexMap<String, f64>,
     /// What was done how often.
     pub statistics: IndexMap<String, u64>,
@@ -106,7 +107,8 @@ pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
         ("opening_energy", energies.opening),
         ("stabilisation_energy", energies.stabilisation),
     ];
-    named.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
+    let unaccounted = Some(("unaccounted_energy", energies.unaccounted)).filter(|(_, energy)| *energy != 0.0);
+    named.into_iter().chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// Where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.

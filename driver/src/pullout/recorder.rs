@@ -108,6 +108,7 @@ pub fn run<'p>(
         RunError::Write(error) => Stop::Write(error),
     });
     let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
+    analysis.remarks().into_iter().for_each(|remark| recorder.observer.warn(remark));
     let elapsed = start.elapsed();
     let done = analysis.statistics();
     let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;

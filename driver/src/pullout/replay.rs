@@ -10,6 +10,7 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::model::{ContactLaw, PluginLaw};
 use fe_core::stepping::Snapshot;
 use serde_json::{Map, Value, json};
+use umat_abi::host::TangentSource;
 
 /// Of a material or contact point whose law was called last and stopped the run; null where there is none.
 pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
@@ -43,15 +44,24 @@ fn material_point(
     let named = |names: &[&str; 6], which: &[usize], values: [f64; 4]| {
         which.iter().map(|&k| (names[k].to_owned(), json!(values[k]))).collect::<Map<_, _>>()
     };
+    // what the program finds of plane stress it goes on from
+    let strains = if call.through_six { &[0, 1, 2, 3] } else { components };
+    let mut material = material(law, &law.props, None);
+    if call.through_six {
+        material["as"] = json!("3d");
+    }
+    if law.manner.tangent == Some(TangentSource::Numerical) {
+        material["tangent"] = json!("numerical");
+    }
     let end = std::array::from_fn(|k| call.strain[k] + call.strain_increment[k]);
     Some(json!({
         "kind": "point",
         "title": title,
-        "material": material(law, &law.props, None),
+        "material": material,
         "mode": mode,
         "characteristic_length": call.characteristic_length,
         "initial": {
-            "strain": named(&STRAIN_NAMES, components, call.strain),
+            "strain": named(&STRAIN_NAMES, strains, call.strain),
             "stress": named(&STRESS_NAMES, components, call.stress),
             "statev": call.statev,
             "time": call.time,

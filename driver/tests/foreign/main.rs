@@ -7,6 +7,7 @@ mod check;
 mod check_around;
 mod environment;
 mod finite_strain;
+mod habits;
 mod import;
 mod parts;
 mod prints;

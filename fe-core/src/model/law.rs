@@ -2,8 +2,9 @@
 
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use umat_abi::host::{
-    FricCall, InitialPoint, InitialStates, InitialStresses, Law, Library, LoadError, UinterCall, UmatCall,
+    FricCall, InitialPoint, InitialStates, InitialStresses, Law, Library, LoadError, Manner, UinterCall, UmatCall,
 };
+use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
 /// The plugin of a part or of a contact pair. Which law it is nobody here knows.
@@ -28,6 +29,8 @@ pub struct PluginLaw {
     /// Stress of every point of a part at the start, MPa: 11, 22, 33, 12, or r, z, θ, rz; `None`: what the library's SIGINI
     /// sets, or 0.
     pub stress0: Option<[f64; MAX_COMPONENTS]>,
+    /// How its UMAT is called.
+    pub manner: Manner,
 }
 
 /// A law that cannot be called.
@@ -46,9 +49,30 @@ impl PluginLaw {
     /// # Errors
     /// The library has no such entry point.
     pub fn umat(&self, model: PlaneModel) -> Result<UmatCall, LawError> {
-        let (symbol, state) = (self.symbol.as_deref(), model.stress_state());
-        UmatCall::new(&self.library, symbol, &self.cmname, state, self.nstatv, &self.props)
-            .map_err(|error| self.error(&error))
+        let make = |state| self.plain_umat(state);
+        self.manner.prepare(model.stress_state(), self.law.as_ref(), make).map_err(|error| self.error(&error))
+    }
+
+    /// Makes calls go through six components if the UMAT needs it and nobody has said so; then says why. The call has the
+    /// arguments of a virgin point.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn probe_umat(&self, call: &mut UmatCall) -> Result<Option<String>, LawError> {
+        let make = |state| self.plain_umat(state);
+        self.manner.probe(call, self.law.as_ref(), make).map_err(|error| self.error(&error))
+    }
+
+    /// Calls of its UMAT with six components.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn solid_umat(&self) -> Result<UmatCall, LawError> {
+        self.plain_umat(StressState::ThreeD).map_err(|error| self.error(&error))
+    }
+
+    fn plain_umat(&self, state: StressState) -> Result<UmatCall, LoadError> {
+        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, state, self.nstatv, &self.props)
     }
 
     /// Calls of its UINTER with one normal and one tangential direction.
@@ -146,6 +170,7 @@ impl PluginLaw {
             nstatv,
             statev0: None,
             stress0: None,
+            manner: Manner::default(),
         }
     }
 

@@ -280,12 +280,7 @@ impl StepRun {
             self.jumps_refused += 1;
             return Err(failed("the load jumps"));
         }
-        if matches!(self.lead, Lead::Drives)
-            && self.size.is_automatic()
-            && findings.energy_excess() > 1.0
-            && self.energy_refused < MAX_ENERGY_REFUSALS
-            && !self.is_least()
-        {
+        if self.refuses_energies(&findings).is_some() {
             self.energy_refused += 1;
             let fraction = findings.energy_excess().recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
             return Err(repeat("the energies of the increment do not balance", fraction));
@@ -301,6 +296,16 @@ impl StepRun {
             return Err(repeat("the load has a peak within the increment", 0.5));
         }
         Ok(())
+    }
+
+    /// The size of an increment that is refused because its energies do not balance.
+    pub(super) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
+        let refuses = matches!(self.lead, Lead::Drives)
+            && self.size.is_automatic()
+            && findings.energy_excess() > 1.0
+            && self.energy_refused < MAX_ENERGY_REFUSALS
+            && !self.is_least();
+        refuses.then_some(self.attempted)
     }
 
     /// Whether a smaller increment is not allowed.

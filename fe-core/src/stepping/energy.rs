@@ -1,11 +1,12 @@
 //! The energy balance of a run.
 //!
 //! ```text
-//! external work = elastic + plastic + damage + interface + opening + stabilisation
+//! external work = elastic + plastic + damage + unaccounted + interface + opening + stabilisation
 //! ```
 //!
 //! External work is a trapezoidal sum over increments of reactions times the drives and loads times displacements;
-//! the solids' parts are what the laws report, the interface's a trapezoidal sum of tractions times relative
+//! the solids' parts are what the laws report (of a law whose energies cannot be believed, a trapezoidal sum of stresses
+//! times strains, which is stored or dissipated: unaccounted), the interface's a trapezoidal sum of tractions times relative
 //! displacements. The two sides are computed apart from each other: their difference is the error of both.
 
 use super::newton::{Committed, dot};
@@ -23,6 +24,8 @@ pub struct Energies {
     pub plastic: f64,
     /// Dissipated by laws with damage.
     pub damage: f64,
+    /// Work of the stresses of laws whose energies cannot be believed.
+    pub unaccounted: f64,
     /// Work of the interfaces: stored and dissipated.
     pub interface: f64,
     /// Spent on opening bonded interfaces and lost where contact fades at an end.
@@ -35,7 +38,8 @@ impl Energies {
     /// External work less all that it went into.
     pub fn imbalance(&self) -> f64 {
         self.external_work
-            - (self.elastic + self.plastic + self.damage + self.interface + self.opening + self.stabilisation)
+            - (self.elastic + self.plastic + self.damage + self.unaccounted)
+            - (self.interface + self.opening + self.stabilisation)
     }
 
     /// What was added since a datum.
@@ -45,6 +49,7 @@ impl Energies {
             elastic: self.elastic - datum.elastic,
             plastic: self.plastic - datum.plastic,
             damage: self.damage - datum.damage,
+            unaccounted: self.unaccounted - datum.unaccounted,
             interface: self.interface - datum.interface,
             opening: self.opening - datum.opening,
             stabilisation: self.stabilisation - datum.stabilisation,

@@ -21,6 +21,7 @@ pub use record::{Counts, Directive, Observer, Record};
 pub use snapshot::Snapshot;
 pub use times::Times;
 
+use crate::assembly::solids::{PartAccount, SolidEnergies};
 use crate::assembly::{Equations, IncrementContext, Solids};
 use crate::contact::Contact;
 use crate::model::{Model, Step};
@@ -61,6 +62,8 @@ struct Present {
     energies: Energies,
     /// Energies stored by equilibrium at zero drives, which do not count.
     datum: Energies,
+    /// What the solids' laws had reported then.
+    datum_accounts: Vec<PartAccount>,
     statistics: Statistics,
     total_time: f64,
     load: LoadHistory,
@@ -108,6 +111,7 @@ impl<'m> Analysis<'m> {
                 committed,
                 energies: Energies::default(),
                 datum: Energies::default(),
+                datum_accounts: Vec::new(),
                 statistics: Statistics::default(),
                 total_time: 0.0,
                 load: LoadHistory::default(),
@@ -203,6 +207,7 @@ impl<'m> Analysis<'m> {
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         self.commit(converged, 0.0);
         self.present.datum = self.equilibrium.energies();
+        self.present.datum_accounts = self.equilibrium.solids.accounts();
         self.present.energies = Energies::default();
         self.present.greatest_work = 0.0;
         self.present.statistics.increments = 0;
@@ -231,7 +236,7 @@ impl<'m> Analysis<'m> {
             let attempt =
                 self.equilibrium.attempt(&self.present.committed, &target, context, &mut self.present.statistics);
             let judged = attempt.map_err(|trouble| Judgement { trouble, has_failed: true }).and_then(|converged| {
-                let findings = self.findings(&converged);
+                let findings = self.believed_findings(&converged, &run);
                 run.judge(&converged, self.present.load, findings).map(|()| (converged, findings))
             });
             match judged {
@@ -241,6 +246,7 @@ impl<'m> Analysis<'m> {
                     let passed = run.accept(&self.present.committed, &converged, findings, self.present.load);
                     step_time += passed;
                     self.commit(converged, passed);
+                    self.equilibrium.solids.energies_stand();
                     self.databases.increment_ends(Clock { time_increment: passed, ..clock(&context, passed) });
                     let record = self.record(number, increment, cutbacks, iterations);
                     cutbacks = 0;
@@ -284,15 +290,52 @@ impl<'m> Analysis<'m> {
         }
     }
 
+    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found.
+    fn believed_findings(&mut self, converged: &Converged, run: &StepRun) -> Findings {
+        let findings = self.findings(converged);
+        if !self.equilibrium.solids.has_unproven_energies() {
+            return findings;
+        }
+        let end = &converged.end;
+        let added = findings.energy_error * self.work_reference(self.external_work_at(end), end);
+        let refused = run.refuses_energies(&findings).map(|size| [size, added]);
+        let found = self.equilibrium.solids.judge_energies(refused);
+        if found.is_empty() {
+            return findings;
+        }
+        for part in found {
+            let Some(account) = self.present.datum_accounts.get(part) else { continue };
+            let SolidEnergies { stored, plastic, damage, .. } = account.reported();
+            let datum = &mut self.present.datum;
+            datum.elastic -= stored;
+            datum.plastic -= plastic;
+            datum.damage -= damage;
+            datum.unaccounted += account.work;
+        }
+        let external_work = self.present.energies.external_work;
+        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.findings(converged)
+    }
+
+    /// What users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
+    pub fn remarks(&self) -> Vec<String> {
+        self.equilibrium.solids.remarks()
+    }
+
     /// The imbalance of the energies, and what an increment would add to it, relative to the work at its end.
     fn energy_errors_of(&self, end: &Committed) -> [f64; 2] {
-        let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, end);
-        let external_work = self.present.energies.external_work + work;
+        let external_work = self.external_work_at(end);
         let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.present.datum) };
         let reference = self.work_reference(external_work, end);
         let before = self.present.energies.imbalance();
         let relative = |imbalance: f64| if reference > 0.0 { imbalance / reference } else { 0.0 };
         [before, energies.imbalance() - before].map(relative)
+    }
+
+    /// The work of supports and loads up to the end of an increment, N mm.
+    fn external_work_at(&self, end: &Committed) -> f64 {
+        let equations = self.equilibrium.system.equations();
+        self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
     }
 
     /// What an imbalance of the energies is compared with, N mm.

@@ -2,6 +2,7 @@
 
 use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
+use super::manner::Detour;
 use super::memory::{Guarded, Overrun, fortran_name};
 use super::recorder::{Arguments, Slot, UmatRecord};
 use crate::law::{Request, StressState};
@@ -82,10 +83,15 @@ pub struct UmatCall {
     pub jstep: [i32; 4],
     /// Increment number, from 1.
     pub kinc: i32,
+    /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
+    /// before a call, that of the end behind it.
+    pub strain_33: f64,
     cmname: [u8; 80],
     pnewdt: f64,
     /// Where calls are noted, if they are.
     slot: Option<Slot>,
+    /// How calls are made that are not plain.
+    pub(super) detour: Option<Box<Detour>>,
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -142,9 +148,11 @@ impl UmatCall {
             npt: 1,
             jstep: [1, STATIC_PROCEDURE, 0, 0],
             kinc: 1,
+            strain_33: 0.0,
             cmname: fortran_name(name),
             pnewdt: PNEWDT_ON_ENTRY,
             slot: Slot::new(library, symbol, name),
+            detour: None,
         })
     }
 
@@ -208,6 +216,22 @@ impl UmatCall {
         self.ddsdde.as_slice()
     }
 
+    /// DDSDDE, to be set behind a call.
+    pub(super) fn ddsdde_mut(&mut self) -> &mut [f64] {
+        self.ddsdde.as_mut_slice()
+    }
+
+    /// As if the last call had asked for a fraction of the increment.
+    pub(super) fn cut_back(&mut self, fraction: f64) -> CallOutcome {
+        self.pnewdt = fraction;
+        self.outcome()
+    }
+
+    /// As if the last call had asked for nothing.
+    pub(super) fn restore_outcome(&mut self) {
+        self.pnewdt = PNEWDT_ON_ENTRY;
+    }
+
     /// Whether DDSDDE = NULL is understood.
     pub fn honours_stress_only(&self) -> bool {
         self.honours_stress_only
@@ -219,6 +243,9 @@ impl UmatCall {
     /// [`Overrun`] if it wrote behind an array; the host's memory is intact, the point's values are not to be used.
     #[inline]
     pub fn call(&mut self, request: Request) -> Result<CallOutcome, Overrun> {
+        if self.detour.is_some() {
+            return self.call_by_detour(request);
+        }
         self.call_with_tangent_filled(request, 0.0)
     }
 

@@ -10,6 +10,7 @@ mod guard;
 mod initial;
 mod interface_call;
 mod library;
+mod manner;
 mod memory;
 mod prints;
 #[cfg(unix)]
@@ -30,6 +31,7 @@ pub use discovery::{Found, library_file_name, library_path, names_a_file, search
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{ContactArrays, FricCall, UinterCall};
 pub use library::{Library, LoadError, Routine, binds_deeply};
+pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::Overrun;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]

@@ -79,8 +79,8 @@ fn law(
 
 /// As the FE core has it.
 pub fn plugin_law(plugin: Plugin) -> PluginLaw {
-    let Plugin { library, law, name, symbol, cmname, props, nstatv } = plugin;
-    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None }
+    let Plugin { library, law, name, symbol, cmname, props, nstatv, manner } = plugin;
+    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None, manner }
 }
 
 fn mode(model: PlaneModel) -> Mode {

@@ -19,6 +19,8 @@ pub(super) struct Record {
     writer: HistoryWriter,
     pub(super) peaks: PeakRecorder,
     pub(super) progress: Progress,
+    /// What the run found that the user should know.
+    pub(super) warnings: Vec<String>,
     done: u64,
     /// Step and increment of the last row.
     place: [u32; 2],
@@ -58,6 +60,7 @@ impl Record {
             writer,
             peaks,
             progress,
+            warnings: Vec::new(),
             done: 0,
             place: [0; 2],
             ended: Cell::new(false),
@@ -72,7 +75,8 @@ impl Record {
         let Kept { history_bytes, history_sha256: _, peaks, done, times_s: earlier_s } = kept;
         let writer = HistoryWriter::resume(history, columns, history_bytes)?;
         let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self { writer, peaks, progress, done, place: [0; 2], ended: Cell::new(false), start, cpu_start, earlier_s })
+        let (warnings, place, ended) = (Vec::new(), [0; 2], Cell::new(false));
+        Ok(Self { writer, peaks, progress, warnings, done, place, ended, start, cpu_start, earlier_s })
     }
 
     /// Whether a signal ended the run.
@@ -113,6 +117,10 @@ impl Observer for Record {
         self.done += 1;
         worker::note_increment(&so_far);
         self.progress.advance(self.done, &row);
+    }
+
+    fn warn(&mut self, message: String) {
+        self.warnings.push(message);
     }
 
     fn state(&self) -> Vec<u8> {

@@ -6,7 +6,7 @@ use crate::path::program::{
     Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
     NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
 };
-use umat_abi::host::Law;
+use umat_abi::host::{Law, Manner, TangentSource};
 
 mod specimen;
 
@@ -138,8 +138,24 @@ fn exact(value: f64) -> String {
     signed(String::from_utf8_lossy(&text).into_owned())
 }
 
+/// How a UMAT is called, where the case says so.
+fn called(manner: Manner) -> Option<String> {
+    let components = match manner.as_three_d {
+        Some(true) => Some("called with NTENS = 6"),
+        Some(false) | None => None,
+    };
+    let tangent = match manner.tangent {
+        Some(TangentSource::Numerical) => Some("DDSDDE by differences of the stress"),
+        Some(TangentSource::Compared) => Some("DDSDDE compared with differences of the stress"),
+        Some(TangentSource::Reported) | None => None,
+    };
+    let words: Vec<&str> = components.into_iter().chain(tangent).collect();
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
 fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
     let mut settings = Vec::new();
+    settings.extend(called(program.plugin.manner).map(|how| ("UMAT".to_string(), how)));
     if let Some(length) = program.characteristic_length {
         settings.push(("Characteristic length".to_string(), format!("{} mm", exact(length))));
     }

@@ -126,6 +126,7 @@ fn program() -> Program {
             props: vec![31800.0, 0.18, -7.5],
             law: Some(law),
             library,
+            manner: umat_abi::host::Manner::default(),
         },
         kind: Kind::Point(PointProgram {
             mode: Mode::PlaneStress,

@@ -87,7 +87,7 @@ pub(super) fn advance_small<const N: usize>(
         (points.call.coords, points.call.npt) = ([x, y, 0.0], number_of(point));
         *changed |= points.advance(index, &increment, task.request, task.choice).map_err(|trouble| (point, trouble))?;
         // What the displacements say, not a sum of increments.
-        points.trial.strain[index] = strains[point];
+        points.set_trial_strain(index, strains[point]);
     }
     let pressure = mean_stress(shape, points, |_| 1.0);
     *forces = [[0.0; 2]; N];

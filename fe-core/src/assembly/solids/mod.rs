@@ -44,10 +44,12 @@ mod points;
 mod record;
 mod state;
 mod summary;
+mod trust;
 
 pub use error::SolidsError;
 pub use state::SolidsState;
 pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
+pub use trust::PartAccount;
 
 use super::{IncrementContext, Place, Trouble};
 use crate::kinematics::finite::TangentForm;
@@ -55,7 +57,8 @@ use crate::model::{Fields, Model, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;
-use record::{Body, Record, blocks, may_share_threads};
+use record::{Body, Divided, Record, blocks, may_share_threads};
+use trust::Trust;
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -100,6 +103,10 @@ pub struct Solids {
     steps: Vec<Step>,
     /// What was counted before the present state was taken over.
     earlier: Counters,
+    /// What users should know of the laws.
+    notes: Vec<String>,
+    /// How far each part's law is believed.
+    trust: Vec<Trust>,
 }
 
 impl Solids {
@@ -110,7 +117,7 @@ impl Solids {
     /// A part without a usable law.
     pub fn new(model: &Model) -> Result<Self, SolidsError> {
         let may_share_threads = may_share_threads(&model.laws);
-        let (blocks, places) = blocks(model, may_share_threads)?;
+        let Divided { blocks, places, notes } = blocks(model, may_share_threads)?;
         Ok(Self {
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
@@ -123,6 +130,8 @@ impl Solids {
             fields: model.fields.clone(),
             steps: if model.fields.change() { model.steps.clone() } else { Vec::new() },
             earlier: Counters::default(),
+            notes,
+            trust: model.laws.iter().map(Trust::new).collect(),
             blocks,
             places,
         })

@@ -6,7 +6,7 @@ use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY,
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{CallOutcome, UmatCall};
+use umat_abi::host::{CallOutcome, TangentSource, UmatCall};
 use umat_abi::law::Request;
 
 /// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
@@ -37,10 +37,13 @@ pub(super) struct States {
     viscous_stress: Vec<Components>,
     /// Dissipated by the viscous stress, N·mm/mm³: trapezoidal, like the external work that it is compared with.
     pub(super) viscous: Vec<f64>,
+    /// ∫σ:dε per reference volume, likewise, of a law whose energies nobody vouches for; of others empty.
+    pub(super) work: Vec<f64>,
 }
 
 impl States {
-    fn virgin(points: usize, nstatv: usize) -> Self {
+    fn virgin(points: usize, law: &PluginLaw) -> Self {
+        let nstatv = law.nstatv;
         Self {
             stress: vec![[0.0; MAX_COMPONENTS]; points],
             strain: vec![[0.0; MAX_COMPONENTS]; points],
@@ -49,6 +52,7 @@ impl States {
             reference_energies: vec![[0.0; 3]; points],
             viscous_stress: vec![[0.0; MAX_COMPONENTS]; points],
             viscous: vec![0.0; points],
+            work: if law.law.is_some() { Vec::new() } else { vec![0.0; points] },
         }
     }
 }
@@ -57,9 +61,9 @@ impl States {
     /// Whether it is of as many points with as many states.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let lengths = |states: &Self| {
-            let Self { stress, strain, statev, energies, reference_energies, viscous_stress, viscous } = states;
+            let Self { stress, strain, statev, energies, reference_energies, viscous_stress, viscous, work } = states;
             let of_points = [stress.len(), strain.len(), viscous_stress.len(), viscous.len()];
-            (of_points, statev.len(), [energies.len(), reference_energies.len()])
+            (of_points, statev.len(), [energies.len(), reference_energies.len(), work.len()])
         };
         lengths(self) == lengths(other)
     }
@@ -98,7 +102,7 @@ impl Points {
     pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, SolidsError> {
         let call = law.umat(model).map_err(|source| SolidsError::Umat { part: part.to_owned(), source })?;
         let components = call.stress_state().components();
-        let states = States::virgin(count, law.nstatv);
+        let states = States::virgin(count, law);
         let zero = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
         Ok(Self {
             call,
@@ -130,10 +134,28 @@ impl Points {
         self.acting[point] = self.committed.stress[point];
     }
 
-    /// Finds DDSDDE at zero strain with the initial states and the initial stress, those of the first point.
-    pub(super) fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
-        let error =
-            |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
+    /// Finds out how the UMAT is called where nobody has said so, and DDSDDE at zero strain with the initial states and the
+    /// initial stress, those of the first point. Returns what users should know.
+    pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Option<String>, SolidsError> {
+        self.set_virgin();
+        let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
+        let reason = law.probe_umat(&mut self.call).map_err(failed)?;
+        self.find_elastic(law, part)?;
+        Ok(reason.map(|reason| format!("part '{part}': {} is called with NTENS = 6: {reason}", law.name)))
+    }
+
+    /// What [`Self::prepare`] found for other points of the part.
+    pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), SolidsError> {
+        self.elastic = first.elastic;
+        if first.call.is_through_solid() && !self.call.is_through_solid() {
+            let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
+            self.call.go_through(law.solid_umat().map_err(failed)?);
+        }
+        Ok(())
+    }
+
+    /// The arguments of the first point in its virgin state.
+    fn set_virgin(&mut self) {
         let zero = [0.0; MAX_COMPONENTS];
         self.rest();
         let stress = self.committed.stress.first().copied().unwrap_or(zero);
@@ -143,11 +165,25 @@ impl Points {
             self.call.statev_mut().copy_from_slice(first);
         }
         self.call.energies = [0.0; 3];
+    }
+
+    /// Finds DDSDDE at zero strain.
+    fn find_elastic(&mut self, law: &PluginLaw, part: &str) -> Result<(), SolidsError> {
+        let error =
+            |reason: String| SolidsError::VirginTangent { part: part.to_owned(), law: law.name.clone(), reason };
+        self.set_virgin();
         self.run(Request::StressAndTangent).map_err(|trouble| error(trouble.reason))?;
         self.elastic = self.returned_moduli();
         match self.uniaxial_modulus() {
             modulus if modulus > 0.0 && modulus.is_finite() => Ok(()),
-            modulus => Err(error(format!("the modulus along 1 is {modulus} MPa"))),
+            modulus => {
+                let advice = if self.call.tangent_source() == TangentSource::Reported {
+                    " (\"tangent\": \"numerical\" does without DDSDDE)"
+                } else {
+                    ""
+                };
+                Err(error(format!("the modulus along 1 is {modulus} MPa{advice}")))
+            }
         }
     }
 
@@ -189,14 +225,22 @@ impl Points {
         let own = if choice == TangentChoice::Consistent { request } else { Request::Stress };
         self.run(own)?;
         self.trial.strain[point] = std::array::from_fn(|k| strain[k] + increment.strain[k]);
+        if self.components.len() < MAX_COMPONENTS {
+            // in plane stress through six components ε33 is the host's
+            self.trial.strain[point][2] = self.call.strain_33;
+        }
         for (source, &target) in self.call.stress().iter().zip(self.components) {
             self.trial.stress[point][target] = *source;
         }
         self.trial.statev[statev].copy_from_slice(self.call.statev());
         self.book_energies(point, increment.motion.map(|(motion, ..)| motion));
         self.acting[point] = self.trial.stress[point];
+        let volume_ratio = increment.motion.map_or(1.0, |(motion, ..)| motion.middle_volume_ratio);
+        if let Some(work) = self.trial.work.get_mut(point) {
+            let spent = 0.5 * (dot(&stress, &increment.strain) + dot(&self.trial.stress[point], &increment.strain));
+            *work = self.committed.work[point] + volume_ratio * spent;
+        }
         if self.viscosity > 0.0 {
-            let volume_ratio = increment.motion.map_or(1.0, |(motion, ..)| motion.middle_volume_ratio);
             self.add_viscous_stress(point, &increment.strain, volume_ratio);
         }
         if request == Request::Stress {
@@ -264,6 +308,16 @@ impl Points {
             self.call.stran[k] = strain[component];
             self.call.dstran[k] = increment[component];
         }
+        self.call.strain_33 = strain[2];
+    }
+
+    /// Sets the components of the strain that the displacements tell.
+    pub(super) fn set_trial_strain(&mut self, point: usize, strain: Components) {
+        let strain_33 = self.trial.strain[point][2];
+        self.trial.strain[point] = strain;
+        if self.components.len() < MAX_COMPONENTS {
+            self.trial.strain[point][2] = strain_33;
+        }
     }
 
     /// DSTRAN of the last call.
@@ -318,6 +372,9 @@ impl Points {
         committed.strain[points.clone()].copy_from_slice(&trial.strain[points.clone()]);
         committed.energies[points.clone()].copy_from_slice(&trial.energies[points.clone()]);
         committed.reference_energies[points.clone()].copy_from_slice(&trial.reference_energies[points.clone()]);
+        if !committed.work.is_empty() {
+            committed.work[points.clone()].copy_from_slice(&trial.work[points.clone()]);
+        }
         if self.viscosity > 0.0 {
             committed.viscous_stress[points.clone()].copy_from_slice(&trial.viscous_stress[points.clone()]);
             committed.viscous[points.clone()].copy_from_slice(&trial.viscous[points.clone()]);

@@ -130,9 +130,19 @@ impl Body {
     }
 }
 
+/// A model's elements, divided.
+pub(super) struct Divided {
+    pub(super) blocks: Vec<Block>,
+    /// The place of each element.
+    pub(super) places: Vec<BlockPlace>,
+    /// What was found out of its laws that users should know.
+    pub(super) notes: Vec<String>,
+}
+
 /// The elements of a model block by block, in the order of the first element of each, and the place of each element.
 /// Where threads do not share them a part is one block.
-pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<(Vec<Block>, Vec<BlockPlace>), SolidsError> {
+pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, SolidsError> {
+    let mut notes = Vec::new();
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
     let parts = mesh.parts();
     if laws.len() != parts.len() {
@@ -167,10 +177,12 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<(Vec<Block>, 
         if let Some(element) = largest_element(mesh, part) {
             first.points.call.celent = mesh.characteristic_length(element);
         }
-        first.points.find_elastic(law, &shared[part].name)?;
-        of_part.for_each(|body| body.points.elastic = first.points.elastic);
+        notes.extend(first.points.prepare(law, &shared[part].name)?);
+        for body in of_part {
+            body.points.take_from(law, &first.points, &shared[part].name)?;
+        }
     }
-    Ok((blocks, places))
+    Ok(Divided { blocks, places, notes })
 }
 
 /// Whether UMATs may be called from several threads: all say so, and none is watched.
@@ -336,7 +348,8 @@ fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsE
         PlaneModel::Axisymmetric => stress_states::AXISYMMETRIC,
     };
     let (part_name, law_name) = (definition.name.clone(), plugin.name.clone());
-    if law.stress_states & needed == 0 {
+    let through_six = plugin.manner.has_six(law, definition.model.stress_state());
+    if law.stress_states & needed == 0 && !through_six {
         return Err(SolidsError::PlaneModel { part: part_name, law: law_name, model: definition.model });
     }
     let Some(element) = largest_element(mesh, part) else { return Ok(()) };

@@ -2,6 +2,7 @@
 
 use super::block::Block;
 use super::points::States;
+use super::trust::Trust;
 use super::{Counters, Solids};
 use serde::{Deserialize, Serialize};
 
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct SolidsState {
     blocks: Vec<BlockState>,
     counters: Counters,
+    trust: Vec<Trust>,
 }
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -31,7 +33,8 @@ impl BlockState {
 impl Solids {
     /// The committed states.
     pub fn state(&self) -> SolidsState {
-        SolidsState { blocks: self.blocks.iter().map(BlockState::of).collect(), counters: self.counters() }
+        let blocks = self.blocks.iter().map(BlockState::of).collect();
+        SolidsState { blocks, counters: self.counters(), trust: self.present_trust() }
     }
 
     /// Takes over committed states; `false`, and nothing done, if they are of other solids. Stiffnesses stay until the
@@ -48,6 +51,7 @@ impl Solids {
                 block.forget();
             }
             self.earlier += state.counters;
+            self.take_trust(&state.trust);
         }
         fits
     }

@@ -3,6 +3,7 @@
 use super::Solids;
 use super::points::{Points, States};
 use super::record::Body;
+use super::trust::work_of;
 use crate::kinematics::finite::{Components, rotated};
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
@@ -14,6 +15,8 @@ pub struct SolidEnergies {
     pub plastic: f64,
     /// Dissipated by laws with a damage: SPD + SCD.
     pub damage: f64,
+    /// Work of the stresses of laws whose energies cannot be believed.
+    pub unaccounted: f64,
     /// Dissipated by the viscous stress of the stabilisation.
     pub viscous: f64,
 }
@@ -23,6 +26,7 @@ impl std::ops::AddAssign for SolidEnergies {
         self.stored += other.stored;
         self.plastic += other.plastic;
         self.damage += other.damage;
+        self.unaccounted += other.unaccounted;
         self.viscous += other.viscous;
     }
 }
@@ -67,7 +71,8 @@ pub struct PointView<'a> {
     pub position: [f64; 2],
     /// σ 11, 22, 33, 12, MPa.
     pub stress: Components,
-    /// ε 11, 22, 33, γ12; 33 is 0 in plane stress, where only the law knows it.
+    /// ε 11, 22, 33, γ12; 33 is 0 in plane stress, where only the law knows it, unless it is called with six
+    /// components.
     pub strain: Components,
     /// STATEV.
     pub statev: &'a [f64],
@@ -98,6 +103,8 @@ pub struct PointCall<'a> {
     pub temperature: [f64; 2],
     /// Field variables at its start and at its end.
     pub predef: [Vec<f64>; 2],
+    /// Whether the UMAT was called with six components; of plane stress the strain 33 is then known.
+    pub through_six: bool,
 }
 
 fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
@@ -130,6 +137,7 @@ impl Solids {
                 call.predef.clone(),
                 call.predef.iter().zip(&call.dpred).map(|(start, change)| start + change).collect(),
             ],
+            through_six: call.is_through_solid(),
         })
     }
 
@@ -151,6 +159,10 @@ impl Solids {
             for (work, volume) in states.viscous.iter().zip(volumes) {
                 sum.viscous += work * volume;
             }
+            if !self.trust[*index].believes() {
+                sum.unaccounted += work_of(&states.work, volumes);
+                continue;
+            }
             for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(volumes) {
                 sum.stored += stored * volume;
                 let dissipated = if part.damages { &mut sum.damage } else { &mut sum.plastic };
@@ -160,11 +172,11 @@ impl Solids {
         parts
     }
 
-    fn bodies(&self) -> impl Iterator<Item = &Body> {
+    pub(super) fn bodies(&self) -> impl Iterator<Item = &Body> {
         self.blocks.iter().map(|block| &block.body)
     }
 
-    fn part_count(&self) -> usize {
+    pub(super) fn part_count(&self) -> usize {
         self.bodies().map(|body| body.index + 1).max().unwrap_or(0)
     }
 

@@ -20,6 +20,10 @@ const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// A residual that falls faster than this needs no safer stiffness.
 const SLOW_REDUCTION: f64 = 0.5;
+/// Iterations that still converge as slowly as this after as many put tangents in doubt: Newton's method squares what is
+/// left.
+const LINEAR_REDUCTION: f64 = 0.1;
+const BEFORE_DOUBT: usize = 4;
 /// A factor that made the residual smaller by this serves again.
 const FAST_REDUCTION: f64 = 0.05;
 /// Only while increments need at most so many iterations.
@@ -61,6 +65,10 @@ impl Equilibrium<'_> {
                 self.choose_tangents(*choice);
             }
             let context = IncrementContext { iteration: iteration_number(done + history.len()), ..context };
+            if history.len() == BEFORE_DOUBT && self.last_reduction > LINEAR_REDUCTION && self.solids.doubts_tangents()
+            {
+                self.judge_tangents(trial, context, statistics)?;
+            }
             self.prepare_factor(trial, context, statistics)?;
             let direction = self.direction(start, trial, target, (pending, context), statistics)?;
             let request = if pending { Request::StressAndTangent } else { self.request_after() };
@@ -76,6 +84,22 @@ impl Equilibrium<'_> {
                 step_length,
             });
         }
+    }
+
+    /// Compares tangents in doubt with differences; where they are far off, differences take their place.
+    fn judge_tangents(
+        &mut self,
+        trial: &Committed,
+        context: IncrementContext,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        self.solids.compare_tangents();
+        let compared = self.evaluate(trial, context, Request::StressAndTangent, statistics);
+        if self.solids.judge_tangents() {
+            self.has_tangents = false;
+            self.last_reduction = 1.0;
+        }
+        compared
     }
 
     /// Makes the stiffness of elements that are out of balance safer: of all elements, back to the consistent one.

@@ -436,6 +436,7 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         elastic: solids.stored,
         plastic: solids.plastic,
         damage: solids.damage,
+        unaccounted: solids.unaccounted,
         interface: contact.work + contact.leaning - opening,
         opening,
         stabilisation: solids.viscous,

@@ -1,6 +1,6 @@
 //! A specimen in words and tables.
 
-use super::{Account, LawAccount, bound, count, parameters, tell};
+use super::{Account, LawAccount, bound, called, count, parameters, tell};
 use crate::output::number::rounded;
 use crate::path::program::Until;
 use crate::pullout::Program;
@@ -56,7 +56,8 @@ fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
             PlaneModel::PlaneStrain => format!("plane strain, thickness {} mm", rounded(part.thickness)),
             PlaneModel::Axisymmetric => "axisymmetric".to_owned(),
         };
-        settings.push((format!("Part {}", part.name), format!("{}, {model}", count(elements, "element"))));
+        let how = called(program.model.laws[index].manner).map_or(String::new(), |how| format!(", UMAT {how}"));
+        settings.push((format!("Part {}", part.name), format!("{}, {model}{how}", count(elements, "element"))));
     }
     settings.extend(model.contacts.iter().map(|pair| (format!("Contact {}", pair.name), contact(pair))));
     settings.extend(model.supports.iter().map(|held| (format!("Support {}", held.name), support(held, model))));

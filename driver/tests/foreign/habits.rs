@@ -1,0 +1,218 @@
+//! What public UMATs leave out or get wrong, against our own law on the same mesh: no energies, wrong energies, an elastic
+//! tangent or none, six components only.
+
+use super::{built, point};
+use crate::program::{Desk, Run};
+use serde_json::{Value, json};
+
+/// E, nu, yield stress, hardening modulus.
+const STEEL: [f64; 4] = [210e3, 0.3, 347.0, 2100.0];
+/// Energies of `j2_habits.f90`.
+const RIGHT: u32 = 0;
+const NO_ENERGIES: u32 = 1;
+const DOUBLE_ENERGY: u32 = 2;
+/// Its DDSDDE.
+const CONSISTENT: u32 = 0;
+const ELASTIC: u32 = 1;
+const NO_TANGENT: u32 = 2;
+/// Its NTENS.
+const OBEYED: u32 = 0;
+const TAKEN_FOR_SIX: u32 = 1;
+const STOPS: u32 = 2;
+
+fn foreign(library: &Value, habits: [u32; 3], keys: Value) -> Value {
+    let props: Vec<f64> = STEEL.into_iter().chain(habits.map(f64::from)).collect();
+    let mut material = json!({ "plugin": library, "props": props, "nstatv": 7 });
+    for (key, value) in keys.as_object().into_iter().flatten() {
+        material[key] = value.clone();
+    }
+    material
+}
+
+fn own() -> Value {
+    let [modulus, nu, yield_stress, hardening] = STEEL;
+    let table = json!([[yield_stress, 0.0], [yield_stress + hardening, 1.0]]);
+    json!({ "plugin": "j2_plasticity", "props": { "E": modulus, "nu": nu, "hardening": table } })
+}
+
+/// A plate with a hole that yields around it.
+fn plate(desk: &Desk, name: &str, model: &str, material: Value) -> Run {
+    let case = json!({
+        "kind": "pullout",
+        "title": "A plate",
+        "mesh": { "specimen": { "type": "plate_with_hole", "cells": 40, "element": "Q4" } },
+        "parts": { "plate": { "material": material, "model": model } },
+        "grip": { "nodes": "top", "direction": [0, 1], "lateral": "free" },
+        "steps": [ { "slip": 0.03, "increments": { "initial": 0.1, "maximum": 0.2 } } ],
+        "output": { "plots": false, "vtu": false },
+    });
+    super::run(desk, name, &case)
+}
+
+/// A thick cylinder under internal pressure, partly plastic.
+fn cylinder(desk: &Desk, name: &str, _model: &str, material: Value) -> Run {
+    let case = json!({
+        "kind": "pullout",
+        "title": "A cylinder",
+        "mesh": { "specimen": { "type": "thick_cylinder", "axisymmetric": true, "radial_cells": 6, "other_cells": 1 } },
+        "parts": { "cylinder": { "material": material } },
+        "loads": { "pressure": { "edges": "inner", "pressure": 1 } },
+        "steps": [ { "drives": { "pressure": 240 }, "increments": 6 } ],
+        "output": { "plots": false, "vtu": false },
+    });
+    super::run(desk, name, &case)
+}
+
+/// A coarse fibre in elastic concrete that is pulled out.
+fn fibre(desk: &Desk, name: &str, material: Value) -> Run {
+    let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 23.7e3, "nu": 0.2 } });
+    let case = json!({
+        "kind": "pullout",
+        "title": "A coarse fibre",
+        "mesh": { "specimen": {
+            "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0, "largest_size": 6.0,
+        } },
+        "parts": { "fibre": { "material": material }, "matrix": { "material": elastic } },
+        "contact": { "law": { "plugin": "bond_slip", "props": { "k_e": 400.0 } } },
+        "steps": [ { "slip": 0.1, "increments": { "initial": 0.01, "maximum": 0.1 } } ],
+        "output": { "plots": false },
+    });
+    super::run(desk, name, &case)
+}
+
+fn warnings(run: &Run) -> String {
+    let texts = run.summary["warnings"].as_array().expect("a list").iter();
+    texts.map(|text| text.as_str().expect("text")).collect::<Vec<_>>().join("\n")
+}
+
+#[track_caller]
+fn same(found: &Run, expected: &Run, column: &str, tolerance: f64) {
+    let (found, expected) = (found.history.last(column), expected.history.last(column));
+    assert!((found - expected).abs() <= tolerance * expected.abs(), "{column}: {found} instead of {expected}");
+}
+
+fn iterations(run: &Run) -> u64 {
+    run.summary["iterations"].as_u64().expect("a number")
+}
+
+#[test]
+fn a_fibre_without_energies_is_pulled_out_as_one_with() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let expected = fibre(&desk, "own", own());
+    assert!(!warnings(&expected).contains("energies"), "{}", warnings(&expected));
+    let right = fibre(&desk, "right", foreign(&library, [RIGHT, CONSISTENT, OBEYED], json!({})));
+    same(&right, &expected, "load", 1e-5);
+    assert!(warnings(&right).is_empty() && right.summary["energies"]["unaccounted_energy"].is_null());
+    for (name, habit, words) in [
+        ("none", NO_ENERGIES, "part 'fibre': its UMAT reports no energies"),
+        (
+            "double",
+            DOUBLE_ENERGY,
+            "part 'fibre': the energies that its UMAT reports (SSE + SPD + SCD) contradict its stresses: 2.0",
+        ),
+    ] {
+        let run = fibre(&desk, name, foreign(&library, [habit, CONSISTENT, OBEYED], json!({})));
+        same(&run, &expected, "load", 1e-5);
+        same(&run, &expected, "slip", 1e-12);
+        let text = warnings(&run);
+        assert!(text.matches(words).count() == 1 && run.outcome.stderr.contains(words), "{text}");
+        // what the fibre stored is what our law says it stored
+        let energy = |run: &Run, name: &str| run.summary["energies"][name].as_f64().unwrap_or(0.0);
+        let stored = energy(&right, "elastic_energy") - energy(&run, "elastic_energy");
+        let unaccounted = energy(&run, "unaccounted_energy");
+        assert!(stored > 0.0 && (unaccounted / stored - 1.0).abs() < 1e-2, "{unaccounted} instead of {stored}");
+        assert!(run.summary["energy_error_max"].as_f64().expect("a number") < 2e-3);
+        println!("{name}: {} increments, own law {}", run.summary["increments"], expected.summary["increments"]);
+    }
+}
+
+#[test]
+fn a_plate_without_a_true_tangent_converges_by_differences() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let run = |name: &str, tangent: u32, keys: Value| {
+        plate(&desk, name, "plane_strain", foreign(&library, [RIGHT, tangent, OBEYED], keys))
+    };
+    let expected = plate(&desk, "own", "plane_strain", own());
+    assert!(expected.history.last("yielding_points") > 20.0);
+    let consistent = run("consistent", CONSISTENT, json!({}));
+    assert!(!warnings(&consistent).contains("DDSDDE"), "{}", warnings(&consistent));
+    let automatic = run("automatic", ELASTIC, json!({}));
+    assert_eq!(warnings(&automatic).matches("part 'plate': DDSDDE of its UMAT is not the derivative").count(), 1);
+    let numerical = run("numerical", NO_TANGENT, json!({ "tangent": "numerical" }));
+    for run in [&consistent, &automatic, &numerical] {
+        same(run, &expected, "load", 1e-5);
+    }
+    let counts = [&expected, &consistent, &automatic, &numerical].map(iterations);
+    println!("iterations: own law, consistent, replaced, numerical: {counts:?}");
+    assert!(counts[3] <= counts[0] + 1 && counts[2] <= counts[0] + 8, "{counts:?}");
+}
+
+#[test]
+fn a_comparison_tells_how_far_the_tangent_is_off_and_where() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let deviation = |run: &Run| {
+        let text = warnings(run);
+        let words = text.split("differences of the stress by ").nth(1).expect("a comparison");
+        assert!(words.contains("(step 1, increment "), "{text}");
+        words.split(' ').next().and_then(|number| number.parse::<f64>().ok()).expect("a number")
+    };
+    for (tangent, is_true) in [(CONSISTENT, true), (ELASTIC, false)] {
+        let material = foreign(&library, [RIGHT, tangent, OBEYED], json!({ "tangent": "compare" }));
+        let run = plate(&desk, "plate", "plane_strain", material.clone());
+        assert_eq!(deviation(&run) < 1e-5, is_true, "{}", warnings(&run));
+        let steps = json!([{ "increments": 20, "target": { "e11": 0.01 } }]);
+        let run = super::run(&desk, "point", &point(material, "3d", steps));
+        assert_eq!(deviation(&run) < 1e-5, is_true, "{}", warnings(&run));
+    }
+}
+
+#[test]
+fn six_components_serve_in_a_plane() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let steps = json!([{ "increments": 20, "target": { "e11": 0.01, "g12": 0.004 } }, { "increments": 5, "target": { "e11": 0.008 } }]);
+    for (mode, free) in [("plane_strain", "e22"), ("axisymmetric", "e33"), ("plane_stress", "e33")] {
+        let expected = super::run(&desk, "own", &point(own(), mode, steps.clone())).history;
+        for (name, habit, keys) in [
+            ("asked", OBEYED, json!({ "as": "3d" })),
+            ("asked-numerical", OBEYED, json!({ "as": "3d", "tangent": "numerical" })),
+            ("found", TAKEN_FOR_SIX, json!({})),
+            ("stops", STOPS, json!({})),
+        ] {
+            let material = foreign(&library, [RIGHT, CONSISTENT, habit], keys);
+            let run = super::run(&desk, &format!("{mode}-{name}"), &point(material, mode, steps.clone()));
+            for column in ["s11", "s22", "s33", "s12", free] {
+                let (found, expected) = (run.history.last(column), expected.last(column));
+                assert!(
+                    (found - expected).abs() <= 1e-8 * expected.abs().max(1.0),
+                    "{mode} {name} {column}: {found} {expected}"
+                );
+            }
+            let says = warnings(&run).contains("is called with NTENS = 6: with NTENS = ");
+            assert_eq!(says, habit != OBEYED, "{}", warnings(&run));
+        }
+    }
+}
+
+#[test]
+fn six_components_serve_in_parts() {
+    type Specimen = fn(&Desk, &str, &str, Value) -> Run;
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let specimens: [(Specimen, &str); 3] =
+        [(plate, "plane_stress"), (plate, "plane_strain"), (cylinder, "axisymmetric")];
+    for (specimen, model) in specimens {
+        let expected = specimen(&desk, "own", model, own());
+        assert!(expected.history.last("yielding_points") > 3.0, "{model}");
+        for (habit, keys) in [(OBEYED, json!({ "as": "3d" })), (TAKEN_FOR_SIX, json!({})), (STOPS, json!({}))] {
+            let run = specimen(&desk, model, model, foreign(&library, [RIGHT, CONSISTENT, habit], keys));
+            same(&run, &expected, "external_work", 1e-8);
+            let says = warnings(&run).contains("is called with NTENS = 6: with NTENS");
+            assert_eq!(says, habit != OBEYED, "{}", warnings(&run));
+            println!("{model}: {} iterations, own law {}", iterations(&run), iterations(&expected));
+        }
+    }
+}

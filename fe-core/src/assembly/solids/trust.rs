@@ -1,0 +1,328 @@
+//! How far the laws of parts are believed: laws with metadata in everything, anybody's UMAT as long as it does not
+//! contradict itself.
+//!
+//! # Energies
+//!
+//! Most UMATs leave SSE, SPD and SCD alone, some set them wrong. What a part's law reports is compared with the work of its
+//! stresses, ∫σ:dε. A law that reports nothing while its stresses work, and one whose report misses the work by the same
+//! part however small the increment is, are not believed: then this work is what the part has stored or dissipated, and the
+//! balance of all energies judges the rest.
+//!
+//! # Tangents
+//!
+//! DDSDDE that is not the derivative of the stress shows in iterations that converge slowly. Then it is compared with
+//! differences; where it is far off, differences take its place.
+
+use super::Solids;
+use super::record::Body;
+use super::summary::SolidEnergies;
+use crate::model::PluginLaw;
+use serde::{Deserialize, Serialize};
+use umat_abi::host::{TangentDeviation, TangentSource};
+
+/// Deviations from 1 of reported energy over work, of increments that differ by [`SHRINKAGE`], that are so near to each
+/// other (relative) are the same: those of trapezoidal sums shrink with the increment.
+const SAME: f64 = 0.02;
+/// Likewise of three increments.
+const SIMILAR: f64 = 0.2;
+const SHRINKAGE: f64 = 0.3;
+/// A part is to blame if it makes so much of the imbalance.
+const SHARE: f64 = 0.5;
+/// Energies that are so far from the work at the end of a run are told.
+const NOTEWORTHY: f64 = 0.1;
+/// DDSDDE that is off by more than this part of its largest entry is replaced.
+const LARGEST_DEVIATION: f64 = 0.05;
+/// After a comparison that found nothing so many increments pass before the next, at first; then twice as many each time.
+const FIRST_PAUSE: u64 = 2;
+const LONGEST_PAUSE: u64 = 128;
+
+/// What is made of the energies that a law reports.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+enum Reports {
+    /// Metadata vouch for them.
+    Vouched,
+    /// They are taken as they are.
+    Believed,
+    /// There are none.
+    Missing,
+    /// They are this part of the work.
+    Wrong { ratio: f64 },
+}
+
+/// How far a part's law is believed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Trust {
+    reports: Reports,
+    /// Increments of the present attempts and by how much the reported energy missed the work.
+    missed: Vec<[f64; 2]>,
+    /// Whether slow iterations may lead to another tangent.
+    judges_tangent: bool,
+    /// Increments until the next comparison, and between comparisons.
+    pause: [u64; 2],
+    /// How far its tangent was off when it was replaced.
+    tangent_deviation: Option<f64>,
+    /// What comparisons that the model asks for came to before the present calls.
+    compared: Option<Compared>,
+}
+
+/// A [`TangentDeviation`]: step, increment, element and point.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Compared {
+    deviation: f64,
+    place: [i32; 4],
+}
+
+impl From<TangentDeviation> for Compared {
+    fn from(found: TangentDeviation) -> Self {
+        let TangentDeviation { deviation, step, increment, element, point } = found;
+        Self { deviation, place: [step, increment, element, point] }
+    }
+}
+
+impl From<Compared> for TangentDeviation {
+    fn from(Compared { deviation, place: [step, increment, element, point] }: Compared) -> Self {
+        Self { deviation, step, increment, element, point }
+    }
+}
+
+impl Trust {
+    pub(super) fn new(law: &PluginLaw) -> Self {
+        let is_foreign = law.law.is_none();
+        Self {
+            reports: if is_foreign { Reports::Believed } else { Reports::Vouched },
+            missed: Vec::new(),
+            judges_tangent: is_foreign && law.manner.tangent.is_none(),
+            pause: [0, FIRST_PAUSE],
+            tangent_deviation: None,
+            compared: None,
+        }
+    }
+
+    /// Whether reported energies count.
+    pub(super) fn believes(&self) -> bool {
+        matches!(self.reports, Reports::Vouched | Reports::Believed)
+    }
+
+    /// Takes note of how far a report misses the work in an increment that was refused for it; whether that is enough.
+    fn misses(&mut self, size: f64, by: f64) -> bool {
+        self.missed.push([size, by]);
+        let [.., earlier, last] = self.missed[..] else { return false };
+        let alike = |a: [f64; 2], b: [f64; 2], within: f64| {
+            let far = (a[1] - b[1]).abs();
+            b[0] <= SHRINKAGE * a[0] && far <= within * a[1].abs().max(b[1].abs())
+        };
+        let first = self.missed[0];
+        alike(earlier, last, SAME)
+            || alike(first, last, SAME)
+            || (alike(first, earlier, SIMILAR) && alike(earlier, last, SIMILAR))
+    }
+}
+
+/// What a part's law has reported, and the work of its stresses, N·mm.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct PartAccount {
+    /// SSE.
+    pub stored: f64,
+    /// SPD + SCD.
+    pub dissipated: f64,
+    /// Whether the dissipation counts as damage.
+    pub damages: bool,
+    /// ∫σ:dε; 0 where metadata vouch for the law.
+    pub work: f64,
+}
+
+impl PartAccount {
+    /// What it has reported, as sums have it.
+    pub fn reported(&self) -> SolidEnergies {
+        let Self { stored, dissipated, damages, .. } = *self;
+        if damages {
+            SolidEnergies { stored, damage: dissipated, ..SolidEnergies::default() }
+        } else {
+            SolidEnergies { stored, plastic: dissipated, ..SolidEnergies::default() }
+        }
+    }
+
+    fn total(&self) -> f64 {
+        self.stored + self.dissipated
+    }
+}
+
+/// Σ work dV.
+pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
+    work.iter().zip(volumes).map(|(work, volume)| work * volume).sum()
+}
+
+impl Solids {
+    /// What each part's law has reported of the committed state, and the work of its stresses.
+    pub fn accounts(&self) -> Vec<PartAccount> {
+        self.accounts_of(|body| &body.points.committed)
+    }
+
+    fn accounts_of(&self, states: fn(&Body) -> &super::points::States) -> Vec<PartAccount> {
+        let mut accounts = vec![PartAccount::default(); self.part_count()];
+        for body in self.bodies() {
+            let (states, account) = (states(body), &mut accounts[body.index]);
+            account.damages = body.part.damages;
+            account.work += work_of(&states.work, &body.volumes);
+            for ([stored, plastic, creep], volume) in states.reference_energies.iter().zip(&body.volumes) {
+                account.stored += stored * volume;
+                account.dissipated += (plastic + creep) * volume;
+            }
+        }
+        accounts
+    }
+
+    /// Whether some energies are taken as reported though nobody vouches for them.
+    pub fn has_unproven_energies(&self) -> bool {
+        self.trust.iter().any(|trust| trust.reports == Reports::Believed)
+    }
+
+    /// Looks for parts whose law reports no energies although its stresses work in the increment of the last evaluation, and
+    /// for those whose report contradicts the work: `refused` is the size of the increment and the imbalance of energies
+    /// that it would add, N·mm, if it is refused for that. Returns the parts that are not believed from now on.
+    pub fn judge_energies(&mut self, refused: Option<[f64; 2]>) -> Vec<usize> {
+        let (before, after) = (self.accounts(), self.accounts_of(|body| &body.points.trial));
+        let mut found = Vec::new();
+        for (part, trust) in self.trust.iter_mut().enumerate() {
+            let (Some(before), Some(after)) = (before.get(part), after.get(part)) else { continue };
+            if trust.reports != Reports::Believed {
+                continue;
+            }
+            let work = after.work - before.work;
+            let reported = after.total() - before.total();
+            if work != 0.0 && after.stored == 0.0 && after.dissipated == 0.0 {
+                trust.reports = Reports::Missing;
+                found.push(part);
+            } else if let Some([size, imbalance]) = refused
+                && work != 0.0
+                && (work - reported).abs() >= SHARE * imbalance.abs()
+                && trust.misses(size, 1.0 - reported / work)
+            {
+                trust.reports = Reports::Wrong { ratio: reported / work };
+                found.push(part);
+            }
+        }
+        found
+    }
+
+    /// An increment was accepted: the next one is judged anew.
+    pub fn energies_stand(&mut self) {
+        for trust in &mut self.trust {
+            trust.missed.clear();
+            trust.pause[0] = trust.pause[0].saturating_sub(1);
+        }
+    }
+
+    /// Whether slow iterations are a reason to compare a part's tangents with differences.
+    pub fn doubts_tangents(&self) -> bool {
+        self.trust.iter().any(Self::is_due)
+    }
+
+    fn is_due(trust: &Trust) -> bool {
+        trust.judges_tangent && trust.pause[0] == 0
+    }
+
+    /// Lets the next evaluation compare the tangents in doubt.
+    pub fn compare_tangents(&mut self) {
+        let due: Vec<bool> = self.trust.iter().map(Self::is_due).collect();
+        self.set_tangent_sources(|part| due[part].then_some(TangentSource::Compared));
+    }
+
+    /// Judges by the comparison of the last evaluation; whether another tangent takes a part's place.
+    pub fn judge_tangents(&mut self) -> bool {
+        let mut deviations: Vec<Option<TangentDeviation>> = vec![None; self.trust.len()];
+        for body in self.blocks.iter_mut().map(|block| &mut block.body) {
+            if Self::is_due(&self.trust[body.index]) {
+                let found = body.points.call.take_largest_deviation();
+                deviations[body.index] = TangentDeviation::worse(deviations[body.index], found);
+            }
+        }
+        let mut sources = vec![None; self.trust.len()];
+        let mut replaces = false;
+        for (part, trust) in self.trust.iter_mut().enumerate().filter(|(_, trust)| Self::is_due(trust)) {
+            let deviation = deviations[part].map_or(0.0, |deviation| deviation.deviation);
+            if deviation > LARGEST_DEVIATION {
+                (trust.judges_tangent, trust.tangent_deviation) = (false, Some(deviation));
+                sources[part] = Some(TangentSource::Numerical);
+                replaces = true;
+            } else {
+                let [left, pause] = &mut trust.pause;
+                (*left, *pause) = (*pause, (2 * *pause).min(LONGEST_PAUSE));
+                sources[part] = Some(TangentSource::Reported);
+            }
+        }
+        self.set_tangent_sources(|part| sources[part]);
+        replaces
+    }
+
+    /// Says where tangents of parts come from, from the next evaluation on.
+    fn set_tangent_sources(&mut self, source: impl Fn(usize) -> Option<TangentSource>) {
+        for block in &mut self.blocks {
+            if let Some(source) = source(block.body.index) {
+                block.body.points.call.set_tangent_source(source);
+                block.records.iter_mut().for_each(|record| record.has_tangent = false);
+            }
+        }
+    }
+
+    /// Takes over what another run came to believe.
+    pub(super) fn take_trust(&mut self, trust: &[Trust]) {
+        self.trust.clone_from_slice(trust);
+        let replaced: Vec<bool> = trust.iter().map(|trust| trust.tangent_deviation.is_some()).collect();
+        self.set_tangent_sources(|part| replaced[part].then_some(TangentSource::Numerical));
+    }
+
+    /// What users should know of the laws, after a run.
+    pub fn remarks(&self) -> Vec<String> {
+        let mut remarks = self.notes.clone();
+        let accounts = self.accounts();
+        for (part, trust) in self.present_trust().iter().enumerate() {
+            let name = self.bodies().find(|body| body.index == part).map_or("", |body| body.part.name.as_str());
+            let mut say = |text: String| remarks.push(format!("part '{name}': {text}"));
+            match trust.reports {
+                Reports::Vouched => {}
+                Reports::Believed => {
+                    let PartAccount { work, .. } = accounts[part];
+                    let ratio = accounts[part].total() / work;
+                    if work != 0.0 && (ratio - 1.0).abs() > NOTEWORTHY {
+                        say(format!(
+                            "the energies that its UMAT reports (SSE + SPD + SCD) are {ratio:.3} of the work of its stresses at \
+                             the end: wrong ones, or coarse increments"
+                        ));
+                    }
+                }
+                Reports::Missing => say(
+                    "its UMAT reports no energies (SSE, SPD, SCD stay 0): the work of its stresses counts instead, as \
+                     unaccounted energy, which may be stored or dissipated"
+                        .to_owned(),
+                ),
+                Reports::Wrong { ratio } => say(format!(
+                    "the energies that its UMAT reports (SSE + SPD + SCD) contradict its stresses: {ratio:.3} of their work, \
+                     however small the increment; this work counts instead, as unaccounted energy"
+                )),
+            }
+            if let Some(compared) = trust.compared {
+                say(TangentDeviation::from(compared).to_string());
+            }
+            if let Some(deviation) = trust.tangent_deviation {
+                say(format!(
+                    "DDSDDE of its UMAT is not the derivative of the stress (off by {:.0} % of its largest entry) and \
+                     iterations converged slowly: differences took its place, as by \"tangent\": \"numerical\"",
+                    1e2 * deviation
+                ));
+            }
+        }
+        remarks
+    }
+
+    /// How far the laws are believed, with all that comparisons came to.
+    pub(super) fn present_trust(&self) -> Vec<Trust> {
+        let mut trust = self.trust.clone();
+        for body in self.bodies() {
+            let compared = &mut trust[body.index].compared;
+            let worse = TangentDeviation::worse(compared.map(Into::into), body.points.call.largest_deviation());
+            *compared = worse.map(Into::into);
+        }
+        trust
+    }
+}

@@ -1,0 +1,184 @@
+//! Calls that differ from a plain one: of a UMAT that knows six components only, and with a tangent by differences.
+//!
+//! Whoever calls does not see it: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
+//! [`UmatCall::go_through`] laid.
+
+mod components;
+mod differences;
+mod probing;
+
+use super::call::{CallOutcome, UmatCall};
+use super::memory::Overrun;
+use crate::law::{Request, StressState};
+use std::fmt;
+
+/// Where DDSDDE of a call comes from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum TangentSource {
+    /// The plugin.
+    #[default]
+    Reported,
+    /// Differences of the plugin's stress.
+    Numerical,
+    /// The plugin; differences judge it ([`UmatCall::largest_deviation`]).
+    Compared,
+}
+
+/// How a UMAT is called, as far as its user says.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Manner {
+    /// With NTENS 6 also in a plane; `None`: where the plugin needs it.
+    pub as_three_d: Option<bool>,
+    /// Where DDSDDE comes from; `None`: the plugin, as long as that serves.
+    pub tangent: Option<TangentSource>,
+}
+
+/// A tangent that differs from the differences of the stress.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TangentDeviation {
+    /// Largest difference of an entry, relative to the largest entry.
+    pub deviation: f64,
+    /// Step, from 1.
+    pub step: i32,
+    /// Increment, from 1.
+    pub increment: i32,
+    /// NOEL.
+    pub element: i32,
+    /// NPT.
+    pub point: i32,
+}
+
+impl fmt::Display for TangentDeviation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { deviation, step, increment, element, point } = self;
+        write!(
+            f,
+            "DDSDDE differs from differences of the stress by {deviation:.1e} of its largest entry (step {step}, increment \
+             {increment}, element {element}, point {point})"
+        )
+    }
+}
+
+impl TangentDeviation {
+    /// The larger of two.
+    #[must_use]
+    pub fn worse(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        [a, b].into_iter().flatten().max_by(|a, b| a.deviation.total_cmp(&b.deviation))
+    }
+}
+
+/// The way of calls that are not plain.
+#[derive(Debug, Default)]
+pub(super) struct Detour {
+    /// The call with six components that is made instead.
+    solid: Option<Box<UmatCall>>,
+    tangent: TangentSource,
+    largest: Option<TangentDeviation>,
+    /// How many columns of DDSDDE are wanted, from the first.
+    columns: usize,
+    buffers: Buffers,
+}
+
+/// What a call starts from and what it came to, while others are made.
+#[derive(Clone, Debug, Default)]
+struct Buffers {
+    start: Point,
+    end: Point,
+}
+
+/// What a call changes.
+#[derive(Clone, Debug, Default)]
+struct Point {
+    stress: [f64; 6],
+    statev: Vec<f64>,
+    energies: [f64; 3],
+}
+
+impl UmatCall {
+    /// Says where DDSDDE comes from.
+    pub fn set_tangent_source(&mut self, tangent: TangentSource) {
+        if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
+            solid.set_tangent_source(tangent);
+            if let Some(detour) = &mut solid.detour {
+                // what the plane does not have is not looked for
+                detour.columns = StressState::PlaneStrainOrAxisymmetric.components().len();
+            }
+        } else if tangent == TangentSource::Reported {
+            self.detour = None;
+        } else {
+            self.detour = Some(Box::new(Detour { tangent, columns: self.ntens(), ..Detour::default() }));
+        }
+    }
+
+    /// Where DDSDDE comes from.
+    pub fn tangent_source(&self) -> TangentSource {
+        let Some(detour) = &self.detour else { return TangentSource::Reported };
+        detour.solid.as_ref().map_or(detour.tangent, |solid| solid.tangent_source())
+    }
+
+    /// Makes calls through one of the same plugin with six components: the plane's other components are 0, in plane stress
+    /// ε33 is found for which σ33 = 0 ([`Self::strain_33`]).
+    ///
+    /// # Panics
+    /// If `solid` has not six components, or the call has as many.
+    pub fn go_through(&mut self, solid: Self) {
+        assert!(solid.ntens() == 6 && self.ntens() < 6, "a plane call goes through a solid one");
+        let tangent = self.tangent_source();
+        self.detour = Some(Box::new(Detour { solid: Some(Box::new(solid)), ..Detour::default() }));
+        self.set_tangent_source(tangent);
+    }
+
+    /// Whether calls go through one with six components.
+    pub fn is_through_solid(&self) -> bool {
+        self.detour.as_ref().is_some_and(|detour| detour.solid.is_some())
+    }
+
+    /// The largest deviation of the plugin's tangent from differences so far, where these are compared.
+    pub fn largest_deviation(&self) -> Option<TangentDeviation> {
+        let detour = self.detour.as_ref()?;
+        detour.solid.as_ref().map_or(detour.largest, |solid| solid.largest_deviation())
+    }
+
+    /// [`Self::largest_deviation`]; forgets it.
+    pub fn take_largest_deviation(&mut self) -> Option<TangentDeviation> {
+        let detour = self.detour.as_mut()?;
+        match &mut detour.solid {
+            Some(solid) => solid.take_largest_deviation(),
+            None => detour.largest.take(),
+        }
+    }
+
+    /// Calls the plugin in another way than plainly.
+    #[cold]
+    pub(super) fn call_by_detour(&mut self, request: Request) -> Result<CallOutcome, Overrun> {
+        let Some(mut detour) = self.detour.take() else { return self.call(request) };
+        let Detour { solid, tangent, largest, columns, buffers } = &mut *detour;
+        let outcome = match solid {
+            Some(solid) => self.call_through(solid, request),
+            None if request == Request::Stress => self.call(request),
+            None => self.call_with_differences(*tangent, *columns, largest, buffers),
+        };
+        self.detour = Some(detour);
+        outcome
+    }
+
+    /// STRESS, STATEV and energies into a buffer.
+    fn keep(&self, point: &mut Point) {
+        point.stress[..self.ntens()].copy_from_slice(self.stress());
+        point.statev.clear();
+        point.statev.extend_from_slice(self.statev());
+        point.energies = self.energies;
+    }
+
+    /// STRESS, STATEV and energies from a buffer.
+    fn put_back(&mut self, point: &Point) {
+        let ntens = self.ntens();
+        self.stress_mut().copy_from_slice(&point.stress[..ntens]);
+        self.statev_mut().copy_from_slice(&point.statev);
+        self.energies = point.energies;
+    }
+
+    fn has_finite_stress(&self) -> bool {
+        self.stress().iter().all(|stress| stress.is_finite())
+    }
+}

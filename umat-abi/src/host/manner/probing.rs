@@ -1,0 +1,158 @@
+//! Whether a plugin without metadata knows the components of a plane call, found out by calls.
+
+use super::super::call::{CallOutcome, UmatCall};
+#[cfg(unix)]
+use super::super::probe::{Alignment, Probed};
+use super::super::{Law, LoadError};
+use super::Manner;
+use crate::law::{Request, StressState};
+use crate::metadata::stress_states;
+
+/// The largest strain of the calls: everything is elastic.
+const STRAIN: f64 = 1e-6;
+/// Its components in a plane: 11, 22, 33, 12.
+const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
+/// Stresses of both calls that differ by less than this part of the largest are the same.
+const SAME: f64 = 1e-3;
+
+impl Manner {
+    /// A call with these components, through one with six where the manner or the law's metadata says so. `make` makes a
+    /// plain call.
+    ///
+    /// # Errors
+    /// What `make` says.
+    pub fn prepare(
+        self,
+        stress_state: StressState,
+        law: Option<&Law>,
+        make: impl Fn(StressState) -> Result<UmatCall, LoadError>,
+    ) -> Result<UmatCall, LoadError> {
+        let mut call = make(stress_state)?;
+        let is_plane = stress_state != StressState::ThreeD;
+        let goes_through = law.map_or(self.as_three_d == Some(true), |law| self.has_six(law, stress_state));
+        if is_plane && goes_through {
+            call.go_through(make(StressState::ThreeD)?);
+        }
+        call.set_tangent_source(self.tangent.unwrap_or_default());
+        Ok(call)
+    }
+
+    /// Whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
+    pub fn has_six(self, law: &Law, stress_state: StressState) -> bool {
+        let has = |bits: u32| law.stress_states & bits != 0;
+        self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
+    }
+
+    /// Makes a call go through six components if the plugin, of which nothing is known, does not serve those of the plane;
+    /// then says why. The call has the arguments of a virgin point, and keeps them. What may crash or write wild is tried in
+    /// a child process first.
+    ///
+    /// # Errors
+    /// What `make` says.
+    pub fn probe(
+        self,
+        call: &mut UmatCall,
+        law: Option<&Law>,
+        make: impl Fn(StressState) -> Result<UmatCall, LoadError>,
+    ) -> Result<Option<String>, LoadError> {
+        if self.as_three_d.is_some() || law.is_some() || call.stress_state() == StressState::ThreeD {
+            return Ok(None);
+        }
+        let tangent = call.tangent_source();
+        let mut solid = make(StressState::ThreeD)?;
+        let reason = call.why_not_plane(&mut solid);
+        if reason.is_some() {
+            call.go_through(solid);
+            call.set_tangent_source(tangent);
+        }
+        Ok(reason)
+    }
+}
+
+#[cfg(not(unix))]
+impl UmatCall {
+    fn why_not_plane(&mut self, _solid: &mut Self) -> Option<String> {
+        None
+    }
+}
+
+#[cfg(unix)]
+impl UmatCall {
+    /// Why the plugin is better called with six components: it fails with those of the plane, or gives another stress, and
+    /// six serve.
+    fn why_not_plane(&mut self, solid: &mut Self) -> Option<String> {
+        let mut start = super::Point::default();
+        self.keep(&mut start);
+        let strains = (self.stran, self.dstran);
+        for (k, &component) in self.stress_state().components().iter().enumerate() {
+            self.dstran[k] = PLANE_STRAIN[component];
+        }
+        let fault = self.fault();
+        let plane = fault.is_none().then(|| self.stresses()).flatten();
+        let reason = if plane.is_some() { None } else { Some(fault.unwrap_or_else(|| "gives no stress".to_owned())) };
+        self.put_back(&start);
+        self.hand_over(solid);
+        self.set_start(solid);
+        let reason = if solid.fault().is_some() || !solid.resists() {
+            None
+        } else if let Some(plane) = plane {
+            self.differs(solid, &start, &plane)
+        } else {
+            reason
+        };
+        self.put_back(&start);
+        (self.stran, self.dstran) = strains;
+        self.restore_outcome();
+        reason.map(|reason| format!("with NTENS = {} it {reason}", self.ntens()))
+    }
+
+    /// What goes wrong in a child process.
+    fn fault(&mut self) -> Option<String> {
+        for alignment in [Alignment::End, Alignment::Start] {
+            match self.probe(alignment).ok()? {
+                Probed::Clean => {}
+                Probed::Trespass(trespass) => return Some(trespass.to_string()),
+                Probed::Ended(how) => return Some(format!("does not come back: {how}")),
+            }
+        }
+        None
+    }
+
+    /// The stresses of the call as it is prepared.
+    fn stresses(&mut self) -> Option<Vec<f64>> {
+        let done = self.call(Request::StressAndTangent).ok()? == CallOutcome::Done && self.has_finite_stress();
+        done.then(|| self.stress().to_vec())
+    }
+
+    /// Whether each strain of six alone changes its stress.
+    fn resists(&mut self) -> bool {
+        let mut start = super::Point::default();
+        self.keep(&mut start);
+        let strains = std::mem::take(&mut self.dstran);
+        let all = (0..6).all(|component| {
+            self.put_back(&start);
+            self.dstran = [0.0; 6];
+            self.dstran[component] = STRAIN;
+            self.stresses().is_some_and(|stress| stress[component] > start.stress[component])
+        });
+        self.dstran = strains;
+        self.put_back(&start);
+        all
+    }
+
+    /// How the stress through six components differs.
+    fn differs(&mut self, solid: &mut Self, start: &super::Point, plane: &[f64]) -> Option<String> {
+        let strain_33 = self.strain_33;
+        self.put_back(start);
+        let done = self.call_through(solid, Request::Stress).is_ok_and(|outcome| outcome == CallOutcome::Done);
+        self.strain_33 = strain_33;
+        let largest = plane.iter().chain(self.stress()).fold(0.0_f64, |most, stress| most.max(stress.abs()));
+        let far = self.stress().iter().zip(plane).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        (done && self.has_finite_stress() && far > SAME * largest).then(|| {
+            format!(
+                "gives another stress than with 6 (off by {:.1} % of the largest in an elastic increment)",
+                1e2 * far / largest
+            )
+        })
+    }
+}
