@@ -183,9 +183,14 @@ pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
 }
 
-/// The largest absolute difference.
+/// Returns the largest absolute difference; infinity if a number stands against NaN.
 pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0_f64, |m, (x, y)| m.max((x - y).abs()))
+    let difference = |(x, y): (&f64, &f64)| match (x - y).abs() {
+        _ if x.to_bits() == y.to_bits() => 0.0,
+        difference if difference.is_nan() => f64::INFINITY,
+        difference => difference,
+    };
+    a.iter().zip(b).map(difference).fold(0.0, f64::max)
 }
 
 /// Why a call gave no result.
