@@ -329,7 +329,7 @@ fn line_of(text: &str, words: &str) -> usize {
 /// A failed run of three increments with six states, its message.
 fn failure(desk: &Desk, mode: &str) -> String {
     let case = json!({ "kind": "point", "mode": mode,
-        "material": { "plugin": "./libmine.so", "props": [], "nstatv": 6 },
+        "material": { "plugin": "./libmine.so", "props": [], "nstatv": 6, "as": "plane" },
         "steps": [{ "increments": 3, "target": { "e11": 0.01, "g12": 0.0 } }] });
     let run = desk.run(&desk.case("case.json", &case), &[], "out", 1);
     let summary = std::fs::read_to_string(desk.path("out/summary.json")).expect("a summary");
@@ -384,7 +384,7 @@ fn arrays_that_are_overrun_are_named_as_far_as_can_be_known() {
         return;
     }
     let desk = Desk::new();
-    // made for six components, called with four
+    // made for six components, called with four because the case insists on that
     let fixed = "      DIMENSION DDSDDE(6,6)\n";
     desk.write(
         "mine.f",
