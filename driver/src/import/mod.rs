@@ -1,6 +1,6 @@
 //! `pullout import`: a one-element ABAQUS job as a case of kind "point".
 //!
-//! [`keywords`] reads the lines, [`model`] what they mean, [`element`] and [`history`] make strains and stresses of
+//! `keywords` reads the lines, `model` what they mean, `element` and `history` make strains and stresses of
 //! displacements and loads. What a material point has no place for is left out and named; what would make another
 //! problem of it is refused with its line.
 

@@ -342,10 +342,6 @@ impl UmatCall {
     ) -> Result<CallOutcome, Overrun> {
         self.ddsdde.as_mut_slice().fill(filling);
         self.pnewdt = PNEWDT_ON_ENTRY;
-        if self.guard.is_some() {
-            // RPL and its derivatives: a law without metadata may add to what it finds
-            self.thermal = [0.0; 14];
-        }
         if self.slot.is_some() {
             self.note(stress_only);
         }
