@@ -118,7 +118,23 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     })))
 }
 
-impl Job<'_> {
+impl<'a> Job<'a> {
+    /// A worker that carries out a command line of this program, without the program's name.
+    pub fn of_command(command: &'a [OsString]) -> Self {
+        Self {
+            overwrite: false,
+            stage: Stage::Command,
+            case: None,
+            out: None,
+            overrides: &[],
+            plugin_paths: &[],
+            aftermath: "null",
+            quiet: false,
+            echo: false,
+            command,
+        }
+    }
+
     /// A case that repeats a call.
     fn replay(&self, call: &CallRecord, need: &Need) -> Option<Value> {
         let file = self.case.unwrap_or(Path::new(""));

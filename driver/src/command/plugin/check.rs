@@ -5,7 +5,7 @@ use super::file_of;
 use crate::case::{self, Case};
 use crate::conformance::{self, Event, Group, Options, Report};
 use crate::isolation::prints::Prints;
-use crate::isolation::{self, Job, Stage, worker};
+use crate::isolation::{self, worker};
 use crate::path::program::Plugin;
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -284,20 +284,4 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
     options.characteristic_length = program.characteristic_length;
     options.program = Some(Arc::new(*program));
     Ok(vec![plugin])
-}
-
-/// A worker that makes one group of checks.
-fn job(command: &[OsString]) -> Job<'_> {
-    Job {
-        overwrite: false,
-        stage: Stage::Command,
-        case: None,
-        out: None,
-        overrides: &[],
-        plugin_paths: &[],
-        aftermath: "null",
-        quiet: false,
-        echo: false,
-        command,
-    }
 }

@@ -1,7 +1,7 @@
-//! `pullout plugin info` of a library that nobody vouches for, in a process of their own.
+//! `pullout plugin info` of a library that nobody vouches for, in a process of its own.
 
 use super::super::{BAD_INPUT, FAILED, NO_PLUGIN, complain};
-use crate::isolation::{self, End, Job, Need, Stage, worker};
+use crate::isolation::{self, End, Job, Need, worker};
 use std::ffi::OsString;
 use std::path::Path;
 
@@ -12,19 +12,7 @@ pub(super) fn supervised(library: &Path, command: &[OsString], paths: &[std::pat
         return None;
     }
     let need = isolation::need_of_library(library, None, &[], paths)?;
-    let job = Job {
-        overwrite: false,
-        stage: Stage::Command,
-        case: None,
-        out: None,
-        overrides: &[],
-        plugin_paths: &[],
-        aftermath: "null",
-        quiet: false,
-        echo: false,
-        command,
-    };
-    Some(supervise(library, &job, &need))
+    Some(supervise(library, &Job::of_command(command), &need))
 }
 
 fn supervise(library: &Path, job: &Job<'_>, need: &Need) -> u8 {

@@ -1,10 +1,10 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
-use super::{Arguments, Judged, conclude, job};
+use super::{Arguments, Judged, conclude};
 use crate::case;
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
 use crate::conformance::{Group, Report, Row, Verdict};
-use crate::isolation::{self, End, Failure, Need};
+use crate::isolation::{self, End, Failure, Job, Need};
 use clap::ValueEnum;
 use serde_json::Value;
 use std::io::{Read, Seek};
@@ -50,7 +50,7 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
                 return BAD_INPUT;
             };
             let command = arguments.command_line(*group, rows.path(), &skip, longest_path);
-            let end = isolation::supervise(&job(&command), &need);
+            let end = isolation::supervise(&Job::of_command(&command), &need);
             let mut text = String::new();
             let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
             let told = tally.read(&text);
