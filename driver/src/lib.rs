@@ -11,6 +11,7 @@ pub mod command;
 pub mod conformance;
 pub mod fit;
 pub mod import;
+mod input;
 mod isolation;
 pub mod output;
 pub mod path;

@@ -5,7 +5,9 @@ mod program;
 use end_to_end_tests::SHIPPED_LAWS;
 use program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
 use serde_json::{Value, json};
+use std::io::Write;
 use std::path::Path;
+use std::process::Stdio;
 
 /// Four increments of linear elasticity.
 fn elastic() -> Value {
@@ -49,6 +51,48 @@ fn bad_input_is_exit_code_2_and_nothing_is_run() {
             assert!(outcome.stdout.is_empty() && !desk.has_results(), "{overrides:?}");
         }
     }
+}
+
+/// Runs `pullout ARGUMENTS` in the desk's folder with a pipe for its standard input, through which `text` comes.
+fn fed(desk: &Desk, arguments: &[&str], text: &str) -> Outcome {
+    let mut process = command();
+    process.current_dir(desk.path("")).args(arguments).stdin(Stdio::piped());
+    let mut child = process.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().expect("the program starts");
+    child.stdin.take().expect("a pipe").write_all(text.as_bytes()).expect("it is read");
+    let output = child.wait_with_output().expect("an end");
+    Outcome {
+        code: output.status.code().expect("an exit code"),
+        stdout: String::from_utf8(output.stdout).expect("UTF-8"),
+        stderr: String::from_utf8(output.stderr).expect("UTF-8"),
+    }
+}
+
+#[test]
+fn a_case_comes_through_a_pipe() {
+    let desk = Desk::new();
+    desk.write("path.csv", "e11\n0.001\n");
+    for isolate in [false, true] {
+        let mut case = elastic();
+        case["material"]["isolate"] = json!(isolate);
+        // relative to the working directory
+        case["steps"] = json!([ { "table": "path.csv" } ]);
+        let out = format!("out/{isolate}");
+        fed(&desk, &["run", "--quiet", "/dev/stdin", "--out", &out], &case.to_string()).expect(0);
+        assert_eq!(json(&desk.path(&out).join("summary.json"))["increments"], 1);
+        fed(&desk, &["check", "/dev/fd/0"], &case.to_string()).expect(0);
+        let outcome =
+            fed(&desk, &["run", "/dev/stdin", "--set", "steps.0.table=nowhere.csv"], &case.to_string()).expect(2);
+        assert!(
+            outcome.stderr.starts_with("/dev/stdin: $.steps[0].table: nowhere.csv cannot be read"),
+            "{}",
+            outcome.stderr
+        );
+    }
+    // a study reads its base for each run
+    let study = json!({ "kind": "study", "base": "/dev/stdin", "members": [{ "label": "a" }] });
+    desk.case("study.json", &study);
+    let outcome = fed(&desk, &["study", "study.json"], &elastic().to_string()).expect(2);
+    assert!(outcome.stderr.contains("$.base: /dev/stdin: is a pipe or a device"), "{}", outcome.stderr);
 }
 
 #[test]

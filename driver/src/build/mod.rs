@@ -16,6 +16,7 @@ mod test;
 
 pub use source::Form;
 
+use crate::input::{self, Input};
 use object::{Object, ObjectKind};
 use scan::Scan;
 use source::{Language, Source};
@@ -198,7 +199,7 @@ fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
     if sources.iter().any(|source| source.file.canonicalize().is_ok_and(|file| file == place)) {
         return refusal("is one of the sources and would be overwritten; -o names the library");
     }
-    let content = if place.is_file() { std::fs::read(&place)? } else { Vec::new() };
+    let content = if place.is_file() { input::read(&place, Input::Library)? } else { Vec::new() };
     let is_library = object::File::parse(&*content).is_ok_and(|file| {
         // an executable may be laid out as a library, but names the loader that runs it
         file.kind() == ObjectKind::Dynamic && file.section_by_name(".interp").is_none()

@@ -2,6 +2,7 @@
 
 use super::includes::is_ours;
 use super::source::{Form, Language, Source};
+use crate::input::{self, Input};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -76,7 +77,7 @@ impl Scan {
             }
             return include.is_in_capitals.then(|| format!("#include \"{}\"", include.name));
         };
-        let content = std::fs::read(&file).ok().filter(|_| depth < DEEPEST)?;
+        let content = input::read(&file, Input::Source).ok().filter(|_| depth < DEEPEST)?;
         let content = String::from_utf8_lossy(&content);
         let before = std::mem::take(&mut self.preprocessed);
         let inner = self.read(&file, &content, form, depth + 1);

@@ -1,6 +1,7 @@
 //! Sources and the languages that they are in.
 
 use super::Refusal;
+use crate::input::{self, Input};
 use std::path::{Path, PathBuf};
 
 /// How a Fortran source is laid out.
@@ -101,7 +102,7 @@ impl Source {
             ));
         };
         // Old sources have letters of any code page in their comments.
-        let content = std::fs::read(file).map_err(|error| refusal(error.to_string()))?;
+        let content = input::read(file, Input::Source).map_err(|error| refusal(error.to_string()))?;
         let text = if language == Language::Object { String::new() } else { String::from_utf8_lossy(&content).into() };
         let language = match language {
             Language::Fortran(by_suffix) => Language::Fortran(form.unwrap_or_else(|| directive(&text, by_suffix))),

@@ -1,5 +1,6 @@
 //! What a library defines, and what it lacks.
 
+use crate::input::{self, Input};
 use object::{Object, ObjectSymbol};
 use std::collections::BTreeSet;
 use std::io;
@@ -17,7 +18,7 @@ pub(super) struct Symbols(BTreeSet<String>);
 impl Symbols {
     /// Reads them without loading the library.
     pub(super) fn read(library: &Path) -> io::Result<Self> {
-        let content = std::fs::read(library)?;
+        let content = input::read(library, Input::Library)?;
         let file = object::File::parse(&*content).map_err(io::Error::other)?;
         let defined = file.dynamic_symbols().filter(|symbol| symbol.is_definition());
         Ok(Self(defined.filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect()))

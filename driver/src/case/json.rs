@@ -11,7 +11,6 @@ use std::fmt;
 /// # Errors
 /// The syntax error, with line and column.
 pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
     let repeated = RefCell::new(Vec::new());
     let mut deserializer = serde_json::Deserializer::from_str(text);
     let value = Noting { place: Place::root(), repeated: &repeated }.deserialize(&mut deserializer);

@@ -4,6 +4,7 @@
 //! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
 //! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
 
+use crate::input::{self, Input, folder_of};
 use crate::path::program::{self, Program};
 use crate::pullout;
 use document::{InterfaceCase, PointCase, PulloutCase};
@@ -213,11 +214,6 @@ pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Resu
     reader.finish(path, case)
 }
 
-/// The folder that paths in a case file are relative to.
-fn folder_of(path: &Path) -> &Path {
-    path.parent().unwrap_or(Path::new(""))
-}
-
 /// Reads a case that was made in memory as if it stood in the file `path`.
 ///
 /// # Errors
@@ -261,7 +257,7 @@ fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
 }
 
 fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> Option<Value> {
-    let text = match std::fs::read_to_string(path) {
+    let text = match input::text(path, Input::Case) {
         Ok(text) => text,
         Err(error) => {
             problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
@@ -289,11 +285,9 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
 /// The folder that GETOUTDIR answers: as in ABAQUS the one from which the job is submitted, so that what a UMAT reads lies
 /// beside the case. A replay, which lies elsewhere, names its original's.
 pub fn job_folder(path: &Path, document: &Value) -> PathBuf {
-    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
-    match document["job_folder"].as_str() {
-        Some(folder) => folder_of(&path).join(folder),
-        None => folder_of(&path).to_owned(),
-    }
+    let mut folder = Path::new(".").join(folder_of(path));
+    folder.extend(document["job_folder"].as_str());
+    std::path::absolute(&folder).unwrap_or(folder)
 }
 
 /// Tells what GETJOBNAME and GETOUTDIR answer from now on.

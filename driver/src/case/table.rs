@@ -1,5 +1,7 @@
 //! CSV files: tables that drive a step, curves to compare with. Lines that begin with `#` are comments.
 
+use crate::input::{self, Input};
+use std::io;
 use std::path::Path;
 
 /// Problems reported of one file before the rest is left out.
@@ -20,11 +22,9 @@ impl CsvFile {
     /// One sentence each of what is wrong.
     pub fn read(path: &Path) -> Result<Self, Vec<String>> {
         let file = path.display();
-        if path.is_dir() {
-            return Err(vec![format!("{file} is a folder, not a file")]);
-        }
-        let bytes = std::fs::read(path).map_err(|error| vec![format!("{file} cannot be read: {error}")])?;
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(&bytes);
+        let unreadable = |error: io::Error| vec![format!("{file} cannot be read: {error}")];
+        let bytes = input::read(path, Input::Table).map_err(unreadable)?;
+        let bytes = input::without_mark(&bytes).map_err(unreadable)?;
         let mut reader =
             csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(bytes);
         let header = reader.headers().map_err(|error| vec![format!("{file}: {error}")])?;

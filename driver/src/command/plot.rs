@@ -1,6 +1,7 @@
 //! `pullout plot`.
 
 use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
+use crate::input::{self, Input};
 use crate::output::directory::{Kind, ResultDirectory};
 use crate::output::history::{History, HistoryFile};
 use crate::output::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
@@ -92,7 +93,7 @@ fn draw(
     let pictures = plots::write_all(&mut directory, folder, &figures)?;
     let mut paths: Vec<PathBuf> = pictures.into_iter().map(|picture| picture.path).collect();
     for (drawing, name) in drawings.iter().zip(&pngs) {
-        let svg = std::fs::read_to_string(directory.path().join(drawing))?;
+        let svg = input::text(&directory.path().join(drawing), Input::Result)?;
         paths.push(directory.write(name, png::of(&svg)?)?);
     }
     directory.finish()?;

@@ -3,6 +3,7 @@
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::Subject;
+use crate::input::{self, Input};
 use object::{Object, ObjectSymbol, SymbolKind};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -39,7 +40,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
 
 /// Names of what lies at these addresses of a library's file.
 fn variables(library: &Path, addresses: &BTreeSet<u64>) -> BTreeSet<String> {
-    let content = std::fs::read(library).unwrap_or_default();
+    let content = input::read(library, Input::Library).unwrap_or_default();
     let Ok(file) = object::File::parse(&*content) else { return BTreeSet::new() };
     let symbols: Vec<(u64, u64, String)> = file
         .symbols()

@@ -2,6 +2,7 @@
 
 use super::geometry::Fibre;
 use super::law::BondLaw;
+use crate::input::folder_of;
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
 use serde_json::{Map, Value, json};
@@ -192,7 +193,7 @@ impl Specimen {
         let mut case = self.with(law);
         case["title"] = json!(title);
         case["compare"] = json!([compare]);
-        let folder = self.file.parent().unwrap_or(Path::new(""));
+        let folder = folder_of(&self.file);
         if self.is_own {
             make_absolute(&mut case, folder);
         }

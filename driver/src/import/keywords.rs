@@ -1,6 +1,8 @@
 //! The keyword lines of an ABAQUS input file, with their parameters and data lines, and those of the files it includes.
 
+use crate::input::{self, Input, folder_of};
 use std::fmt;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 
@@ -92,13 +94,15 @@ impl Keyword {
 /// What is wrong, with its place.
 pub(super) fn read(job: &Path) -> Result<Vec<Keyword>, String> {
     let mut keywords = Vec::new();
-    read_into(&mut keywords, job, job.parent().unwrap_or(Path::new("")), 0)?;
+    read_into(&mut keywords, job, folder_of(job), 0)?;
     Ok(keywords)
 }
 
 fn read_into(keywords: &mut Vec<Keyword>, file: &Path, folder: &Path, depth: usize) -> Result<(), String> {
-    let content = std::fs::read(file).map_err(|error| format!("{}: {error}", file.display()))?;
-    let text = String::from_utf8_lossy(&content);
+    let unreadable = |error: io::Error| format!("{}: {error}", file.display());
+    let content = input::read(file, Input::Job).map_err(unreadable)?;
+    let content = input::without_mark(&content).map_err(unreadable)?;
+    let text = String::from_utf8_lossy(content);
     let file: Rc<Path> = file.into();
     let mut lines = text.lines().enumerate().map(|(number, line)| (number + 1, line.trim()));
     while let Some((number, line)) = lines.next() {

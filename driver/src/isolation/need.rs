@@ -1,6 +1,7 @@
 //! Which cases run in a process of their own.
 
 use crate::case;
+use crate::input::{self, Input, folder_of};
 use memchr::memmem;
 use serde_json::Value;
 use std::collections::BTreeMap;
@@ -55,7 +56,7 @@ pub fn need(file: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Opti
         return None;
     }
     let document = case::document(file, overrides)?;
-    let folder = file.parent().unwrap_or(Path::new(""));
+    let folder = folder_of(file);
     let mut need = Need { specimen: document["kind"] == "pullout", ..Need::default() };
     let mut is_needed = false;
     for material in materials(&document) {
@@ -118,5 +119,5 @@ fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathB
 
 /// Whether a library's file mentions our metadata, found without loading it.
 pub fn describes_laws(path: &Path) -> bool {
-    std::fs::read(path).is_ok_and(|content| memmem::find(&content, PLUGIN_SYMBOL.as_bytes()).is_some())
+    input::read(path, Input::Library).is_ok_and(|content| memmem::find(&content, PLUGIN_SYMBOL.as_bytes()).is_some())
 }

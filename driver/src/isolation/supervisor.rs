@@ -6,11 +6,13 @@ use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
 use super::{Need, Stage, replay, system};
 use crate::case;
+use crate::input;
 use crate::path::Statistics;
 use crate::signals;
 use serde_json::Value;
 use std::ffi::OsString;
-use std::io;
+use std::fs::File;
+use std::io::{self, Write};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -80,7 +82,12 @@ pub struct Failure {
 pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;
-    let mut child = command(job, &path).stderr(Stdio::piped()).spawn()?;
+    let streams = streams()?;
+    let mut command = command(job, &path);
+    streams.iter().for_each(|(stream, _, content)| {
+        command.arg("--stream").args([stream, content]);
+    });
+    let mut child = command.stderr(Stdio::piped()).spawn()?;
     let last_words = LastWords::of(&mut child);
     let mut echo = job.out.filter(|_| job.echo).map(Echo::of);
     // before the run has begun, the files are an earlier one's
@@ -145,6 +152,16 @@ impl<'a> Job<'a> {
         replay["job_folder"] = case::job_folder(file, &document).to_string_lossy().into();
         Some(replay)
     }
+}
+
+/// What this process read from pipes, each in a file that a child can open while it lives.
+fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
+    let handed_on = input::streams().into_iter().map(|(stream, content)| {
+        let (mut file, path) = system::shared_file()?;
+        file.write_all(&content)?;
+        Ok((stream, file, path))
+    });
+    handed_on.collect()
 }
 
 fn command(job: &Job<'_>, recorder: &Path) -> Command {

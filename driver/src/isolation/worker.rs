@@ -1,6 +1,7 @@
 //! The process that calls the plugins.
 
 use super::system;
+use crate::input;
 use crate::path::Statistics;
 use clap::ValueEnum;
 use console::Term;
@@ -68,6 +69,9 @@ pub struct Task {
     /// Say nothing but errors.
     #[arg(long)]
     pub quiet: bool,
+    /// What the supervisor read from a pipe: the pipe's path, and a file with what came out of it.
+    #[arg(long = "stream", num_args = 2)]
+    pub streams: Vec<PathBuf>,
     /// The other command, without the program's name.
     #[arg(last = true)]
     pub command: Vec<OsString>,
@@ -134,6 +138,10 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
     print_by_lines();
     if let Some(terminal) = terminal_of(task.supervisor) {
         let _ = TERMINAL.set(terminal);
+    }
+    for stream in task.streams.chunks_exact(2) {
+        let content = std::fs::read(&stream[1]).map_err(|error| format!("{}: {error}", stream[1].display()))?;
+        input::supply(&stream[0], content);
     }
     let code = work();
     recorder.done(code);

@@ -9,6 +9,7 @@
 
 use super::Program;
 use super::recorder::RecorderState;
+use crate::input::{self, Input};
 use fe_core::model::{ContactLaw, ContactPair, Model, PluginLaw};
 use fe_core::stepping::Checkpoint;
 use serde::{Deserialize, Serialize};
@@ -69,7 +70,7 @@ impl Checkpoints {
     pub fn restart(program: &Program, folder: &Path, every: Option<u64>) -> Result<Self, String> {
         let path = folder.join(FILE);
         let named = |message: &str| format!("{}: {message}", path.display());
-        let content = std::fs::read(&path).map_err(|error| named(&error.to_string()))?;
+        let content = input::read(&path, Input::Checkpoint).map_err(|error| named(&error.to_string()))?;
         let damaged = || named("this is no checkpoint, or it is damaged");
         let rest = content.strip_prefix(MAGIC).ok_or_else(damaged)?;
         let (header, state): (Header, &[u8]) = postcard::take_from_bytes(rest).map_err(|_| damaged())?;
@@ -175,8 +176,8 @@ fn fingerprint(program: &Program) -> io::Result<String> {
 
 fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
     let path = law.library.path();
-    let library =
-        std::fs::read(path).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+    let library = input::read(path, Input::Library)
+        .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
     hash.update(sha256(&library));
     hash.update(format!(
         "{:?}",

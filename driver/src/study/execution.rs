@@ -1,6 +1,7 @@
 //! Runs what has to be run, each in a process of its own, so many at a time.
 
 use super::{Run, Study};
+use crate::input::{self, Input};
 use crate::isolation;
 use crate::output::directory::{Kind, ResultDirectory};
 use crate::output::summary::{Status, Summary};
@@ -77,7 +78,7 @@ impl Execution<'_> {
     /// What becomes of a run if nothing more is run.
     fn present(&self, study: &Study, run: &Run) -> Option<State> {
         let folder = self.out.join(&run.folder);
-        let is_its_own = fs::read(folder.join(MARK))
+        let is_its_own = input::read(&folder.join(MARK), Input::Result)
             .ok()
             .and_then(|text| serde_json::from_slice::<Mark>(&text).ok())
             .is_some_and(|mark| mark.fingerprint == run.fingerprint);

@@ -4,6 +4,7 @@
 
 use super::Run;
 use crate::case::{self, Case};
+use crate::input::{self, Input};
 use crate::isolation;
 use sha2::{Digest, Sha256};
 use std::collections::HashMap;
@@ -53,5 +54,5 @@ impl Fingerprints {
 
 /// Zeros if it cannot be read: the run will say so.
 fn of_file(path: &Path) -> [u8; 32] {
-    std::fs::read(path).map_or([0; 32], |content| Sha256::digest(&content).into())
+    input::read(path, Input::Mesh).map_or([0; 32], |content| Sha256::digest(&content).into())
 }

@@ -8,6 +8,7 @@ use super::document::{
 use super::fingerprint::Fingerprints;
 use super::{Abscissa, Claim, Columns, Member, Quantity, Run, Series, Study};
 use crate::case::{self, Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
+use crate::input::{folder_of, is_stream};
 use crate::output::number;
 use crate::output::plots::quantity::Quantity as Shown;
 use serde_json::{Map, Value};
@@ -44,7 +45,7 @@ pub fn read(
     plugin_paths: &[PathBuf],
     isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
 ) -> Result<Study, CaseErrors> {
-    let folder = file.parent().unwrap_or(Path::new(""));
+    let folder = folder_of(file);
     let mut reader = Reader::new(folder, plugin_paths);
     let study = read_study(&mut reader, file, |reader, document: StudyFile| {
         Resolver { reader, file, overrides, plugin_paths }.study(&document, isolated)
@@ -98,8 +99,7 @@ impl Resolver<'_, '_> {
         }
         let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
         let (runs, columns) = self.runs(&runs, &members, &series, isolated);
-        let curve =
-            given.clone().unwrap_or_else(|| default_curve(&self.file.parent().unwrap_or(Path::new("")).join(&base)));
+        let curve = given.clone().unwrap_or_else(|| default_curve(&folder_of(self.file).join(&base)));
         let place = root.key("curve");
         if given.is_some() {
             self.columns(&curve, columns.as_deref(), &place);
@@ -229,7 +229,18 @@ impl Resolver<'_, '_> {
         for (s, one_series) in series.iter().enumerate() {
             let given = plan.series.get(s).map(|(_, series)| *series);
             let base = given.and_then(|series| series.base.as_deref()).unwrap_or(plan.base);
-            let base = self.file.parent().unwrap_or(Path::new("")).join(base);
+            let base = folder_of(self.file).join(base);
+            if is_stream(&base) {
+                let place = JsonPlace::root();
+                let place = given
+                    .filter(|series| series.base.is_some())
+                    .map_or(place.key("base"), |_| place.key("series").index(s).key("base"));
+                self.problem(
+                    &place,
+                    format!("{}: is a pipe or a device: each run reads its case from a file", base.display()),
+                );
+                return (None, None);
+            }
             for (m, member) in members.iter().enumerate() {
                 let of_series = given.and_then(|series| series.set.as_ref());
                 let own = plan.members[m].1.set.as_ref();

@@ -5,6 +5,7 @@ use super::super::document::PulloutCase;
 use super::super::document::pullout as document;
 use super::super::problem::{Place, hint};
 use super::generated::{Generated, generate};
+use crate::input::{self, Input};
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
@@ -93,7 +94,15 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
         }
         document::MeshSource::File(source) => {
             let properties = file_properties(reader, case)?;
-            match gmsh::read(&reader.folder.join(&source.file), &properties) {
+            let file = reader.folder.join(&source.file);
+            let bytes = match input::read(&file, Input::Mesh) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    reader.problem(&place.key("file"), format!("{} cannot be read: {error}", file.display()));
+                    return None;
+                }
+            };
+            match gmsh::read(&file, &bytes, &properties) {
                 Ok(definition) => {
                     let words = format!("file {}", source.file);
                     Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })

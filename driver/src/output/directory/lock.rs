@@ -1,6 +1,7 @@
 //! One writer at a time.
 
 use super::{Refusal, at};
+use crate::input::{self, Input};
 use rustix::fs::{FlockOperation, flock};
 use rustix::io::Errno;
 use std::fs::{self, File};
@@ -32,10 +33,10 @@ impl Lock {
                 File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(at(&path))?;
             let note = match flock(&file, FlockOperation::NonBlockingLockExclusive) {
                 Ok(()) => None,
-                Err(Errno::WOULDBLOCK) => return Err(taken(directory, &fs::read_to_string(&path).unwrap_or_default())),
+                Err(Errno::WOULDBLOCK) => return Err(taken(directory, &text(&path))),
                 // NFS without its lock daemon, some file systems in user space
                 Err(Errno::NOLCK | Errno::NOTSUP | Errno::NOSYS | Errno::INVAL) => {
-                    let text = fs::read_to_string(&path).unwrap_or_default();
+                    let text = text(&path);
                     if is_alive(&text) {
                         return Err(taken(directory, &text));
                     }
@@ -63,6 +64,10 @@ impl Drop for Lock {
         // before it is released
         let _ = fs::remove_file(&self.path);
     }
+}
+
+fn text(path: &Path) -> String {
+    input::text(path, Input::Result).unwrap_or_default()
 }
 
 fn this_process() -> [String; 2] {

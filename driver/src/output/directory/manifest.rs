@@ -2,6 +2,7 @@
 
 use super::names::{self, Kind};
 use super::{MANIFEST, at, fs, io, write_whole};
+use crate::input::{self, Input};
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
@@ -54,7 +55,7 @@ impl Content {
 }
 
 fn hash(path: &Path) -> io::Result<String> {
-    let digest = Sha256::digest(fs::read(path).map_err(at(path))?);
+    let digest = Sha256::digest(input::read(path, Input::Result).map_err(at(path))?);
     Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
 }
 
@@ -67,7 +68,7 @@ impl Manifest {
     /// Of a directory; `None`: nothing there is ours. An older version's results have none, but are known.
     pub(super) fn read(directory: &Path, kind: Kind) -> io::Result<Option<Self>> {
         let path = directory.join(MANIFEST);
-        match fs::read(&path) {
+        match input::read(&path, Input::Result) {
             Ok(text) => serde_json::from_slice(&text).map(Some).map_err(|_| super::super::malformed(&path, "not ours")),
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let files = kind.of_older_version(directory);

@@ -1,6 +1,7 @@
 //! The names of results.
 
 use super::super::summary::Summary;
+use crate::input::{self, Input};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs;
@@ -84,7 +85,7 @@ impl Kind {
     /// Files in a directory without a manifest that a program of an older version wrote: what it concluded with tells.
     pub(super) fn of_older_version(self, directory: &Path) -> BTreeSet<String> {
         let json = |name: &str| -> Option<serde_json::Value> {
-            serde_json::from_slice(&fs::read(directory.join(name)).ok()?).ok()
+            serde_json::from_slice(&input::read(&directory.join(name), Input::Result).ok()?).ok()
         };
         let has = |name: &str, keys: &[&str]| {
             json(name).is_some_and(|document| keys.iter().all(|key| document.get(key).is_some()))

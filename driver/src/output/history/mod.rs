@@ -1,6 +1,7 @@
 //! `history.csv`: written line by line as the run goes on, read back for pictures and comparisons.
 
 use super::{at, malformed, number};
+use crate::input;
 use crate::path::Row;
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions};
@@ -113,7 +114,7 @@ pub fn digest_of(path: &Path, bytes: u64) -> io::Result<String> {
 }
 
 fn digest(path: &Path, bytes: u64) -> io::Result<Sha256> {
-    let mut file = File::open(path).map_err(at(path))?.take(bytes);
+    let mut file = input::open(path).map_err(at(path))?.take(bytes);
     let (mut block, mut digest) = (vec![0; 1 << 16], Sha256::new());
     loop {
         match file.read(&mut block).map_err(at(path))? {
@@ -200,7 +201,7 @@ impl HistoryFile {
     }
 
     fn reader(&self) -> io::Result<csv::Reader<io::Take<File>>> {
-        let file = File::open(&self.path).map_err(at(&self.path))?;
+        let file = input::open(&self.path).map_err(at(&self.path))?;
         Ok(csv::ReaderBuilder::new().buffer_capacity(1 << 16).from_reader(file.take(self.finished)))
     }
 
@@ -287,7 +288,7 @@ impl HistoryFile {
 
     /// Number of lines but the header.
     fn rows(&self) -> io::Result<usize> {
-        let mut file = File::open(&self.path).map_err(at(&self.path))?.take(self.finished);
+        let mut file = input::open(&self.path).map_err(at(&self.path))?.take(self.finished);
         let (mut block, mut lines) = (vec![0; 1 << 16], 0_usize);
         loop {
             match file.read(&mut block).map_err(at(&self.path))? {
@@ -323,7 +324,7 @@ fn keep_extremes(stretch: &[f64], data: &mut [Vec<f64>]) {
 /// Length of a file up to the end of its last whole line.
 fn whole_lines(path: &Path) -> io::Result<u64> {
     const BLOCK: u64 = 4096;
-    let mut file = File::open(path)?;
+    let mut file = input::open(path)?;
     let mut end = file.metadata()?.len();
     let mut block = Vec::new();
     while end > 0 {

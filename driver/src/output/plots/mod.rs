@@ -8,6 +8,7 @@ use super::directory::ResultDirectory;
 use super::history::History;
 use super::{at, malformed};
 use crate::case::Case;
+use crate::input::{self, Input};
 use crate::path::program::{Compare, Control, Kind, PointDrive, PointStep, Program};
 use figure::Figure;
 use serde::{Deserialize, Serialize};
@@ -142,7 +143,7 @@ impl Spec {
 
     /// Reads what [`draw`] left in a folder.
     pub fn read(path: &Path) -> io::Result<Self> {
-        let text = std::fs::read(path).map_err(at(path))?;
+        let text = input::read(path, Input::Result).map_err(at(path))?;
         serde_json::from_slice(&text).map_err(|error| malformed(path, error))
     }
 }

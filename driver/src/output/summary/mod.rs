@@ -3,6 +3,7 @@
 use super::compare::Comparison;
 use super::directory::ResultDirectory;
 use super::{at, malformed};
+use crate::input::{self, Input};
 use crate::path::Row;
 use crate::pullout::Findings;
 use indexmap::IndexMap;
@@ -77,7 +78,7 @@ impl Summary {
 
     /// Reads a file.
     pub fn read(path: &Path) -> io::Result<Self> {
-        let text = std::fs::read(path).map_err(at(path))?;
+        let text = input::read(path, Input::Result).map_err(at(path))?;
         serde_json::from_slice(&text).map_err(|error| malformed(path, error))
     }
 }
@@ -109,7 +110,7 @@ pub struct PluginOf {
 impl PluginFile {
     /// Reads and hashes the file.
     pub fn identify(path: &Path, version: &str) -> io::Result<Self> {
-        let content = std::fs::read(path).map_err(at(path))?;
+        let content = input::read(path, Input::Library).map_err(at(path))?;
         let sha256 = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { path: path.display().to_string(), version: version.to_owned(), sha256 })
     }

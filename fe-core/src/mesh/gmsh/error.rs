@@ -41,9 +41,6 @@ impl std::fmt::Display for Place {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
 pub enum GmshFault {
-    /// Not readable at all.
-    #[error("cannot read the file: {message}")]
-    Read { message: String },
     /// No mesh file.
     #[error("this is no Gmsh mesh: it must start with $MeshFormat, found '{found}'")]
     NotGmsh { found: String },

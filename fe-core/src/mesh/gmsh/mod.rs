@@ -29,30 +29,12 @@ pub struct PartProperties {
     pub integration: Option<Integration>,
 }
 
-/// Reads a mesh file; `parts` has the properties of each physical surface by its name.
+/// Reads the bytes of a mesh file, which messages call `path`; `parts` has the properties of each physical surface by its name.
 ///
 /// # Errors
 ///
 /// The first fault of the file with its place; all names that the file or `parts` lacks at once.
-pub fn read(path: &Path, parts: &BTreeMap<String, PartProperties>) -> Result<MeshDefinition, GmshError> {
-    let bytes = std::fs::read(path).map_err(|error| GmshError {
-        path: path.to_owned(),
-        place: Place::File,
-        fault: GmshFault::Read { message: error.to_string() },
-    })?;
-    read_bytes(path, &bytes, parts)
-}
-
-/// Reads the bytes of a mesh file; `path` is what messages call it.
-///
-/// # Errors
-///
-/// As [`read`].
-pub fn read_bytes(
-    path: &Path,
-    bytes: &[u8],
-    parts: &BTreeMap<String, PartProperties>,
-) -> Result<MeshDefinition, GmshError> {
+pub fn read(path: &Path, bytes: &[u8], parts: &BTreeMap<String, PartProperties>) -> Result<MeshDefinition, GmshError> {
     let mut source = source::Source::new(bytes);
     let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
     conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {
