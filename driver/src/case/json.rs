@@ -1,4 +1,4 @@
-//! JSON text to a value that remembers which keys were given twice, and `--set`.
+//! JSON text to a value, with what no value tells: keys that were given twice; and `--set`.
 
 use super::problem::{Place, Problem};
 use serde::de::{DeserializeSeed, Deserializer, Error, MapAccess, SeqAccess, Visitor};
@@ -6,33 +6,62 @@ use serde_json::{Map, Value};
 use std::cell::RefCell;
 use std::fmt;
 
+/// Most values of a case: numbers, texts, arrays, objects. More are data, which tables and meshes hold; in memory each
+/// takes some hundred bytes before it is known what it is.
+const MOST_VALUES: usize = 1_000_000;
+
 /// Reads JSON text. Keys given twice are problems; the last value counts.
 ///
 /// # Errors
-/// The syntax error, with line and column.
+/// The syntax error, with line and column; more values than a case may have.
 pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
-    let repeated = RefCell::new(Vec::new());
+    let found = RefCell::new(Found::default());
     let mut deserializer = serde_json::Deserializer::from_str(text);
-    let value = Noting { place: Place::root(), repeated: &repeated }.deserialize(&mut deserializer);
+    let value = Noting { place: Place::root(), found: &found }.deserialize(&mut deserializer);
     let value = value.and_then(|value| deserializer.end().map(|()| value)).map_err(|error| {
         let message = error.to_string();
         let position = format!(" at line {} column {}", error.line(), error.column());
         let what = message.strip_suffix(&position).unwrap_or(&message);
-        Problem::unreadable(format!("line {}, column {}: not valid JSON: {what}", error.line(), error.column()))
+        let kind = if error.is_data() { "" } else { "not valid JSON: " };
+        Problem::unreadable(format!("line {}, column {}: {kind}{what}", error.line(), error.column()))
     })?;
-    Ok((value, repeated.into_inner()))
+    Ok((value, found.into_inner().repeated))
+}
+
+/// What was found on the way.
+#[derive(Default)]
+struct Found {
+    values: usize,
+    repeated: Vec<Problem>,
 }
 
 /// Deserialises a value at a place, noting repeated keys on the way.
 struct Noting<'a> {
     place: Place,
-    repeated: &'a RefCell<Vec<Problem>>,
+    found: &'a RefCell<Found>,
+}
+
+impl Noting<'_> {
+    /// Descends into a member or an entry.
+    fn within(&self, place: Place) -> Self {
+        Self { place, found: self.found }
+    }
 }
 
 impl<'de> DeserializeSeed<'de> for Noting<'_> {
     type Value = Value;
 
     fn deserialize<D: Deserializer<'de>>(self, deserializer: D) -> Result<Value, D::Error> {
+        let count = {
+            let mut found = self.found.borrow_mut();
+            found.values += 1;
+            found.values
+        };
+        if count > MOST_VALUES {
+            return Err(D::Error::custom(format!(
+                "more than {MOST_VALUES} values: numbers by the thousand belong into tables and meshes"
+            )));
+        }
         deserializer.deserialize_any(self)
     }
 }
@@ -70,9 +99,7 @@ impl<'de> Visitor<'de> for Noting<'_> {
 
     fn visit_seq<A: SeqAccess<'de>>(self, mut access: A) -> Result<Value, A::Error> {
         let mut elements = Vec::new();
-        while let Some(element) =
-            access.next_element_seed(Noting { place: self.place.index(elements.len()), repeated: self.repeated })?
-        {
+        while let Some(element) = access.next_element_seed(self.within(self.place.index(elements.len())))? {
             elements.push(element);
         }
         Ok(Value::Array(elements))
@@ -82,12 +109,43 @@ impl<'de> Visitor<'de> for Noting<'_> {
         let mut members = Map::new();
         while let Some(key) = access.next_key::<String>()? {
             let place = self.place.key(&key);
-            let value = access.next_value_seed(Noting { place: place.clone(), repeated: self.repeated })?;
+            let value = access.next_value_seed(self.within(place.clone()))?;
             if members.insert(key, value).is_some() {
-                self.repeated.borrow_mut().push(Problem::new(place, "the key is given twice; give it once"));
+                let repeated = Problem::new(place, "the key is given twice; give it once");
+                self.found.borrow_mut().repeated.push(repeated);
             }
         }
         Ok(Value::Object(members))
+    }
+}
+
+/// Finds texts and keys that would act on a terminal or break a picture: control characters are there for line breaks and
+/// tabs of descriptions alone.
+pub fn check_texts(value: &Value, place: &Place, problems: &mut Vec<Problem>) {
+    let check = |text: &str, place: &Place, allowed: &str, problems: &mut Vec<Problem>| {
+        if text.contains(|c: char| c.is_control() && !allowed.contains(c)) {
+            let message = "has a control character (a line break, a tab, …), which no page or picture can show";
+            problems.push(Problem::new(place.clone(), message));
+        }
+    };
+    match value {
+        Value::String(text) => check(text, place, "", problems),
+        Value::Array(entries) => {
+            // of numbers there may be many
+            let others = entries.iter().enumerate().filter(|(_, entry)| !entry.is_number());
+            others.for_each(|(k, entry)| check_texts(entry, &place.index(k), problems));
+        }
+        Value::Object(members) => {
+            for (key, member) in members {
+                let place = place.key(key);
+                check(key, &place, "", problems);
+                match member {
+                    Value::String(text) if key == "description" => check(text, &place, "\n\r\t", problems),
+                    _ => check_texts(member, &place, problems),
+                }
+            }
+        }
+        _ => {}
     }
 }
 

@@ -11,7 +11,7 @@ use document::{InterfaceCase, PointCase, PulloutCase};
 use problem::{Place, Problem};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Library, announce_job};
 
@@ -149,10 +149,8 @@ impl<'a> Reader<'a> {
     /// Puts problems of structure before those of meaning, found since there were `before`, and drops what they explain.
     fn add_structural(&mut self, structural: Vec<Problem>, before: usize) {
         let meaning = self.problems.split_off(before);
-        let explained = |problem: &Problem| {
-            let place = problem.place.as_ref();
-            structural.iter().any(|s| place.zip(s.place.as_ref()).is_some_and(|(place, within)| place.contains(within)))
-        };
+        let places: BTreeSet<&Place> = structural.iter().filter_map(|problem| problem.place.as_ref()).collect();
+        let explained = |problem: &Problem| problem.place.as_ref().is_some_and(|place| place.contains_one_of(&places));
         let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
         self.problems.extend(structural);
         self.problems.extend(meaning);
@@ -279,6 +277,7 @@ fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> 
             problems.push(problem);
         }
     }
+    json::check_texts(&document, &Place::root(), problems);
     Some(document)
 }
 

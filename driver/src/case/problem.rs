@@ -1,5 +1,6 @@
 //! What is wrong with a case, and where.
 
+use std::collections::BTreeSet;
 use std::fmt;
 use std::path::PathBuf;
 
@@ -31,9 +32,13 @@ impl Place {
         Self(format!("{}[{index}]", self.0))
     }
 
-    /// Whether `other` is this place or lies within it.
-    pub fn contains(&self, other: &Self) -> bool {
-        other.0.strip_prefix(&self.0).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+    /// Whether one of some places is this one or lies within it.
+    pub fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
+        // What begins with a text stands together in their order.
+        let has_beginning = |beginning: Self| {
+            places.range::<&Self, _>(&beginning..).next().is_some_and(|place| place.0.starts_with(&beginning.0))
+        };
+        places.contains(self) || [".", "["].into_iter().any(|next| has_beginning(Self(format!("{}{next}", self.0))))
     }
 
     /// As `--set` names it: `material.props`.
@@ -99,6 +104,11 @@ impl fmt::Display for Problem {
     }
 }
 
+/// Problems that are told one by one; of more, how many there are.
+pub const MOST_SHOWN: usize = 50;
+/// Characters of a problem that are told.
+const LONGEST_LINE: usize = 1000;
+
 /// Everything that is wrong with a case file.
 #[derive(Clone, Debug)]
 pub struct CaseErrors {
@@ -117,11 +127,19 @@ impl CaseErrors {
 
 impl fmt::Display for CaseErrors {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        for (k, problem) in self.problems.iter().enumerate() {
+        let file = self.file.display();
+        for (k, problem) in self.problems.iter().take(MOST_SHOWN).enumerate() {
             let line_end = if k == 0 { "" } else { "\n" };
-            write!(f, "{line_end}{}: {problem}", self.file.display())?;
+            // names and texts of the case may be of any length
+            let line: String = problem.to_string().chars().take(LONGEST_LINE + 1).collect();
+            let end = line.char_indices().nth(LONGEST_LINE).map_or(line.len(), |(end, _)| end);
+            let ellipsis = if end < line.len() { "…" } else { "" };
+            write!(f, "{line_end}{file}: {}{ellipsis}", line[..end].replace('\n', "\\n"))?;
         }
-        Ok(())
+        match self.problems.len().saturating_sub(MOST_SHOWN) {
+            0 => Ok(()),
+            more => write!(f, "\n{file}: and {more} more problems"),
+        }
     }
 }
 

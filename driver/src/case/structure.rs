@@ -4,7 +4,7 @@
 //! so that "neither this nor that nor that" does not reach the user.
 
 use super::document::{InterfaceCase, PointCase, PulloutCase};
-use super::problem::{Place, Problem, hint, shown};
+use super::problem::{MOST_SHOWN, Place, Problem, hint, shown};
 use crate::study::document::StudyFile;
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
@@ -12,6 +12,7 @@ use jsonschema::{JsonType, ValidationError, Validator};
 use schemars::SchemaGenerator;
 use schemars::generate::SchemaSettings;
 use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::OnceLock;
 
 /// A kind of case: its name and its part of the schema.
@@ -101,7 +102,7 @@ pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
         }
     };
     let mut findings =
-        Findings { schema, problems: Vec::new(), unknown: Vec::new(), missing: Vec::new(), no_arrays: Vec::new() };
+        Findings { schema, problems: Vec::new(), unknown: BTreeMap::new(), missing: Vec::new(), no_arrays: Vec::new() };
     for error in validator.iter_errors(document) {
         findings.describe(&error);
     }
@@ -111,9 +112,9 @@ pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
             *value = Value::Null;
         }
     }
-    for (pointer, key) in unknown {
+    for (pointer, keys) in unknown {
         if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
-            members.shift_remove(&key);
+            members.retain(|key, _| !keys.contains(key));
         }
     }
     for (pointer, key) in missing {
@@ -127,8 +128,9 @@ pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
 struct Findings<'s> {
     schema: &'s Value,
     problems: Vec<Problem>,
-    /// JSON pointer of an object, and a key in it.
-    unknown: Vec<(String, String)>,
+    /// By JSON pointer of an object, keys in it.
+    unknown: BTreeMap<String, BTreeSet<String>>,
+    /// JSON pointer of an object, and a key that it lacks.
     missing: Vec<(String, String)>,
     /// JSON pointers of arrays where there should be none.
     no_arrays: Vec<String>,
@@ -143,10 +145,11 @@ impl Findings<'_> {
             Kind::AdditionalProperties { unexpected } => {
                 let valid = self.property_names(error.schema_path());
                 for key in unexpected {
-                    let message = format!("unknown key{}", hint(key, &valid));
-                    self.problems.push(Problem::new(place.key(key), message));
-                    self.unknown.push((pointer.clone(), key.clone()));
+                    // to look for a similar name takes longer than all else
+                    let hint = if self.problems.len() < MOST_SHOWN { hint(key, &valid) } else { String::new() };
+                    self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
                 }
+                self.unknown.entry(pointer).or_default().extend(unexpected.iter().cloned());
                 return;
             }
             Kind::Required { property } => {

@@ -15,6 +15,7 @@ use crate::case::{self, Case, CaseErrors};
 use crate::isolation;
 use crate::isolation::prints::{Prints, say};
 use crate::output::directory::Kind;
+use crate::output::plain;
 use crate::signals;
 use clap::{Parser, Subcommand};
 use std::ffi::OsString;
@@ -220,7 +221,7 @@ fn schema() -> u8 {
 /// Prints to standard error.
 fn complain(text: impl std::fmt::Display) {
     use std::io::Write;
-    let _ = writeln!(std::io::stderr(), "{text}");
+    let _ = writeln!(std::io::stderr(), "{}", plain(&text.to_string()));
 }
 
 /// Prints a case's problems and returns their exit code.

@@ -3,6 +3,7 @@
 //! While a [`Prints`] lives, the standard output is a file, and a duplicate of the former one is ours. Fortran's unit 7
 //! goes to a file beside it where its runtime lets itself be told so.
 
+use crate::output::plain;
 use rustix::io::fcntl_dupfd_cloexec;
 use rustix::stdio::{dup2_stdout, stdout};
 use std::fs::{self, File};
@@ -28,6 +29,7 @@ fn ours() -> MutexGuard<'static, Option<OwnedFd>> {
 
 /// Prints to the standard output that this program was given; a reader that went away (`| head`) is no error.
 pub fn say(text: &str) {
+    let text = plain(text);
     let _ = match ours().as_ref().and_then(|ours| ours.try_clone().ok()) {
         Some(ours) => File::from(ours).write_all(text.as_bytes()),
         None => io::stdout().write_all(text.as_bytes()),

@@ -4,6 +4,7 @@
 //! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it,
 //! [`summary`] and [`report`] say what came out. Nothing of the curve is kept in memory during the run.
 
+use std::borrow::Cow;
 use std::io;
 use std::path::Path;
 
@@ -22,6 +23,16 @@ mod test;
 /// Puts the file's name in front of an error's message.
 fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
     move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
+/// Text for a terminal: control characters, on which it might act, are written as JSON has them; line breaks and tabs stay.
+pub fn plain(text: &str) -> Cow<'_, str> {
+    let acts = |c: char| c.is_control() && !"\n\t".contains(c);
+    if !text.contains(acts) {
+        return text.into();
+    }
+    let shown = |c: char| if acts(c) { format!("\\u{:04x}", u32::from(c)) } else { c.into() };
+    text.chars().map(shown).collect::<String>().into()
 }
 
 /// A file with wrong content.

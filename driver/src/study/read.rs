@@ -75,7 +75,6 @@ impl Resolver<'_, '_> {
     fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Path, &[String]) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
         let title = self.reader.optional(document.title.as_ref(), &root.key("title")).cloned();
-        self.free_text(title.as_deref(), &root.key("title"));
         let description = self.reader.optional(document.description.as_ref(), &root.key("description")).cloned();
         let x = self.reader.optional(document.x.as_ref(), &root.key("x")).map(|x| Abscissa {
             name: x.name.clone(),
@@ -146,7 +145,6 @@ impl Resolver<'_, '_> {
         let mut members = Vec::new();
         for (place, member) in of_file {
             self.directory_name(&member.label, &mut labels, &place.key("label"));
-            self.free_text(member.title.as_deref(), &place.key("title"));
             if member.x.is_none() && with_x > 0 {
                 self.problem(&place.key("x"), "is missing: other members have one");
             }
@@ -180,18 +178,10 @@ impl Resolver<'_, '_> {
             if RESERVED.contains(&series.name.to_lowercase().as_str()) {
                 self.problem(&place.key("name"), "is a name in the study's own directory; choose another");
             }
-            self.free_text(series.title.as_deref(), &place.key("title"));
             let title = series.title.clone().unwrap_or_else(|| series.name.clone());
             all.push(Series { name: series.name.clone(), title });
         }
         all
-    }
-
-    /// A text that stands in tables, pictures and pages.
-    fn free_text(&mut self, text: Option<&str>, place: &JsonPlace) {
-        if text.is_some_and(|text| text.chars().any(char::is_control)) {
-            self.problem(place, "has a control character (a line break, a tab, …), which no picture or page can show");
-        }
     }
 
     /// A name that becomes a directory.

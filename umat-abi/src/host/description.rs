@@ -164,8 +164,8 @@ impl Law {
             (self.validate)(props.as_ptr(), count, length, message.as_mut_ptr().cast::<c_char>(), message.len())
         };
         let text = || {
-            let text = CStr::from_bytes_until_nul(&message).map_or("", |text| text.to_str().unwrap_or(""));
-            text.to_owned()
+            CStr::from_bytes_until_nul(&message)
+                .map_or_else(|_| String::new(), |text| printable(&text.to_string_lossy()))
         };
         match status {
             validation::OK => Validation::Valid,
@@ -311,6 +311,16 @@ unsafe fn read_table<T, R>(table: &Table<T>, read: impl Fn(&T) -> Result<R, Stri
         .collect()
 }
 
+/// A plugin's text without control characters: it is shown on terminals, in tables and in pictures. A line break is a blank.
+fn printable(text: &str) -> String {
+    let shown = |c: char| match c {
+        '\n' | '\r' | '\t' => ' ',
+        c if c.is_control() => char::REPLACEMENT_CHARACTER,
+        c => c,
+    };
+    text.chars().map(shown).collect()
+}
+
 /// # Safety
 /// NULL or a NUL-terminated string.
 unsafe fn text(text: Text) -> Result<String, String> {
@@ -318,5 +328,15 @@ unsafe fn text(text: Text) -> Result<String, String> {
         return Err("a text of the metadata is NULL".into());
     }
     // SAFETY: not NULL; NUL-terminated by the contract.
-    Ok(unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy().into_owned())
+    Ok(printable(&unsafe { CStr::from_ptr(text.as_ptr()) }.to_string_lossy()))
+}
+
+#[cfg(test)]
+mod test {
+    use super::printable;
+
+    #[test]
+    fn a_plugins_text_does_not_act_on_a_terminal() {
+        assert_eq!(printable("one\r\ntwo τ \u{1b}[2J\u{9b}"), "one  two τ \u{fffd}[2J\u{fffd}");
+    }
 }

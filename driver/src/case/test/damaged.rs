@@ -213,3 +213,49 @@ fn wild_path() -> impl Strategy<Value = String> {
         1 => wild_word(),
     ]
 }
+
+#[test]
+fn of_very_many_problems_the_first_are_told_and_the_others_counted() {
+    let mut case = point_case();
+    for k in 0..100_000 {
+        case[format!("unknown {k}")] = k.into();
+    }
+    let errors = Bench::new().read(&case, &[]).expect_err("unknown keys");
+    assert_eq!(errors.problems.len(), 100_000);
+    let text = errors.to_string();
+    assert_eq!(text.lines().count(), 51);
+    assert!(text.ends_with("case.json: and 99950 more problems"), "{text}");
+    // wrong both in structure and in meaning
+    let steps: Vec<Value> = (0..10_000).map(|_| serde_json::json!({ "increments": 0, "target": { "x": 1 } })).collect();
+    let mut case = point_case();
+    case["steps"] = steps.into();
+    let errors = Bench::new().read(&case, &[]).expect_err("wrong steps");
+    assert!(errors.problems.len() >= 20_000 && errors.to_string().lines().count() == 51);
+}
+
+#[test]
+fn a_case_of_too_many_values_is_refused_before_they_are_read() {
+    let mut case = point_case();
+    case["material"]["props"] = vec![0; 1_000_000].into();
+    let words = Bench::new().read(&case, &[]).expect_err("a million numbers").to_string();
+    assert!(words.contains(": more than 1000000 values: numbers by the thousand belong into tables"), "{words}");
+    case["material"]["props"] = vec![0; 900_000].into();
+    let words = Bench::new().read(&case, &[]).expect_err("too many parameters").to_string();
+    assert!(words.contains("$.material.props") && words.len() < 1000, "{words}");
+}
+
+#[test]
+fn texts_that_would_act_on_a_terminal_are_refused_and_long_ones_cut() {
+    let words = |key: &str, text: &str| {
+        let mut case = point_case();
+        case[key] = text.into();
+        Bench::new().read(&case, &[]).map(drop).map_err(|errors| errors.to_string())
+    };
+    for (key, text) in [("title", "a\u{1b}[2J"), ("title", "two\nlines"), ("description", "\u{9b}"), ("a\u{7}", "b")] {
+        let said = words(key, text).expect_err("a control character");
+        assert!(said.contains("has a control character"), "{said}");
+    }
+    assert_eq!(words("description", "two\n\tlines"), Ok(()));
+    let said = words("mode", &"long".repeat(30_000)).expect_err("no mode");
+    assert!(said.len() < 1200 && !said.contains('\n'), "{said}");
+}

@@ -531,7 +531,7 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&["mesh={\"specimen\": {\"type\": \"beam\"}}"], "$.parts.fibre", "the specimen has no part 'fibre'", ByMeaning),
-    (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot read the file", ByMeaning),
+    (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot be read: No such file", ByMeaning),
     (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
     (&["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"], "$.mesh.file", "matrix", ByMeaning),
     (&["grip.nodes=girp"], "$.grip.nodes", "no node set 'girp'; nearest valid name: 'grip'", ByMeaning),

@@ -1,0 +1,135 @@
+//! The program as a process, and what is expected of each.
+
+use nix::sys::resource::{UsageWho, getrusage};
+use std::ffi::OsStr;
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+use wait_timeout::ChildExt;
+
+/// The name by which the test program is `pullout`.
+pub const NAME: &str = "pullout";
+/// A run that is longer is asked to end.
+const PATIENCE: Duration = Duration::from_secs(20);
+/// One that does not end then hangs.
+const GRACE: Duration = Duration::from_secs(30);
+/// The most memory of a process, bytes.
+pub const MOST_MEMORY: u64 = 1 << 30;
+
+/// The program, in a folder.
+pub fn pullout<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Command {
+    let mut command = Command::new(std::env::current_exe().expect("the path of this program"));
+    command.arg0(NAME).current_dir(folder).args(arguments);
+    command.env_remove("PULLOUT_PLUGIN_PATH").stdin(Stdio::null());
+    command
+}
+
+/// What a process said and how it ended.
+#[derive(Debug)]
+pub struct Outcome {
+    pub status: ExitStatus,
+    pub stdout: String,
+    pub stderr: String,
+    /// It was asked to end, for it took long.
+    pub was_asked: bool,
+}
+
+/// Runs a process to its end.
+pub fn outcome(mut command: Command) -> Result<Outcome, String> {
+    let [mut stdout, mut stderr] = [(); 2].map(|()| tempfile::tempfile().expect("a temporary file"));
+    let copy = |file: &File| file.try_clone().expect("a descriptor");
+    let mut child = command.stdout(copy(&stdout)).stderr(copy(&stderr)).spawn().map_err(|error| error.to_string())?;
+    let ended = child.wait_timeout(PATIENCE).map_err(|error| error.to_string())?;
+    let was_asked = ended.is_none();
+    let ended = match ended {
+        Some(status) => Some(status),
+        None => {
+            terminate(&child);
+            child.wait_timeout(GRACE).map_err(|error| error.to_string())?
+        }
+    };
+    let Some(status) = ended else {
+        let _ = child.kill();
+        let _ = child.wait();
+        return Err(format!("hangs, also {} s after SIGTERM: {command:?}", GRACE.as_secs()));
+    };
+    let text = |file: &mut File| {
+        let mut bytes = Vec::new();
+        file.rewind().and_then(|()| file.read_to_end(&mut bytes)).expect("a temporary file");
+        String::from_utf8_lossy(&bytes).into_owned()
+    };
+    Ok(Outcome { status, stdout: text(&mut stdout), stderr: text(&mut stderr), was_asked })
+}
+
+fn terminate(child: &Child) {
+    let pid = nix::unistd::Pid::from_raw(i32::try_from(child.id()).expect("a process id"));
+    let _ = nix::sys::signal::kill(pid, nix::sys::signal::Signal::SIGTERM);
+}
+
+impl Outcome {
+    /// Whether it ended as it may: with a code, in words that name one of these files where something is wrong.
+    pub fn judge(&self, names: &[&str]) -> Result<i32, String> {
+        let wrong = |what: &str| Err(format!("{what}; stderr:\n{}", shortened(&self.stderr)));
+        let Some(code) = self.status.code() else {
+            return wrong(&format!("ended by signal {}", self.status.signal().unwrap_or_default()));
+        };
+        if self.stderr.contains("panicked at") || self.stdout.contains("panicked at") {
+            return wrong("panicked");
+        }
+        if !matches!(code, 0..=3) && !(self.was_asked && code == 143) {
+            return wrong(&format!("exit {code}"));
+        }
+        if code != 0 && !names.iter().any(|name| self.stderr.contains(name)) {
+            return wrong(&format!("exit {code}, and no message names {}", names.join(" or ")));
+        }
+        let is_plain = |c: char| !c.is_control() || c == '\n' || c == '\t';
+        if !self.stderr.chars().chain(self.stdout.chars()).all(is_plain) {
+            return wrong("control characters");
+        }
+        Ok(code)
+    }
+}
+
+fn shortened(text: &str) -> String {
+    text.chars().take(600).map(|c| if c.is_control() && c != '\n' { '?' } else { c }).collect()
+}
+
+/// The most memory that a child of this process took, bytes.
+pub fn peak_of_children() -> u64 {
+    let usage = getrusage(UsageWho::RUSAGE_CHILDREN).expect("it is always known");
+    u64::try_from(usage.max_rss()).unwrap_or_default() << 10
+}
+
+/// Every file below a folder with its size and time, but for those within `left_out`.
+pub fn inventory(folder: &Path, left_out: &Path) -> Vec<(PathBuf, u64, std::time::SystemTime)> {
+    let mut files = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(&folder).expect("a folder").flatten() {
+            let path = entry.path();
+            let metadata = std::fs::symlink_metadata(&path).expect("a file");
+            match metadata.is_dir() {
+                _ if path == left_out => {}
+                true => folders.push(path),
+                false => files.push((path, metadata.len(), metadata.modified().expect("a time"))),
+            }
+        }
+    }
+    files.sort();
+    files
+}
+
+/// Waits until something is so, as long as a child lives; whether it is.
+pub fn until(child: &mut Child, is_so: impl Fn() -> bool) -> bool {
+    let start = Instant::now();
+    while !is_so() {
+        if start.elapsed() > PATIENCE || child.try_wait().is_ok_and(|status| status.is_some()) {
+            return is_so();
+        }
+        std::thread::sleep(Duration::from_millis(1));
+    }
+    true
+}
