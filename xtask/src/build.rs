@@ -20,24 +20,22 @@ pub struct Products {
     pub kratos: Vec<PathBuf>,
 }
 
-/// Builds program and plugins.
+/// Builds program and plugins, at once: the program knows its plugins by their hashes, and a second build with other
+/// features would make others.
 ///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
 pub fn build(workspace: &Path, profile: &str) -> Result<Products, String> {
-    let mut products = products(&messages(workspace, profile, &["--package", PROGRAM])?)?;
-    products.kratos = libraries(&messages(workspace, profile, &["--package", ALL_LAWS, "--examples"])?, "example")?;
-    Ok(products)
+    products(&messages(workspace, profile)?)
 }
 
-/// Cargo's messages of a build.
-fn messages(workspace: &Path, profile: &str, what: &[&str]) -> Result<String, String> {
+/// Cargo's messages of the build.
+fn messages(workspace: &Path, profile: &str) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command
         .current_dir(workspace)
-        .arg("build")
-        .args(what)
+        .args(["build", "--package", PROGRAM, "--package", ALL_LAWS, "--lib", "--bins", "--examples"])
         .args(["--profile", profile, "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
@@ -72,13 +70,14 @@ fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     Ok(libraries)
 }
 
-/// The program and the plugins.
+/// The program, the plugins, and the libraries for Kratos.
 fn products(messages: &str) -> Result<Products, String> {
     let programs = artifacts(messages)?;
     let program = programs.iter().rev().find_map(|artifact| artifact["executable"].as_str());
     match program {
         Some(program) => {
-            Ok(Products { program: program.into(), libraries: libraries(messages, "cdylib")?, kratos: Vec::new() })
+            let (libraries, kratos) = (libraries(messages, "cdylib")?, libraries(messages, "example")?);
+            Ok(Products { program: program.into(), libraries, kratos })
         }
         None => Err("the build made no program".to_owned()),
     }
@@ -95,19 +94,15 @@ mod test {
             r#"{{"reason":"compiler-artifact","target":{{"kind":["lib"]}},"filenames":["/t/libserde.rlib"],"executable":null}}
 {{"reason":"compiler-artifact","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
 {{"reason":"compiler-artifact","target":{{"kind":["bin"]}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
+{{"reason":"compiler-artifact","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
 {{"reason":"build-finished","success":true}}"#
         );
         let expected = Products {
             program: "/t/pullout".into(),
             libraries: vec![format!("/t/deps/liba{suffix}").into()],
-            kratos: vec![],
+            kratos: vec![format!("/t/examples/libb{suffix}").into()],
         };
         assert_eq!(products(&messages), Ok(expected));
-        let examples = format!(
-            r#"{{"reason":"compiler-artifact","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"]}}
-{{"reason":"compiler-artifact","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}"]}}"#
-        );
-        assert_eq!(libraries(&examples, "example"), Ok(vec![format!("/t/examples/libb{suffix}").into()]));
         assert!(products(r#"{"reason":"build-finished"}"#).expect_err("no program").contains("no program"));
         assert!(products("no JSON").is_err());
     }

@@ -192,6 +192,14 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     Ok(Built { library: output, entry_points, not_offered })
 }
 
+/// Whether a library defines a symbol; it is not loaded.
+///
+/// # Errors
+/// The file cannot be read, or is no whole library.
+pub fn defines(library: &Path, symbol: &str) -> io::Result<bool> {
+    Ok(Symbols::read(library)?.defines(symbol))
+}
+
 /// Only a shared library is overwritten: never a source, nor anything else of the user's.
 fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
     let Ok(place) = output.canonicalize() else { return Ok(()) };

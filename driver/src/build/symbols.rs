@@ -24,6 +24,11 @@ impl Symbols {
         Ok(Self(defined.filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect()))
     }
 
+    /// Whether it is among them.
+    pub(super) fn defines(&self, symbol: &str) -> bool {
+        self.0.contains(symbol)
+    }
+
     fn spelling_of(&self, routine: &str) -> Option<String> {
         let spellings = [format!("{routine}_"), routine.to_owned(), routine.to_ascii_uppercase()];
         spellings.into_iter().find(|spelling| self.0.contains(spelling))

@@ -144,7 +144,7 @@ pub struct Material {
     /// State variables at the start, at every point; in kind point the same as initial.statev. Default: what the
     /// library's SDVINI sets, or zeros.
     pub statev0: Option<Vec<f64>>,
-    /// Symbol of the entry point, if it has none of the usual names.
+    /// Symbol of the entry point, if it has none of the usual names; runs in a process of its own.
     #[schemars(length(min = 1))]
     pub symbol: Option<String>,
     /// CMNAME or CINAME that the plugin is given; default: the law's name in upper case. Chooses the law in a
@@ -153,8 +153,8 @@ pub struct Material {
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
     pub entry: Option<Entry>,
-    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: for
-    /// a library without metadata.
+    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: unless
+    /// all plugins were built with the program; false is granted by --in-process only.
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
     /// In a plane: "3d" calls the UMAT with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.

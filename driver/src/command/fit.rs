@@ -1,6 +1,6 @@
 //! `pullout fit`: laws from experiments.
 
-use super::{BAD_INPUT, DONE, FAILED, complain, refuse, run, say};
+use super::{BAD_INPUT, DONE, FAILED, Place, complain, isolated, refuse, run, say};
 use crate::case;
 use crate::fit::{
     self, Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights,
@@ -8,6 +8,7 @@ use crate::fit::{
 use crate::output::directory::{Access, Kind, ResultDirectory};
 use crate::output::number::significant;
 use clap::{Args, Subcommand, ValueEnum};
+use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
 
@@ -98,6 +99,8 @@ pub(super) struct Bond {
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
+    #[command(flatten)]
+    place: Place,
     /// Say nothing but errors.
     #[arg(long)]
     quiet: bool,
@@ -117,7 +120,16 @@ fn not_negative(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a number ≥ 0 is needed".into())
 }
 
-pub(super) fn act(law: &Law) -> u8 {
+impl Law {
+    /// Where plugins are called.
+    pub(super) fn place(&self) -> Place {
+        let Self::Bond(bond) = self;
+        bond.place
+    }
+}
+
+/// Fits a law, as the command line says, whose words are `line`.
+pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
     let Law::Bond(bond) = law;
     let curve = match LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref()) {
         Ok(curve) => curve,
@@ -126,11 +138,14 @@ pub(super) fn act(law: &Law) -> u8 {
             return BAD_INPUT;
         }
     };
+    let request = bond.request();
+    if let Some(need) = fit::need(&request) {
+        return isolated::carry_out(line, &need, &bond.curve);
+    }
     let mut directory = match bond.open() {
         Ok(directory) => directory,
         Err(code) => return code,
     };
-    let request = bond.request();
     let progress = |form: &str, runs: usize, rms: f64| {
         if !bond.quiet {
             complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));

@@ -1,46 +1,73 @@
 //! `pullout run` and `pullout check` of cases in processes of their own, and what such a process does.
 
-use super::run::{self, Telling};
+use super::run::{self, Arguments};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
-use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Stage, Task};
+use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
 use crate::isolation::{prints, worker};
 use crate::output::directory::ResultDirectory;
 use crate::output::summary::{PluginFile, Status, Summary};
 use crate::path::Statistics;
 use crate::signals;
+use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
 use std::time::Instant;
 
-/// Validates a case. `before_run`: what ends the process now will end the run, and be told then.
-pub(super) fn check(file: &Path, reading: &Reading, need: &Need, before_run: bool) -> u8 {
-    let job = job(Stage::Check, file, None, reading, "null", before_run);
-    match isolation::supervise(&job, need) {
+/// Validates a case.
+pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
+    tell_of_wish(file, need, quiet);
+    carry_out(&check_line(file, reading, quiet), need, file)
+}
+
+/// Validates a case that is to be run: what ends the process now will end the run, and be told then.
+pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need) -> u8 {
+    let command = check_line(file, reading, true);
+    match isolation::supervise(&Job { command: &command, ..Job::default() }, need) {
         Ok(End::Done(code)) => code,
-        Ok(End::Failed(failure)) if before_run && !failure.report.at_loading => DONE,
+        Ok(End::Failed(failure)) if failure.report.at_loading => fail(file, &failure, &failure.report.message),
+        Ok(End::Failed(_)) => DONE,
+        Err(error) => refuse_to_start(file, &error),
+    }
+}
+
+/// The command line that validates a case.
+fn check_line(file: &Path, reading: &Reading, quiet: bool) -> Vec<OsString> {
+    let mut line = vec!["check".into()];
+    line.extend(quiet.then(|| "--quiet".into()));
+    line.extend(reading.command_line());
+    line.extend(["--".into(), file.into()]);
+    line
+}
+
+fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
+    if need.is_against_a_wish && !quiet {
+        let what = "\"isolate\": false is granted by --in-process only; its plugins run in a process of their own";
+        complain(format!("{}: {what}", file.display()));
+    }
+}
+
+/// Carries out a command line of this program in a worker; the exit code. `file` is what messages begin with.
+pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path) -> u8 {
+    match isolation::supervise(&Job { command: line, ..Job::default() }, need) {
+        Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) => fail(file, &failure, &failure.report.message),
         Err(error) => refuse_to_start(file, &error),
     }
 }
 
 /// Runs a case into a directory that this process holds.
-pub(super) fn run(
-    file: &Path,
-    directory: ResultDirectory,
-    reading: &Reading,
-    need: &Need,
-    overwrite: bool,
-    telling: Telling,
-) -> u8 {
-    let Telling { quiet, echo } = telling;
+pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments, need: &Need) -> u8 {
+    let Arguments { reading, quiet, echo, .. } = arguments;
+    tell_of_wish(file, need, *quiet);
     let start = Instant::now();
-    let run = Job { overwrite, echo, ..job(Stage::Run, file, Some(directory.path()), reading, "null", quiet) };
-    let failure = match isolation::supervise(&run, need) {
+    let command = arguments.of_worker(file, directory.path(), None);
+    let job = Job { command: &command, case: Some((file, &reading.overrides)), echo: echo.then_some(directory.path()) };
+    let failure = match isolation::supervise(&job, need) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,
         Err(error) => return refuse_to_start(file, &error),
     };
-    if !quiet && io::stderr().is_terminal() {
+    if !*quiet && io::stderr().is_terminal() {
         // what a progress bar left
         let _ = write!(io::stderr(), "\r\x1b[2K");
     }
@@ -50,10 +77,11 @@ pub(super) fn run(
         complain(format!("{}: interrupted by {} before anything was done", file.display(), signal.words()));
         return signal.exit_code();
     }
-    if failure.report.at_loading {
+    // a run that did not go on leaves what was there as it was
+    if failure.report.at_loading || (arguments.interruption.restart.is_some() && !failure.has_rows) {
         return fail(file, &failure, &failure.report.message);
     }
-    match conclude(file, directory, reading, need, &failure, start.elapsed().as_secs_f64(), quiet) {
+    match conclude(file, directory, arguments, need, &failure, start.elapsed().as_secs_f64()) {
         Ok(code) => code,
         Err(error) => {
             complain(format!("{}: {error}", file.display()));
@@ -66,11 +94,10 @@ pub(super) fn run(
 fn conclude(
     file: &Path,
     mut directory: ResultDirectory,
-    reading: &Reading,
+    arguments: &Arguments,
     need: &Need,
     failure: &Failure,
     wall_time_s: f64,
-    quiet: bool,
 ) -> io::Result<u8> {
     if failure.has_rows {
         directory.reread()?;
@@ -96,8 +123,8 @@ fn conclude(
     let aftermath = Aftermath { message, is_interrupted, statistics: failure.statistics, wall_time_s };
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
-        let job = job(Stage::Conclude, file, Some(directory.path()), reading, &text, quiet);
-        if let End::Done(FAILED) = isolation::supervise(&job, need)? {
+        let command = arguments.of_worker(file, directory.path(), Some(&text));
+        if let End::Done(FAILED) = isolation::supervise(&Job { command: &command, ..Job::default() }, need)? {
             return Ok(signals::received().map_or(FAILED, signals::Interrupt::exit_code));
         }
         directory.reread()?;
@@ -141,51 +168,14 @@ fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
 }
 
 fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
-    let advice = "\"isolate\": false calls the plugin in this process";
+    let advice = "--in-process calls the plugin in this process";
     complain(format!("{}: no process can be started for it: {error}; {advice}", file.display()));
     FAILED
 }
 
-fn job<'a>(
-    stage: Stage,
-    case: &'a Path,
-    out: Option<&'a Path>,
-    reading: &'a Reading,
-    aftermath: &'a str,
-    quiet: bool,
-) -> Job<'a> {
-    let Reading { overrides, plugin_paths } = reading;
-    Job {
-        stage,
-        case: Some(case),
-        out,
-        overwrite: false,
-        overrides,
-        plugin_paths,
-        aftermath,
-        quiet,
-        echo: false,
-        command: &[],
-    }
-}
-
 /// What a worker does.
-pub(super) fn work(task: &Task, reading: &Reading) -> u8 {
-    let Task { case, out, quiet, .. } = task;
-    let [case, out] = [case, out].map(|path| path.as_deref().unwrap_or(Path::new("")));
-    let done = worker::work(task, || match task.stage {
-        Stage::Check => run::check_here(case, reading, *quiet),
-        Stage::Command => super::act_on(&task.command),
-        Stage::Run => run::run_here(case, out, reading, task.overwrite, *quiet),
-        Stage::Conclude => match serde_json::from_str(&task.aftermath) {
-            Ok(aftermath) => run::conclude_here(case, out, reading, &aftermath, *quiet),
-            Err(error) => {
-                complain(error);
-                super::BAD_INPUT
-            }
-        },
-    });
-    done.unwrap_or_else(|error| {
+pub(super) fn work(task: &Task) -> u8 {
+    worker::work(task, || super::act_on(&task.command)).unwrap_or_else(|error| {
         complain(error);
         FAILED
     })

@@ -14,7 +14,6 @@ use crate::PLUGIN_STACK;
 use crate::case::{self, Case, CaseErrors};
 use crate::isolation;
 use crate::isolation::prints::{Prints, say};
-use crate::output::directory::Kind;
 use crate::output::plain;
 use crate::signals;
 use clap::{Parser, Subcommand};
@@ -45,31 +44,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     /// Run cases; results go to out/<case>/ or --out.
-    Run {
-        /// Case files.
-        #[arg(required = true, value_name = "CASE.json")]
-        cases: Vec<PathBuf>,
-        #[command(flatten)]
-        results: run::Results,
-        #[command(flatten)]
-        reading: Reading,
-        #[command(flatten)]
-        interruption: run::Interruption,
-        /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have
-        /// the same bits with any number.
-        #[arg(long, value_name = "N")]
-        threads: Option<NonZeroUsize>,
-        /// Say nothing but errors.
-        #[arg(long)]
-        quiet: bool,
-        /// Show what the plugins print (Fortran's units 6 and 7, printf), which is kept in umat.log and umat.msg of the
-        /// result directory.
-        #[arg(long)]
-        echo: bool,
-        /// End with this process; a study says so to its runs.
-        #[arg(long, hide = true)]
-        parent: Option<u32>,
-    },
+    Run(run::Arguments),
     /// Run families of cases on all processors, overlay them, and test what is claimed of them.
     Study(study::Arguments),
     /// Validate cases and studies: all errors at once, with the JSON path of each.
@@ -79,6 +54,9 @@ enum Command {
         cases: Vec<PathBuf>,
         #[command(flatten)]
         reading: Reading,
+        /// Say nothing but errors.
+        #[arg(long)]
+        quiet: bool,
     },
     /// List, describe or test plugins.
     Plugin {
@@ -89,14 +67,9 @@ enum Command {
     Schema,
     /// Redraw the pictures of one or several runs, overlaid.
     Plot(plot::Arguments),
-    /// One case in a process of its own; started by the program itself.
+    /// A command line in a process of its own; started by the program itself.
     #[command(name = isolation::worker::COMMAND, hide = true)]
-    Worker {
-        #[command(flatten)]
-        task: isolation::Task,
-        #[command(flatten)]
-        reading: Reading,
-    },
+    Worker(isolation::Task),
     /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
     Import(import::Arguments),
     /// Find a law's parameters from an experiment.
@@ -114,7 +87,7 @@ enum Command {
 }
 
 /// How case files are read.
-#[derive(Debug, clap::Args)]
+#[derive(Clone, Debug, clap::Args)]
 struct Reading {
     /// Override an entry, e.g. steps.0.increments=5 (VALUE is JSON, else a string; applies to all cases).
     #[arg(long = "set", value_name = "a.b.c=VALUE")]
@@ -122,18 +95,51 @@ struct Reading {
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
+    #[command(flatten)]
+    place: Place,
+}
+
+/// Where libraries run that were not built with this program.
+#[derive(Clone, Copy, Debug, Default, clap::Args)]
+struct Place {
+    /// Call all plugins in this process, except where a case says "isolate": true. What ends them ends the program.
+    #[arg(long)]
+    in_process: bool,
 }
 
 impl Reading {
+    /// These arguments, for a worker.
+    fn command_line(&self) -> Vec<OsString> {
+        let overrides = self.overrides.iter().map(|entry| format!("--set={entry}").into());
+        let folders = self.plugin_paths.iter().flat_map(|folder| ["--plugin-path".into(), folder.into()]);
+        overrides.chain(folders).collect()
+    }
+
     /// Reads a case. What its plugins print meanwhile belongs to no run.
     fn case(&self, file: &Path) -> Result<Case, CaseErrors> {
         let _prints = Prints::discard();
         case::read(file, &self.overrides, &self.plugin_paths)
     }
 
-    /// Why and how a case runs in a process of its own, if it does.
+    /// What a case needs a process of its own for, if it does.
     fn need(&self, file: &Path) -> Option<isolation::Need> {
         isolation::need(file, &self.overrides, &self.plugin_paths)
+    }
+}
+
+impl Command {
+    /// Where it calls plugins.
+    fn place(&self) -> Place {
+        match self {
+            Self::Run(arguments) => arguments.reading.place,
+            Self::Study(arguments) => arguments.reading.place,
+            Self::Check { reading, .. } => reading.place,
+            Self::Plugin { action } => action.place(),
+            Self::Fit { law } => law.place(),
+            // it measures calls in this process
+            Self::Bench(_) => Place { in_process: true },
+            Self::Schema | Self::Plot(_) | Self::Worker(_) | Self::Import(_) | Self::Props { .. } => Place::default(),
+        }
     }
 }
 
@@ -144,7 +150,8 @@ fn processors() -> NonZeroUsize {
 
 /// Runs the program with these arguments; the result is its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
-    let arguments = match Arguments::try_parse_from(arguments) {
+    let line: Vec<OsString> = arguments.into_iter().collect();
+    let arguments = match Arguments::try_parse_from(&line) {
         Ok(arguments) => arguments,
         Err(message) => {
             // help and version are no errors
@@ -154,7 +161,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         }
     };
     // Plugins with automatic arrays need more stack than the main thread has.
-    let act = move || act(arguments.command);
+    let act = move || act(arguments.command, line.get(1..).unwrap_or_default());
     let thread = std::thread::Builder::new().name("pullout".into()).stack_size(PLUGIN_STACK).spawn(act);
     match thread.map(std::thread::JoinHandle::join) {
         Ok(Ok(code)) => ExitCode::from(code),
@@ -169,7 +176,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
 /// Does what a command line without the program's name says; the result is the exit code.
 fn act_on(arguments: &[OsString]) -> u8 {
     match Arguments::try_parse_from(std::iter::once(&OsString::from("pullout")).chain(arguments)) {
-        Ok(arguments) => act(arguments.command),
+        Ok(parsed) => act(parsed.command, arguments),
         Err(message) => {
             complain(message);
             BAD_INPUT
@@ -177,12 +184,17 @@ fn act_on(arguments: &[OsString]) -> u8 {
     }
 }
 
-/// Does what a command says; the result is the exit code.
-fn act(command: Command) -> u8 {
+/// Does what a command says, which `line` is without the program's name; the result is the exit code.
+fn act(command: Command, line: &[OsString]) -> u8 {
+    if command.place().in_process {
+        isolation::let_all_in();
+    }
     // a study and a supervisor end at a second signal, and what they started with them
     let listening = match &command {
-        Command::Run { parent, .. } => signals::listen(parent.is_none()),
-        Command::Worker { .. } => signals::listen(false),
+        // it listens already
+        _ if isolation::worker::is_this_process() => Ok(()),
+        Command::Run(arguments) => signals::listen(arguments.parent.is_none()),
+        Command::Worker(_) => signals::listen(false),
         Command::Study(_) => signals::listen(true),
         _ => signals::write_beyond_limits_fails(),
     };
@@ -190,26 +202,23 @@ fn act(command: Command) -> u8 {
         complain(format!("signals cannot be listened to: {error}"));
     }
     match command {
-        Command::Run { cases, results, reading, interruption, threads, quiet, echo, parent } => {
-            if let Some(parent) = parent {
+        Command::Run(arguments) => {
+            if let Some(parent) = arguments.parent {
                 // where it cannot be asked for, a run outlives its study
                 let _ = isolation::die_with(parent);
             }
-            let threads = threads.unwrap_or_else(processors);
-            // a study's run has what the study adds to its results
-            let kind = if parent.is_some() { Kind::Member } else { Kind::Run };
-            run::run(&cases, &results, kind, &reading, &interruption, threads, run::Telling { quiet, echo })
+            run::run(&arguments)
         }
         Command::Study(arguments) => study::run_all(&arguments),
-        Command::Check { cases, reading } => run::check(&cases, &reading),
-        Command::Plugin { action } => plugin::act(&action),
+        Command::Check { cases, reading, quiet } => run::check(&cases, &reading, quiet),
+        Command::Plugin { action } => plugin::act(&action, line),
         Command::Schema => schema(),
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Import(arguments) => import::run(&arguments),
-        Command::Fit { law } => fit::act(&law),
+        Command::Fit { law } => fit::act(&law, line),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),
-        Command::Worker { task, reading } => isolated::work(&task, &reading),
+        Command::Worker(task) => isolated::work(&task),
     }
 }
 

@@ -3,17 +3,16 @@
 mod abaqus;
 mod build;
 mod check;
-mod isolated;
 
-use super::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
-use crate::isolation::describes_laws;
+use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, Place, complain, isolated, say};
 use crate::isolation::prints::Prints;
+use crate::isolation::{self, End, Job, Need};
 use clap::Subcommand;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{Found, Law, Library, Routine, library_path, names_a_file, search_paths};
-use umat_abi::metadata::{flags, kinds, stress_states};
+use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
 
 #[derive(Debug, Subcommand)]
 pub(super) enum Action {
@@ -22,6 +21,12 @@ pub(super) enum Action {
         /// Look here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
+        /// The laws of this library alone, for the process that started this one.
+        #[arg(long, hide = true, requires = "rows")]
+        of: Option<PathBuf>,
+        /// Where that process reads them.
+        #[arg(long, hide = true)]
+        rows: Option<PathBuf>,
     },
     /// Parameters (unit, default, bounds), state variables, modes of a plugin.
     Info {
@@ -34,6 +39,8 @@ pub(super) enum Action {
         /// Look here first (may be repeated).
         #[arg(long = "plugin-path", value_name = "DIR")]
         plugin_paths: Vec<PathBuf>,
+        #[command(flatten)]
+        place: Place,
     },
     /// Test a plugin against what its metadata claims, around the path of a case; exit code 1 if it fails, 4 if it was
     /// nowhere seen to be nonlinear although it has states that matter.
@@ -42,14 +49,20 @@ pub(super) enum Action {
     Build(build::Arguments),
 }
 
-pub(super) fn act(action: &Action) -> u8 {
+/// Longest time that loading a library, or one call of it, may take unless a case says otherwise, s: who looks at a
+/// plugin waits for it.
+const TIME_LIMIT: f64 = 5.0;
+
+/// Does what the command line says, whose words are `line`.
+pub(super) fn act(action: &Action, line: &[OsString]) -> u8 {
     match action {
-        Action::List { plugin_paths } => list(plugin_paths),
-        Action::Info { plugin, abaqus, plugin_paths } => {
+        Action::List { of: Some(library), rows: Some(rows), .. } => list_one(library, rows),
+        Action::List { plugin_paths, .. } => list(plugin_paths),
+        Action::Info { plugin, abaqus, plugin_paths, .. } => {
             with_library(
                 plugin,
                 plugin_paths,
-                action,
+                line,
                 |library| {
                     if *abaqus { abaqus_input(library) } else { info(library) }
                 },
@@ -61,34 +74,29 @@ pub(super) fn act(action: &Action) -> u8 {
 }
 
 impl Action {
-    /// The command line without the program's name.
-    fn command_line(&self) -> Vec<OsString> {
-        let (words, plugin, plugin_paths): (Vec<OsString>, _, _) = match self {
-            Self::Info { plugin, abaqus, plugin_paths } => {
-                let abaqus = abaqus.then(|| "--abaqus".into());
-                (std::iter::once("info".into()).chain(abaqus).collect(), plugin, plugin_paths)
-            }
-            Self::List { .. } | Self::Check(_) | Self::Build(_) => return Vec::new(),
-        };
-        let paths = plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]);
-        let plugin = ["--".into(), plugin.into()];
-        std::iter::once("plugin".into()).chain(words).chain(paths).chain(plugin).collect()
+    /// Where plugins are called.
+    pub(super) fn place(&self) -> Place {
+        match self {
+            Self::Info { place, .. } => *place,
+            Self::Check(arguments) => arguments.place,
+            Self::List { .. } | Self::Build(_) => Place::default(),
+        }
     }
 }
 
-/// Loads a library, by its law's name or by its path, and does something with it; in a process of its own if nobody
-/// vouches for it.
-fn with_library(name: &str, plugin_paths: &[PathBuf], action: &Action, work: impl FnOnce(&Library) -> u8) -> u8 {
+/// Loads a library, by its law's name or by its path, and does something with it; in a process of its own, which carries
+/// out the same command line, if it may not run here.
+fn with_library(name: &str, plugin_paths: &[PathBuf], line: &[OsString], work: impl FnOnce(&Library) -> u8) -> u8 {
     let file = match file_of(name, plugin_paths) {
         Ok(file) => file,
         Err(code) => return code,
     };
-    if let Some(code) = isolated::supervised(&file, &action.command_line(), plugin_paths) {
-        return code;
+    if let Some(need) = Need::of_library(&file, TIME_LIMIT) {
+        return isolated::carry_out(line, &need, &file);
     }
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
-    match crate::isolation::load(&file) {
+    match isolation::load(&file) {
         Ok(library) => work(&library),
         Err(error) => {
             complain(error);
@@ -116,13 +124,19 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, u8> {
 fn list(plugin_paths: &[PathBuf]) -> u8 {
     let paths = search_paths(plugin_paths);
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
-    // other libraries (compiler plugins beside the executable) are not even loaded
-    for found in Found::all(&paths).into_iter().filter(|found| describes_laws(&found.path)) {
-        match crate::isolation::load(&found.path) {
-            Ok(library) => rows.extend(library.laws().iter().map(|law| {
-                [law.name.clone(), law.version.clone(), entry_points(law).join(" "), found.path.display().to_string()]
-            })),
-            Err(error) => complain(error),
+    for Found { path, .. } in Found::all(&paths) {
+        let told = match crate::build::defines(&path, PLUGIN_SYMBOL) {
+            Ok(true) => rows_of(&path),
+            // other libraries (compiler plugins beside the executable) are not even loaded
+            Ok(false) => Ok(Vec::new()),
+            Err(error) => Err(format!("{}: cannot be read as a library: {error}", path.display())),
+        };
+        match told {
+            Ok(told) => rows.extend(
+                told.into_iter()
+                    .map(|[law, version, entry_points]| [law, version, entry_points, path.display().to_string()]),
+            ),
+            Err(message) => complain(message),
         }
     }
     let mut text = table(&rows);
@@ -182,6 +196,40 @@ fn routines(library: &Library) -> String {
     };
     let names: Vec<String> = library.routines().iter().map(name).collect();
     if names.is_empty() { String::new() } else { format!("Other routines: {}\n", names.join(", ")) }
+}
+
+/// Name, version and entry points of the laws of a library, which is loaded into this process only if it may be.
+fn rows_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
+    let Some(need) = Need::of_library(library, TIME_LIMIT) else { return laws_of(library) };
+    let in_words = |error: std::io::Error| format!("{}: cannot be looked at: {error}", library.display());
+    let rows = tempfile::NamedTempFile::new().map_err(in_words)?;
+    let command = ["plugin".into(), "list".into(), "--of".into(), library.into(), "--rows".into(), rows.path().into()];
+    match isolation::supervise(&Job { command: &command, ..Job::default() }, &need).map_err(in_words)? {
+        End::Done(DONE) => serde_json::from_reader(rows.as_file()).map_err(|error| in_words(error.into())),
+        // it has said why
+        End::Done(_) => Ok(Vec::new()),
+        End::Failed(failure) => Err(failure.report.message),
+    }
+}
+
+fn laws_of(library: &Path) -> Result<Vec<[String; 3]>, String> {
+    let _prints = Prints::discard();
+    let library = isolation::load(library).map_err(|error| error.to_string())?;
+    let row = |law: &Law| [law.name.clone(), law.version.clone(), entry_points(law).join(" ")];
+    Ok(library.laws().iter().map(row).collect())
+}
+
+/// Leaves the laws of a library to the process that started this one.
+fn list_one(library: &Path, rows: &Path) -> u8 {
+    let written = laws_of(library)
+        .and_then(|laws| std::fs::write(rows, serde_json::json!(laws).to_string()).map_err(|error| error.to_string()));
+    match written {
+        Ok(()) => DONE,
+        Err(message) => {
+            complain(message);
+            FAILED
+        }
+    }
 }
 
 fn abaqus_input(library: &Library) -> u8 {

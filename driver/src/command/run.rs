@@ -5,19 +5,20 @@ use crate::case::{self, Case};
 use crate::isolation::prints::{Prints, say};
 use crate::isolation::{Aftermath, Need, worker};
 use crate::output::compare::{Comparison, compare};
-use crate::output::directory::{self, Access, Refusal, ResultDirectory};
+use crate::output::directory::{Access, Kind, Refusal, ResultDirectory};
 use crate::output::history::HistoryFile;
 use crate::output::plots::{self, Picture, Spec};
 use crate::output::progress::{Extent, Progress};
 use crate::output::report::{self, Account};
 use crate::output::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
-use crate::path::program::Kind;
+use crate::path::program;
 use crate::path::{self, Statistics, Stop};
 use crate::pullout;
 use crate::pullout::checkpoint::{self, Checkpoints};
 use crate::signals;
 use fe_core::threads::Threads;
 use std::collections::BTreeSet;
+use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -30,18 +31,77 @@ mod record;
 pub(super) use interruption::Interruption;
 use record::{Kept, Record};
 
-/// Validates cases.
-pub(super) fn check(cases: &[PathBuf], reading: &Reading) -> u8 {
+/// How cases are run.
+#[derive(Debug, clap::Args)]
+pub(super) struct Arguments {
+    /// Case files.
+    #[arg(required = true, value_name = "CASE.json")]
+    cases: Vec<PathBuf>,
+    /// Result directory (of several cases: their parent).
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    #[arg(long)]
+    overwrite: bool,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+    #[command(flatten)]
+    pub(super) interruption: Interruption,
+    /// Threads that share the work of a case of kind "pullout"; default: the number of processors. The results have the
+    /// same bits with any number.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+    /// Say nothing but errors.
+    #[arg(long)]
+    pub(super) quiet: bool,
+    /// Show what the plugins print (Fortran's units 6 and 7, printf), which is kept in umat.log and umat.msg of the
+    /// result directory.
+    #[arg(long)]
+    pub(super) echo: bool,
+    /// End with this process; a study says so to its runs.
+    #[arg(long, hide = true)]
+    pub(super) parent: Option<u32>,
+    /// What came of the run of a worker that was ended, as JSON: nothing is run, the results are made of its rows.
+    #[arg(long, hide = true)]
+    aftermath: Option<String>,
+}
+
+impl Arguments {
+    /// The command line of a worker that runs a case into a folder, or makes results of what a run left there.
+    pub(super) fn of_worker(&self, file: &Path, folder: &Path, aftermath: Option<&str>) -> Vec<OsString> {
+        let mut line: Vec<OsString> = vec!["run".into()];
+        match &self.interruption.restart {
+            Some(restart) => line.extend(["--restart".into(), restart.into()]),
+            None => line.extend(["--out".into(), folder.into()]),
+        }
+        line.extend(self.interruption.checkpoint_every.map(|every| format!("--checkpoint-every={every}").into()));
+        line.extend(self.overwrite.then(|| "--overwrite".into()));
+        line.extend(self.quiet.then(|| "--quiet".into()));
+        line.extend(self.threads.map(|count| format!("--threads={count}").into()));
+        line.extend(self.parent.map(|parent| format!("--parent={parent}").into()));
+        line.extend(aftermath.map(|text| format!("--aftermath={text}").into()));
+        line.extend(self.reading.command_line());
+        line.extend(["--".into(), file.into()]);
+        line
+    }
+
+    /// What the results are part of: a study has something to add to those of its runs.
+    fn kind(&self) -> Kind {
+        if self.parent.is_some() { Kind::Member } else { Kind::Run }
+    }
+}
+
+/// Validates cases. `quiet`: says nothing but errors.
+pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
-        _ if case::is_study(file) => study::check(file, reading),
-        Some(need) => isolated::check(file, reading, &need, false),
-        None => check_here(file, reading, false),
+        _ if case::is_study(file) => study::check(file, reading, quiet),
+        Some(need) => isolated::check(file, reading, &need, quiet),
+        None => check_here(file, reading, quiet),
     };
     cases.iter().map(check).max().unwrap_or(DONE)
 }
 
-/// Validates a case in this process. `quiet`: says nothing but errors.
-pub(super) fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
+fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
     match reading.case(file) {
         Ok(_) if quiet => DONE,
         Ok(case) => {
@@ -61,11 +121,11 @@ enum Job<'f> {
 
 /// What the user wants to see of a run.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Telling {
+struct Telling {
     /// Nothing but errors.
-    pub(super) quiet: bool,
+    quiet: bool,
     /// What the plugins print.
-    pub(super) echo: bool,
+    echo: bool,
 }
 
 impl Job<'_> {
@@ -78,31 +138,14 @@ impl Job<'_> {
     }
 }
 
-/// Where the results of cases go, and how.
-#[derive(Debug, clap::Args)]
-pub(super) struct Results {
-    /// Result directory (of several cases: their parent).
-    #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
-    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
-    #[arg(long)]
-    overwrite: bool,
-}
-
-/// Runs cases, after all of them were read without an error. `kind`: what the results are part of.
-pub(super) fn run(
-    cases: &[PathBuf],
-    results: &Results,
-    kind: directory::Kind,
-    reading: &Reading,
-    interruption: &Interruption,
-    threads: NonZeroUsize,
-    telling: Telling,
-) -> u8 {
+/// Runs cases, after all of them were read without an error.
+pub(super) fn run(arguments: &Arguments) -> u8 {
+    let Arguments { cases, reading, interruption, quiet, echo, .. } = arguments;
     if interruption.restart.is_some() && cases.len() > 1 {
         complain("--restart goes on with one run: name its case alone");
         return BAD_INPUT;
     }
+    let threads = arguments.threads.unwrap_or_else(super::processors);
     let threads = match Threads::new(threads) {
         Ok(threads) => threads,
         Err(error) => {
@@ -115,28 +158,27 @@ pub(super) fn run(
     let mut code = DONE;
     for file in cases {
         let stem = file.file_stem().unwrap_or_default().to_owned();
-        let folder = match results.out.as_deref().or(interruption.restart.as_deref()) {
+        let folder = match arguments.out.as_deref().or(interruption.restart.as_deref()) {
             Some(out) if cases.len() == 1 => out.to_path_buf(),
             Some(out) => out.join(&stem),
             None => Path::new("out").join(&stem),
         };
+        if let Some(aftermath) = &arguments.aftermath {
+            return conclude_here(file, &folder, arguments, aftermath);
+        }
         if !stems.insert(stem) {
             complain(format!("{}: another case has the same name, and so the same result directory", file.display()));
             code = code.max(BAD_INPUT);
         }
         match reading.need(file) {
-            Some(_) if interruption.is_asked_for() => {
-                complain(format!(
-                    "{}: its plugins run in a process of their own, whose memory no checkpoint holds: leave --checkpoint-every \
-                     and --restart out, or set \"isolate\": false in the material if they keep nothing between calls",
-                    file.display()
-                ));
-                code = code.max(BAD_INPUT);
-            }
             Some(need) => {
                 // nothing is run before all cases were read; a single one is read by the worker that runs it
                 if cases.len() > 1 {
-                    code = code.max(isolated::check(file, reading, &need, true));
+                    code = code.max(isolated::check_before_run(file, reading, &need));
+                }
+                if let Err(message) = interruption.suits(need.specimen) {
+                    complain(format!("{}: {message}", file.display()));
+                    code = code.max(BAD_INPUT);
                 }
                 jobs.push((Job::Isolated { file, need }, file, folder));
             }
@@ -145,6 +187,7 @@ pub(super) fn run(
                     Ok(checkpoints) => {
                         if let Case::Pullout(program) = &mut case {
                             program.threads = threads.clone();
+                            interruption.warn_of_memory(program);
                         }
                         jobs.push((Job::Here(Box::new(case), checkpoints), file, folder));
                     }
@@ -162,7 +205,7 @@ pub(super) fn run(
     }
     let mut ready = Vec::new();
     for (job, file, folder) in jobs {
-        match open(file, &folder, kind, reading, &job.libraries(), results.overwrite, false) {
+        match open(file, &folder, arguments, &job.libraries()) {
             Ok(directory) => ready.push((job, directory)),
             Err(refused) => code = code.max(refused),
         }
@@ -170,6 +213,8 @@ pub(super) fn run(
     if code != DONE {
         return code;
     }
+    // of a worker's run, the supervisor shows what is printed
+    let telling = Telling { quiet: *quiet, echo: *echo };
     let run = |(job, directory): (Job<'_>, ResultDirectory)| {
         if let Some(signal) = signals::received() {
             complain(format!("{}: not run: interrupted by {}", directory.path().display(), signal.words()));
@@ -177,28 +222,21 @@ pub(super) fn run(
         }
         match job {
             Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling),
-            Job::Isolated { file, need } => isolated::run(file, directory, reading, &need, results.overwrite, telling),
+            Job::Isolated { file, need } => isolated::run(file, directory, arguments, &need),
         }
     };
     ready.into_iter().map(run).max().unwrap_or(DONE)
 }
 
 /// Opens the result directory of a case, or says why not.
-pub(super) fn open(
-    file: &Path,
-    folder: &Path,
-    kind: directory::Kind,
-    reading: &Reading,
-    libraries: &[PathBuf],
-    overwrite: bool,
-    is_locked: bool,
-) -> Result<ResultDirectory, u8> {
-    let inputs = [&case::inputs(file, &reading.overrides), libraries].concat();
-    open_for(folder, kind, Access { inputs: &inputs, overwrite, is_locked })
+fn open(file: &Path, folder: &Path, arguments: &Arguments, libraries: &[PathBuf]) -> Result<ResultDirectory, u8> {
+    let inputs = [&case::inputs(file, &arguments.reading.overrides), libraries].concat();
+    let is_locked = worker::is_this_process();
+    open_for(folder, arguments.kind(), Access { inputs: &inputs, overwrite: arguments.overwrite, is_locked })
 }
 
 /// Opens a result directory, or says why not.
-pub(super) fn open_for(folder: &Path, kind: directory::Kind, access: Access<'_>) -> Result<ResultDirectory, u8> {
+pub(super) fn open_for(folder: &Path, kind: Kind, access: Access<'_>) -> Result<ResultDirectory, u8> {
     match ResultDirectory::open(folder, kind, access) {
         Ok(directory) => {
             if !access.is_locked {
@@ -224,29 +262,17 @@ pub(super) fn refused(refusal: Refusal) -> u8 {
     }
 }
 
-/// Reads and runs a case in this process, whose supervisor holds the result directory.
-pub(super) fn run_here(file: &Path, folder: &Path, reading: &Reading, overwrite: bool, quiet: bool) -> u8 {
-    match reading.case(file) {
-        Ok(case) => match open(file, folder, directory::Kind::Run, reading, &case.libraries(), overwrite, true) {
-            // the supervisor shows what is printed
-            Ok(directory) => run_into(&case, directory, &Checkpoints::default(), Telling { quiet, echo: false }),
-            Err(code) => code,
-        },
-        Err(errors) => refuse(&errors),
-    }
-}
-
 /// Makes results of the rows that a run left which was ended from outside.
-pub(super) fn conclude_here(file: &Path, folder: &Path, reading: &Reading, aftermath: &Aftermath, quiet: bool) -> u8 {
-    let case = match reading.case(file) {
+fn conclude_here(file: &Path, folder: &Path, arguments: &Arguments, aftermath: &str) -> u8 {
+    let case = match arguments.reading.case(file) {
         Ok(case) => case,
         Err(errors) => return refuse(&errors),
     };
-    let concluded = ResultDirectory::join(folder, directory::Kind::Run).and_then(|mut directory| {
-        let end = RunEnd::of(&case, folder, aftermath)?;
+    let concluded = ResultDirectory::join(folder, arguments.kind()).and_then(|mut directory| {
+        let end = RunEnd::of(&case, folder, serde_json::from_str(aftermath)?)?;
         conclude(&case, &mut directory, end, None)
     });
-    tell(&case, folder, quiet, concluded)
+    tell(&case, folder, arguments.quiet, concluded)
 }
 
 /// Says what came out of a run; the result is its exit code.
@@ -365,10 +391,10 @@ fn cpu_time() -> Duration {
 
 impl RunEnd {
     /// Of a run that was ended from outside: its peaks are those of the rows that were written.
-    fn of(case: &Case, folder: &Path, aftermath: &Aftermath) -> io::Result<Self> {
+    fn of(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Self> {
         let mut peaks = PeakRecorder::new(&case.columns());
         HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
-        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath.clone();
+        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath;
         let (message, warnings) = (Some(message), Vec::new());
         Ok(Self { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
     }
@@ -511,8 +537,8 @@ fn extent(case: &Case) -> Extent {
 fn shown(case: &Case) -> Vec<(String, usize)> {
     let names: &[&str] = match case {
         Case::Path(program) => match &program.kind {
-            Kind::Point(_) => &["e11", "s11"],
-            Kind::Interface(_) => &["slip", "tau"],
+            program::Kind::Point(_) => &["e11", "s11"],
+            program::Kind::Interface(_) => &["slip", "tau"],
         },
         Case::Pullout(_) => &["slip", "load"],
     };
@@ -540,8 +566,8 @@ fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
     );
     let (interesting, unit) = match case {
         Case::Path(program) => match &program.kind {
-            Kind::Point(_) => (&["s11", "s22", "s33", "s12", "s13", "s23"][..], "MPa"),
-            Kind::Interface(_) => (&["tau", "p"][..], "MPa"),
+            program::Kind::Point(_) => (&["s11", "s22", "s33", "s12", "s13", "s23"][..], "MPa"),
+            program::Kind::Interface(_) => (&["tau", "p"][..], "MPa"),
         },
         Case::Pullout(_) => (&["load", "load_lateral"][..], "N"),
     };

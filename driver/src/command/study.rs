@@ -23,7 +23,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     #[command(flatten)]
-    reading: Reading,
+    pub(super) reading: Reading,
     /// Most runs at a time; default: the number of processors.
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
@@ -94,8 +94,9 @@ pub(super) fn run_all(arguments: &Arguments) -> u8 {
 }
 
 /// Validates a study and the cases of all its runs.
-pub(super) fn check(file: &Path, reading: &Reading) -> u8 {
+pub(super) fn check(file: &Path, reading: &Reading, quiet: bool) -> u8 {
     match read_study(file, reading) {
+        Ok(_) if quiet => DONE,
         Ok(study) => {
             let (runs, claims) = (study.runs.len(), study.claims.len());
             say(&format!("{}: no errors ({runs} runs, {claims} claims)\n", file.display()));
@@ -107,8 +108,7 @@ pub(super) fn check(file: &Path, reading: &Reading) -> u8 {
 
 /// A study whose cases are all in order, or the exit code.
 fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
-    let of_run =
-        |overrides: &[String]| Reading { overrides: overrides.to_vec(), plugin_paths: reading.plugin_paths.clone() };
+    let of_run = |overrides: &[String]| Reading { overrides: overrides.to_vec(), ..reading.clone() };
     let mut apart = Vec::new();
     let prints = Prints::discard();
     let read = study::read(file, &reading.overrides, &reading.plugin_paths, &mut |base, overrides| {
@@ -120,7 +120,7 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     });
     drop(prints);
     let own = read.as_ref().map_or_else(refuse, |_| DONE);
-    let theirs = apart.iter().map(|(base, reading, need)| isolated::check(base, reading, need, true)).max();
+    let theirs = apart.iter().map(|(base, reading, need)| isolated::check_before_run(base, reading, need)).max();
     match (read, own.max(theirs.unwrap_or(DONE))) {
         (Ok(study), DONE) => Ok(study),
         (_, code) => Err(code),

@@ -30,7 +30,7 @@ pub use specimen::{Materials, MatrixLaw};
 pub use uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 
 use crate::case::{self, CaseErrors};
-use crate::isolation;
+use crate::isolation::{self, Need};
 use geometry::BondPoint;
 use inverse::{Target, root_mean_square};
 use serde_json::Value;
@@ -184,19 +184,26 @@ fn quality(curve: &LoadSlipCurve, rms: f64) -> Quality {
     Quality { rms, r_squared: 1.0 - left / scatter }
 }
 
+/// What the simulations need a process of their own for, if they do: one for the whole fit.
+pub fn need(request: &Request) -> Option<Need> {
+    match &request.specimen_case {
+        Some(file) => isolation::need(file, &[], &request.plugin_paths),
+        // one that cannot be made calls nothing
+        None => default_specimen(request).ok()?.need(&request.plugin_paths),
+    }
+}
+
+fn default_specimen(request: &Request) -> Result<Specimen, String> {
+    Specimen::perpendicular_fibre(&request.fibre, &request.materials, request.residual.unwrap_or(0.0))
+}
+
 /// The simulation, up to the end of the curve.
 fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitError> {
     let fibre = &request.fibre;
     let specimen = match &request.specimen_case {
-        None => Specimen::perpendicular_fibre(fibre, &request.materials, request.residual.unwrap_or(0.0))
-            .map_err(FitError::Input)?,
+        None => default_specimen(request).map_err(FitError::Input)?,
         Some(file) => {
             let named = |message: String| FitError::Input(format!("{}: {message}", file.display()));
-            if isolation::need(file, &[], &request.plugin_paths).is_some() {
-                let message = "a plugin of it would run in a process of its own, which a fit does not start: set \
-                               \"isolate\": false in its material if it can be trusted";
-                return Err(named(message.into()));
-            }
             // what is wrong with it is told in full by reading it as it stands
             case::read(file, &[], &request.plugin_paths).map_err(FitError::Case)?;
             let document = case::document(file, &[]).unwrap_or_default();

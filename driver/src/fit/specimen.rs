@@ -3,6 +3,7 @@
 use super::geometry::Fibre;
 use super::law::BondLaw;
 use crate::input::folder_of;
+use crate::isolation::{self, Need};
 use models::concrete_damage::ConcreteDamage;
 use models::concrete_damage::calibration::{COMPRESSIVE_EXPONENT, Concrete, properties_with_exponent};
 use serde_json::{Map, Value, json};
@@ -119,6 +120,11 @@ impl Specimen {
             } } },
         });
         Ok(Self { document, file: PathBuf::from("bond-law.json"), is_own: false })
+    }
+
+    /// What it needs a process of its own for, if it does.
+    pub fn need(&self, plugin_paths: &[PathBuf]) -> Option<Need> {
+        isolation::need_of(&self.document, &self.file, plugin_paths)
     }
 
     /// A case of the user's own: everything of it but the bond law stays.

@@ -1,31 +1,33 @@
 //! A case in a process of its own, because its plugins may end the process that calls them.
 //!
 //! A UMAT that nobody here wrote may execute STOP, call `exit`, write through a wild pointer, divide by zero with traps
-//! on, use the stack up, or never come back. The job is isolated, not the call: a round trip per call would cost more
-//! than most laws, and COMMON blocks would be split between processes.
+//! on, use the stack up, or never come back. What runs in the program's own process unasked is therefore only what was
+//! built with it, known by its hash (`trust`); whatever else a library says of itself, it says it to a worker. The job is
+//! isolated, not the call: a round trip per call would cost more than most laws, and COMMON blocks would be split between
+//! processes.
 //!
 //! # Who does what
 //!
 //! ```text
 //! supervisor   which cases need it? ── start worker ── watch ─────────────── message, replay, results ── exit code
-//!                 (need)                 (supervisor)     │ exit, signal, time     (ending, replay)
+//!                (need, trust)           (supervisor)     │ exit, signal, time     (ending, replay)
 //!                                                         │
-//! worker                    read the case, run it: rows, fields, plots; before each call its arguments … done-mark
+//! worker                    carry out a command line: rows, fields, plots; before each call its arguments … done-mark
 //!                           (worker)                       in shared memory (umat_abi::host::recorder)
 //! ```
 //!
-//! The **supervisor** is the program that the user started. It does not even load a library that has no metadata: its
+//! The **supervisor** is the program that the user started. It does not even load a library that it does not trust: its
 //! initialisers run at that moment. It starts itself again, by `exec` and not by `fork` alone, so that nothing of it is
 //! shared but the recorder's file, which has no name and so leaves nothing behind.
 //!
-//! The **worker** does what the program does without isolation, and on the same terminal: rows, progress and messages
-//! are its own. Its done-mark carries the exit code. Its end without the mark is a failure, with any exit code (Fortran's
-//! STOP gives 0). It dies with the supervisor.
+//! The **worker** carries out a command line of this program as the program does without isolation, and on the same
+//! terminal: rows, progress and messages are its own. Its done-mark carries the exit code. Its end without the mark is a
+//! failure, with any exit code (Fortran's STOP gives 0). It dies with the supervisor.
 //!
-//! `pullout plugin info` and `check` of a library without metadata are run in the same way: the worker gets their command
-//! line.
+//! A run or a fit has one worker for all of it; `plugin check` has one for each group of checks, `plugin list` one for
+//! each library.
 //!
-//! After a failure a second worker reads the case again, without running it, and makes summary, plots and report of the
+//! After a failed run a second worker reads the case again, without running it, and makes summary, plots and report of the
 //! rows that are there, as for any other run that failed. If that fails as well (a library that cannot be loaded any
 //! more), the supervisor writes a summary with what it knows.
 //!
@@ -50,23 +52,12 @@ mod supervisor;
 mod system;
 #[cfg(test)]
 mod test;
+mod trust;
 pub mod worker;
 
 pub use ending::Aftermath;
-pub use need::{CALL_TIME_LIMIT, Need, describes_laws, need, need_of_library};
+pub use need::{CALL_TIME_LIMIT, Need, need, need_of};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, program};
-pub use worker::{Stage, Task};
-
-use std::path::Path;
-use umat_abi::host::{Library, LoadError};
-
-/// Loads a library into this process.
-///
-/// # Errors
-/// As of [`Library::open`].
-pub fn load(library: &Path) -> Result<Library, LoadError> {
-    // SAFETY: a library that nobody vouches for is loaded by a worker only, which `need` and `need_of_library` see to:
-    // what it does to that process is found by the one that watches it.
-    unsafe { Library::open(library) }
-}
+pub use trust::{all_are_let_in, hash, let_all_in, load};
+pub use worker::Task;

@@ -1,50 +1,42 @@
 //! Which cases run in a process of their own.
 
+use super::{system, trust, worker};
 use crate::case;
-use crate::input::{self, Input, folder_of};
-use memchr::memmem;
+use crate::input::folder_of;
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found};
-use umat_abi::metadata::PLUGIN_SYMBOL;
 
 /// Longest time of one call unless the case says otherwise, s.
 pub const CALL_TIME_LIMIT: f64 = 60.0;
 
-/// Why a case is isolated, and how.
+/// What a process of its own is needed for.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Need {
     /// Whether it is a specimen, whose messages name elements.
     pub specimen: bool,
-    /// The libraries by their absolute paths.
-    pub libraries: BTreeMap<PathBuf, Terms>,
-}
-
-/// The terms on which a library is called.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Terms {
-    /// Longest time of one call, s.
-    pub time_limit: f64,
-    /// It is isolated because the case says so: its metadata vouch for it.
-    pub asked_for: bool,
-}
-
-impl Default for Terms {
-    fn default() -> Self {
-        Self { time_limit: CALL_TIME_LIMIT, asked_for: false }
-    }
+    /// Longest time of one call of each library, by its absolute path, s.
+    pub libraries: BTreeMap<PathBuf, f64>,
+    /// The case wishes that a library of it runs in this process, which the command line does not grant.
+    pub is_against_a_wish: bool,
 }
 
 impl Need {
-    /// The terms of a library.
-    pub fn terms(&self, library: &Path) -> Terms {
-        self.libraries.get(library).copied().unwrap_or_default()
+    /// For a library alone.
+    pub fn of_library(library: &Path, time_limit: f64) -> Option<Self> {
+        let need = || Self { libraries: [(absolute(library), time_limit)].into(), ..Self::default() };
+        (!trust::may_run_here(library)).then(need)
+    }
+
+    /// The longest time of one call of a library, s.
+    pub fn time_limit(&self, library: &Path) -> f64 {
+        self.libraries.get(library).copied().unwrap_or(CALL_TIME_LIMIT)
     }
 
     /// The longest time that anything may take, s.
     pub fn longest_time(&self) -> f64 {
-        self.libraries.values().map(|terms| terms.time_limit).fold(0.0, f64::max)
+        self.libraries.values().copied().fold(0.0, f64::max)
     }
 }
 
@@ -52,48 +44,34 @@ impl Need {
 ///
 /// Nothing is loaded: a library's initialisers may do what its routines do.
 pub fn need(file: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Option<Need> {
-    if !super::system::IS_SUPPORTED {
+    need_of(&case::document(file, overrides)?, file, plugin_paths)
+}
+
+/// Whether a case needs a process of its own that would stand in the file `file`.
+pub fn need_of(document: &Value, file: &Path, plugin_paths: &[PathBuf]) -> Option<Need> {
+    if worker::is_this_process() || !system::IS_SUPPORTED {
         return None;
     }
-    let document = case::document(file, overrides)?;
     let folder = folder_of(file);
     let mut need = Need { specimen: document["kind"] == "pullout", ..Need::default() };
     let mut is_needed = false;
-    for material in materials(&document) {
+    for material in materials(document) {
         let Some(path) = material["plugin"].as_str().and_then(|plugin| locate(plugin, folder, plugin_paths)) else {
             continue;
         };
-        let has_laws = describes_laws(&path);
-        is_needed |= material["isolate"].as_bool().unwrap_or(!has_laws);
-        let path = std::path::absolute(&path).unwrap_or(path);
+        // what a symbol is nobody has looked at but the case's author
+        let may_run_here = trust::all_are_let_in() || (material["symbol"].is_null() && trust::is_shipped(&path));
+        need.is_against_a_wish |= !may_run_here && material["isolate"] == false;
+        is_needed |= !may_run_here || material["isolate"] == true;
         let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
-        let terms = need.libraries.entry(path).or_insert(Terms { time_limit: 0.0, asked_for: false });
-        terms.time_limit = terms.time_limit.max(limit);
-        terms.asked_for |= has_laws && material["isolate"] == true;
+        let longest = need.libraries.entry(absolute(&path)).or_insert(limit);
+        *longest = longest.max(limit);
     }
     is_needed.then_some(need)
 }
 
-/// Why a command that loads a library needs a process of its own, if it does: it has no metadata, or `case`, which the
-/// command reads, needs one. A case may vouch for its library.
-pub fn need_of_library(
-    library: &Path,
-    case: Option<&Path>,
-    overrides: &[String],
-    plugin_paths: &[PathBuf],
-) -> Option<Need> {
-    if !super::system::IS_SUPPORTED {
-        return None;
-    }
-    let document = case.and_then(|case| case::document(case, overrides));
-    if document.is_some_and(|document| document["material"]["isolate"] == false) {
-        return None;
-    }
-    let of_library = || {
-        let path = std::path::absolute(library).unwrap_or_else(|_| library.to_owned());
-        (!describes_laws(&path)).then(|| Need { libraries: [(path, Terms::default())].into(), ..Need::default() })
-    };
-    case.and_then(|case| need(case, overrides, plugin_paths)).or_else(of_library)
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
 /// Everything in a case that names a plugin.
@@ -115,9 +93,4 @@ fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathB
     } else {
         Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
     }
-}
-
-/// Whether a library's file mentions our metadata, found without loading it.
-pub fn describes_laws(path: &Path) -> bool {
-    input::read(path, Input::Library).is_ok_and(|content| memmem::find(&content, PLUGIN_SYMBOL.as_bytes()).is_some())
 }

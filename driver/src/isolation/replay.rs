@@ -1,7 +1,7 @@
 //! The replay case of a recorded call: one increment with the arguments of that call.
 
-use super::Need;
-use super::need::CALL_TIME_LIMIT;
+use super::need::{CALL_TIME_LIMIT, Need};
+use super::trust;
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
 use crate::path::replay::{StrainDrive, duration};
 use serde_json::{Map, Value, json};
@@ -51,12 +51,13 @@ fn material(call: &CallRecord, need: &Need) -> Option<Value> {
     if let Some(symbol) = &call.symbol {
         material["symbol"] = json!(symbol);
     }
-    let terms = need.terms(&call.library);
-    if terms.asked_for {
+    if trust::may_run_here(&call.library) {
+        // it was isolated because the case said so
         material["isolate"] = json!(true);
     }
-    if terms.time_limit != CALL_TIME_LIMIT {
-        material["call_time_limit_s"] = json!(terms.time_limit);
+    let limit = need.time_limit(&call.library);
+    if limit != CALL_TIME_LIMIT {
+        material["call_time_limit_s"] = json!(limit);
     }
     Some(material)
 }

@@ -4,7 +4,7 @@ use super::ending::{Cause, Report};
 use super::last_words::LastWords;
 use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
-use super::{Need, Stage, replay, system};
+use super::{Need, replay, system};
 use crate::case;
 use crate::input;
 use crate::path::Statistics;
@@ -27,28 +27,14 @@ const POLL: Duration = Duration::from_millis(20);
 const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
 
 /// What a worker is started for.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct Job<'a> {
-    /// What it does.
-    pub stage: Stage,
-    /// The case file; none of [`Stage::Command`].
-    pub case: Option<&'a Path>,
-    /// Result directory; none to check a case.
-    pub out: Option<&'a Path>,
-    /// What stands in the way there is replaced.
-    pub overwrite: bool,
-    /// The texts of `--set`.
-    pub overrides: &'a [String],
-    /// Folders of plugins.
-    pub plugin_paths: &'a [PathBuf],
-    /// What came of the run, as JSON.
-    pub aftermath: &'a str,
-    /// Say nothing but errors.
-    pub quiet: bool,
-    /// Show what the plugins print, as they do, beside keeping it.
-    pub echo: bool,
-    /// Of [`Stage::Command`]: the command line without the program's name.
+    /// The command line of this program that it carries out, without the program's name.
     pub command: &'a [OsString],
+    /// The case, and the texts of `--set`, that a replay of a call tells of.
+    pub case: Option<(&'a Path, &'a [String])>,
+    /// The result directory, if what the plugins print there is shown as they do.
+    pub echo: Option<&'a Path>,
 }
 
 /// How a worker ended.
@@ -83,13 +69,10 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let (file, path) = system::shared_file()?;
     let recording = Recording::create(&file)?;
     let streams = streams()?;
-    let mut command = command(job, &path);
-    streams.iter().for_each(|(stream, _, content)| {
-        command.arg("--stream").args([stream, content]);
-    });
-    let mut child = command.stderr(Stdio::piped()).spawn()?;
+    let handed_on = streams.iter().map(|(stream, _, content)| [stream, content]);
+    let mut child = command(job, &path, handed_on).stderr(Stdio::piped()).spawn()?;
     let last_words = LastWords::of(&mut child);
-    let mut echo = job.out.filter(|_| job.echo).map(Echo::of);
+    let mut echo = job.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
     let mut tell = || match &mut echo {
         Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
@@ -125,27 +108,11 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     })))
 }
 
-impl<'a> Job<'a> {
-    /// A worker that carries out a command line of this program, without the program's name.
-    pub fn of_command(command: &'a [OsString]) -> Self {
-        Self {
-            overwrite: false,
-            stage: Stage::Command,
-            case: None,
-            out: None,
-            overrides: &[],
-            plugin_paths: &[],
-            aftermath: "null",
-            quiet: false,
-            echo: false,
-            command,
-        }
-    }
-
+impl Job<'_> {
     /// A case that repeats a call.
     fn replay(&self, call: &CallRecord, need: &Need) -> Option<Value> {
-        let file = self.case.unwrap_or(Path::new(""));
-        let document = case::document(file, self.overrides).unwrap_or_default();
+        let (file, overrides) = self.case.unwrap_or((Path::new(""), &[]));
+        let document = case::document(file, overrides).unwrap_or_default();
         let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let title = document["title"].as_str().map_or_else(stem, str::to_owned);
         let mut replay = replay::of(call, &title, need)?;
@@ -164,7 +131,7 @@ fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
     handed_on.collect()
 }
 
-fn command(job: &Job<'_>, recorder: &Path) -> Command {
+fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'a PathBuf; 2]>) -> Command {
     let mut command = Command::new(system::program());
     command.arg0("pullout").stdout(prints::for_child());
     if std::env::var_os(UNBUFFERED).is_none() {
@@ -172,30 +139,12 @@ fn command(job: &Job<'_>, recorder: &Path) -> Command {
     }
     // a runtime error tells the routine as well
     command.env("GFORTRAN_ERROR_BACKTRACE", "y");
-    command.arg(COMMAND).args(["--stage", job.stage.name(), "--supervisor", &std::process::id().to_string()]);
+    command.arg(COMMAND).args(["--supervisor", &std::process::id().to_string()]);
     command.arg("--recorder").arg(recorder);
-    if let Some(case) = job.case {
-        command.arg("--case").arg(case);
-    }
-    if let Some(out) = job.out {
-        command.arg("--out").arg(out);
-    }
-    command.arg(format!("--aftermath={}", job.aftermath));
-    for entry in job.overrides {
-        command.arg(format!("--set={entry}"));
-    }
-    for folder in job.plugin_paths {
-        command.arg("--plugin-path").arg(folder);
-    }
-    if job.overwrite {
-        command.arg("--overwrite");
-    }
-    if job.quiet {
-        command.arg("--quiet");
-    }
-    if !job.command.is_empty() {
-        command.arg("--").args(job.command);
-    }
+    streams.for_each(|stream| {
+        command.arg("--stream").args(stream);
+    });
+    command.arg("--").args(job.command);
     command
 }
 
@@ -253,12 +202,12 @@ impl Heartbeat {
         self.pending = pending;
         self.pending.iter().find_map(|(beat, time)| {
             // what a call is of is read only when it lasts
-            let least = need.libraries.values().map(|terms| terms.time_limit).fold(f64::INFINITY, f64::min);
+            let least = need.libraries.values().copied().fold(f64::INFINITY, f64::min);
             if time.as_secs_f64() <= least {
                 return None;
             }
             let limit = match recording.call(*beat) {
-                Some(call) => need.terms(&call.library).time_limit,
+                Some(call) => need.time_limit(&call.library),
                 None => need.longest_time(),
             };
             (time.as_secs_f64() > limit).then_some(limit)

@@ -1,20 +1,22 @@
 use super::need::{Need, need};
-use super::replay;
+use super::{load, replay, trust};
+use end_to_end_tests::{SHIPPED_LAWS, plugin};
 use serde_json::{Value, json};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
+use umat_abi::metadata::PLUGIN_SYMBOL;
 
-/// What a case with these materials needs: a point's, or a specimen's parts and contact. `foreign.so` is a library
-/// without metadata, `linear_elastic` a plugin of ours.
+/// What a case with these materials needs: a point's, or a specimen's parts and contact. `foreign.so` is a library that
+/// only mentions our metadata, `linear_elastic` a plugin of ours.
 fn need_of(case: &Value) -> Option<Need> {
     let folder = tempfile::tempdir().expect("a folder");
-    std::fs::write(folder.path().join("foreign.so"), "no metadata in here").expect("a file");
+    std::fs::write(folder.path().join("foreign.so"), PLUGIN_SYMBOL).expect("a file");
     let file = folder.path().join("case.json");
     std::fs::write(&file, case.to_string()).expect("a file");
     let found = need(&file, &[], &[end_to_end_tests::plugin_folder()]);
     found.map(|need| {
         let name = |path: PathBuf| path.file_stem().map(PathBuf::from).unwrap_or_default();
-        Need { libraries: need.libraries.into_iter().map(|(path, terms)| (name(path), terms)).collect(), ..need }
+        Need { libraries: need.libraries.into_iter().map(|(path, limit)| (name(path), limit)).collect(), ..need }
     })
 }
 
@@ -23,16 +25,41 @@ fn point(material: Value) -> Option<Need> {
 }
 
 #[test]
-fn libraries_without_metadata_are_isolated_by_default() {
-    let terms = |need: Option<Need>, name: &str| need.map(|need| need.libraries[&PathBuf::from(name)]);
-    let foreign = terms(point(json!({ "plugin": "./foreign.so" })), "foreign").expect("isolated");
-    assert_eq!((foreign.time_limit, foreign.asked_for), (60.0, false));
-    assert_eq!(point(json!({ "plugin": "./foreign.so", "isolate": false })), None);
-    assert_eq!(point(json!({ "plugin": "linear_elastic" })), None);
-    assert_eq!(point(json!({ "plugin": "linear_elastic", "call_time_limit_s": 5 })), None);
+fn only_what_was_built_with_the_program_runs_in_it_unasked() {
+    for law in SHIPPED_LAWS.into_iter().chain(["pullout_laws"]) {
+        assert!(trust::is_shipped(&plugin(law)), "{law}");
+    }
+    // with metadata, but of another build
+    assert!(!trust::is_shipped(&plugin("sound_damage")));
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = folder.path().join("libcopy.so");
+    std::fs::copy(plugin("linear_elastic"), &copy).expect("a copy");
+    assert!(trust::is_shipped(&copy));
+    let mut content = std::fs::read(&copy).expect("a file");
+    *content.last_mut().expect("bytes") ^= 1;
+    std::fs::write(&copy, content).expect("a file");
+    assert!(!trust::is_shipped(&copy), "it is not the same any more");
+    assert!(load(&copy).is_err());
+}
+
+#[test]
+fn other_libraries_are_isolated() {
+    let foreign = |need: Option<Need>| need.expect("isolated");
+    let need = foreign(point(json!({ "plugin": "./foreign.so" })));
+    assert_eq!((need.libraries[Path::new("foreign")], need.is_against_a_wish), (60.0, false));
+    assert!(foreign(point(json!({ "plugin": "./foreign.so", "isolate": false }))).is_against_a_wish);
+    for sound in [json!({}), json!({ "isolate": false }), json!({ "call_time_limit_s": 5 })] {
+        let mut material = sound;
+        material["plugin"] = json!("linear_elastic");
+        assert_eq!(point(material.clone()), None);
+        material["symbol"] = json!("linear_elastic_umat_");
+        assert!(point(material.clone()).is_some(), "a symbol of the case's choice");
+        material["symbol"] = json!(null);
+        material["isolate"] = json!(true);
+        assert!(!foreign(point(material)).is_against_a_wish);
+    }
     let own = json!({ "plugin": "linear_elastic", "isolate": true, "call_time_limit_s": 5 });
-    let own = terms(point(own), "liblinear_elastic").expect("isolated");
-    assert_eq!((own.time_limit, own.asked_for), (5.0, true));
+    assert_eq!(foreign(point(own)).libraries[Path::new("liblinear_elastic")], 5.0);
 }
 
 #[test]

@@ -3,7 +3,6 @@
 use super::system;
 use crate::input;
 use crate::path::Statistics;
-use clap::ValueEnum;
 use console::Term;
 use std::ffi::OsString;
 use std::fs::File;
@@ -14,65 +13,22 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use umat_abi::host::print_by_lines;
 use umat_abi::host::recorder::{self, Recorder};
 
-/// What a worker does with a case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
-pub enum Stage {
-    /// Reads it.
-    Check,
-    /// Reads and runs it.
-    Run,
-    /// Reads it, and makes results of the rows that a run left which was ended.
-    Conclude,
-    /// Another command, which has no case or one of its own.
-    Command,
-}
-
-impl Stage {
-    /// As an argument.
-    pub(super) fn name(self) -> &'static str {
-        match self {
-            Self::Check => "check",
-            Self::Run => "run",
-            Self::Conclude => "conclude",
-            Self::Command => "command",
-        }
-    }
-}
-
 /// Name of the hidden command.
 pub const COMMAND: &str = "worker";
 
 /// The command line of a worker. Only the program itself writes it.
 #[derive(Clone, Debug, clap::Args)]
 pub struct Task {
-    /// What to do.
-    #[arg(long)]
-    pub stage: Stage,
     /// The recorder's file.
     #[arg(long)]
     pub recorder: PathBuf,
     /// The process that supervises this one.
     #[arg(long)]
     pub supervisor: u32,
-    /// The case file.
-    #[arg(long)]
-    pub case: Option<PathBuf>,
-    /// Result directory; none to check a case.
-    #[arg(long)]
-    pub out: Option<PathBuf>,
-    /// Replace what stands in the way there.
-    #[arg(long)]
-    pub overwrite: bool,
-    /// What came of the run, as JSON.
-    #[arg(long, default_value = "null")]
-    pub aftermath: String,
-    /// Say nothing but errors.
-    #[arg(long)]
-    pub quiet: bool,
     /// What the supervisor read from a pipe: the pipe's path, and a file with what came out of it.
     #[arg(long = "stream", num_args = 2)]
     pub streams: Vec<PathBuf>,
-    /// The other command, without the program's name.
+    /// The command line that is carried out, without the program's name.
     #[arg(last = true)]
     pub command: Vec<OsString>,
 }

@@ -21,7 +21,7 @@ pub mod summary;
 mod test;
 
 /// Puts the file's name in front of an error's message.
-fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
+pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
     move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
 }
 

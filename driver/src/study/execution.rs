@@ -109,6 +109,9 @@ impl Execution<'_> {
         if self.overwrite {
             command.arg("--overwrite");
         }
+        if isolation::all_are_let_in() {
+            command.arg("--in-process");
+        }
         self.plugin_paths.iter().for_each(|path| {
             command.arg("--plugin-path").arg(path);
         });

@@ -228,7 +228,7 @@ fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
 fn a_restart_is_told() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "occasions.f", &[]) else { return };
-    let material = json!({ "plugin": library, "props": [E, NU, 10.0], "nstatv": 0, "isolate": false });
+    let material = json!({ "plugin": library, "props": [E, NU, 10.0], "nstatv": 0 });
     let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
     let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
     let steps = json!([{ "slip": 0.004, "increments": 3, "time": 3.0 }]);

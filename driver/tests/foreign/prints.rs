@@ -31,8 +31,8 @@ fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
     let desk = Desk::new();
     let Some(case) = prepared(&desk, 0) else { return };
     let case = desk.case("job/case.json", &case);
-    for isolate in [true, false] {
-        let run = desk.run(&case, &[&format!("material.isolate={isolate}")], "out", 0);
+    for place in [&[][..], &["--in-process"]] {
+        let run = desk.run_with(&case, place, "out", 0);
         close(run.history.last("s11"), 1.0);
         assert_eq!((run.outcome.stdout.as_str(), run.outcome.stderr.as_str()), ("", ""));
         for unit in ["UNIT SIX", "STAR"] {
@@ -42,9 +42,8 @@ fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
         nothing_was_left(&desk);
         // shown on demand, and kept all the same; our own line comes last
         let path = case.to_str().expect("UTF-8");
-        let arguments = ["run", path, "--echo", "--out", "echoed", "--set"];
-        let echoed =
-            desk.pullout(arguments.into_iter().chain([format!("material.isolate={isolate}").as_str()])).expect(0);
+        let arguments = ["run", path, "--echo", "--out", "echoed"];
+        let echoed = desk.pullout(arguments.iter().chain(place)).expect(0);
         let shown = run.log() + &run.messages();
         for line in shown.lines() {
             assert!(echoed.stdout.contains(line), "{line}");

@@ -70,9 +70,10 @@ fn a_sound_library_is_told_of_as_before() {
     let outcome = checked(&desk, &sound, "./libmisbehaving.so", 0);
     assert!(outcome.stdout.trim_end().ends_with(" checks, none failed"), "{}", outcome.stdout);
     // the same words where it is called in the program itself
-    let mut trusted = sound;
-    trusted["material"]["isolate"] = json!(false);
-    assert_eq!(checked(&desk, &trusted, "./libmisbehaving.so", 0).stdout, outcome.stdout);
+    let arguments = ["plugin", "check", "./libmisbehaving.so", "--case", "case.json", "--states", "20", "--in-process"];
+    assert_eq!(desk.pullout(arguments).expect(0).stdout, outcome.stdout);
+    let arguments = ["plugin", "info", "./libmisbehaving.so", "--in-process"];
+    assert!(desk.pullout(arguments).expect(0).stdout.contains("entry points: umat, uinter, fric;"));
 }
 
 /// What a plugin does to its own standard output takes nothing from the report.

@@ -9,6 +9,7 @@ mod processes;
 mod program;
 mod routines;
 mod specimen;
+mod trust;
 
 use end_to_end_tests::{Tool, find, run, workspace};
 use program::{Desk, Run, json};

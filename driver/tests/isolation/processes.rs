@@ -122,7 +122,7 @@ fn a_plugin_that_blocks_the_exit() {
 }
 
 /// The process that a supervisor has started, once its history grows.
-fn worker(child: &mut Child, history: &Path) -> Option<u32> {
+pub(super) fn worker(child: &mut Child, history: &Path) -> Option<u32> {
     let deadline = Instant::now() + Duration::from_secs(60);
     while !std::fs::metadata(history).is_ok_and(|file| file.len() > 100_000) {
         assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");

@@ -5,7 +5,7 @@ use super::{Fault, compiled, fails_and_replays, material};
 use serde_json::{Value, json};
 
 /// A plate with a hole in 2 × 4 increments.
-fn plate(material: Value, nlgeom: bool) -> Value {
+pub(super) fn plate(material: Value, nlgeom: bool) -> Value {
     json!({
         "kind": "pullout",
         "title": "A plate",

@@ -80,13 +80,16 @@ impl Desk {
 
     /// Runs a case quietly into the folder `out` and reads what it wrote.
     pub fn run(&self, case: &Path, overrides: &[&str], out: &str, code: i32) -> Run {
+        let settings: Vec<&str> = overrides.iter().flat_map(|entry| ["--set", entry]).collect();
+        self.run_with(case, &settings, out, code)
+    }
+
+    /// The same with any arguments.
+    pub fn run_with(&self, case: &Path, more: &[&str], out: &str, code: i32) -> Run {
         let folder = self.path(out);
-        let mut arguments: Vec<&OsStr> =
-            ["run", "--quiet", "--out"].iter().map(OsStr::new).chain([folder.as_os_str(), case.as_os_str()]).collect();
-        for entry in overrides {
-            arguments.extend([OsStr::new("--set"), OsStr::new(entry)]);
-        }
-        let outcome = self.pullout(arguments).expect(code);
+        let arguments =
+            ["run", "--quiet", "--out"].iter().map(OsStr::new).chain([folder.as_os_str(), case.as_os_str()]);
+        let outcome = self.pullout(arguments.chain(more.iter().map(OsStr::new))).expect(code);
         Run::read(&folder, outcome)
     }
 
@@ -106,7 +109,8 @@ pub struct Run {
 }
 
 impl Run {
-    fn read(folder: &Path, outcome: Outcome) -> Self {
+    /// Reads what an outcome left in a folder.
+    pub fn read(folder: &Path, outcome: Outcome) -> Self {
         Self {
             folder: folder.to_path_buf(),
             outcome,

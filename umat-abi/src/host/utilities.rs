@@ -1,6 +1,6 @@
 //! The utility routines that third-party UMATs call, in a library of their own (`umat-abi/utilities`).
 
-use super::discovery::{Found, search_paths};
+use super::discovery::{Found, installed_paths};
 use super::library::loaders_words;
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -39,12 +39,13 @@ impl fmt::Display for UnavailableUtilities {
     }
 }
 
-/// The library of the utility routines: beside the plugins.
+/// The library of the utility routines: beside the plugins that were installed with the program, whose process it is loaded
+/// into, and in no other folder of plugins.
 ///
 /// # Errors
 /// [`UnavailableUtilities::Missing`].
 pub fn utilities_path() -> Result<PathBuf, UnavailableUtilities> {
-    let searched = search_paths(&[]);
+    let searched = installed_paths();
     match Found::by_name(LIBRARY, &searched) {
         Some(found) => Ok(found.path),
         None => Err(UnavailableUtilities::Missing { searched }),

@@ -97,7 +97,7 @@ fn measure_calls(
             fortran::Library::NotInstalled => *ratio = Ratio::NotInstalled,
             fortran::Library::Built(path) => {
                 // SAFETY: the twin was built for this comparison: it keeps nothing between calls and no modes.
-                let mut call = prepared(&unsafe { crate::isolation::load(path)?.vouched_for() })?;
+                let mut call = prepared(&unsafe { Library::open(path)?.vouched_for() })?;
                 // from the very state of the plugin
                 call.stress_mut().copy_from_slice(&start.stress);
                 call.statev_mut().copy_from_slice(&states);

@@ -52,7 +52,7 @@ fn the_laws_in_fortran_are_the_laws() {
         };
         let plugin = solid.library(&settings).expect("a plugin that Cargo built");
         // SAFETY: as in the benchmark.
-        let twin = unsafe { crate::isolation::load(&path).expect("a library").vouched_for() };
+        let twin = unsafe { Library::open(&path).expect("a library").vouched_for() };
         let new = |library: &Library| {
             UmatCall::new(library, None, solid.law, StressState::ThreeD, solid.states, &solid.props).expect("umat_")
         };

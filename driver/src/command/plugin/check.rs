@@ -1,11 +1,11 @@
-//! `pullout plugin check`: in this process, or each group of checks in one of its own where nobody vouches for the library.
+//! `pullout plugin check`: in this process, or each group of checks in one of its own where the library may not run here.
 
-use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, complain, refuse, say};
-use super::file_of;
+use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, Place, complain, refuse, say};
+use super::{TIME_LIMIT, file_of};
 use crate::case::{self, Case};
 use crate::conformance::{self, Event, Group, Options, Report};
 use crate::isolation::prints::Prints;
-use crate::isolation::{self, worker};
+use crate::isolation::{self, Need};
 use crate::path::program::Plugin;
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -49,6 +49,8 @@ pub(in crate::command) struct Arguments {
     /// Look here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) place: Place,
     /// The checks of one group, for the process that started this one.
     #[arg(long, hide = true, requires = "rows")]
     group: Option<Group>,
@@ -162,9 +164,8 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         complain("--nstatv and --set change a case: give one by --case");
         return BAD_INPUT;
     }
-    if !worker::is_this_process()
-        && let Some(need) = isolation::need_of_library(&file, case, &arguments.overrides(), &arguments.plugin_paths)
-    {
+    let of_case = || isolation::need(case?, &arguments.overrides(), &arguments.plugin_paths);
+    if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
         return children::run(arguments, &file, need);
     }
     // what it prints in thousands of calls is nobody's

@@ -3,7 +3,9 @@
 use super::record::Kept;
 use crate::case::Case;
 use crate::output::history::digest_of;
+use crate::pullout::Program;
 use crate::pullout::checkpoint::Checkpoints;
+use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
@@ -12,28 +14,47 @@ use std::path::PathBuf;
 pub(in crate::command) struct Interruption {
     /// Keep the state after every N increments in checkpoint.bin of the result directory (kind "pullout").
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
-    checkpoint_every: Option<u64>,
+    pub(in crate::command) checkpoint_every: Option<u64>,
     /// Go on with the run that was interrupted in this result directory, from its last checkpoint; later rows and fields
-    /// are computed again, to the same bits.
+    /// are computed again, to the same bits. What a library keeps in its own memory (SAVE, COMMON) is in no checkpoint:
+    /// its UEXTERNALDB is told of the restart (LOP = 4).
     #[arg(long, value_name = "DIR", conflicts_with = "out")]
-    pub(super) restart: Option<PathBuf>,
+    pub(in crate::command) restart: Option<PathBuf>,
 }
 
 impl Interruption {
     /// Whether anything of it was asked for.
-    pub(super) fn is_asked_for(&self) -> bool {
+    fn is_asked_for(&self) -> bool {
         self.checkpoint_every.is_some() || self.restart.is_some()
+    }
+
+    /// Whether a case may have what was asked for; if not, why.
+    pub(super) fn suits(&self, is_specimen: bool) -> Result<(), String> {
+        if is_specimen || !self.is_asked_for() {
+            return Ok(());
+        }
+        Err("only runs of kind \"pullout\" have checkpoints: leave --checkpoint-every and --restart out".into())
+    }
+
+    /// Warns of libraries that may keep in their own memory what a restart needs.
+    pub(super) fn warn_of_memory(&self, program: &mut Program) {
+        if !self.is_asked_for() {
+            return;
+        }
+        let undescribed = program.laws().into_iter().filter(|(_, law)| law.law.is_none());
+        let libraries: BTreeSet<_> = undescribed.map(|(_, law)| law.library.path().to_owned()).collect();
+        program.warnings.extend(libraries.iter().map(|library| {
+            format!(
+                "{}: what it keeps in its own memory (SAVE, COMMON) is in no checkpoint, and is not there after a restart",
+                library.display()
+            )
+        }));
     }
 
     /// What a case's run does with checkpoints.
     pub(super) fn checkpoints(&self, case: &Case) -> Result<Checkpoints, String> {
         let Case::Pullout(program) = case else {
-            if self.is_asked_for() {
-                return Err(
-                    "only runs of kind \"pullout\" have checkpoints: leave --checkpoint-every and --restart out".into(),
-                );
-            }
-            return Ok(Checkpoints::default());
+            return self.suits(false).map(|()| Checkpoints::default());
         };
         match &self.restart {
             None => Checkpoints::new(program, self.checkpoint_every).map_err(|error| error.to_string()),

@@ -4,11 +4,11 @@ use super::compare::Comparison;
 use super::directory::ResultDirectory;
 use super::{at, malformed};
 use crate::input::{self, Input};
+use crate::isolation;
 use crate::path::Row;
 use crate::pullout::Findings;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
 use std::io;
 use std::path::Path;
 
@@ -108,10 +108,9 @@ pub struct PluginOf {
 }
 
 impl PluginFile {
-    /// Reads and hashes the file.
+    /// Hashes the file.
     pub fn identify(path: &Path, version: &str) -> io::Result<Self> {
-        let content = input::read(path, Input::Library).map_err(at(path))?;
-        let sha256 = Sha256::digest(&content).iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 = isolation::hash(path)?.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { path: path.display().to_string(), version: version.to_owned(), sha256 })
     }
 }

@@ -1,6 +1,6 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
-use super::{Arguments, Judged, conclude};
+use super::{Arguments, Judged, TIME_LIMIT, conclude};
 use crate::case;
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
 use crate::conformance::{Group, Report, Row, Verdict};
@@ -10,8 +10,6 @@ use serde_json::Value;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
 
-/// Longest time of a call unless the case says otherwise, s: a check is to end within twenty.
-const CALL_TIME_LIMIT: f64 = 5.0;
 /// Ends of a process that the sample is drawn again for, without what led to it.
 const MOST_ENDS: usize = 16;
 /// The row that every group has.
@@ -36,10 +34,8 @@ struct Tally<'a> {
 
 /// Makes all groups.
 pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
-    for terms in need.libraries.values_mut() {
-        if terms.time_limit == isolation::CALL_TIME_LIMIT {
-            terms.time_limit = CALL_TIME_LIMIT;
-        }
+    for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
+        *limit = TIME_LIMIT;
     }
     let mut tally = Tally { arguments, judged: Vec::new(), bounds: Vec::new() };
     let (mut skip, mut longest_path) = (Vec::new(), None);
@@ -50,7 +46,7 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
                 return BAD_INPUT;
             };
             let command = arguments.command_line(*group, rows.path(), &skip, longest_path);
-            let end = isolation::supervise(&Job::of_command(&command), &need);
+            let end = isolation::supervise(&Job { command: &command, ..Job::default() }, &need);
             let mut text = String::new();
             let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
             let told = tally.read(&text);
