@@ -8,11 +8,12 @@ use crate::signals;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags};
 use rustix::io::Errno;
+use sha2::{Digest, Sha256};
 use std::collections::BTreeMap;
 use std::fs::{File, FileType, Metadata};
 use std::io;
 use std::os::fd::{AsFd, OwnedFd};
-use std::os::unix::fs::FileTypeExt;
+use std::os::unix::fs::{FileTypeExt, MetadataExt};
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -109,6 +110,26 @@ pub fn read(path: &Path, input: Input) -> io::Result<Vec<u8>> {
     }
     let stream = bytes(path, &metadata, input).map_err(|error| (error.kind(), error.to_string()));
     again(streams.entry(path.to_owned()).or_insert(stream))
+}
+
+/// Hashes a file on disk (SHA-256): once, as long as it stays the same.
+///
+/// # Errors
+/// As of [`read`].
+pub fn hash(path: &Path, input: Input) -> io::Result<[u8; 32]> {
+    /// What changes with the content: device and inode, length, time of the last change, ns.
+    type Stamp = [i128; 4];
+    static KNOWN: Mutex<BTreeMap<PathBuf, (Stamp, [u8; 32])>> = Mutex::new(BTreeMap::new());
+    let file = std::fs::metadata(path)?;
+    let changed = i128::from(file.ctime()) * 1_000_000_000 + i128::from(file.ctime_nsec());
+    let stamp = [file.dev().into(), file.ino().into(), file.len().into(), changed];
+    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+    if let Some((_, hash)) = known().get(path).filter(|(of, _)| *of == stamp) {
+        return Ok(*hash);
+    }
+    let hash = Sha256::digest(read(path, input)?).into();
+    known().insert(path.to_owned(), (stamp, hash));
+    Ok(hash)
 }
 
 /// Opens a file on disk, to be read piece by piece.

@@ -5,6 +5,7 @@ use super::document::{self, Piece};
 use super::problem::{Place, hint};
 use super::table::CsvFile;
 use crate::path::program;
+use std::path::Path;
 
 /// Index of a column; `None` with a problem if there is none, without one if the columns are not known.
 fn column(reader: &mut Reader<'_>, name: &str, columns: Option<&[String]>, place: &Place) -> Option<usize> {
@@ -78,8 +79,9 @@ fn compare(
     let x = column(reader, &curve.x, columns, &place.key("x"));
     let y = column(reader, &curve.y, columns, &place.key("y"));
     let points = points(reader, curve, place);
-    let path = reader.folder.join(&curve.file);
-    let stem = path.file_stem().map_or_else(|| curve.file.clone(), |stem| stem.to_string_lossy().into_owned());
+    let stem = Path::new(&curve.file)
+        .file_stem()
+        .map_or_else(|| curve.file.clone(), |stem| stem.to_string_lossy().into_owned());
     Some(program::Compare {
         file: curve.file.clone(),
         points: points?,
@@ -95,7 +97,7 @@ fn compare(
 
 /// The two columns of the curve's file.
 fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> Option<Vec<(f64, f64)>> {
-    let path = reader.folder.join(&curve.file);
+    let path = reader.file(&curve.file, &place.key("file"))?;
     let csv = match CsvFile::read(&path) {
         Ok(csv) => csv,
         Err(messages) => {

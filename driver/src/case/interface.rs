@@ -121,8 +121,8 @@ fn directions_of_step(reader: &Reader<'_>, step: &StepDocument) -> usize {
         StepDocument::Cycles(wrapper) => directions_of(reader, &wrapper.cycles.steps),
         StepDocument::Ramp(ramp) => 1 + usize::from(ramp.target.slip2.is_some()),
         StepDocument::Table(table) => {
-            let csv = super::table::CsvFile::read(&reader.folder.join(&table.table));
-            1 + usize::from(csv.is_ok_and(|csv| csv.header.iter().any(|name| name == "slip2")))
+            let csv = reader.named(&table.table).ok().and_then(|path| super::table::CsvFile::read(&path).ok());
+            1 + usize::from(csv.is_some_and(|csv| csv.header.iter().any(|name| name == "slip2")))
         }
     }
 }
@@ -196,7 +196,8 @@ fn table_step(
 ) -> Option<OpenStep> {
     let until = step.until.as_ref().and_then(|until| history::until(reader, until, columns, &place.key("until")));
     let place = place.key("table");
-    let table = read_table(reader, &reader.folder.join(&step.table), &NAMES, &place)?;
+    let path = reader.file(&step.table, &place)?;
+    let table = read_table(reader, &path, &NAMES, &place)?;
     let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
     let normal = normal_control(reader, gap.is_some(), p.is_some(), entry, |_| place.clone());
     let rows = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));

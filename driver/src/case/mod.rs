@@ -121,6 +121,8 @@ pub(crate) struct Reader<'a> {
     /// The case file's folder, to which paths in it are relative.
     folder: &'a Path,
     plugin_paths: &'a [PathBuf],
+    /// Nobody has looked at the case: it names plugins of the search path, and files within its folder.
+    is_untrusted: bool,
     /// The libraries that are loaded, by file.
     libraries: BTreeMap<PathBuf, Library>,
     problems: Vec<Problem>,
@@ -130,7 +132,32 @@ pub(crate) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// For a file in this folder.
     pub(crate) fn new(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
-        Self { folder, plugin_paths, libraries: BTreeMap::new(), problems: Vec::new(), warnings: Vec::new() }
+        Self {
+            folder,
+            plugin_paths,
+            is_untrusted: false,
+            libraries: BTreeMap::new(),
+            problems: Vec::new(),
+            warnings: Vec::new(),
+        }
+    }
+
+    /// The same, for a file that nobody has looked at.
+    pub(crate) fn of_untrusted(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
+        Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
+    }
+
+    /// The file that a text of the case names.
+    ///
+    /// # Errors
+    /// The case may not name it.
+    pub(crate) fn named(&self, name: &str) -> Result<PathBuf, String> {
+        if self.is_untrusted { within(self.folder, name) } else { Ok(self.folder.join(name)) }
+    }
+
+    /// The file that the text at a place names, if it may.
+    pub(crate) fn file(&mut self, name: &str, place: &Place) -> Option<PathBuf> {
+        self.named(name).map_err(|message| self.problem(place, message)).ok()
     }
 
     /// The case, if nothing is wrong with it.
@@ -207,7 +234,19 @@ struct Resolved {
 /// # Errors
 /// Everything that is wrong with it.
 pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
-    let mut reader = Reader::new(folder_of(path), plugin_paths);
+    read_by(Reader::new(folder_of(path), plugin_paths), path, overrides)
+}
+
+/// Reads a case file that nobody has looked at: it may name plugins of the search path by their names, no symbol in
+/// them, and files within its folder.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_untrusted(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    read_by(Reader::of_untrusted(folder_of(path), plugin_paths), path, overrides)
+}
+
+fn read_by(mut reader: Reader<'_>, path: &Path, overrides: &[String]) -> Result<Case, CaseErrors> {
     let case = text_with(path, overrides, &mut reader.problems).and_then(|text| read_with(&mut reader, path, text));
     reader.finish(path, case)
 }
@@ -289,12 +328,29 @@ pub fn job_folder(path: &Path, document: &Value) -> PathBuf {
     std::path::absolute(&folder).unwrap_or(folder)
 }
 
+/// A file in a folder, links followed.
+fn within(folder: &Path, name: &str) -> Result<PathBuf, String> {
+    use std::path::Component;
+    let leads_out = || format!("{name} leads out of the case's folder, which --untrusted does not allow");
+    if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+        return Err(leads_out());
+    }
+    let path = folder.join(name);
+    // what does not exist leads nowhere; whoever reads it says so
+    let Ok(place) = path.canonicalize() else { return Ok(path) };
+    let folder = Path::new(".").join(folder).canonicalize().map_err(|error| error.to_string())?;
+    if place.starts_with(folder) { Ok(path) } else { Err(leads_out()) }
+}
+
 /// Tells what GETJOBNAME and GETOUTDIR answer from now on.
 fn announce(path: &Path, document: &Value) {
     announce_job(&path.file_stem().unwrap_or_default().to_string_lossy(), &job_folder(path, document));
 }
 
 fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Case> {
+    if let Some(folder) = document["job_folder"].as_str() {
+        reader.file(folder, &Place::root().key("job_folder"))?;
+    }
     // a library may be called while its case is read
     announce(path, &document);
     let kind = match structure::kind_of(&document) {

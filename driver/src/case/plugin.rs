@@ -53,6 +53,10 @@ pub enum Length {
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
 pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: Use) -> Option<Plugin> {
     let place_of_plugin = place.key("plugin");
+    if reader.is_untrusted && material.symbol.is_some() {
+        reader.problem(&place.key("symbol"), "chooses what is called in a library, which --untrusted does not allow");
+        return None;
+    }
     let path = locate(reader, &material.plugin, &place_of_plugin)?;
     let mut library = open(reader, &path, place_of_plugin.clone())?;
     if material.thread_safe == Some(true) {
@@ -125,6 +129,10 @@ fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
 /// The library's file: a path relative to the case file, or a name on the search path.
 fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBuf> {
     if host::names_a_file(plugin) {
+        if reader.is_untrusted {
+            reader.problem(place, "is a file: --untrusted allows plugins of the search path, by their names");
+            return None;
+        }
         let path = host::library_path(reader.folder, plugin);
         if path.is_file() {
             return Some(path);

@@ -303,7 +303,7 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let fields = std::iter::once(TEMPERATURE).chain(field_names.iter().map(String::as_str));
     let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(fields).collect();
     let place_of_table = place.key("table");
-    let path = reader.folder.join(&step.table);
+    let path = reader.file(&step.table, &place_of_table)?;
     let table = read_table(reader, &path, &names, &place_of_table)?;
     let there = |range: std::ops::Range<usize>| -> [bool; 6] {
         let mut flags = [false; 6];

@@ -175,18 +175,28 @@ fn info(library: &Library) -> u8 {
         }
         say(&format!(
             "{}: a library without metadata; entry points: {}; a case that uses it gives props, nstatv and, if needed, \
-             symbol\n{}",
+             symbol\n{}{}",
             library.path().display(),
             entry_points.join(", "),
-            routines(library)
+            routines(library),
+            place_of(library)
         ));
         return DONE;
     }
     for law in library.laws() {
         say(&describe(law, library.path()));
     }
-    say(&routines(library));
+    say(&(routines(library) + place_of(library)));
     DONE
+}
+
+/// Where cases call it.
+fn place_of(library: &Library) -> &'static str {
+    if isolation::is_shipped(library.path()) {
+        "Process: the program's own; the library was built with it\n"
+    } else {
+        "Process: one of its own, or with --in-process the program's\n"
+    }
 }
 
 /// The routines around the laws, in a line; nothing if there are none.

@@ -111,13 +111,14 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     let of_run = |overrides: &[String]| Reading { overrides: overrides.to_vec(), ..reading.clone() };
     let mut apart = Vec::new();
     let prints = Prints::discard();
-    let read = study::read(file, &reading.overrides, &reading.plugin_paths, &mut |base, overrides| {
-        let own = of_run(overrides);
-        let need = own.need(base);
-        let is_isolated = need.is_some();
-        apart.extend(need.map(|need| (base.to_owned(), own, need)));
-        is_isolated
-    });
+    let read =
+        study::read(file, &reading.overrides, &reading.plugin_paths, reading.untrusted, &mut |base, overrides| {
+            let own = of_run(overrides);
+            let need = own.need(base);
+            let is_isolated = need.is_some();
+            apart.extend(need.map(|need| (base.to_owned(), own, need)));
+            is_isolated
+        });
     drop(prints);
     let own = read.as_ref().map_or_else(refuse, |_| DONE);
     let theirs = apart.iter().map(|(base, reading, need)| isolated::check_before_run(base, reading, need)).max();
@@ -138,6 +139,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
         only: &arguments.only,
         force: arguments.force,
         overwrite: arguments.overwrite,
+        is_untrusted: arguments.reading.untrusted,
     }
 }
 

@@ -59,5 +59,5 @@ pub use ending::Aftermath;
 pub use need::{CALL_TIME_LIMIT, Need, need, need_of};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, program};
-pub use trust::{all_are_let_in, hash, let_all_in, load};
+pub use trust::{all_are_let_in, is_shipped, let_all_in, load};
 pub use worker::Task;

@@ -2,23 +2,14 @@
 
 use super::{system, worker};
 use crate::input::{self, Input};
-use crate::output::at;
-use sha2::{Digest, Sha256};
-use std::collections::HashMap;
 use std::fs::{self, Metadata};
-use std::io;
-use std::os::unix::fs::MetadataExt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{LazyLock, Mutex, PoisonError};
 use umat_abi::host::{Library, LoadError};
 
 /// Length and SHA-256 of the plugins that were built with this program. It stands in the program itself: neither a case
 /// nor a folder of plugins can add to it. A plugin that was built again without the program no longer fits.
-static SHIPPED: &[(u64, Hash)] = shipped::manifest!();
-
-/// SHA-256 of a file.
-type Hash = [u8; 32];
+static SHIPPED: &[(u64, [u8; 32])] = shipped::manifest!();
 
 /// Whether every library may run in this process.
 static ALL_ARE_LET_IN: AtomicBool = AtomicBool::new(false);
@@ -38,7 +29,7 @@ pub fn is_shipped(library: &Path) -> bool {
     // the length spares reading files that are large, or none
     let length = fs::metadata(library).ok().filter(Metadata::is_file).map(|file| file.len());
     length.is_some_and(|length| SHIPPED.iter().any(|(other, _)| *other == length))
-        && hash(library).is_ok_and(|hash| SHIPPED.iter().any(|(_, other)| *other == hash))
+        && input::hash(library, Input::Library).is_ok_and(|hash| SHIPPED.iter().any(|(_, other)| *other == hash))
 }
 
 /// Whether a library may be loaded into this process.
@@ -59,24 +50,4 @@ pub fn load(library: &Path) -> Result<Library, LoadError> {
     // SAFETY: the library was built with this program, or the user (or a test) answers for it, or this process is a worker,
     // which is there to be ended by it.
     unsafe { Library::open(library) }
-}
-
-/// Hashes a library's file: once, as long as the file stays the same.
-///
-/// # Errors
-/// It cannot be read.
-pub fn hash(library: &Path) -> io::Result<Hash> {
-    /// What changes with the content: device and inode, length, time of the last change of the file, ns.
-    type Stamp = [i128; 4];
-    static KNOWN: LazyLock<Mutex<HashMap<PathBuf, (Stamp, Hash)>>> = LazyLock::new(Mutex::default);
-    let file = fs::metadata(library).map_err(at(library))?;
-    let changed = i128::from(file.ctime()) * 1_000_000_000 + i128::from(file.ctime_nsec());
-    let stamp = [file.dev().into(), file.ino().into(), file.len().into(), changed];
-    let known = || KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
-    if let Some((_, hash)) = known().get(library).filter(|(of, _)| *of == stamp) {
-        return Ok(*hash);
-    }
-    let hash = Sha256::digest(input::read(library, Input::Library).map_err(at(library))?).into();
-    known().insert(library.to_owned(), (stamp, hash));
-    Ok(hash)
 }

@@ -176,9 +176,9 @@ fn fingerprint(program: &Program) -> io::Result<String> {
 
 fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
     let path = law.library.path();
-    let library = input::read(path, Input::Library)
+    let library = input::hash(path, Input::Library)
         .map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
-    hash.update(sha256(&library));
+    hash.update(library);
     hash.update(format!(
         "{:?}",
         (&law.name, &law.cmname, &law.symbol, &law.props, law.nstatv, &law.statev0, &law.stress0)

@@ -42,6 +42,8 @@ pub struct Execution<'a> {
     pub force: bool,
     /// Replace what stands in the way in result directories.
     pub overwrite: bool,
+    /// Nobody has looked at the study and its cases.
+    pub is_untrusted: bool,
 }
 
 /// What became of a run.
@@ -108,6 +110,9 @@ impl Execution<'_> {
         command.arg("--out").arg(&folder).args(&arguments[1..]);
         if self.overwrite {
             command.arg("--overwrite");
+        }
+        if self.is_untrusted {
+            command.arg("--untrusted");
         }
         if isolation::all_are_let_in() {
             command.arg("--in-process");

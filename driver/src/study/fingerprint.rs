@@ -7,33 +7,31 @@ use crate::case::{self, Case};
 use crate::input::{self, Input};
 use crate::isolation;
 use sha2::{Digest, Sha256};
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-/// Makes fingerprints; every file is read once.
+/// Makes fingerprints.
 pub struct Fingerprints {
     program: [u8; 32],
-    files: HashMap<PathBuf, [u8; 32]>,
 }
 
 impl Fingerprints {
     pub fn new() -> Self {
-        Self { program: of_file(&isolation::program()), files: HashMap::new() }
+        Self { program: of_file(&isolation::program()) }
     }
 
     /// Of a run whose case was read.
-    pub fn of(&mut self, run: &Run, case: &Case) -> String {
+    pub fn of(&self, run: &Run, case: &Case) -> String {
         self.with(run, &case.libraries())
     }
 
     /// Of a run whose plugins are not loaded here.
-    pub fn of_isolated(&mut self, run: &Run, plugin_paths: &[PathBuf]) -> String {
+    pub fn of_isolated(&self, run: &Run, plugin_paths: &[PathBuf]) -> String {
         let need = isolation::need(&run.base, &run.overrides, plugin_paths);
         let libraries: Vec<PathBuf> = need.map(|need| need.libraries.into_keys().collect()).unwrap_or_default();
         self.with(run, &libraries)
     }
 
-    fn with(&mut self, run: &Run, libraries: &[PathBuf]) -> String {
+    fn with(&self, run: &Run, libraries: &[PathBuf]) -> String {
         let document = case::document(&run.base, &run.overrides).unwrap_or_default();
         let mut files = case::inputs(&run.base, &run.overrides);
         // the document with its overrides is hashed instead
@@ -46,7 +44,7 @@ impl Fingerprints {
         // the title and the like are in results as well
         digest.update(document.to_string());
         for file in files {
-            digest.update(*self.files.entry(file.clone()).or_insert_with(|| of_file(&file)));
+            digest.update(of_file(&file));
         }
         digest.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
     }
@@ -54,5 +52,5 @@ impl Fingerprints {
 
 /// Zeros if it cannot be read: the run will say so.
 fn of_file(path: &Path) -> [u8; 32] {
-    input::read(path, Input::Mesh).map_or([0; 32], |content| Sha256::digest(&content).into())
+    input::hash(path, Input::Mesh).unwrap_or_default()
 }

@@ -35,7 +35,8 @@ const LONGEST_NAME: usize = 200;
 /// Reads a study file and checks the cases of all its runs.
 ///
 /// `overrides` are texts of `--set`, for all runs and behind their own; `plugin_paths` are searched for plugins before the
-/// usual folders. Cases for which `isolated` says so are not read here, because their plugins must not be loaded.
+/// usual folders; `is_untrusted`: nobody has looked at the study and its cases. Cases for which `isolated` says so are not
+/// read here, because their plugins must not be loaded.
 ///
 /// # Errors
 /// Everything that is wrong with the file and with the cases.
@@ -43,12 +44,16 @@ pub fn read(
     file: &Path,
     overrides: &[String],
     plugin_paths: &[PathBuf],
+    is_untrusted: bool,
     isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
 ) -> Result<Study, CaseErrors> {
     let folder = folder_of(file);
-    let mut reader = Reader::new(folder, plugin_paths);
+    let (mut reader, read_case): (_, ReadCase) = match is_untrusted {
+        true => (Reader::of_untrusted(folder, plugin_paths), case::read_untrusted),
+        false => (Reader::new(folder, plugin_paths), case::read),
+    };
     let study = read_study(&mut reader, file, |reader, document: StudyFile| {
-        Resolver { reader, file, overrides, plugin_paths }.study(&document, isolated)
+        Resolver { reader, read_case, file, overrides, plugin_paths }.study(&document, isolated)
     });
     let problems = reader.into_problems();
     match study {
@@ -57,8 +62,12 @@ pub fn read(
     }
 }
 
+/// Reads the case of a run.
+type ReadCase = fn(&Path, &[String], &[PathBuf]) -> Result<Case, CaseErrors>;
+
 struct Resolver<'r, 'p> {
     reader: &'r mut Reader<'p>,
+    read_case: ReadCase,
     file: &'r Path,
     overrides: &'r [String],
     plugin_paths: &'r [PathBuf],
@@ -93,12 +102,13 @@ impl Resolver<'_, '_> {
         let claims = self.list(document.claims.as_ref(), &root.key("claims"));
         let is_complete = members.len() == members_of_file.len() && !members.is_empty();
         let base = base?;
+        let base_file = self.reader.file(&base, &root.key("base"))?;
         if !is_complete || (series.len() != series_of_file.len() && document.series.is_some()) {
             return None;
         }
         let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
         let (runs, columns) = self.runs(&runs, &members, &series, isolated);
-        let curve = given.clone().unwrap_or_else(|| default_curve(&folder_of(self.file).join(&base)));
+        let curve = given.clone().unwrap_or_else(|| default_curve(&base_file));
         let place = root.key("curve");
         if given.is_some() {
             self.columns(&curve, columns.as_deref(), &place);
@@ -215,16 +225,16 @@ impl Resolver<'_, '_> {
         let mut runs = Vec::new();
         let mut complaints: Vec<Complaint> = Vec::new();
         let mut columns: Option<Vec<String>> = None;
-        let mut fingerprints = Fingerprints::new();
+        let fingerprints = Fingerprints::new();
         for (s, one_series) in series.iter().enumerate() {
             let given = plan.series.get(s).map(|(_, series)| *series);
             let base = given.and_then(|series| series.base.as_deref()).unwrap_or(plan.base);
-            let base = folder_of(self.file).join(base);
+            let place = JsonPlace::root();
+            let place = given
+                .filter(|series| series.base.is_some())
+                .map_or(place.key("base"), |_| place.key("series").index(s).key("base"));
+            let Some(base) = self.reader.file(base, &place) else { return (None, None) };
             if is_stream(&base) {
-                let place = JsonPlace::root();
-                let place = given
-                    .filter(|series| series.base.is_some())
-                    .map_or(place.key("base"), |_| place.key("series").index(s).key("base"));
                 self.problem(
                     &place,
                     format!("{}: is a pipe or a device: each run reads its case from a file", base.display()),
@@ -249,7 +259,7 @@ impl Resolver<'_, '_> {
                 if isolated(&run.base, &run.overrides) {
                     run.fingerprint = fingerprints.of_isolated(&run, self.plugin_paths);
                 } else {
-                    match case::read(&run.base, &run.overrides, self.plugin_paths) {
+                    match (self.read_case)(&run.base, &run.overrides, self.plugin_paths) {
                         Ok(case) => {
                             run.fingerprint = fingerprints.of(&run, &case);
                             run.warnings = case.warnings().to_vec();

@@ -10,6 +10,7 @@ mod program;
 mod routines;
 mod specimen;
 mod trust;
+mod untrusted;
 
 use end_to_end_tests::{Tool, find, run, workspace};
 use program::{Desk, Run, json};

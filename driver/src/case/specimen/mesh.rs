@@ -94,7 +94,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
         }
         document::MeshSource::File(source) => {
             let properties = file_properties(reader, case)?;
-            let file = reader.folder.join(&source.file);
+            let file = reader.file(&source.file, &place.key("file"))?;
             let bytes = match input::read(&file, Input::Mesh) {
                 Ok(bytes) => bytes,
                 Err(error) => {

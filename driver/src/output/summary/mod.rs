@@ -4,7 +4,6 @@ use super::compare::Comparison;
 use super::directory::ResultDirectory;
 use super::{at, malformed};
 use crate::input::{self, Input};
-use crate::isolation;
 use crate::path::Row;
 use crate::pullout::Findings;
 use indexmap::IndexMap;
@@ -110,7 +109,8 @@ pub struct PluginOf {
 impl PluginFile {
     /// Hashes the file.
     pub fn identify(path: &Path, version: &str) -> io::Result<Self> {
-        let sha256 = isolation::hash(path)?.iter().map(|byte| format!("{byte:02x}")).collect();
+        let sha256 =
+            input::hash(path, Input::Library).map_err(at(path))?.iter().map(|byte| format!("{byte:02x}")).collect();
         Ok(Self { path: path.display().to_string(), version: version.to_owned(), sha256 })
     }
 }
