@@ -56,8 +56,13 @@ fn what_a_case_may_name() {
     let desk = desk();
     let mut of_folder = elastic();
     of_folder["job_folder"] = json!("tables");
-    let allowed =
-        [elastic(), of_folder, with_table("tables/own.csv"), with_table("./within.csv"), with_curve("tables/curve.csv")];
+    let allowed = [
+        elastic(),
+        of_folder,
+        with_table("tables/own.csv"),
+        with_table("./within.csv"),
+        with_curve("tables/curve.csv"),
+    ];
     for case in allowed {
         desk.case("job/case.json", &case);
         desk.pullout(["check", "--untrusted", "job/case.json"]).expect(0);
