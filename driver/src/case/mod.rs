@@ -8,12 +8,13 @@ use crate::input::{self, Input, folder_of};
 use crate::path::program::{self, Program};
 use crate::pullout;
 use document::{InterfaceCase, PointCase, PulloutCase};
+use fe_core::stepping::Analysis;
 use problem::{Place, Problem};
 use serde::de::DeserializeOwned;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Library, announce_job};
+use umat_abi::host::{ExternalDatabases, Library, announce_job};
 
 mod arguments;
 mod constraints;
@@ -63,6 +64,23 @@ impl Case {
             Self::Path(program) => announce(&program.case_file, &program.document),
             Self::Pullout(program) => announce(&program.case_file, &Value::Null),
         }
+    }
+
+    /// Calls laws that reading the case has not called, because their UEXTERNALDB must be told of one analysis only: here
+    /// of one that ends at once.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn check_laws(&self) -> Result<(), CaseErrors> {
+        let Self::Pullout(program) = self else { return Ok(()) };
+        if !ExternalDatabases::is_in(program.model.libraries()) {
+            return Ok(());
+        }
+        self.announce();
+        Analysis::check_laws(&program.model).map_err(|error| {
+            let problem = Problem::new(Place::root(), error.to_string());
+            CaseErrors { file: program.case_file.clone(), problems: vec![problem] }
+        })
     }
 
     /// Its title.

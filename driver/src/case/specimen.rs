@@ -12,6 +12,7 @@ use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
 use std::path::Path;
+use umat_abi::host::ExternalDatabases;
 
 mod boundary;
 mod chain;
@@ -78,10 +79,15 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     if reader.problems.is_empty() {
         preflight::check(reader, &model);
     }
-    if reader.problems.is_empty()
-        && let Err(error) = Analysis::check(&model)
-    {
-        reader.problem(&root, error.to_string());
+    if reader.problems.is_empty() {
+        // what UEXTERNALDB prepares is there within an analysis, and that begins once
+        let checked = match ExternalDatabases::is_in(model.libraries()) {
+            true => Analysis::check(&model),
+            false => Analysis::check(&model).and_then(|()| Analysis::check_laws(&model)),
+        };
+        if let Err(error) = checked {
+            reader.problem(&root, error.to_string());
+        }
     }
     Some(Program {
         case_file: path.into(),

@@ -101,10 +101,19 @@ pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool) -> u8 {
     cases.iter().map(check).max().unwrap_or(DONE)
 }
 
-fn check_here(file: &Path, reading: &Reading, quiet: bool) -> u8 {
-    match reading.case(file) {
-        Ok(_) if quiet => DONE,
-        Ok(case) => {
+/// Validates a case in this process. `before_run`: says nothing but errors, and leaves to the run what belongs to it.
+fn check_here(file: &Path, reading: &Reading, before_run: bool) -> u8 {
+    let case = match reading.case(file) {
+        Ok(_) if before_run => return DONE,
+        Ok(case) => case,
+        Err(errors) => return refuse(&errors),
+    };
+    let checked = {
+        let _prints = Prints::discard();
+        case.check_laws()
+    };
+    match checked {
+        Ok(()) => {
             say(&format!("{}: no errors\n", file.display()));
             case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
             DONE

@@ -3,6 +3,7 @@
 
 use super::{built, point, run};
 use crate::program::{Desk, Run};
+use end_to_end_tests::{Tool, find, workspace};
 use serde_json::{Value, json};
 
 const E: f64 = 1000.0;
@@ -223,6 +224,42 @@ fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
     assert_eq!(occasions(&specimen), expected);
 }
 
+/// Reading the case is no analysis of its own: a file that LOP = 0 opens is opened once a run, and once by `pullout check`.
+#[test]
+fn an_analysis_begins_and_ends_once() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/occasions.f")).expect("a source");
+    let append = "OPEN(99,FILE='told.txt',POSITION='APPEND')\n      WRITE(99,";
+    let source = source.replace("WRITE(6,", append).replace("TIME,DTIME\n", "TIME,DTIME\n      CLOSE(99)\n");
+    let Some(_) = find(Tool::Fortran) else { return };
+    let source = desk.write("told.f", &source);
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libtold.so"]).expect(0);
+    let supports = json!({ "left": { "direction": "x" }, "bottom": { "direction": "y" } });
+    let grip = json!({ "nodes": "right", "direction": [1, 0], "lateral": "free" });
+    let steps = json!([{ "slip": 0.004, "increments": 1 }]);
+    for (isolate, largest_time, code) in [(true, 10.0, 0), (false, 10.0, 0), (true, 0.0, 1)] {
+        let material =
+            json!({ "plugin": "./libtold.so", "props": [E, NU, largest_time], "nstatv": 0, "isolate": isolate });
+        let case = rectangle(material, "plane_stress", supports.clone(), grip.clone(), steps.clone());
+        let [case, other] = ["case.json", "other.json"].map(|name| desk.case(name, &case));
+        let told = || {
+            let text = std::fs::read_to_string(desk.path("told.txt")).expect("a file");
+            std::fs::remove_file(desk.path("told.txt")).expect("a file");
+            let words = |line: &str| line.split_whitespace().nth(1).and_then(|word| word.parse().ok());
+            text.lines().map(|line| words(line).expect("a number")).collect::<Vec<u32>>()
+        };
+        let [case, other] = [&case, &other].map(|path| path.to_str().expect("UTF-8"));
+        desk.pullout(["run", "--quiet", "--overwrite", case]).expect(code);
+        let told_once = told();
+        assert_eq!([told_once[0], told_once[1], told_once[told_once.len() - 1]], [0, 5, 3], "{told_once:?}");
+        assert_eq!(told_once.iter().filter(|lop| [0, 3].contains(lop)).count(), 2, "{told_once:?}");
+        desk.pullout(["run", "--quiet", "--overwrite", case, other]).expect(code);
+        assert_eq!(told(), [told_once.clone(), told_once].concat());
+        desk.pullout(["check", case]).expect(0);
+        assert_eq!(told(), [0, 3]);
+    }
+}
+
 /// A run that goes on from a checkpoint: LOP = 0, so that tables are there, and LOP = 4; not the start of a step again.
 #[test]
 fn a_restart_is_told() {
@@ -263,7 +300,7 @@ fn plugin_info_lists_the_routines_around_the_laws() {
     let outcome = desk.pullout(["plugin", "info", "./libinitial_stress.so"]).expect(0);
     assert!(outcome.stdout.contains("Other routines: SIGINI"), "{}", outcome.stdout);
     // UVARM computes output variables, of which there are none
-    let source = std::fs::read_to_string(end_to_end_tests::workspace("tests/umats/occasions.f")).expect("a source");
+    let source = std::fs::read_to_string(workspace("tests/umats/occasions.f")).expect("a source");
     let source = source.replace("SUBROUTINE UEXTERNALDB", "SUBROUTINE UVARM");
     let source = desk.write("with_uvarm.f", &source);
     desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libuvarm.so"]).expect(0);

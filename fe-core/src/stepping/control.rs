@@ -48,6 +48,8 @@ const RECOVERED: f64 = 0.5;
 /// The drives move at most so many times as far as in the last increment where dissipation leads: elastic unloading needs
 /// next to none of it, and would be taken for the path.
 const LARGEST_TURN: f64 = 2.0;
+/// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
+const LARGEST_PART_OF_TIME: f64 = 0.5;
 /// A load that falls by more than this part of the greatest in one increment, while the drive pulls on, has jumped over a
 /// snap-back, which another lead can follow.
 const LARGEST_FALL: f64 = 0.05;
@@ -224,13 +226,16 @@ impl StepRun {
         }
     }
 
-    /// Time that the next attempt takes; under another lead as long as the last increment.
-    pub(super) fn time_increment(&self) -> f64 {
+    /// Time that the next attempt takes: the part of the time left that it is of the progress left, under another lead what
+    /// the last increment was of it. So a step takes its time and no more, whatever leads how often, and what depends on
+    /// time (temperature, field variables) reaches the step's end with it.
+    pub(super) fn time_increment(&self, step_time: f64) -> f64 {
+        let left = 1.0 - self.progress;
         let part = match self.lead {
-            Lead::Drives => self.attempted,
-            Lead::Other(_) => self.last_progress.abs().max(self.size.minimum()),
+            Lead::Drives => self.attempted / left,
+            Lead::Other(_) => (self.last_progress.abs().max(self.size.minimum()) / left).min(LARGEST_PART_OF_TIME),
         };
-        part * self.duration
+        part * (self.duration - step_time)
     }
 
     fn direction(&self) -> Vec<f64> {
@@ -316,15 +321,14 @@ impl StepRun {
         }
     }
 
-    /// Takes note of an accepted increment; its time.
+    /// Takes note of an accepted increment.
     pub(super) fn accept(
         &mut self,
         start: &Committed,
         converged: &Converged,
         findings: Findings,
         load: LoadHistory,
-    ) -> f64 {
-        let time = self.time_increment();
+    ) {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         let iterations = converged.iterations.len();
@@ -352,7 +356,6 @@ impl StepRun {
                 self.after_led_increment(iterations, (findings.load - load.last).abs() / load.greatest);
             }
         }
-        time
     }
 
     fn after_led_increment(&mut self, iterations: usize, load_change: f64) {

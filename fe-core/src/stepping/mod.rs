@@ -129,17 +129,26 @@ impl<'m> Analysis<'m> {
         self.equilibrium.set_threads(threads);
     }
 
-    /// Checks a model without preparing its computation: constraints, laws and contact.
+    /// Checks a model without calling its laws: what it consists of, and its constraints.
+    ///
+    /// # Errors
+    ///
+    /// What [`Self::new`] would say before it calls a law.
+    pub fn check(model: &Model) -> Result<(), ModelError> {
+        error::check(model)?;
+        Equations::new(model)?;
+        Ok(())
+    }
+
+    /// Calls the laws of a model that [`Self::check`] has passed as [`Self::new`] does. For UEXTERNALDB that is an analysis,
+    /// which begins and ends here: laws may need what it reads.
     ///
     /// # Errors
     ///
     /// What [`Self::new`] would say, but for what only the pattern of the equations or the virgin state of all points
     /// can tell.
-    pub fn check(model: &Model) -> Result<(), ModelError> {
-        error::check(model)?;
-        // The virgin state is asked for: what a law reads in must be there.
+    pub fn check_laws(model: &Model) -> Result<(), ModelError> {
         let _databases = ExternalDatabases::begin(model.libraries());
-        Equations::new(model)?;
         let moduli = Solids::new(model)?.elastic_moduli();
         Contact::new(&model.mesh, &model.contacts, &moduli, model.skipping.contact_search)?;
         Ok(())
@@ -198,7 +207,7 @@ impl<'m> Analysis<'m> {
         let target = Target::Drives(self.present.committed.drives.clone());
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         // to UEXTERNALDB this is the beginning of the first increment
-        let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment());
+        let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
         let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
         self.databases.increment_starts(clock_of_first);
         let converged = self
@@ -230,7 +239,7 @@ impl<'m> Analysis<'m> {
                 iteration: 1,
                 step_time,
                 total_time: self.present.total_time,
-                time_increment: run.time_increment(),
+                time_increment: run.time_increment(step_time),
             };
             self.databases.increment_starts(clock(&context, 0.0));
             let attempt =
@@ -243,11 +252,12 @@ impl<'m> Analysis<'m> {
                 Ok((converged, findings)) => {
                     increment += 1;
                     let iterations = converged.iterations.clone();
-                    let passed = run.accept(&self.present.committed, &converged, findings, self.present.load);
+                    run.accept(&self.present.committed, &converged, findings, self.present.load);
+                    let passed = context.time_increment;
                     step_time += passed;
                     self.commit(converged, passed);
                     self.equilibrium.solids.energies_stand();
-                    self.databases.increment_ends(Clock { time_increment: passed, ..clock(&context, passed) });
+                    self.databases.increment_ends(clock(&context, passed));
                     let record = self.record(number, increment, cutbacks, iterations);
                     cutbacks = 0;
                     match observer.increment(&record, &self.snapshot())? {

@@ -9,6 +9,9 @@ use std::path::Path;
 type ExternalDatabaseFunction =
     unsafe extern "C" fn(*const i32, *const i32, *const f64, *const f64, *const i32, *const i32);
 
+/// As [`super::Routine::ALL`] has it.
+const SYMBOL: &str = "uexternaldb";
+
 /// LOP: why UEXTERNALDB is called.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Occasion {
@@ -65,7 +68,7 @@ impl ExternalDatabases {
             }
             // SAFETY: a function of this name has the signature of the manual; no check is possible. The library is
             // kept.
-            if let Some(function) = unsafe { library.find("uexternaldb") } {
+            if let Some(function) = unsafe { library.find(SYMBOL) } {
                 let (guard, slot) = (library.guard(), Slot::of_routine(library));
                 databases.push(ExternalDatabase { function, guard, slot, library: library.clone() });
             }
@@ -74,6 +77,11 @@ impl ExternalDatabases {
         let mut this = Self { databases, last: (None, start) };
         this.call(Occasion::AnalysisStart, start);
         this
+    }
+
+    /// Whether one of these libraries has a UEXTERNALDB: it may prepare what its laws need.
+    pub fn is_in<'l>(libraries: impl IntoIterator<Item = &'l Library>) -> bool {
+        libraries.into_iter().any(|library| library.routines().iter().any(|routine| routine.symbol == SYMBOL))
     }
 
     /// Goes on with an analysis: behind the increment of this clock. A step that had begun is not begun again.

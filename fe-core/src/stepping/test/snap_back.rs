@@ -4,7 +4,9 @@
 //! u = ε L_s + σ L_e/E_e      σ = E ε/(1 + η)      η = [A (E ε²/2 − Y_0)]^B        (model I, ν = 0)
 //! ```
 
+use super::patch::Looking;
 use super::*;
+use crate::model::{FieldValues, Fields as ModelFields};
 
 /// The softening quarter.
 const MODULUS: f64 = 31800.0;
@@ -53,6 +55,35 @@ fn dissipation_leads_through_a_snap_back_without_contact() {
     let peak = (1..4000).map(|k| AREA * stress(1e-7 * f64::from(k))).fold(0.0, f64::max);
     approx::assert_relative_eq!(greatest, peak, max_relative = 5e-3);
     assert_eq!(records.last().unwrap().slip, END);
+}
+
+/// Under another lead than the drives' nobody knows beforehand how far an increment goes; yet the laws are told the
+/// temperature of its time, and step by step all of its change.
+#[test]
+fn time_and_temperature_go_on_through_a_snap_back_and_end_with_the_step() {
+    let mut model = bar();
+    model.skipping = Skipping::NONE;
+    let at = |temperature: f64| FieldValues { temperature, variables: Vec::new() };
+    model.fields = ModelFields { initial: at(10.0), ends: vec![at(30.0)] };
+    let (mut turned_back, mut slip, mut told) = (false, 0.0, [10.0; 2]);
+    let look = |record: &Record, snapshot: &Snapshot<'_>| {
+        turned_back |= record.slip < slip;
+        slip = record.slip;
+        if record.increment == 0 {
+            return;
+        }
+        let solids = snapshot.solids();
+        let calls = (0..model.mesh.elements().len()).flat_map(|element| (0..4).map(move |point| (element, point)));
+        for call in calls.filter_map(|(element, point)| solids.last_call(element, point)) {
+            approx::assert_relative_eq!(call.time, record.time - call.time_increment, epsilon = 1e-14);
+            approx::assert_relative_eq!(call.temperature[0], told[1], epsilon = 1e-12);
+            approx::assert_relative_eq!(call.temperature[1], 10.0 + 20.0 * record.time, epsilon = 1e-12);
+        }
+        told = [told[1], 10.0 + 20.0 * record.time];
+    };
+    Analysis::new(&model).unwrap().run(&mut Looking(look)).unwrap();
+    assert!(turned_back && slip == END, "{turned_back} {slip}");
+    approx::assert_relative_eq!(told[1], 30.0, epsilon = 1e-12);
 }
 
 #[test]
