@@ -30,13 +30,20 @@ struct Course {
 type Values<'c> = BTreeMap<Quantity, (f64, &'c Change)>;
 
 impl Evolution {
-    /// From all steps.
+    /// From all steps. `has_thickness`: whether nominal stresses can be known.
     ///
     /// # Errors
     /// Displacements or loads that are not those of a uniform state, with the place of one of them.
-    pub(super) fn of(model: &Model, brick: &Brick) -> Result<Self, String> {
+    pub(super) fn of(model: &Model, brick: &Brick, has_thickness: bool) -> Result<Self, String> {
         let mut evolution = Self { steps: Vec::new(), nlgeom: false, left_out: Vec::new() };
-        evolution.nlgeom = model.steps.iter().any(|step| step.nlgeom == Some(true));
+        if let Some(step) = model.steps.iter().find(|step| step.nlgeom == Some(true)) {
+            evolution.nlgeom = has_thickness;
+            if !has_thickness {
+                let message = "NLGEOM in plane stress: nominal stresses need a thickness strain, which a UMAT does not tell; \
+                               the case has small strains. An element in space (C3D8, free faces) has the same stresses";
+                evolution.left_out.push(format!("{}: {message}", step.place));
+            }
+        }
         let changes = model.steps.iter().flat_map(|step| &step.changes);
         let mut pressures =
             changes.filter(|change| matches!(change.quantity, Quantity::Pressure(_)) && change.value != 0.0);

@@ -56,7 +56,9 @@ pub fn import(job: &Path, wishes: Wishes<'_>) -> Result<Imported, String> {
     }
     case["material"] = material_block(material, wishes.plugin, &mut left_out);
     case["characteristic_length"] = json!(brick.characteristic_length());
-    let evolution = Evolution::of(&model, &brick)?;
+    // a shipped law tells its thickness strain
+    let has_thickness = brick.shape.mode != "plane_stress" || case["material"]["nstatv"].is_null();
+    let evolution = Evolution::of(&model, &brick, has_thickness)?;
     left_out.extend(evolution.left_out);
     if evolution.nlgeom {
         case["nlgeom"] = json!(true);

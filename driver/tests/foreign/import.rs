@@ -229,3 +229,62 @@ fn what_is_no_material_point_is_refused_with_its_line() {
     let description = case["description"].as_str().expect("a text");
     assert!(description.starts_with("Imported from job.inp. Not taken over: job.inp:"), "{description}");
 }
+
+/// A cube of rubber that is pulled to one and a half times its length between frictionless rollers, or with free faces.
+#[test]
+fn a_job_with_large_deformations_gives_the_stress_of_the_closed_form() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    let (mu, kappa, stretch) = (0.8, 40.0, 1.5_f64);
+    let rubber = format!("*MATERIAL, NAME=STEEL\n*USER MATERIAL, CONSTANTS=2\n {mu}, {kappa}\n");
+    let confined = "*BOUNDARY\nALL, 2, 3\n";
+    let ran = |confined: &str| {
+        let job = format!(
+            "{CUBE}{rubber}{ROLLERS}*STEP, NLGEOM=YES\n*STATIC, DIRECT\n0.1, 1.\n*BOUNDARY\nRIGHT, 1, 1, \
+             {}\n{confined}*END STEP\n",
+            2.0 * (stretch - 1.0)
+        );
+        desk.write("job.inp", &job);
+        desk.pullout(["import", "job.inp", "--plugin", library.as_str().expect("a path"), "-o", "rubber.json"])
+            .expect(0);
+        let history = desk.run(&desk.path("rubber.json"), &[], "out", 0).history;
+        std::fs::remove_file(desk.path("rubber.json")).expect("a case");
+        history
+    };
+    // Cauchy's stresses of stretches
+    let stress = |stretches: [f64; 3]| {
+        let volume: f64 = stretches.iter().product();
+        let squares = stretches.map(|stretch| (stretch * volume.powf(-1.0 / 3.0)).powi(2));
+        let mean = squares.iter().sum::<f64>() / 3.0;
+        squares.map(|square| mu * (square - mean) / volume + kappa * (volume - 1.0))
+    };
+    let held = ran(confined);
+    close(held.last("e11"), stretch - 1.0);
+    // force per area before the deformation
+    let [along, across, _] = stress([stretch, 1.0, 1.0]);
+    close(held.last("s11"), along);
+    close(held.last("s22"), across * stretch);
+    let free = ran("");
+    let across = 1.0 + free.last("e22");
+    let [along, aside, _] = stress([stretch, across, across]);
+    assert!(aside.abs() < 1e-8 && across < 1.0, "{aside}");
+    close(free.last("s11"), along * across * across);
+}
+
+/// A foreign UMAT does not tell its thickness: what a sheet cannot have is named, and the case is one that runs.
+#[test]
+fn large_deformations_of_a_sheet_are_named_as_left_out() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "elastic.f", &[]) else { return };
+    let job = format!(
+        "*NODE\n1, 0., 0.\n2, 1., 0.\n3, 1., 1.\n4, 0., 1.\n*ELEMENT, TYPE=CPS4, ELSET=E\n1, 1, 2, 3, 4\n*SOLID SECTION, \
+         ELSET=E, MATERIAL=STEEL\n1.\n{STEEL}*BOUNDARY\n1, 1, 2\n4, 1\n2, 2\n*STEP, NLGEOM\n*STATIC, DIRECT\n0.5, \
+         1.\n*BOUNDARY\n2, 1, 1, 0.001\n3, 1, 1, 0.001\n*END STEP\n"
+    );
+    desk.write("job.inp", &job);
+    let plugin = library.as_str().expect("a path");
+    let outcome = desk.pullout(["import", "job.inp", "--plugin", plugin, "-o", "sheet.json"]).expect(0);
+    assert!(outcome.stderr.contains(&line_of(&job, "*STEP, NLGEOM")), "{}", outcome.stderr);
+    let history = desk.run(&desk.path("sheet.json"), &[], "out", 0).history;
+    close(history.last("s11"), 200e3 * 1e-3);
+}
