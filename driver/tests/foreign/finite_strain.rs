@@ -312,3 +312,110 @@ fn a_finite_element_has_the_stress_of_the_point() {
         assert!((load / stress - 1.0).abs() < 1e-6, "{load} N instead of {stress} MPa on 1 mm2");
     }
 }
+
+/// Rows of a table, in either measure: strains along 1, the stress along 2 of the measure, and faces that are free.
+#[test]
+fn a_table_at_finite_strain() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    let (mu, kappa) = (0.8, 40.0);
+    let stress = |stretches: [f64; 3]| {
+        let (bar, volume) = isochoric(stretches);
+        with_pressure(bar.map(|b| mu * b * b), volume, kappa)
+    };
+    let rows = [(1.2, 0.05, 0.5), (1.7, -0.1, 0.25), (0.8, 0.0, 2.0)];
+    for measure in ["logarithmic", "nominal"] {
+        let is_nominal = measure == "nominal";
+        let mut time = 0.0;
+        let text: String = rows
+            .iter()
+            .map(|(stretch, stress, duration)| {
+                time += duration;
+                format!("{time},{},{stress}\n", if is_nominal { stretch - 1.0 } else { f64::ln(*stretch) })
+            })
+            .collect();
+        desk.write("path.csv", &format!("time,e11,s22\n{text}"));
+        let material = json!({ "plugin": library, "props": [mu, kappa], "nstatv": 0 });
+        let mut case = point(material, "3d", json!([{ "table": "path.csv" }]));
+        case["nlgeom"] = json!(true);
+        case["measure"] = json!(measure);
+        let history = run(&desk, measure, &case).history;
+        assert_eq!(history.rows.len(), 1 + rows.len());
+        for (k, (stretch, across, _)) in rows.iter().enumerate() {
+            let row = |name: &str| history.column(name)[k + 1];
+            let stretches =
+                ["e11", "e22", "e33"].map(|name| if is_nominal { 1.0 + row(name) } else { row(name).exp() });
+            assert!((stretches[0] - stretch).abs() < 1e-14);
+            let volume: f64 = stretches.iter().product();
+            let expected = stress(stretches);
+            for (k, name) in ["s11", "s22", "s33"].into_iter().enumerate() {
+                let of_measure = expected[k] * if is_nominal { volume / stretches[k] } else { 1.0 };
+                assert!((row(name) - of_measure).abs() < 1e-8, "{measure} {name}: {} {of_measure}", row(name));
+            }
+            assert!((row("s22") - across).abs() < 1e-7 && row("s33").abs() < 1e-7);
+        }
+        close(history.last("time"), 2.75);
+    }
+}
+
+/// A step that is ended by a bound on the case's own measure, and one that is ended by a bound on F.
+#[test]
+fn until_at_finite_strain() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    let material = json!({ "plugin": library, "props": [0.8, 40.0], "nstatv": 0 });
+    for (measure, end, until, reached) in [
+        ("nominal", 2.0, json!({ "quantity": "e11", "greater_than": 0.74 }), 15),
+        ("logarithmic", 2.0, json!({ "quantity": "e11", "greater_than": 0.74 }), 15),
+        ("nominal", 2.0, json!({ "quantity": "F11", "greater_than": 1.54 }), 11),
+    ] {
+        let step = json!({ "increments": 40, "target": { "e11": end }, "until": until });
+        let mut case = point(material.clone(), "3d", json!([step, { "increments": 4, "target": { "e11": 0.0 } }]));
+        case["nlgeom"] = json!(true);
+        case["measure"] = json!(measure);
+        let history = run(&desk, measure, &case).history;
+        let increments = history.column("step").iter().filter(|step| **step == 1.0).count();
+        assert_eq!(increments, reached, "{measure} {until}");
+        // and the next goes on from there, back to nothing
+        close(history.last("F11"), 1.0);
+        assert!(history.last("s11").abs() < 1e-7);
+    }
+}
+
+/// Increments that the law cuts (PNEWDT), and ones without equilibrium in one piece: the end is that of small ones.
+#[test]
+fn increments_are_cut_at_finite_strain() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "cut_back.f", &[]) else { return };
+    let ran = |name: &str, increments: u32, largest: f64| {
+        let material = json!({ "plugin": library, "props": [100.0, 0.25, largest], "nstatv": 1 });
+        let steps = json!([{ "increments": increments, "target": { "e11": 0.4 } }]);
+        let mut case = point(material, "3d", steps);
+        case["nlgeom"] = json!(true);
+        run(&desk, name, &case)
+    };
+    let (cut, small) = (ran("cut", 1, 0.0126), ran("small", 32, 1.0));
+    assert!(cut.summary["cutbacks"].as_u64() > Some(1));
+    // DSTRAN of pieces of 1/32 of the way, as those of the increments
+    for name in ["s11", "e22", "F22"] {
+        let (found, expected) = (cut.history.last(name), small.history.last(name));
+        assert!((found - expected).abs() < 2e-3 * expected.abs(), "{name}: {found} instead of {expected}");
+    }
+    close(cut.history.last("F11"), 0.4_f64.exp());
+
+    let Some(library) = built(&desk, "ogden.f90", &[]) else { return };
+    let stretched_by = |increments: u32, iterations: u32| {
+        let material = json!({ "plugin": library, "props": [20.0, 0.63, 1.3, 0.0012, 5.0, -0.01, -2.0], "nstatv": 0 });
+        let mut case = point(material, "3d", json!([{ "increments": increments, "target": { "e11": 1.0 } }]));
+        case["nlgeom"] = json!(true);
+        case["controls"] = json!({ "max_iterations": iterations });
+        run(&desk, "stretched", &case)
+    };
+    // the tangent of the unstrained body does not get there at once
+    let (cut, small) = (stretched_by(1, 6), stretched_by(50, 100));
+    assert!(cut.summary["cutbacks"].as_u64() > Some(0), "{}", cut.summary);
+    for name in ["s11", "e22", "F11"] {
+        let (found, expected) = (cut.history.last(name), small.history.last(name));
+        assert!((found - expected).abs() < 1e-7 * expected.abs(), "{name}: {found} instead of {expected}");
+    }
+}
