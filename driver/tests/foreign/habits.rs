@@ -65,8 +65,12 @@ fn cylinder(desk: &Desk, name: &str, _model: &str, material: Value) -> Run {
 
 /// A coarse fibre in elastic concrete that is pulled out.
 fn fibre(desk: &Desk, name: &str, material: Value) -> Run {
+    super::run(desk, name, &fibre_case(material))
+}
+
+fn fibre_case(material: Value) -> Value {
     let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 23.7e3, "nu": 0.2 } });
-    let case = json!({
+    json!({
         "kind": "pullout",
         "title": "A coarse fibre",
         "mesh": { "specimen": {
@@ -76,8 +80,7 @@ fn fibre(desk: &Desk, name: &str, material: Value) -> Run {
         "contact": { "law": { "plugin": "bond_slip", "props": { "k_e": 400.0 } } },
         "steps": [ { "slip": 0.1, "increments": { "initial": 0.01, "maximum": 0.1 } } ],
         "output": { "plots": false },
-    });
-    super::run(desk, name, &case)
+    })
 }
 
 fn warnings(run: &Run) -> String {
@@ -127,6 +130,26 @@ fn a_fibre_without_energies_is_pulled_out_as_one_with() {
         assert!(run.summary["energy_error_max"].as_f64().expect("a number") < 2e-3);
         println!("{name}: {} increments, own law {}", run.summary["increments"], expected.summary["increments"]);
     }
+}
+
+/// Equal increments are never refused for their energies: a report that contradicts the work is told all the same, and the
+/// increments stay those that the step asks for.
+#[test]
+fn wrong_energies_are_found_under_equal_increments() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "j2_habits.f90", &[]) else { return };
+    let pulled = |habit: u32| {
+        let mut case = fibre_case(foreign(&library, [habit, CONSISTENT, OBEYED], json!({})));
+        case["steps"][0]["increments"] = json!(8);
+        super::run(&desk, "fibre", &case)
+    };
+    let (right, double) = (pulled(RIGHT), pulled(DOUBLE_ENERGY));
+    assert!(!warnings(&right).contains("energies"), "{}", warnings(&right));
+    let words = "part 'fibre': the energies that its UMAT reports (SSE + SPD + SCD) contradict its stresses: 2.0";
+    assert!(warnings(&double).contains(words), "{}", warnings(&double));
+    assert_eq!(double.history.column("slip"), right.history.column("slip"));
+    same(&double, &right, "load", 1e-9);
+    assert!(double.summary["energies"]["unaccounted_energy"].as_f64() > Some(0.0));
 }
 
 #[test]

@@ -26,6 +26,9 @@ const LEAST_SHARE: f64 = 0.05;
 /// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
+/// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
+const MAX_ENERGY_LOOKS: u32 = 3;
+const LOOK: f64 = 0.3;
 /// The load of neighbours of the peak differs by less than this part of it.
 const PEAK_RESOLUTION: f64 = 2e-3;
 /// After as many failures in a row something else leads,
@@ -165,6 +168,8 @@ pub(super) struct StepRun {
     jumps_refused: u32,
     /// and because its energies do not balance.
     energy_refused: u32,
+    /// Equal increments of the step that were looked at in smaller ones because their energies do not balance.
+    energy_looks: u32,
     /// The largest increment of the mean slip under the drives.
     largest_slip: f64,
     follows_slip: bool,
@@ -192,6 +197,7 @@ impl StepRun {
             helped: Leader::PointSlip,
             jumps_refused: 0,
             energy_refused: 0,
+            energy_looks: 0,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0,
@@ -305,12 +311,37 @@ impl StepRun {
 
     /// The size of an increment that is refused because its energies do not balance.
     pub(super) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
-        let refuses = matches!(self.lead, Lead::Drives)
-            && self.size.is_automatic()
-            && findings.energy_excess() > 1.0
+        let refuses = self.size.is_automatic()
+            && self.misses_energies(findings)
             && self.energy_refused < MAX_ENERGY_REFUSALS
             && !self.is_least();
         refuses.then_some(self.attempted)
+    }
+
+    /// Whether an increment under the drives adds more to the imbalance of the energies than it may.
+    fn misses_energies(&self, findings: &Findings) -> bool {
+        matches!(self.lead, Lead::Drives) && findings.energy_excess() > 1.0
+    }
+
+    /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for
+    /// equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at too
+    /// often.
+    pub(super) fn smaller_looks(&mut self, findings: &Findings) -> Vec<Self> {
+        if self.size.is_automatic() || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
+            return Vec::new();
+        }
+        self.energy_looks += 1;
+        let part = |power| {
+            let mut look = self.clone();
+            look.size.cut(self.attempted, LOOK.powi(power));
+            look
+        };
+        vec![part(1), part(2)]
+    }
+
+    /// The size of the present attempt.
+    pub(super) fn attempted(&self) -> f64 {
+        self.attempted
     }
 
     /// Whether a smaller increment is not allowed.
@@ -322,13 +353,7 @@ impl StepRun {
     }
 
     /// Takes note of an accepted increment.
-    pub(super) fn accept(
-        &mut self,
-        start: &Committed,
-        converged: &Converged,
-        findings: Findings,
-        load: LoadHistory,
-    ) {
+    pub(super) fn accept(&mut self, start: &Committed, converged: &Converged, findings: Findings, load: LoadHistory) {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         let iterations = converged.iterations.len();

@@ -22,8 +22,7 @@ pub use snapshot::Snapshot;
 pub use times::Times;
 
 use crate::assembly::solids::{PartAccount, SolidEnergies};
-use crate::assembly::{Equations, IncrementContext, Solids};
-use crate::contact::Contact;
+use crate::assembly::{Equations, IncrementContext, Solids, Trouble};
 use crate::model::{Model, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -149,8 +148,7 @@ impl<'m> Analysis<'m> {
     /// can tell.
     pub fn check_laws(model: &Model) -> Result<(), ModelError> {
         let _databases = ExternalDatabases::begin(model.libraries());
-        let moduli = Solids::new(model)?.elastic_moduli();
-        Contact::new(&model.mesh, &model.contacts, &moduli, model.skipping.contact_search)?;
+        newton::contact_of(model, &Solids::new(model)?)?;
         Ok(())
     }
 
@@ -241,11 +239,21 @@ impl<'m> Analysis<'m> {
                 total_time: self.present.total_time,
                 time_increment: run.time_increment(step_time),
             };
-            self.databases.increment_starts(clock(&context, 0.0));
-            let attempt =
-                self.equilibrium.attempt(&self.present.committed, &target, context, &mut self.present.statistics);
+            let mut attempt = self.attempt(&target, context);
+            if let Ok(converged) = &attempt
+                && self.equilibrium.solids.has_unproven_energies()
+            {
+                let findings = self.findings(converged);
+                let looks = run.smaller_looks(&findings);
+                if !looks.is_empty() {
+                    self.believed_findings(findings, converged, Some(run.attempted()));
+                    self.look_closer(looks, context);
+                    attempt = self.attempt(&target, context);
+                }
+            }
             let judged = attempt.map_err(|trouble| Judgement { trouble, has_failed: true }).and_then(|converged| {
-                let findings = self.believed_findings(&converged, &run);
+                let findings = self.findings(&converged);
+                let findings = self.believed_findings(findings, &converged, run.refuses_energies(&findings));
                 run.judge(&converged, self.present.load, findings).map(|()| (converged, findings))
             });
             match judged {
@@ -280,6 +288,25 @@ impl<'m> Analysis<'m> {
         Ok(Directive::GoOn)
     }
 
+    /// One attempt at an increment from the present state.
+    fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
+        self.databases.increment_starts(clock(&context, 0.0));
+        self.equilibrium.attempt(&self.present.committed, target, context, &mut self.present.statistics)
+    }
+
+    /// Attempts smaller increments, until one shows that a law's report of energies contradicts the work whatever their
+    /// size; then back to the present state.
+    fn look_closer(&mut self, looks: Vec<StepRun>, context: IncrementContext) {
+        for mut look in looks {
+            self.equilibrium.restore();
+            let target = look.target();
+            let context = IncrementContext { time_increment: look.time_increment(context.step_time), ..context };
+            let Ok(converged) = self.attempt(&target, context) else { break };
+            self.believed_findings(self.findings(&converged), &converged, Some(look.attempted()));
+        }
+        self.equilibrium.restore();
+    }
+
     /// What a converged increment is judged by.
     fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
@@ -300,15 +327,15 @@ impl<'m> Analysis<'m> {
         }
     }
 
-    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found.
-    fn believed_findings(&mut self, converged: &Converged, run: &StepRun) -> Findings {
-        let findings = self.findings(converged);
+    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
+    /// the increment's size if its energies do not balance.
+    fn believed_findings(&mut self, findings: Findings, converged: &Converged, refused: Option<f64>) -> Findings {
         if !self.equilibrium.solids.has_unproven_energies() {
             return findings;
         }
         let end = &converged.end;
         let added = findings.energy_error * self.work_reference(self.external_work_at(end), end);
-        let refused = run.refuses_energies(&findings).map(|size| [size, added]);
+        let refused = refused.map(|size| [size, added]);
         let found = self.equilibrium.solids.judge_energies(refused);
         if found.is_empty() {
             return findings;

@@ -23,7 +23,7 @@ use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Statistics, Times};
 use crate::assembly::solids::SolidEnergies;
 use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads};
-use crate::contact::{self, Contact, PointIndex};
+use crate::contact::{self, Contact, ContactError, PointIndex};
 use crate::model::Model;
 use crate::solver::SolverError;
 use crate::threads::Threads;
@@ -135,8 +135,7 @@ impl<'m> Equilibrium<'m> {
     /// Evaluates the virgin state and finds the equations.
     pub(super) fn new(model: &'m Model, equations: Equations) -> Result<Self, ModelError> {
         let mut solids = Solids::new(model)?;
-        let contact =
-            Contact::new(&model.mesh, &model.contacts, &solids.elastic_moduli(), model.skipping.contact_search)?;
+        let contact = contact_of(model, &solids)?;
         let freedoms = equations.freedom_count();
         let coupled = coupled_freedoms(model, &contact);
         let zone = Zone::new(model, &equations, &coupled);
@@ -341,6 +340,10 @@ impl<'m> Equilibrium<'m> {
             self.blocks.clear();
         }
         self.contact_forces.fill(0.0);
+        if self.model.fields.change() {
+            let [start, end] = self.model.fields.over(&self.model.steps, &context);
+            self.contact.set_fields(&start, &end);
+        }
         let Self { contact, contact_forces, blocks, times, .. } = self;
         timed(&mut times.contact, || {
             contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)
@@ -370,6 +373,12 @@ impl<'m> Equilibrium<'m> {
     fn unbalanced(&self) -> Vec<f64> {
         self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
+}
+
+/// The contact of a model before anything has moved.
+pub(super) fn contact_of(model: &Model, solids: &Solids) -> Result<Contact, ContactError> {
+    let Model { mesh, contacts, skipping, fields, .. } = model;
+    Contact::new(mesh, contacts, &solids.elastic_moduli(), skipping.contact_search, &fields.initial)
 }
 
 /// The freedoms that blocks may couple, ascending: those of contact, and of pressures that follow the body, which have

@@ -76,8 +76,8 @@ fn time_and_temperature_go_on_through_a_snap_back_and_end_with_the_step() {
         let calls = (0..model.mesh.elements().len()).flat_map(|element| (0..4).map(move |point| (element, point)));
         for call in calls.filter_map(|(element, point)| solids.last_call(element, point)) {
             approx::assert_relative_eq!(call.time, record.time - call.time_increment, epsilon = 1e-14);
-            approx::assert_relative_eq!(call.temperature[0], told[1], epsilon = 1e-12);
-            approx::assert_relative_eq!(call.temperature[1], 10.0 + 20.0 * record.time, epsilon = 1e-12);
+            approx::assert_relative_eq!(call.fields[0].temperature, told[1], epsilon = 1e-12);
+            approx::assert_relative_eq!(call.fields[1].temperature, 10.0 + 20.0 * record.time, epsilon = 1e-12);
         }
         told = [told[1], 10.0 + 20.0 * record.time];
     };
