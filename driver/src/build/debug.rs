@@ -76,9 +76,15 @@ __attribute__((constructor)) static void begin(void)
 /// What a compiler gets in place of optimisation.
 pub(super) fn flags(language: Language) -> &'static [&'static str] {
     match language {
-        Language::Fortran(_) => {
-            &["-Og", "-g", "-fbacktrace", "-fcheck=all,no-array-temps", "-finit-real=snan", "-finit-derived"]
-        }
+        Language::Fortran(_) => &[
+            "-Og",
+            "-g",
+            "-fbacktrace",
+            "-fcheck=all,no-array-temps",
+            "-finit-real=snan",
+            "-fsignaling-nans",
+            "-finit-derived",
+        ],
         _ => &["-Og", "-g", "-fno-omit-frame-pointer"],
     }
 }

@@ -2,17 +2,24 @@
 
 use super::document::{Cycle, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
 use super::document::{InterfaceTable, Piece};
-use super::history;
 use super::plugin::{self, Length, Subject, Use};
 use super::point::{read_table, statev};
 use super::problem::Place;
 use super::steps::{self, Counted};
 use super::{Reader, Resolved};
+use super::{fields, history};
 use crate::path::program::interface_columns;
 use crate::path::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
 
 /// Names of targets and of table columns.
 const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
+
+/// What the steps must agree with.
+struct Setting<'c> {
+    entry: Entry,
+    field_variables: usize,
+    columns: Option<&'c [String]>,
+}
 
 /// A step whose normal control may be that of the step before it.
 #[derive(Clone, Debug)]
@@ -82,9 +89,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let two_directions = plugin.as_ref().map(|plugin| interface_columns(2, plugin));
     directions = directions.max(directions_of(reader, documents));
     let columns = if directions == 2 { two_directions } else { one_direction };
-    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
-        one_step(reader, step, entry, columns.as_deref(), place)
-    };
+    let initial_fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
+    let mut resolve =
+        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
     let open = steps::expand(reader, documents, &place, &mut resolve);
     let kind = Kind::Interface(InterfaceProgram {
         entry: if entry == Entry::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
@@ -93,6 +101,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         initial_time: given.time.unwrap_or(0.0),
         arguments: arguments.unwrap_or_default(),
         initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
+        initial_fields,
         steps: close(open, entry),
     });
     Resolved { plugin, kind: Some(kind), columns, characteristic_length }
@@ -129,16 +138,10 @@ fn directions_of_step(reader: &Reader<'_>, step: &StepDocument) -> usize {
 
 const GAP_OF_FRIC: &str = "FRIC has no normal law: prescribe the pressure 'p' instead of the gap";
 
-fn one_step(
-    reader: &mut Reader<'_>,
-    step: &StepDocument,
-    entry: Entry,
-    columns: Option<&[String]>,
-    place: &Place,
-) -> Option<OpenStep> {
+fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<OpenStep> {
     match step {
-        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, entry, columns, place)),
-        StepDocument::Table(table) => table_step(reader, table, entry, columns, place),
+        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
+        StepDocument::Table(table) => table_step(reader, table, setting, place),
         StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
     }
 }
@@ -163,44 +166,46 @@ fn normal_control(
     }
 }
 
-fn ramp_step(
-    reader: &mut Reader<'_>,
-    ramp: &InterfaceRamp,
-    entry: Entry,
-    columns: Option<&[String]>,
-    place: &Place,
-) -> OpenStep {
+fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_>, place: &Place) -> OpenStep {
     let target = &ramp.target;
     let place_of_target = place.key("target");
-    let normal =
-        normal_control(reader, target.gap.is_some(), target.p.is_some(), entry, |name| place_of_target.key(name));
+    let normal = normal_control(reader, target.gap.is_some(), target.p.is_some(), setting.entry, |name| {
+        place_of_target.key(name)
+    });
     let value = |end: Option<EndValue>| match end {
         Some(EndValue::Value(value)) => Some(value),
         Some(EndValue::Hold(_)) | None => None,
     };
-    let until = ramp.until.as_ref().and_then(|until| history::until(reader, until, columns, &place.key("until")));
+    let until =
+        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
     let drive = InterfaceDrive::Ramp {
         increments: usize::try_from(ramp.increments.0).unwrap_or(usize::MAX),
         time: ramp.time.map_or(1.0, |time| time.0),
         end: [value(target.slip), value(target.slip2), value(target.gap.or(target.p))],
     };
-    OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until } }
+    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
+    OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } }
 }
 
 fn table_step(
     reader: &mut Reader<'_>,
     step: &InterfaceTable,
-    entry: Entry,
-    columns: Option<&[String]>,
+    setting: &Setting<'_>,
     place: &Place,
 ) -> Option<OpenStep> {
-    let until = step.until.as_ref().and_then(|until| history::until(reader, until, columns, &place.key("until")));
-    let place = place.key("table");
-    let path = reader.file(&step.table, &place)?;
-    let table = read_table(reader, &path, &NAMES, &place)?;
+    let until =
+        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let count = setting.field_variables;
+    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
+    let field_names = fields::columns(count);
+    let names: Vec<&str> = NAMES.into_iter().chain(field_names.iter().map(String::as_str)).collect();
+    let place_of_table = place.key("table");
+    let path = reader.file(&step.table, &place_of_table)?;
+    let table = read_table(reader, &path, &names, &place_of_table)?;
+    fields::take_columns(reader, &mut fields, &table, NAMES.len(), &path.display().to_string(), place);
     let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
-    let normal = normal_control(reader, gap.is_some(), p.is_some(), entry, |_| place.clone());
+    let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
     let rows = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
     let drive = InterfaceDrive::Table { rows: rows.collect(), time_increments: table.time_increments };
-    Some(OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until } })
+    Some(OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } })
 }

@@ -19,6 +19,7 @@ use umat_abi::host::{ExternalDatabases, Library, announce_job};
 mod arguments;
 mod constraints;
 mod document;
+mod fields;
 mod history;
 mod interface;
 mod json;

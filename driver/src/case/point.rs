@@ -3,22 +3,17 @@
 use super::constraints;
 use super::document::{self, Components, Cycle, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
 use super::document::{PointStep as StepDocument, PointTable};
-use super::history;
 use super::plugin::{self, Length, Subject, Use};
 use super::problem::{Place, hint};
 use super::steps::{self, Counted};
 use super::table::Table;
 use super::{Reader, Resolved};
+use super::{fields, history};
 use crate::path::deformation::{Polar, columns, exponential, matrix, rotated, turns};
-use crate::path::program::{
-    Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep, TableFields,
-};
+use crate::path::program::{Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, point_columns};
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-
-/// The column, and the key.
-const TEMPERATURE: &str = "temperature";
 
 /// What the steps must agree with.
 struct Setting<'c> {
@@ -74,7 +69,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         mode: mode.unwrap_or(Mode::ThreeD),
         nlgeom,
         measure,
-        field_variables: initial.predef.len(),
+        field_variables: initial.fields.variables.len(),
         columns: columns.as_deref(),
     };
     let place = root.key("steps");
@@ -122,7 +117,7 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
         reader.problem(&Place::root().key("measure"), message);
     } else {
         reader.warnings.push(format!(
-            "F33 is unknown, as '{}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a constant \
+            "F33 and the column e33 are NaN, as '{}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a constant \
              volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
              reads it, {INSTEAD}",
             plugin.name
@@ -228,10 +223,10 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
         let constraints = constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place);
         (PointDrive::Ramp { increments, time, controls }, constraints)
     };
-    check_field_variables(reader, ramp.predef.as_deref(), setting, place);
+    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
     let until =
         ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
-    PointStep { drive, constraints, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
+    PointStep { drive, constraints, until, fields }
 }
 
 /// Sets the controls of the named components; says which are named.
@@ -296,12 +291,13 @@ fn check_names(
 }
 
 fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
-    check_field_variables(reader, step.predef.as_deref(), setting, place);
+    let count = setting.field_variables;
+    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
     let until =
         step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
-    let field_names: Vec<String> = (1..=setting.field_variables).map(|number| format!("predef{number}")).collect();
-    let fields = std::iter::once(TEMPERATURE).chain(field_names.iter().map(String::as_str));
-    let names: Vec<&str> = STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(fields).collect();
+    let field_names = fields::columns(count);
+    let names: Vec<&str> =
+        STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(field_names.iter().map(String::as_str)).collect();
     let place_of_table = place.key("table");
     let path = reader.file(&step.table, &place_of_table)?;
     let table = read_table(reader, &path, &names, &place_of_table)?;
@@ -326,28 +322,14 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let relations = step.constraints.as_deref().unwrap_or_default();
     let constraints =
         constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));
-    let of_column =
-        |name: usize| table.columns[name].map(|column| table.rows.iter().map(|row| row[column]).collect::<Vec<_>>());
-    let first_field = STRAIN_NAMES.len() + STRESS_NAMES.len();
-    let fields = TableFields {
-        temperature: of_column(first_field),
-        predef: (1..=setting.field_variables).map(|number| of_column(first_field + number)).collect(),
-    };
-    if fields.temperature.is_some() && step.temperature.is_some() {
-        let message = format!("{prefix}the temperature is given twice: in the table and in the step");
-        reader.problem(&place.key(TEMPERATURE), message);
-    }
-    if fields.predef.iter().any(Option::is_some) && step.predef.is_some() {
-        let message = format!("{prefix}field variables are given twice: in the table and in the step");
-        reader.problem(&place.key("predef"), message);
-    }
+    let first = STRAIN_NAMES.len() + STRESS_NAMES.len();
+    fields::take_columns(reader, &mut fields, &table, first, &path.display().to_string(), place);
     let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
     Some(PointStep {
-        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows, fields },
+        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows },
         constraints,
         until,
-        temperature: step.temperature,
-        predef: step.predef.clone(),
+        fields,
     })
 }
 
@@ -367,19 +349,6 @@ pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str
             messages.into_iter().for_each(|message| reader.problem(place, message));
             None
         }
-    }
-}
-
-fn check_field_variables(reader: &mut Reader<'_>, end: Option<&[f64]>, setting: &Setting<'_>, place: &Place) {
-    if let Some(end) = end
-        && end.len() != setting.field_variables
-    {
-        let message = format!(
-            "{} values given, but the case has {} initial field variables ($.predef)",
-            end.len(),
-            setting.field_variables
-        );
-        reader.problem(&place.key("predef"), message);
     }
 }
 
@@ -432,8 +401,7 @@ fn initial(
         // symmetric: its columns are its rows
         deformation_gradient = columns(&exponential(&strain));
     }
-    let temperature = number(reader, case.temperature.as_ref(), &root.key("temperature"));
-    let predef = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
+    let fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
     let statev = statev(reader, material, given.statev.as_deref(), plugin);
     if let Some(plugin) = plugin {
         plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
@@ -444,13 +412,8 @@ fn initial(
         statev,
         time: given.time.unwrap_or(0.0),
         deformation_gradient,
-        temperature,
-        predef,
+        fields,
     }
-}
-
-fn number(reader: &mut Reader<'_>, piece: Option<&Piece<f64>>, place: &Place) -> f64 {
-    reader.optional(piece, place).copied().unwrap_or(0.0)
 }
 
 /// STATEV at the start, from `material.statev0` or `initial.statev`; `None` if neither is given.

@@ -16,12 +16,12 @@ use std::time::Instant;
 /// Validates a case.
 pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
     tell_of_wish(file, need, quiet);
-    carry_out(&check_line(file, reading, quiet), need, file)
+    carry_out(&check_line(file, reading, quiet.then_some("--quiet")), need, file)
 }
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be told then.
 pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need) -> u8 {
-    let command = check_line(file, reading, true);
+    let command = check_line(file, reading, Some("--before-run"));
     match isolation::supervise(&Job { command: &command, ..Job::default() }, need) {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) if failure.report.at_loading => fail(file, &failure, &failure.report.message),
@@ -31,9 +31,9 @@ pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need) -> u
 }
 
 /// The command line that validates a case.
-fn check_line(file: &Path, reading: &Reading, quiet: bool) -> Vec<OsString> {
+fn check_line(file: &Path, reading: &Reading, flag: Option<&str>) -> Vec<OsString> {
     let mut line = vec!["check".into()];
-    line.extend(quiet.then(|| "--quiet".into()));
+    line.extend(flag.map(Into::into));
     line.extend(reading.command_line());
     line.extend(["--".into(), file.into()]);
     line
@@ -61,7 +61,8 @@ pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments
     tell_of_wish(file, need, *quiet);
     let start = Instant::now();
     let command = arguments.of_worker(file, directory.path(), None);
-    let job = Job { command: &command, case: Some((file, &reading.overrides)), echo: echo.then_some(directory.path()) };
+    let case = Some((file, reading.overrides.as_slice()));
+    let job = Job { command: &command, case, echo: echo.then_some(directory.path()), ..Job::default() };
     let failure = match isolation::supervise(&job, need) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,

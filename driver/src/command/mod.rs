@@ -57,6 +57,9 @@ enum Command {
         /// Say nothing but errors.
         #[arg(long)]
         quiet: bool,
+        /// Say nothing but errors, and leave to the run what belongs to it.
+        #[arg(long, hide = true)]
+        before_run: bool,
     },
     /// List, describe or test plugins.
     Plugin {
@@ -215,7 +218,9 @@ fn act(command: Command, line: &[OsString]) -> u8 {
             run::run(&arguments)
         }
         Command::Study(arguments) => study::run_all(&arguments),
-        Command::Check { cases, reading, quiet } => run::check(&cases, &reading, quiet),
+        Command::Check { cases, reading, quiet, before_run } => {
+            run::check(&cases, &reading, quiet || before_run, before_run)
+        }
         Command::Plugin { action } => plugin::act(&action, line),
         Command::Schema => schema(),
         Command::Plot(arguments) => plot::plot(&arguments),

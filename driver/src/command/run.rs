@@ -91,35 +91,33 @@ impl Arguments {
     }
 }
 
-/// Validates cases. `quiet`: says nothing but errors.
-pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool) -> u8 {
+/// Validates cases. `quiet`: says nothing but errors; `before_run`: leaves to the run what belongs to it.
+pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_run: bool) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
         _ if case::is_study(file) => study::check(file, reading, quiet),
         Some(need) => isolated::check(file, reading, &need, quiet),
-        None => check_here(file, reading, quiet),
+        None => check_here(file, reading, quiet, before_run),
     };
     cases.iter().map(check).max().unwrap_or(DONE)
 }
 
-/// Validates a case in this process. `before_run`: says nothing but errors, and leaves to the run what belongs to it.
-fn check_here(file: &Path, reading: &Reading, before_run: bool) -> u8 {
+/// Validates a case in this process.
+fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> u8 {
     let case = match reading.case(file) {
-        Ok(_) if before_run => return DONE,
         Ok(case) => case,
         Err(errors) => return refuse(&errors),
     };
-    let checked = {
+    if !before_run {
         let _prints = Prints::discard();
-        case.check_laws()
-    };
-    match checked {
-        Ok(()) => {
-            say(&format!("{}: no errors\n", file.display()));
-            case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
-            DONE
+        if let Err(errors) = case.check_laws() {
+            return refuse(&errors);
         }
-        Err(errors) => refuse(&errors),
     }
+    if !quiet {
+        say(&format!("{}: no errors\n", file.display()));
+        case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
+    }
+    DONE
 }
 
 /// A case that is to be run.

@@ -8,7 +8,7 @@ use super::metadata::parameter_of;
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Answer, Committed, Entry, Subject, same_bits};
-use umat_abi::host::{Alteration, CallOutcome};
+use umat_abi::host::{Alteration, CallOutcome, Library};
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
@@ -50,7 +50,7 @@ pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     // Third-party code may loop for ever on infinity; NaN ends most loops.
     let values = if described { &BAD[..] } else { &BAD[..1] };
     let (mut tried, mut wrong, mut first) = (0, 0, String::new());
-    let said = Capture::start();
+    let said = Capture::start(&subject.plugin.library);
     for state in chosen(sample) {
         for &value in values {
             for (name, from, step) in spoiled(subject, state, value) {
@@ -119,8 +119,8 @@ struct Refusals {
 }
 
 impl Refusals {
-    fn new() -> Self {
-        Self { tried: 0, accepted: Vec::new(), said: Capture::start() }
+    fn new(library: &Library) -> Self {
+        Self { tried: 0, accepted: Vec::new(), said: Capture::start(library) }
     }
 
     fn note(&mut self, from: &Committed, answer: &Answer, count: usize, what: impl FnOnce() -> String) {
@@ -146,7 +146,7 @@ pub(super) fn properties(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     let (Some(law), Some(state)) = (&subject.plugin.law, sample.first()) else {
         return ledger.skip(CHECK, "no metadata: bounds are unknown");
     };
-    let mut refusals = Refusals::new();
+    let mut refusals = Refusals::new(&subject.plugin.library);
     for k in 0..subject.props.len() {
         let parameter = &law.parameters[parameter_of(law, k)];
         let outside = [parameter.lower - 1.0 - parameter.lower.abs(), parameter.upper + 1.0 + parameter.upper.abs()];
@@ -192,7 +192,7 @@ pub(super) fn counts(subject: &mut Subject<'_>, sample: &[State], ledger: &mut L
             alterations.extend([[0, 0, 0], [-1, 0, 0]].map(Alteration::Components));
         }
     }
-    let mut refusals = Refusals::new();
+    let mut refusals = Refusals::new(&subject.plugin.library);
     for alteration in alterations {
         let answer = subject.call(&state.from, &state.step, FILLING, alteration);
         let components = match alteration {
@@ -214,7 +214,7 @@ pub(super) fn characteristic_length(subject: &mut Subject<'_>, sample: &[State],
     if !subject.claims(flags::USES_CELENT) {
         return ledger.skip(CHECK, "not used");
     }
-    let said = Capture::start();
+    let said = Capture::start(&subject.plugin.library);
     let length = subject.length;
     for state in sample.iter().take(30) {
         let expected = subject.call(&state.from, &state.step, 0.0, Alteration::Null("celent"));

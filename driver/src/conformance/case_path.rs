@@ -48,7 +48,9 @@ impl CasePath {
         program.output.every = 1;
         let entry = entry(&program);
         let longest = options.longest_path.unwrap_or(u64::MAX);
-        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, start: Instant::now(), longest };
+        let time_limit = TIME_LIMIT.min(options.share_of_time());
+        let end = Instant::now() + time_limit;
+        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest };
         let (statistics, result) = path::run_within(&program, databases, &mut keeper);
         let failure = match result {
             Ok(()) => None,
@@ -57,9 +59,9 @@ impl CasePath {
                 Some(format!("left after {longest} increments: the plugin does not survive the next one"))
             }
             Err(Stop::Write(_)) => Some(format!(
-                "left after {} increments, because it takes longer than {} s",
+                "left after {} increments, because it takes longer than {:.1} s",
                 statistics.increments,
-                TIME_LIMIT.as_secs_f64()
+                time_limit.as_secs_f64()
             )),
         };
         let taken = statistics.increments;
@@ -95,13 +97,13 @@ struct Keeper {
     increments: Vec<Increment>,
     stride: usize,
     count: usize,
-    start: Instant,
+    end: Instant,
     longest: u64,
 }
 
 impl Observer for Keeper {
     fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
-        if self.start.elapsed() > TIME_LIMIT || self.count as u64 >= self.longest {
+        if Instant::now() > self.end || self.count as u64 >= self.longest {
             Err(io::ErrorKind::TimedOut.into())
         } else {
             Ok(())
@@ -170,7 +172,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
         flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: [call.counters[0], call.counters[1]],
-        setting: Setting { time_increment: call.dtime, ..Setting::default() },
+        setting: Setting::of_contact(call, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     Increment { from, step: call.drdisp[..directions].to_vec() }
@@ -186,9 +188,10 @@ fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
         statev: before.statev.clone(),
         energies: [stored, dissipated, 0.0, 0.0, 0.0],
         slip: before.inelastic_slip,
+        flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: call.counters,
-        setting: Setting { time_increment: call.dtime, ..Setting::default() },
+        setting: Setting::of_contact(call, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     Increment { from, step: call.dgam[..directions].iter().copied().chain([call.pressure[1]]).collect() }

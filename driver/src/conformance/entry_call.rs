@@ -3,7 +3,7 @@
 use super::subject::{Answer, Committed, INSTANT, Setting};
 use crate::path::deformation::columns;
 use nalgebra::Matrix3;
-use umat_abi::host::{Alteration, FricCall, Overrun, UinterCall, UmatCall};
+use umat_abi::host::{Alteration, ContactArrays, FricCall, Overrun, UinterCall, UmatCall};
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
@@ -20,14 +20,24 @@ pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64], 
     let Setting { time_increment, temperature, fields } = &from.setting;
     call.time = from.time;
     call.dtime = share * time_increment;
-    // in an instant nothing grows warmer, not even by rounding
-    let share = if share > INSTANT { share } else { 0.0 };
+    let share = share_of_fields(share);
     [call.temp, call.dtemp] = [temperature[0], share * temperature[1]];
     call.predef.clone_from(&fields[0]);
     call.dpred.clear();
     call.dpred.extend(fields[1].iter().map(|increment| share * increment));
     [call.jstep[0], call.kinc] = from.counters;
     (call.dfgrd0, call.dfgrd1) = (columns(&from.gradient), columns(end));
+}
+
+/// In an instant nothing grows warmer, not even by rounding.
+fn share_of_fields(share: f64) -> f64 {
+    if share > INSTANT { share } else { 0.0 }
+}
+
+/// Tells a contact law temperature and field variables.
+fn set_fields(call: &mut ContactArrays, setting: &Setting, share: f64) {
+    let (temperature, [starts, ends]) = setting.over(share_of_fields(share));
+    call.set_fields(temperature, [&starts, &ends]);
 }
 
 pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
@@ -50,6 +60,7 @@ pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alterati
 /// The arguments of a UINTER.
 pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f64], share: f64) {
     call.dtime = share * from.setting.time_increment;
+    set_fields(call, &from.setting, share);
     let n = step.len();
     for k in 0..n {
         call.rdisp[k] = from.input[k] + step[k];
@@ -83,8 +94,9 @@ pub(super) fn uinter(call: &mut UinterCall, filling: f64, alteration: Alteration
 /// The arguments of a FRIC.
 pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], share: f64) {
     call.dtime = share * from.setting.time_increment;
+    set_fields(call, &from.setting, share);
     let n = step.len() - 1;
-    call.lm = 0;
+    call.lm = from.flags[0];
     call.dgam[..n].copy_from_slice(&step[..n]);
     call.pressure = [from.input[n] + step[n], step[n]];
     call.slip = from.slip;
@@ -96,9 +108,10 @@ pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], 
     [call.counters[0], call.counters[1]] = from.counters;
 }
 
-pub(super) fn fric(call: &mut FricCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
+pub(super) fn fric(call: &mut FricCall, filling: f64, alteration: Alteration<'_>) -> Called {
     let n = call.traction().len();
     let result = call.call_altered(filling, alteration).map(|_| ());
+    let is_closed = call.pressure[0] > 0.0;
     let entry = |row: usize, column: usize| {
         if column < n { call.tangent(row, column) } else { call.pressure_tangent[row] }
     };
@@ -109,7 +122,7 @@ pub(super) fn fric(call: &mut FricCall, from: &Committed, filling: f64, alterati
         statev: call.statev().to_vec(),
         energies: [call.energies[0], call.energies[1], 0.0, 0.0, 0.0],
         slip_increment: call.dslip,
-        flags: from.flags,
+        flags: [if is_closed { call.next_lm() } else { FricCall::OPEN }, 0],
         lm: call.lm,
     };
     (answer, result)

@@ -4,6 +4,7 @@ use rustix::stdio::dup2_stderr;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::os::fd::OwnedFd;
+use umat_abi::host::Library;
 
 /// The standard error of this process, kept from the terminal until it is dropped.
 #[derive(Debug)]
@@ -13,7 +14,12 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    pub(super) fn start() -> Self {
+    /// Not of a library that is made to be debugged: what it says of a trap is said while the process ends, to whoever
+    /// started it.
+    pub(super) fn start(library: &Library) -> Self {
+        if library.traps() {
+            return Self { streams: None };
+        }
         let streams = tempfile::tempfile().ok().and_then(|file| {
             let before = rustix::io::fcntl_dupfd_cloexec(rustix::stdio::stderr(), 3).ok()?;
             dup2_stderr(&file).ok()?;

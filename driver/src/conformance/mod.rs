@@ -39,6 +39,7 @@ use crate::path::program::{Plugin, Program};
 use case_path::CasePath;
 use report::Ledger;
 use std::sync::Arc;
+use std::time::Duration;
 use subject::Subject;
 use umat_abi::host::{ExternalDatabases, Law};
 use umat_abi::law::StressState;
@@ -69,6 +70,8 @@ pub struct Options {
     pub skipped: Vec<usize>,
     /// Increments of the case that are taken at most, for the same reason.
     pub longest_path: Option<u64>,
+    /// Time for everything, s: a law whose calls take long is looked at in fewer states.
+    pub seconds: Option<f64>,
     /// Of the laws of a library with metadata, without a case: the one stress state that is checked.
     pub stress_state: Option<StressState>,
     /// Told of what happens as it happens: a plugin may end the process before the end.
@@ -89,6 +92,7 @@ impl Default for Options {
             group: None,
             skipped: Vec::new(),
             longest_path: None,
+            seconds: None,
             stress_state: None,
             listener: None,
         }
@@ -110,7 +114,26 @@ pub enum Group {
     BadInput,
 }
 
+impl Group {
+    /// What it looks at.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::States => "what a sample of states shows",
+            Self::Tangent => "DDSDDE",
+            Self::Memory => "arrays, memory between calls, threads",
+            Self::Paths => "energies, rotations, sizes of increments",
+            Self::BadInput => "input that makes no sense",
+        }
+    }
+}
+
 impl Options {
+    /// What may be spent on one of the things that every group does before its checks.
+    fn share_of_time(&self) -> Duration {
+        const SHARE: f64 = 0.2;
+        self.seconds.map_or(Duration::MAX, |seconds| Duration::from_secs_f64(SHARE * seconds))
+    }
+
     /// Whether the rows of a group are wanted.
     fn wants(&self, group: Group) -> bool {
         self.group.is_none_or(|wanted| wanted == group)
@@ -197,7 +220,9 @@ fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledg
     }
     // a library that does not survive its case's first increment says nothing more
     if options.longest_path == Some(0) {
-        return;
+        let detail =
+            "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
+        return ledger.add("answers", Verdict::NotTested, "none", detail);
     }
     scale::find(subject, options, ledger);
     let sample = sample::draw(subject, options, ledger);

@@ -17,7 +17,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     if !subject.described() {
         return ledger.skip(CHECK, "no metadata: the plugin may read any argument");
     }
-    let said = Capture::start();
+    let said = Capture::start(&subject.plugin.library);
     let several_laws = subject.plugin.library.laws().len() > 1;
     let mut errors = Vec::new();
     let names = subject.argument_names().0;

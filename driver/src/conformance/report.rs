@@ -18,7 +18,7 @@ pub enum Verdict {
     Info,
     /// Not applicable: not claimed.
     Skipped,
-    /// Nothing that was looked at could have shown an error.
+    /// Nothing that was looked at could have shown an error, or nothing was looked at.
     #[serde(rename = "not tested")]
     NotTested,
 }
@@ -81,7 +81,7 @@ pub struct Report {
 }
 
 impl Report {
-    /// True unless a row failed, or the law was never seen where it is nonlinear.
+    /// True unless a row failed, or the law was never seen beyond its elastic range.
     pub fn passed(&self) -> bool {
         self.failures().next().is_none() && !self.is_vacuous()
     }
@@ -100,7 +100,8 @@ impl Report {
     pub fn conclusion(&self) -> String {
         match self.failures().count() {
             0 if self.is_vacuous() => {
-                format!("not tested: {} checks, none of them where the law is nonlinear", self.rows.len())
+                let void = self.rows.iter().filter(|row| row.verdict == Verdict::NotTested).count();
+                format!("not tested: {} checks, {void} of which tell nothing of the law", self.rows.len())
             }
             0 => format!("{} checks, none failed", self.rows.len()),
             failures => format!("{} checks, {failures} failed", self.rows.len()),

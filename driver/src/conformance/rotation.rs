@@ -222,7 +222,11 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: 
             [(&still.output, &turned.output, "turned"), (&expected.output, &found.output, "strained afterwards")]
         {
             let expected = rotated(entry, expected, &rotation, 1.0);
-            let error = relative_error(subject, &point.input, found, &expected);
+            // what rounding makes of F, which is not small where the strain is
+            let stiffness = largest(&subject.output_size) / largest(&subject.size);
+            let floor = tolerances::ROUNDING_OF_F / tolerances::ROTATION * stiffness;
+            let error = relative_error(subject, &point.input, found, &expected)
+                .min(distance(found, &expected) / floor.max(f64::MIN_POSITIVE));
             if error > worst.0 || error.is_nan() {
                 worst = (error, format!("{state}, {when}: {found:.6?}, expected {expected:.6?}"));
             }

@@ -74,6 +74,9 @@ pub(super) fn step_to(point: &Committed, target: &[f64]) -> Vec<f64> {
     target.iter().zip(&point.input).map(|(end, start)| end - start).collect()
 }
 
+/// States that are drawn however long it takes.
+const FEWEST: usize = 4;
+
 /// Draws the sample; a plugin that gives no answer fails here, with the state named.
 pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) -> Vec<State> {
     let mut sample = Vec::with_capacity(options.states);
@@ -82,7 +85,12 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     let path = subject.path.clone().filter(|path| !path.increments.is_empty());
     ledger.begin("answers");
     let (start, calls) = (Instant::now(), subject.calls);
+    let mut left_out = 0;
     for number in (0..options.states).filter(|number| !options.skipped.contains(number)) {
+        if sample.len() >= FEWEST && start.elapsed() > options.share_of_time() {
+            left_out += 1;
+            continue;
+        }
         let mut random = Random(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95));
         let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
         ledger.draw(number, matches!(origin, Origin::Excursion(_)));
@@ -103,10 +111,20 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
         }
     }
     subject.call_time = start.elapsed().as_secs_f64() / (subject.calls - calls).max(1) as f64;
+    // the rest of the time is for the checks, which call the plugin so many times for each state
+    const CALLS: usize = 40;
+    const PART: f64 = 0.5;
+    let most =
+        options.seconds.map_or(usize::MAX, |time| subject.affordable(usize::MAX, CALLS, PART * time)).max(FEWEST);
+    left_out += sample.len().saturating_sub(most);
+    sample.truncate(most);
     let figure = format!("{}/{}", sample.len(), options.states);
     let mut words = String::from(if path.is_some() { "around the case's path" } else { "random histories" });
     if cut_backs > 0 {
         words += &format!("; {cut_backs} cut-backs asked for");
+    }
+    if left_out > 0 {
+        words += &format!("; {left_out} states left out: a call takes {:.0e} s", subject.call_time);
     }
     if far > 0 {
         words += &format!("; {far} long steps away from the path refused");

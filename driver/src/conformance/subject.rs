@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, UinterCall, UmatCall, Validation,
+    Alignment, Alteration, CallOutcome, ContactArrays, FricCall, LoadError, Probed, UinterCall, UmatCall, Validation,
 };
 use umat_abi::law::StressState;
 
@@ -99,6 +99,24 @@ pub(super) struct Setting {
     pub(super) fields: [Vec<f64>; 2],
 }
 
+impl Setting {
+    /// Of a call of a contact law, which is told both at the end of the increment.
+    pub(super) fn of_contact(call: &ContactArrays, time_increment: f64) -> Self {
+        let [end, increment] = call.temperature();
+        let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
+        let starts = ends.iter().zip(&increments).map(|(end, increment)| end - increment).collect();
+        Self { time_increment, temperature: [end - increment, increment], fields: [starts, increments] }
+    }
+
+    /// The temperature, and field variables, at the start and after a share of their increments.
+    pub(super) fn over(&self, share: f64) -> ([f64; 2], [Vec<f64>; 2]) {
+        let [temperature, increment] = self.temperature;
+        let [starts, increments] = &self.fields;
+        let ends = starts.iter().zip(increments).map(|(start, increment)| start + share * increment);
+        ([temperature, temperature + share * increment], [starts.clone(), ends.collect()])
+    }
+}
+
 impl Default for Setting {
     fn default() -> Self {
         Self { time_increment: 1.0, temperature: [0.0; 2], fields: [vec![0.0], vec![0.0]] }
@@ -114,7 +132,7 @@ pub(super) struct Committed {
     pub(super) energies: [f64; 5],
     /// FRIC: accumulated DSLIP.
     pub(super) slip: [f64; 2],
-    /// UINTER: LOPENCLOSE, LSTATE.
+    /// UINTER: LOPENCLOSE, LSTATE; FRIC: LM of the next call.
     pub(super) flags: [i32; 2],
     /// Step time and total time, s.
     pub(super) time: [f64; 2],
@@ -135,7 +153,7 @@ impl Committed {
             statev: vec![0.0; nstatv],
             energies: [0.0; 5],
             slip: [0.0; 2],
-            flags: [-1; 2],
+            flags: if let Entry::Fric(_) = entry { [FricCall::STICKING, 0] } else { [-1; 2] },
             time: [0.0; 2],
             counters: [1; 2],
             gradient: Matrix3::identity(),
@@ -576,7 +594,7 @@ impl<'p> Subject<'p> {
         let (answer, result) = match &mut self.call {
             Call::Umat(call) => umat(call, from, filling, alteration),
             Call::Uinter(call) => uinter(call, filling, alteration),
-            Call::Fric(call) => fric(call, from, filling, alteration),
+            Call::Fric(call) => fric(call, filling, alteration),
         };
         if let Err(overrun) = result {
             *self.overruns.entry(overrun.array).or_default() += 1;

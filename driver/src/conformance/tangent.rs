@@ -332,14 +332,16 @@ fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Ki
     loading_factor(tangent, &unloading, &mismatch.differences).map_or(Kind::Wrong, Kind::Scaled)
 }
 
-/// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one.
+/// The factor α with DDSDDE = unloading + α (derivative − unloading), if there is one that explains how DDSDDE differs from
+/// the derivative.
 fn loading_factor(tangent: &[f64], unloading: &[f64], derivative: &[f64]) -> Option<f64> {
     let loading: Vec<f64> = derivative.iter().zip(unloading).map(|(d, u)| d - u).collect();
     let found: Vec<f64> = tangent.iter().zip(unloading).map(|(t, u)| t - u).collect();
     let square: f64 = loading.iter().map(|x| x * x).sum();
     let factor = loading.iter().zip(&found).map(|(x, y)| x * y).sum::<f64>() / square;
     let rest: f64 = loading.iter().zip(&found).map(|(x, y)| (y - factor * x).powi(2)).sum();
-    (rest < 1e-4 * square).then_some(factor)
+    let mismatch: f64 = loading.iter().zip(&found).map(|(x, y)| (y - x).powi(2)).sum();
+    (rest < 1e-4 * square && rest < 1e-2 * mismatch).then_some(factor)
 }
 
 /// C_ij = C_ji as claimed, or how far from it.
@@ -366,5 +368,22 @@ pub(super) fn symmetry(subject: &mut Subject<'_>, sample: &[State], ledger: &mut
         }
         (false, true) => ledger.add("symmetric tangent", Verdict::Info, figure, "symmetric, though not claimed"),
         (false, false) => ledger.add("symmetric tangent", Verdict::Info, figure, "not claimed"),
+    }
+}
+
+#[cfg(test)]
+mod test {
+    use super::loading_factor;
+
+    #[test]
+    fn a_factor_on_loading_is_found_where_it_is_the_error() {
+        let (derivative, unloading) = ([7.0, 2.0, 2.0, 9.0], [10.0, 3.0, 3.0, 10.0]);
+        for factor in [0.5, 1.0004] {
+            let tangent: Vec<f64> = unloading.iter().zip(derivative).map(|(u, d)| u + factor * (d - u)).collect();
+            let found = loading_factor(&tangent, &unloading, &derivative).expect("a factor");
+            assert!((found - factor).abs() < 1e-12, "{found}");
+        }
+        // one entry is off by a little, which no factor mends
+        assert_eq!(loading_factor(&[7.0, 2.0, 2.0, 9.001], &unloading, &derivative), None);
     }
 }

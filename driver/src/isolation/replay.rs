@@ -2,8 +2,8 @@
 
 use super::need::{CALL_TIME_LIMIT, Need};
 use super::trust;
-use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
-use crate::path::replay::{StrainDrive, duration};
+use crate::path::program::{FieldValues, STRAIN_NAMES, STRESS_NAMES};
+use crate::path::replay::{self, StrainDrive, duration};
 use serde_json::{Map, Value, json};
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
@@ -97,11 +97,10 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
         entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
     };
     let end = |k: usize| at(&call.stran, k) + at(&call.dstran, k);
-    let mut step = json!({
+    let step = json!({
         "increments": 1,
         "time": duration(at(&call.dtime, 0)),
         "target": named(&STRAIN_NAMES, driven, &end),
-        "temperature": at(&call.temp, 0) + at(&call.temp, 1),
     });
     let mut case = json!({
         "kind": "point",
@@ -125,16 +124,28 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
             "kinc": integer(&call.kinc, 0),
             "ddsdde": wants_tangent,
         },
-        "temperature": at(&call.temp, 0),
     });
     set_length(&mut case, &call.celent);
-    // the host's one field variable of 0 is that of a case without any
-    if call.predef != [0.0] || call.dpred != [0.0] {
-        case["predef"] = json!(call.predef);
-        step["predef"] = call.predef.iter().zip(&call.dpred).map(|(start, increment)| start + increment).collect();
-    }
     case["steps"] = json!([step]);
+    let [temperature, increment] = array(&call.temp);
+    set_fields(&mut case, [temperature, temperature + increment], {
+        let ends = call.predef.iter().zip(&call.dpred).map(|(start, increment)| start + increment);
+        [call.predef.clone(), ends.collect()]
+    });
     case
+}
+
+/// Sets temperature and field variables at both ends; the host's one variable of 0 is that of a case without any.
+fn set_fields(case: &mut Value, temperature: [f64; 2], mut variables: [Vec<f64>; 2]) {
+    if variables == [[0.0], [0.0]] {
+        variables = [Vec::new(), Vec::new()];
+    }
+    let ([start, end], [first, last]) = (temperature, variables);
+    replay::set_fields(
+        case,
+        &FieldValues { temperature: start, variables: first },
+        &FieldValues { temperature: end, variables: last },
+    );
 }
 
 fn set_length(case: &mut Value, length: &[f64]) {
@@ -155,6 +166,14 @@ fn interface(time: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, 
         "arguments": arguments,
         "steps": [{ "increments": 1, "time": duration(at(dtime, 0)), "target": {} }],
     })
+}
+
+/// Sets temperature and field variables, of which a call tells the ends and the increments, the same at both surfaces.
+fn set_contact_fields(case: &mut Value, temp: &[f64], predef: &[f64], dpred: &[f64]) {
+    let [end, increment] = array(temp);
+    let ends = || predef.iter().copied().step_by(2);
+    let starts = ends().zip(dpred.iter().step_by(2)).map(|(end, increment)| end - increment);
+    set_fields(case, [end - increment, end], [starts.collect(), ends().collect()]);
 }
 
 /// Sets the slips at both ends.
@@ -182,6 +201,7 @@ fn uinter_case(call: &UinterRecord) -> Value {
     // RDISP(1) > 0 is penetration
     [case["initial"]["gap"], case["steps"][0]["target"]["gap"]] = normal.map(|penetration| json!(-penetration));
     set_slips(&mut case, slips);
+    set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
     set_length(&mut case, &call.chrlngth);
     case
 }
@@ -202,6 +222,7 @@ fn fric_case(call: &FricRecord) -> Value {
     let slips: Vec<[f64; 2]> = call.dgam.iter().map(|by| [0.0, *by]).collect();
     set_slips(&mut case, &slips);
     case["steps"][0]["target"]["p"] = json!(pressure);
+    set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
     set_length(&mut case, &call.chrlngth);
     case
 }

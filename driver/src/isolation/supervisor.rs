@@ -35,6 +35,8 @@ pub struct Job<'a> {
     pub case: Option<(&'a Path, &'a [String])>,
     /// The result directory, if what the plugins print there is shown as they do.
     pub echo: Option<&'a Path>,
+    /// Longest time of all that it does.
+    pub time_limit: Option<Duration>,
 }
 
 /// How a worker ended.
@@ -59,6 +61,8 @@ pub struct Failure {
     pub statistics: Statistics,
     /// Calls of the check that a plugin did not survive.
     pub calls_of_check: u64,
+    /// Whether nothing went wrong but that [`Job::time_limit`] has passed.
+    pub is_out_of_time: bool,
 }
 
 /// Runs a worker to its end.
@@ -78,19 +82,21 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
         _ => {}
     };
-    let ended = watch(&mut child, &recording, need, &mut tell);
+    let ended = watch(&mut child, &recording, need, job.time_limit, &mut tell);
     tell();
     if ended.is_err() {
         // nothing watches it any more
         let _ = child.kill();
     }
     let last_words = last_words.heard();
-    let cause = match ended? {
-        Watched::Ended(_) | Watched::Killed(_) if recording.done().is_some() => {
+    let ended = ended?;
+    let is_out_of_time = matches!(ended, Watched::OutOfTime(_));
+    let cause = match ended {
+        _ if recording.done().is_some() => {
             return Ok(End::Done(recording.done().unwrap_or_default()));
         }
         Watched::Ended(status) => cause_of(status, &recording),
-        Watched::Killed(limit) => Cause::TimeLimit(limit),
+        Watched::Killed(limit) | Watched::OutOfTime(limit) => Cause::TimeLimit(limit),
     };
     let report = Report::new(cause, &recording, need, &last_words);
     let note = |note: Note| recording.note(note as usize);
@@ -99,6 +105,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
         report,
         has_rows: note(Note::Running) == 1,
         calls_of_check: note(Note::Calls),
+        is_out_of_time,
         statistics: Statistics {
             increments: note(Note::Increments),
             iterations: note(Note::Iterations),
@@ -154,11 +161,19 @@ enum Watched {
     Ended(ExitStatus),
     /// It was ended because one call took longer than this, s.
     Killed(f64),
+    /// It was ended because all of it took longer than this, s.
+    OutOfTime(f64),
 }
 
-fn watch(child: &mut Child, recording: &Recording, need: &Need, look: &mut dyn FnMut()) -> io::Result<Watched> {
+fn watch(
+    child: &mut Child,
+    recording: &Recording,
+    need: &Need,
+    time_limit: Option<Duration>,
+    look: &mut dyn FnMut(),
+) -> io::Result<Watched> {
     let mut heartbeat = Heartbeat::default();
-    let mut last = Instant::now();
+    let (start, mut last) = (Instant::now(), Instant::now());
     let mut passed_on = false;
     loop {
         if let Some(status) = child.wait_timeout(POLL)? {
@@ -178,6 +193,11 @@ fn watch(child: &mut Child, recording: &Recording, need: &Need, look: &mut dyn F
             child.kill()?;
             child.wait()?;
             return Ok(Watched::Killed(limit));
+        }
+        if let Some(limit) = time_limit.filter(|limit| start.elapsed() > *limit) {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Watched::OutOfTime(limit.as_secs_f64()));
         }
     }
 }

@@ -2,12 +2,14 @@
 //!
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
-use super::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program};
+use super::program::{
+    FieldValues, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program,
+};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{
     Accepted, ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay,
 };
-use umat_abi::host::{Clock, Derived, ExternalDatabases, FricCall, MOMENT, UinterCall};
+use umat_abi::host::{Clock, ContactArrays, Derived, ExternalDatabases, FricCall, MOMENT, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -58,12 +60,14 @@ pub struct Committed {
     pub statev: Vec<f64>,
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
-    /// LOPENCLOSE, LSTATE (UINTER); LM (FRIC).
+    /// LOPENCLOSE, LSTATE (UINTER); LM of the next call (FRIC).
     pub flags: [i32; 2],
     /// Step time, s.
     pub step_time: f64,
     /// Total time, s.
     pub total_time: f64,
+    /// Temperature and field variables.
+    pub fields: FieldValues,
 }
 
 /// Where the current increment leads: \[slip, slip2, normal\] at its ends.
@@ -91,6 +95,8 @@ struct Runner<'p> {
     committed: Committed,
     trial: Committed,
     goal: Goal,
+    /// Temperature and field variables at the start and at the end of the current increment.
+    fields: [FieldValues; 2],
     /// ∂p/∂penetration of the last evaluation.
     normal_stiffness: f64,
 }
@@ -138,12 +144,13 @@ impl<'p> Runner<'p> {
                 arguments.energies
             },
             flags: if interface.entry == InterfaceEntry::Fric {
-                [arguments.lm.unwrap_or(1), 0]
+                [arguments.lm.unwrap_or(FricCall::STICKING), 0]
             } else {
                 arguments.flags.unwrap_or([-1; 2])
             },
             step_time: 0.0,
             total_time: interface.initial_time,
+            fields: interface.initial_fields.clone(),
         };
         let mut runner = Self {
             call,
@@ -163,10 +170,26 @@ impl<'p> Runner<'p> {
                 step_time: (0.0, 0.0),
                 time_of_step: interface.initial_time,
             },
+            fields: [interface.initial_fields.clone(), interface.initial_fields.clone()],
             normal_stiffness: 0.0,
         };
+        runner.set_fields(1.0, 1.0);
         runner.find_initial_traction()?;
         Ok(runner)
+    }
+
+    /// Tells the plugin temperature and field variables at two fractions of the increment.
+    fn set_fields(&mut self, from: f64, to: f64) {
+        let [start, end] = &self.fields;
+        let trial = &mut self.trial.fields;
+        trial.set_between(start, end, from);
+        let call: &mut ContactArrays = match &mut self.call {
+            Call::Uinter(call) => call,
+            Call::Fric(call) => call,
+        };
+        let before = trial.clone();
+        trial.set_between(start, end, to);
+        call.set_fields([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
     /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
@@ -202,10 +225,12 @@ impl<'p> Runner<'p> {
             InterfaceDrive::Ramp { increments, .. } => *increments,
             InterfaceDrive::Table { rows, .. } => rows.len(),
         };
+        let fields = self.committed.fields.clone();
         for index in 0..count {
             let increment = u32::try_from(index + 1).unwrap_or(u32::MAX);
             self.set_counters(number, increment);
             self.set_goal(step, start, index, count);
+            step.fields.set_increment(&fields, &self.committed.fields, [index, count], &mut self.fields);
             let place = Place { step: number, increment, last: index + 1 == count };
             let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
             if next != Next::GoOn {
@@ -304,7 +329,8 @@ impl<'p> Runner<'p> {
                 trial.statev.copy_from_slice(call.statev());
                 trial.inelastic_slip = std::array::from_fn(|i| committed.inelastic_slip[i] + call.dslip[i]);
                 trial.energies[..2].copy_from_slice(&call.energies);
-                trial.flags = [call.lm, 0];
+                // without pressure nothing touches
+                trial.flags = [if place[NORMAL] > 0.0 { call.next_lm() } else { FricCall::OPEN }, 0];
                 outcome
             }
         };
@@ -363,6 +389,7 @@ impl Divisible for Runner<'_> {
         let time_increment = at(to) - at(from);
         self.trial.step_time = at(to);
         self.trial.total_time = goal.time_of_step + at(to);
+        self.set_fields(from, to);
         let start = [self.committed.step_time, self.committed.total_time];
         self.clock = Clock { time: start, time_increment, ..self.clock };
         self.databases.increment_starts(self.clock);
@@ -412,6 +439,7 @@ impl Divisible for Runner<'_> {
     }
 
     fn replay(&self, program: &Program) -> serde_json::Value {
-        replay::interface(program, &self.committed, &self.goal)
+        let Clock { step, increment, .. } = self.clock;
+        replay::interface(program, &self.committed, &self.goal, &self.fields[1], [step, increment, 1])
     }
 }

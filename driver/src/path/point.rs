@@ -3,7 +3,9 @@
 use super::deformation::matrix;
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::program::{Constraint, Control, Measure, Mode, Plugin, PointDrive, PointProgram, PointStep, Program};
+use super::program::{
+    Constraint, Control, FieldValues, Measure, Mode, Plugin, PointDrive, PointProgram, PointStep, Program,
+};
 use super::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
@@ -31,7 +33,9 @@ pub(super) fn run(
     if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
         recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
     }
-    if runner.plane_stress && program.plugin.law.is_none() && !runner.call.is_through_solid() {
+    // at finite strain the case says so, with what follows for DFGRD
+    let is_untold = runner.plane_stress && runner.finite.is_none() && program.plugin.law.is_none();
+    if is_untold && !runner.call.is_through_solid() {
         recorder.observer.warn(format!(
             "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
              which state variable holds it (\"as\": \"3d\" finds it)",
@@ -78,10 +82,8 @@ pub struct Committed {
     pub total_time: f64,
     /// F.
     pub deformation_gradient: Matrix3<f64>,
-    /// TEMP.
-    pub temperature: f64,
-    /// Field variables.
-    pub predef: Vec<f64>,
+    /// TEMP and PREDEF.
+    pub fields: FieldValues,
 }
 
 /// Where the current increment leads.
@@ -100,8 +102,8 @@ pub(super) struct Goal {
     /// Total time at the start of the step.
     time_of_step: f64,
     pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
-    pub(super) temperature: (f64, f64),
-    pub(super) predef: (Vec<f64>, Vec<f64>),
+    /// At the start and at the end of the increment.
+    pub(super) fields: [FieldValues; 2],
 }
 
 impl Goal {
@@ -139,8 +141,7 @@ struct Trial {
     tangent: Option<[[f64; 6]; 6]>,
     step_time: f64,
     total_time: f64,
-    temperature: f64,
-    predef: Vec<f64>,
+    fields: FieldValues,
 }
 
 impl<'p> Runner<'p> {
@@ -160,9 +161,10 @@ impl<'p> Runner<'p> {
         call.jstep[2] = i32::from(point.nlgeom);
         point.arguments.set(&mut call);
         let initial = &point.initial;
-        if !initial.predef.is_empty() {
-            call.predef.clone_from(&initial.predef);
-            call.dpred = vec![0.0; initial.predef.len()];
+        let variables = &initial.fields.variables;
+        if !variables.is_empty() {
+            call.predef.clone_from(variables);
+            call.dpred = vec![0.0; variables.len()];
         }
         let plane_stress = stress_state.components().len() == 3;
         let strain_33 = plugin.strain_33();
@@ -175,8 +177,7 @@ impl<'p> Runner<'p> {
             step_time: 0.0,
             total_time: initial.time,
             deformation_gradient: matrix(&initial.deformation_gradient),
-            temperature: initial.temperature,
-            predef: call.predef.clone(),
+            fields: initial.fields.clone(),
         };
         let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed));
         let goal = Goal {
@@ -187,8 +188,7 @@ impl<'p> Runner<'p> {
             step_time: (0.0, 0.0),
             time_of_step: initial.time,
             deformation_gradient: None,
-            temperature: (initial.temperature, initial.temperature),
-            predef: (call.predef.clone(), call.predef.clone()),
+            fields: [initial.fields.clone(), initial.fields.clone()],
         };
         Ok(Self {
             components: stress_state.components(),
@@ -207,8 +207,7 @@ impl<'p> Runner<'p> {
                 tangent: None,
                 step_time: 0.0,
                 total_time: initial.time,
-                temperature: initial.temperature,
-                predef: committed.predef.clone(),
+                fields: initial.fields.clone(),
             },
             committed,
             tangent: None,
@@ -331,17 +330,17 @@ impl<'p> Runner<'p> {
         let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
         call.time = [self.arguments.step_time + at(from), goal.time_of_step + at(from)];
         call.dtime = at(to) - at(from);
-        call.temp = lerp(goal.temperature.0, goal.temperature.1, from);
-        call.dtemp = lerp(goal.temperature.0, goal.temperature.1, to) - call.temp;
-        for k in 0..call.predef.len() {
-            let (start, end) = (goal.predef.0[k], goal.predef.1[k]);
-            call.predef[k] = lerp(start, end, from);
-            self.trial.predef[k] = lerp(start, end, to);
-            call.dpred[k] = self.trial.predef[k] - call.predef[k];
+        let [start, end] = &goal.fields;
+        call.temp = lerp(start.temperature, end.temperature, from);
+        let variables = call.predef.iter_mut().zip(&mut call.dpred);
+        for ((value, increment), (start, end)) in variables.zip(start.variables.iter().zip(&end.variables)) {
+            *value = lerp(*start, *end, from);
+            *increment = lerp(*start, *end, to) - *value;
         }
+        self.trial.fields.set_between(start, end, to);
+        call.dtemp = self.trial.fields.temperature - call.temp;
         self.trial.step_time = at(to);
         self.trial.total_time = goal.time_of_step + at(to);
-        self.trial.temperature = lerp(goal.temperature.0, goal.temperature.1, to);
     }
 
     /// The point that the plugin is called at.
@@ -538,8 +537,7 @@ impl Divisible for Runner<'_> {
         state.energies = self.call.energies;
         state.step_time = self.trial.step_time;
         state.total_time = self.trial.total_time;
-        state.temperature = self.trial.temperature;
-        state.predef.clone_from(&self.trial.predef);
+        state.fields.clone_from(&self.trial.fields);
         self.tangent = self.trial.tangent;
         self.databases.increment_ends(clock(&self.call, [self.trial.step_time, self.trial.total_time]));
     }
@@ -621,8 +619,7 @@ struct Plan<'s> {
     constraints: Vec<Constraint>,
     time: f64,
     gradient: Matrix3<f64>,
-    temperature: f64,
-    predef: Vec<f64>,
+    fields: FieldValues,
 }
 
 impl<'s> Plan<'s> {
@@ -650,8 +647,7 @@ impl<'s> Plan<'s> {
             constraints,
             time: state.total_time,
             gradient: state.deformation_gradient,
-            temperature: state.temperature,
-            predef: state.predef.clone(),
+            fields: state.fields.clone(),
         }
     }
 
@@ -672,14 +668,7 @@ impl<'s> Plan<'s> {
         let goal = &mut runner.goal;
         goal.time_of_step = self.time;
         goal.deformation_gradient = None;
-        let end_temperature = self.step.temperature.unwrap_or(self.temperature);
-        goal.temperature =
-            (lerp(self.temperature, end_temperature, before), lerp(self.temperature, end_temperature, after));
-        let end_predef = self.step.predef.as_ref().unwrap_or(&self.predef);
-        for k in 0..self.predef.len() {
-            goal.predef.0[k] = lerp(self.predef[k], end_predef[k], before);
-            goal.predef.1[k] = lerp(self.predef[k], end_predef[k], after);
-        }
+        self.step.fields.set_increment(&self.fields, &runner.committed.fields, [index, count], &mut goal.fields);
         goal.relations.clone_from(&self.constraints);
         goal.relations_at_start.clear();
         for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
@@ -707,15 +696,7 @@ impl<'s> Plan<'s> {
                     };
                 }
             }
-            PointDrive::Table { controls, time_increments, rows, fields } => {
-                if let Some(temperature) = &fields.temperature {
-                    goal.temperature = (runner.committed.temperature, temperature[index]);
-                }
-                for (k, column) in fields.predef.iter().enumerate() {
-                    if let Some(column) = column {
-                        (goal.predef.0[k], goal.predef.1[k]) = (runner.committed.predef[k], column[index]);
-                    }
-                }
+            PointDrive::Table { controls, time_increments, rows } => {
                 let start = runner.committed.step_time;
                 goal.step_time = (start, start + time_increments[index]);
                 for i in 0..6 {

@@ -1,7 +1,9 @@
 //! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
 //! tables read. [`crate::case`] makes it; [`super`] runs it.
 
+use super::subdivision::lerp;
 use super::{ContactArguments, UmatArguments};
+pub use fe_core::model::FieldValues;
 use std::path::PathBuf;
 use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
 use umat_abi::law::StressState;
@@ -184,10 +186,8 @@ pub struct PointState {
     pub time: f64,
     /// Deformation gradient, row by row.
     pub deformation_gradient: [[f64; 3]; 3],
-    /// Temperature.
-    pub temperature: f64,
-    /// Field variables (may be empty).
-    pub predef: Vec<f64>,
+    /// Temperature and field variables, of which there may be none.
+    pub fields: FieldValues,
 }
 
 /// One step of a material point.
@@ -199,10 +199,8 @@ pub struct PointStep {
     pub constraints: Vec<Constraint>,
     /// Ends this step early.
     pub until: Option<Until>,
-    /// Temperature at the end (`None`: unchanged).
-    pub temperature: Option<f64>,
-    /// Field variables at the end (`None`: unchanged).
-    pub predef: Option<Vec<f64>>,
+    /// Temperature and field variables.
+    pub fields: StepFields,
 }
 
 /// Why a step is not taken whose s11 and e11 would belong to different directions.
@@ -252,8 +250,6 @@ pub enum PointDrive {
         time_increments: Vec<f64>,
         /// End-of-increment values of each row, by component; unused entries 0.
         rows: Vec<[f64; 6]>,
-        /// Columns of temperature and field variables.
-        fields: TableFields,
     },
     /// The deformation gradient ramps linearly to this one (row by row).
     DeformationGradient {
@@ -266,13 +262,47 @@ pub enum PointDrive {
     },
 }
 
-/// Temperature and field variables at the end of each row.
+/// Where temperature and field variables go in a step: linearly to the values at its end, or from row to row of its table.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct TableFields {
-    /// `None`: there is no column, it goes where the step says.
-    pub temperature: Option<Vec<f64>>,
-    /// Of each field variable, likewise.
-    pub predef: Vec<Option<Vec<f64>>>,
+pub struct StepFields {
+    /// Temperature at the end (`None`: unchanged).
+    pub temperature: Option<f64>,
+    /// Field variables at the end (`None`: unchanged).
+    pub predef: Option<Vec<f64>>,
+    /// Column of the temperature at the end of each row.
+    pub temperatures: Option<Vec<f64>>,
+    /// Of each field variable, likewise; empty: without a table.
+    pub predefs: Vec<Option<Vec<f64>>>,
+}
+
+impl StepFields {
+    /// Sets the values at the start and at the end of increment `index` (from 0) of `count`. `first`: those at the start
+    /// of the step; `present`: those before the increment.
+    pub fn set_increment(
+        &self,
+        first: &FieldValues,
+        present: &FieldValues,
+        [index, count]: [usize; 2],
+        increment: &mut [FieldValues; 2],
+    ) {
+        for (k, values) in increment.iter_mut().enumerate() {
+            let fraction = if index + k == count { 1.0 } else { (index + k) as f64 / count as f64 };
+            values.temperature = lerp(first.temperature, self.temperature.unwrap_or(first.temperature), fraction);
+            values.variables.clone_from(&first.variables);
+            for (value, end) in values.variables.iter_mut().zip(self.predef.iter().flatten()) {
+                *value = lerp(*value, *end, fraction);
+            }
+        }
+        let [start, end] = increment;
+        if let Some(column) = &self.temperatures {
+            (start.temperature, end.temperature) = (present.temperature, column[index]);
+        }
+        for (k, column) in self.predefs.iter().enumerate() {
+            if let Some(column) = column {
+                (start.variables[k], end.variables[k]) = (present.variables[k], column[index]);
+            }
+        }
+    }
 }
 
 /// What determines a component.
@@ -323,6 +353,8 @@ pub struct InterfaceProgram {
     pub initial_time: f64,
     /// \[slip, slip2, gap\] and p at the start (gap > 0 open).
     pub initial_displacement: [f64; 3],
+    /// Temperature and field variables at the start.
+    pub initial_fields: FieldValues,
     /// Steps in order, cycles expanded.
     pub steps: Vec<InterfaceStep>,
 }
@@ -345,6 +377,8 @@ pub struct InterfaceStep {
     pub drive: InterfaceDrive,
     /// Ends this step early.
     pub until: Option<Until>,
+    /// Temperature and field variables.
+    pub fields: StepFields,
 }
 
 /// What the normal value of an interface step means.

@@ -1,6 +1,10 @@
 //! The replay case: the state before a failed increment, and the increment, as a case file.
+//!
+//! It begins at the same bits. Under strains, F, slips and gaps its first call is the original's. Strains that stresses
+//! determine are found by iterations, which begin with another tangent than those of an increment that followed others: they
+//! agree within the tolerance of the stresses. (A call that ended the process is repeated as it was, with its strains.)
 
-use super::program::{Control, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
+use super::program::{Control, FieldValues, InterfaceEntry, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
 use super::{interface, point};
 use crate::case::job_folder;
 use serde_json::{Map, Value, json};
@@ -105,15 +109,10 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
             step["constraints"] = relations.collect();
         }
     }
-    case.insert("temperature".into(), json!(state.temperature));
-    step["temperature"] = json!(goal.temperature.1);
-    if !point.initial.predef.is_empty() {
-        case.insert("predef".into(), json!(state.predef));
-        step["predef"] = json!(goal.predef.1);
-    }
     case.insert("initial".into(), initial);
     case.insert("steps".into(), json!([step]));
     let mut case = Value::Object(case);
+    set_fields(&mut case, &state.fields, &goal.fields[1]);
     let arguments = &mut case["arguments"];
     arguments["energies"] = json!(state.energies);
     arguments["step_time"] = json!(point.arguments.step_time + state.step_time);
@@ -122,8 +121,24 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
     case
 }
 
+/// Sets temperature and field variables before and at the end of the only step.
+pub fn set_fields(case: &mut Value, start: &FieldValues, end: &FieldValues) {
+    case["temperature"] = json!(start.temperature);
+    case["steps"][0]["temperature"] = json!(end.temperature);
+    if !start.variables.is_empty() {
+        case["predef"] = json!(start.variables);
+        case["steps"][0]["predef"] = json!(end.variables);
+    }
+}
+
 /// Replays an increment of a contact point.
-pub(super) fn interface(program: &Program, state: &interface::Committed, goal: &interface::Goal) -> Value {
+pub(super) fn interface(
+    program: &Program,
+    state: &interface::Committed,
+    goal: &interface::Goal,
+    fields_at_end: &FieldValues,
+    counters: [i32; 3],
+) -> Value {
     let Kind::Interface(interface) = &program.kind else { return Value::Null };
     let mut case = frame(program);
     let mut initial = json!({ "statev": state.statev, "time": state.total_time, "slip": state.slip[0] });
@@ -143,9 +158,23 @@ pub(super) fn interface(program: &Program, state: &interface::Committed, goal: &
     case.insert("initial".into(), initial);
     case.insert(
         "steps".into(),
-        json!([{ "increments": 1, "time": goal.step_time.1 - goal.step_time.0, "target": target }]),
+        json!([{ "increments": 1, "time": goal.step_time.1 - state.step_time, "target": target }]),
     );
-    Value::Object(case)
+    let mut case = Value::Object(case);
+    set_fields(&mut case, &state.fields, fields_at_end);
+    let arguments = &mut case["arguments"];
+    arguments["traction"] = json!([state.pressure, state.shear[0], state.shear[1]]);
+    arguments["energies"] = json!(state.energies.map(|energy| if energy.is_nan() { 0.0 } else { energy }));
+    match interface.entry {
+        InterfaceEntry::Uinter => arguments["flags"] = json!(state.flags),
+        InterfaceEntry::Fric => {
+            arguments["lm"] = json!(state.flags[0]);
+            arguments["slip"] = json!(state.inelastic_slip);
+        }
+    }
+    arguments["step_time"] = json!(interface.arguments.step_time + state.step_time);
+    [arguments["kstep"], arguments["kinc"], _] = counters.map(|counter| json!(counter));
+    case
 }
 
 fn named(names: &[&str; 6], components: &[usize], values: &[f64; 6]) -> Value {

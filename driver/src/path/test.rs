@@ -58,8 +58,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
                 statev: None,
                 time: 0.0,
                 deformation_gradient: IDENTITY,
-                temperature: 0.0,
-                predef: Vec::new(),
+                fields: FieldValues::default(),
             },
             steps,
         }),
@@ -73,7 +72,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
 }
 
 fn step(drive: PointDrive) -> PointStep {
-    PointStep { drive, constraints: Vec::new(), until: None, temperature: None, predef: None }
+    PointStep { drive, constraints: Vec::new(), until: None, fields: StepFields::default() }
 }
 
 fn ramp(increments: usize, controls: [Control; 6]) -> PointStep {
@@ -169,12 +168,7 @@ fn a_table_is_followed_row_by_row_and_until_ends_it() {
     let mut controls = [FREE; 6];
     controls[0] = Control::Strain(0.0);
     let table: Vec<[f64; 6]> = [1e-4, 3e-4, -2e-4, 5e-4].iter().map(|&e| [e, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
-    let drive = PointDrive::Table {
-        controls,
-        time_increments: vec![0.5, 0.25, 1.0, 1.0],
-        rows: table,
-        fields: TableFields::default(),
-    };
+    let drive = PointDrive::Table { controls, time_increments: vec![0.5, 0.25, 1.0, 1.0], rows: table };
     let mut case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::PlaneStress, false, vec![step(drive)]);
     case.until = Some(Until { column: STRESS, absolute: false, greater_than: None, less_than: Some(-1.0) });
     let (rows, _) = rows(&case);

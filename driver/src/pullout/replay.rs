@@ -3,7 +3,7 @@
 use super::Program;
 use crate::case::job_folder;
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
-use crate::path::replay::{StrainDrive, duration};
+use crate::path::replay::{StrainDrive, duration, set_fields};
 use fe_core::assembly::{Place, Trouble};
 use fe_core::contact::NormalDrive;
 use fe_core::kinematics::PlaneModel;
@@ -54,7 +54,7 @@ fn material_point(
         material["tangent"] = json!("numerical");
     }
     let end = std::array::from_fn(|k| call.strain[k] + call.strain_increment[k]);
-    Some(json!({
+    let mut case = json!({
         "kind": "point",
         "title": title,
         "material": material,
@@ -66,16 +66,15 @@ fn material_point(
             "statev": call.statev,
             "time": call.time,
         },
-        "temperature": call.temperature[0],
-        "predef": call.predef[0],
         "steps": [{
             "increments": 1,
             "time": duration(call.time_increment),
             "target": named(&STRAIN_NAMES, driven, end),
-            "temperature": call.temperature[1],
-            "predef": call.predef[1],
         }],
-    }))
+    });
+    let [start, end] = &call.fields;
+    set_fields(&mut case, start, end);
+    Some(case)
 }
 
 /// A case of kind "interface".
@@ -92,14 +91,17 @@ fn contact_point(program: &Program, pair: &str, point: usize, title: String, sna
         NormalDrive::Gap([start, end]) => (initial["gap"], target["gap"]) = (json!(start), json!(end)),
         NormalDrive::Pressure(end) => target["p"] = json!(end),
     }
-    Some(json!({
+    let mut case = json!({
         "kind": "interface",
         "title": title,
         "material": material(law, call.props, Some(entry)),
         "characteristic_length": call.characteristic_length,
         "initial": initial,
         "steps": [{ "increments": 1, "time": duration(call.time_increment), "target": target }],
-    }))
+    });
+    let [start, end] = &call.fields;
+    set_fields(&mut case, start, end);
+    Some(case)
 }
 
 /// The library by its absolute path: the case may be moved.

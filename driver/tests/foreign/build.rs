@@ -355,6 +355,8 @@ fn a_library_made_to_be_debugged_names_the_line_that_goes_wrong() {
         ),
         ("      IF (KINC.EQ.2) CALL KPART(STRESS(1))\n", "SIGFPE", "S=S+X"),
         ("      IF (KINC.EQ.2) STRESS(2)=LOG(STRESS(1)-1.D3)\n", "SIGFPE", "LOG("),
+        // never set, which a compiler knows
+        ("      IF (KINC.EQ.2) STATEV(1)=X+1.D0\n", "SIGFPE", "X+1.D0"),
     ] {
         let text = whole(square, statements) + routine;
         desk.write("mine.f", &text);
@@ -367,6 +369,13 @@ fn a_library_made_to_be_debugged_names_the_line_that_goes_wrong() {
         let check = desk.pullout(["plugin", "check", "./libmine.so", "--case", "case.json"]);
         assert!(check.code != 0, "{}", check.stdout);
     }
+    // the check traps as well where it gives what makes no sense
+    let text = whole(square, "      IF (DSTRAN(1).GT.1.D9) STATEV(1)=0.D0\n");
+    desk.write("mine.f", &text);
+    desk.pullout(["plugin", "build", "--debug", "mine.f"]).expect(0);
+    let check = desk.pullout(["plugin", "check", "./libmine.so", "--case", "case.json"]);
+    let row = check.stdout.lines().find(|row| row.contains("NaN and infinity")).expect("a row");
+    assert!(row.contains("SIGFPE") && row.contains(&format!("umat, mine.f:{}", line_of(&text, "DSTRAN(1)"))), "{row}");
     // what is sound runs, and a C source as well
     desk.write("mine.f", &whole(square, "      CALL KPART(STRESS(1))\n"));
     desk.write("part.c", "void kpart_(double *s) {\n  double zero = *s - *s;\n  if (*s > 0.5) *s = 1.0 / zero;\n}\n");

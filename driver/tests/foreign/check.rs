@@ -2,6 +2,7 @@
 
 use super::{built, point};
 use crate::program::{Desk, Outcome};
+use end_to_end_tests::{Tool, find, workspace};
 use serde_json::json;
 
 /// The report of one planted error (tests/umats/planted.f), in 3-D or another mode.
@@ -126,4 +127,40 @@ fn contact_laws_that_leave_their_arrays_are_told() {
             assert!(row.starts_with("FAIL") && row.contains(&words), "{entry}, error {error}: {row}");
         }
     }
+}
+
+/// The check of elasticity in C with a statement before all others.
+fn checked_with(statement: &str, code: i32) -> Option<Outcome> {
+    let desk = Desk::new();
+    find(Tool::C)?;
+    let source = std::fs::read_to_string(workspace("tests/umats/elastic.c")).expect("a source");
+    let headers = "#include <stdlib.h>\n#include <unistd.h>\n";
+    let source =
+        source.replacen("    const int n = *ntens;\n", &format!("    const int n = *ntens;\n    {statement}\n"), 1);
+    let source = desk.write("altered.c", &format!("{headers}{source}"));
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libaltered.so"]).expect(0);
+    let material = json!({ "plugin": "./libaltered.so", "props": [30e3, 0.2], "nstatv": 0 });
+    desk.case("case.json", &point(material, "3d", json!([{ "increments": 3, "target": { "e11": 1e-3 } }])));
+    let outcome = desk.pullout(["plugin", "check", "./libaltered.so", "--case", "case.json"]).expect(code);
+    println!("{}", outcome.stdout);
+    Some(outcome)
+}
+
+/// A law whose calls take long is looked at as far as the time goes; what was left out is said, and nothing passes for it.
+#[test]
+fn a_slow_law_is_not_tested_beyond_the_time_for_it() {
+    let Some(outcome) = checked_with("sleep(2);", 4) else { return };
+    assert!(outcome.stdout.contains("not tested: no time left after"), "{}", outcome.stdout);
+    for left_out in ["what a sample of states shows", "DDSDDE", "threads", "increments", "input that makes no sense"] {
+        assert!(outcome.stdout.contains(left_out), "{left_out}");
+    }
+    assert!(outcome.stdout.contains("\nnot tested: "), "{}", outcome.stdout);
+}
+
+#[test]
+fn a_law_that_ends_in_its_first_increment_is_judged_in_the_virgin_state_only() {
+    let Some(outcome) = checked_with("if (dstran[0] != 0.0) exit(3);", 1) else { return };
+    assert!(row(&outcome, "case's path").starts_with("FAIL"), "{}", outcome.stdout);
+    let row = row(&outcome, "answers");
+    assert!(row.starts_with("void") && row.contains("only the virgin state was judged"), "{row}");
 }

@@ -56,6 +56,22 @@ fn a_law_that_was_only_seen_elastic_is_not_tested() {
     checked(&desk, &library, &far, 1);
 }
 
+/// At finite strain as well the law is looked at beyond the case: rubber that was stretched by a millionth shows a straight
+/// line.
+#[test]
+fn a_hyperelastic_law_that_was_hardly_strained_is_not_tested() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "neo_hooke.f90", &[]) else { return };
+    for (strain, code) in [(1e-6, 4), (0.5, 0)] {
+        let material = json!({ "plugin": library, "props": [0.8, 40.0], "nstatv": 0 });
+        let mut case = point(material, "3d", json!([{ "increments": 5, "target": { "e11": strain } }]));
+        case["nlgeom"] = json!(true);
+        let outcome = checked(&desk, &library, &case, code);
+        let row = row(&outcome, "nonlinear states");
+        assert_eq!(row.contains("times what was sampled"), code == 4, "{row}");
+    }
+}
+
 #[test]
 fn a_linear_law_is_linear_everywhere_it_was_looked_at() {
     let desk = Desk::new();
@@ -100,6 +116,29 @@ fn temperatures_are_those_of_the_case() {
     let outcome = checked(&desk, &library, &case, 0);
     assert!(row(&outcome, "virgin state").starts_with("pass"), "{}", row(&outcome, "virgin state"));
     assert!(row(&outcome, "consistent tangent").starts_with("pass"), "{}", row(&outcome, "consistent tangent"));
+}
+
+/// The check calls FRIC with the LM that a run calls it with: 1 at first, not 0.
+#[test]
+fn friction_begins_sticking() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/contact_with_state.F")).expect("a source");
+    let first = "      IF (STATEV(2).EQ.0.D0 .AND. LM.NE.1) CALL XIT\n      STATEV(2)=1.D0\n";
+    let source = source.replacen("      AK=PROPS(1)\n", &format!("{first}      AK=PROPS(1)\n"), 1);
+    let source = desk.write("begins.F", &source);
+    let Some(_) = end_to_end_tests::find(end_to_end_tests::Tool::Fortran) else { return };
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libbegins.so"]).expect(0);
+    let library = json!(desk.path("libbegins.so"));
+    let case = json!({
+        "kind": "interface",
+        "title": "friction",
+        "material": { "plugin": library, "entry": "fric", "props": [1e3, 0.6, 0.3, 0.05], "nstatv": 2 },
+        "steps": [
+            { "increments": 5, "target": { "p": 10.0 } },
+            { "increments": 20, "target": { "slip": 0.1 } },
+        ],
+    });
+    checked(&desk, &library, &case, 0);
 }
 
 #[test]

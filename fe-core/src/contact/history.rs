@@ -3,6 +3,7 @@
 use super::chain::Foot;
 use super::normal::NormalState;
 use serde::{Deserialize, Serialize};
+use umat_abi::host::FricCall;
 
 /// What a point does. UINTER tells no host its status: there, slipping means that the plugin's dissipation grew in the
 /// increment, open that the traction is 0.
@@ -73,7 +74,7 @@ impl PointState {
             status: PointStatus::Sticking,
             held: false,
             inelastic_slip: 0.0,
-            stick: 1,
+            stick: FricCall::STICKING,
             flags: [-1; 2],
             plugin_energies: [0.0; 5],
             normal_energy: 0.0,

@@ -4,7 +4,7 @@ use super::history::{PointState, PointStatus};
 use super::normal::{HostNormal, NormalState};
 use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
-use crate::model::{ContactLaw, ContactPair, Enforcement, PluginLaw};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, PluginLaw};
 use umat_abi::host::{CallOutcome, ContactArrays, FricCall, Law, Overrun, UinterCall, Validation};
 
 /// A plugin that gave a number that is none may do better with a smaller increment.
@@ -58,11 +58,26 @@ pub(super) enum PointLaw {
 }
 
 impl PointLaw {
-    /// A pair's law with its penalties filled.
+    /// A pair's law with its penalties filled, told the initial temperature and field variables.
     ///
     /// # Errors
     /// It refuses its parameters, cannot be called, or not be enforced as wanted.
-    pub fn new(pair: &ContactPair, penalty: f64) -> Result<Self, ContactError> {
+    pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ContactError> {
+        let mut law = Self::of(pair, penalty)?;
+        law.set_fields(initial, initial);
+        Ok(law)
+    }
+
+    /// Tells it temperature and field variables at the start and at the end of the increment.
+    pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
+        let arrays: &mut ContactArrays = match self {
+            Self::Uinter { call, .. } => call,
+            Self::Fric { call, .. } => call,
+        };
+        arrays.set_fields([start.temperature, end.temperature], [&start.variables, &end.variables]);
+    }
+
+    fn of(pair: &ContactPair, penalty: f64) -> Result<Self, ContactError> {
         let ratio = match pair.enforcement {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
@@ -143,6 +158,7 @@ impl PointLaw {
                 characteristic_length: call.chrlngth,
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
+                fields: fields_of(call),
             }),
             Self::Fric { call, .. } if Some(call.node) == number => Some(super::ContactCall {
                 slip: [start.slip, start.slip + call.dgam[0]],
@@ -152,6 +168,7 @@ impl PointLaw {
                 characteristic_length: call.chrlngth,
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
+                fields: fields_of(call),
             }),
             _ => None,
         }
@@ -175,6 +192,17 @@ impl PointLaw {
             Self::Fric { .. } => false,
         })
     }
+}
+
+/// Temperature and field variables at the start and at the end of a call's increment.
+fn fields_of(call: &ContactArrays) -> [FieldValues; 2] {
+    let [temperature, increment] = call.temperature();
+    let [variables, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2));
+    let start = variables.clone().zip(increments).map(|(end, increment)| end - increment).collect();
+    [
+        FieldValues { temperature: temperature - increment, variables: start },
+        FieldValues { temperature, variables: variables.collect() },
+    ]
 }
 
 /// The law with penalties by role in place of zeros; with it the value of its normal penalty, and whether the host
@@ -308,6 +336,8 @@ fn fric(
     if !normal.closed {
         statev.copy_from_slice(situation.start_statev);
         (end.shear, end.status) = (0.0, PointStatus::Open);
+        // surfaces that touch without pressing are not open to FRIC
+        end.stick = if situation.gap > 0.0 { FricCall::OPEN } else { start.stick };
         return Ok([[normal.stiffness, 0.0], [0.0, 0.0]]);
     }
     let slip_increment = situation.slip - start.slip;
@@ -329,12 +359,11 @@ fn fric(
     judged(outcome)?;
     statev.copy_from_slice(call.statev());
     end.plugin_energies[..2].copy_from_slice(&call.energies);
-    (end.stick, end.inelastic_slip) = (1, start.inelastic_slip);
+    (end.stick, end.inelastic_slip) = (call.next_lm(), start.inelastic_slip);
     let (by_slip, by_pressure) = match call.lm {
         0 => {
             end.shear = call.traction()[0];
             end.inelastic_slip = start.inelastic_slip + call.dslip[0];
-            end.stick = i32::from(call.dslip[0] == 0.0);
             (call.tangent(0, 0), call.pressure_tangent[0])
         }
         1 => {
@@ -346,6 +375,6 @@ fn fric(
             (0.0, 0.0)
         }
     };
-    end.status = if end.stick == 1 { PointStatus::Sticking } else { PointStatus::Slipping };
+    end.status = if end.stick == FricCall::STICKING { PointStatus::Sticking } else { PointStatus::Slipping };
     Ok([[normal.stiffness, 0.0], [by_pressure * normal.stiffness, by_slip]])
 }

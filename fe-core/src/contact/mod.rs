@@ -22,7 +22,7 @@ pub use state::ContactState;
 
 use crate::assembly::{Blocks, IncrementContext, Trouble};
 use crate::mesh::Mesh;
-use crate::model::{ContactPair, Freedom};
+use crate::model::{ContactPair, FieldValues, Freedom};
 use history::PointState;
 use kinematics::Kinematics;
 use pair::{Output, Pair};
@@ -129,7 +129,7 @@ pub struct SlipGrowth {
 }
 
 /// The increment that a point's law was last called for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactCall<'a> {
     /// g at its start and at its end, mm.
     pub slip: [f64; 2],
@@ -145,6 +145,8 @@ pub struct ContactCall<'a> {
     pub time: f64,
     /// Its duration, s.
     pub time_increment: f64,
+    /// Temperature and field variables at its start and at its end.
+    pub fields: [FieldValues; 2],
 }
 
 /// What a law is given in the normal direction.
@@ -158,14 +160,20 @@ pub enum NormalDrive {
 
 impl Contact {
     /// The pairs of a mesh without displacements. `moduli`: an elastic modulus of each part, MPa, for the penalty.
-    /// `contact_search`: whether feet are looked for from the last ones.
+    /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
     ///
     /// # Errors
     /// What [`ContactError`] lists, of the first pair that has a fault.
     ///
     /// # Panics
     /// If `moduli` does not hold one for each part.
-    pub fn new(mesh: &Mesh, pairs: &[ContactPair], moduli: &[f64], contact_search: bool) -> Result<Self, ContactError> {
+    pub fn new(
+        mesh: &Mesh,
+        pairs: &[ContactPair],
+        moduli: &[f64],
+        contact_search: bool,
+        initial: &FieldValues,
+    ) -> Result<Self, ContactError> {
         assert_eq!(moduli.len(), mesh.parts().len(), "one modulus for each part");
         let edges = pairs.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master));
         let nodes = edges.flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
@@ -173,7 +181,7 @@ impl Contact {
             nodes.flat_map(|node| [0, 1].map(|component| Freedom { node, component }.index())).collect();
         freedoms.sort_unstable();
         freedoms.dedup();
-        let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search));
+        let pairs = pairs.iter().map(|pair| Pair::new(mesh, pair, moduli, contact_search, initial));
         Ok(Self {
             reference: mesh.nodes().to_vec(),
             pairs: pairs.collect::<Result<_, _>>()?,
@@ -203,6 +211,11 @@ impl Contact {
         let pair = self.pairs.iter().find(|other| other.name == pair)?;
         let statev = pair.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
         pair.law.last_call(point, pair.committed.points.get(point)?, statev)
+    }
+
+    /// Tells the laws temperature and field variables at the start and at the end of the increment.
+    pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
+        self.pairs.iter_mut().for_each(|pair| pair.law.set_fields(start, end));
     }
 
     /// From the committed state to the end displacements (two per node). Adds the internal contact forces to `forces`

@@ -11,7 +11,7 @@ use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
 use crate::assembly::IncrementContext;
 use crate::mesh::Mesh;
-use crate::model::{ContactLaw, ContactPair, Enforcement, NormalLaw, Width};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, NormalLaw, Width};
 
 /// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
 /// curves: stored and subtracted.
@@ -29,12 +29,18 @@ impl Pair {
     ///
     /// # Errors
     /// Everything in [`ContactError`].
-    pub fn new(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], walks: bool) -> Result<Self, ContactError> {
+    pub fn new(
+        mesh: &Mesh,
+        pair: &ContactPair,
+        moduli: &[f64],
+        walks: bool,
+        initial: &FieldValues,
+    ) -> Result<Self, ContactError> {
         check_numbers(pair)?;
         let chain = Chain::new(mesh, &pair.master, &pair.name, pair.master_bends)?;
         let points = contact_points(mesh, pair, &chain)?;
         let penalty = penalty(mesh, pair, moduli, &points);
-        let law = PointLaw::new(pair, penalty)?;
+        let law = PointLaw::new(pair, penalty, initial)?;
         let state_count = match &law {
             PointLaw::Uinter { call, .. } => call.statev().len(),
             PointLaw::Fric { call, .. } => call.statev().len(),

@@ -13,13 +13,12 @@ pub struct FieldValues {
 }
 
 impl FieldValues {
-    /// Between two of as many variables; exact at both ends.
-    fn between(start: &Self, end: &Self, fraction: f64) -> Self {
+    /// Makes it the values between two, of as many variables; exact at both ends.
+    pub fn set_between(&mut self, start: &Self, end: &Self, fraction: f64) {
         let at = |a: f64, b: f64| if fraction == 1.0 { b } else { a + fraction * (b - a) };
-        Self {
-            temperature: at(start.temperature, end.temperature),
-            variables: start.variables.iter().zip(&end.variables).map(|(a, b)| at(*a, *b)).collect(),
-        }
+        self.temperature = at(start.temperature, end.temperature);
+        self.variables.clear();
+        self.variables.extend(start.variables.iter().zip(&end.variables).map(|(a, b)| at(*a, *b)));
     }
 }
 
@@ -46,7 +45,9 @@ impl Fields {
         let duration = steps.get(index).map_or(0.0, |step| step.time);
         let at = |time: f64| {
             let fraction = if duration > 0.0 { (time / duration).clamp(0.0, 1.0) } else { 0.0 };
-            FieldValues::between(before, after, fraction)
+            let mut values = FieldValues::default();
+            values.set_between(before, after, fraction);
+            values
         };
         [at(context.step_time), at(context.step_time + context.time_increment)]
     }

@@ -45,6 +45,11 @@ impl Guard {
         Self { turn: None, ..self.clone() }
     }
 
+    /// Whether invalid operations, divisions by zero and overflow trap during a call.
+    pub(super) fn traps(&self) -> bool {
+        self.traps
+    }
+
     /// Whether a call came back with other floating-point modes than it started with.
     pub(super) fn changed_modes(&self) -> bool {
         self.changed_modes.load(Ordering::Relaxed)

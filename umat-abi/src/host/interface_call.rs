@@ -13,13 +13,39 @@ use std::ops::{Deref, DerefMut};
 const PNEWDT_ON_ENTRY: f64 = 1e36;
 /// MCRD, the coordinates of a point.
 const MCRD: i32 = 3;
-/// Zeros for arguments that a mechanical host has nothing to say about; TEMP(2), PREDEF(2,1), …
+/// Zeros for arguments that a mechanical host has nothing to say about: TAULM, DDPDDH, FREQR.
 static ZEROS: [f64; 9] = [0.0; 9];
 static ONE: i32 = 1;
 static ZERO: i32 = 0;
 static COORDINATES: i32 = MCRD;
 static IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
 const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+
+/// Temperature and field variables of slave and master, which are the same there: TEMP(2), DTEMP(2), PREDEF(2,NPRED),
+/// DPRED(2,NPRED). There is always one variable that a law may read.
+#[derive(Debug)]
+struct SurfaceFields {
+    /// At the end of the increment.
+    temperature: [f64; 2],
+    temperature_increment: [f64; 2],
+    /// At the end of the increment.
+    variables: Vec<[f64; 2]>,
+    variable_increments: Vec<[f64; 2]>,
+    /// NPRED.
+    count: i32,
+}
+
+impl Default for SurfaceFields {
+    fn default() -> Self {
+        Self {
+            temperature: [0.0; 2],
+            temperature_increment: [0.0; 2],
+            variables: vec![[0.0; 2]],
+            variable_increments: vec![[0.0; 2]],
+            count: 1,
+        }
+    }
+}
 
 /// What both calls share and give access to: the arrays that the plugin writes, and the properties.
 #[derive(Debug)]
@@ -36,6 +62,7 @@ pub struct ContactArrays {
     surfaces: [[u8; 80]; 2],
     scratch: [f64; 36],
     pnewdt: f64,
+    fields: SurfaceFields,
     calls: u64,
     /// Where calls are noted, if they are.
     slot: Option<Slot>,
@@ -65,6 +92,7 @@ impl ContactArrays {
             surfaces: [fortran_name("SLAVE"), fortran_name("MASTER")],
             scratch: [0.0; 36],
             pnewdt: PNEWDT_ON_ENTRY,
+            fields: SurfaceFields::default(),
             calls: 0,
             slot: Slot::new(library, symbol, name),
         }
@@ -93,6 +121,35 @@ impl ContactArrays {
     /// DDSDDR or DDTDDG (row, column), indices from 0.
     pub fn tangent(&self, row: usize, column: usize) -> f64 {
         self.tangent.as_slice()[column * self.traction.as_slice().len() + row]
+    }
+
+    /// Tells the temperature and the field variables at the start and at the end of an increment.
+    ///
+    /// # Panics
+    /// If there are not as many variables at the end as at the start.
+    pub fn set_fields(&mut self, temperature: [f64; 2], variables: [&[f64]; 2]) {
+        let SurfaceFields { variables: ends, variable_increments: increments, count, .. } = &mut self.fields;
+        let [from, to] = variables;
+        assert_eq!(from.len(), to.len(), "as many field variables as before");
+        if !to.is_empty() {
+            ends.clear();
+            ends.extend(to.iter().map(|end| [*end; 2]));
+            increments.clear();
+            increments.extend(to.iter().zip(from).map(|(end, start)| [end - start; 2]));
+            *count = i32::try_from(to.len()).unwrap_or(i32::MAX);
+        }
+        let [start, end] = temperature;
+        (self.fields.temperature, self.fields.temperature_increment) = ([end; 2], [end - start; 2]);
+    }
+
+    /// TEMP and DTEMP.
+    pub fn temperature(&self) -> [f64; 2] {
+        [self.fields.temperature[0], self.fields.temperature_increment[0]]
+    }
+
+    /// PREDEF and DPRED: of each variable the values at slave and master.
+    pub fn predef(&self) -> [&[f64]; 2] {
+        [self.fields.variables.as_flattened(), self.fields.variable_increments.as_flattened()]
     }
 
     /// PROPS.
@@ -269,10 +326,10 @@ impl UinterCall {
             pnewdt: &raw mut common.pnewdt,
             rdisp: self.rdisp.as_ptr(),
             drdisp: self.drdisp.as_ptr(),
-            temp: ZEROS.as_ptr(),
-            dtemp: ZEROS.as_ptr(),
-            predef: ZEROS.as_ptr(),
-            dpred: ZEROS.as_ptr(),
+            temp: common.fields.temperature.as_ptr(),
+            dtemp: common.fields.temperature_increment.as_ptr(),
+            predef: common.predef()[0].as_ptr(),
+            dpred: common.predef()[1].as_ptr(),
             time: self.time.as_ptr(),
             dtime: &raw const self.dtime,
             freqr: ZEROS.as_ptr(),
@@ -288,7 +345,7 @@ impl UinterCall {
             node: &raw const self.node,
             ndir: &raw const common.directions,
             nstatv: common.statev.count(),
-            npred: &raw const ONE,
+            npred: &raw const common.fields.count,
             nprops: common.props.count(),
             mcrd: &raw const COORDINATES,
             kstep,
@@ -361,7 +418,7 @@ impl FricCall {
         Ok(Self {
             function: library.fric(symbol)?,
             common: ContactArrays::new(library, symbol, name, directions, nstatv, props, ["TAU", "DDTDDG"]),
-            lm: 1,
+            lm: Self::STICKING,
             dgam: [0.0; 2],
             slip: [0.0; 2],
             dslip: [0.0; 2],
@@ -376,6 +433,22 @@ impl FricCall {
             counters: [1; 2],
             node: 1,
         })
+    }
+
+    /// LM at the first call of an increment for a point that was open in the one before.
+    pub const OPEN: i32 = 2;
+    /// LM at the first call of an increment for a point that stuck in the one before, or of the analysis.
+    pub const STICKING: i32 = 1;
+
+    /// LM at the first call of the next increment, if the point that was called last stays closed: it stuck, also
+    /// elastically (without DSLIP), or it slipped. ABAQUS goes by what the point did in the increment before; a law that
+    /// returns LM = 2 has slipped without friction, which is not open.
+    pub fn next_lm(&self) -> i32 {
+        let sticks = match self.lm {
+            0 => self.dslip == [0.0; 2],
+            other => other == Self::STICKING,
+        };
+        i32::from(sticks)
     }
 
     /// Calls the plugin; DDTDDG is zeroed before.
@@ -461,11 +534,11 @@ impl FricCall {
             coords: self.coords.as_ptr(),
             rcoord: self.rcoord.as_ptr(),
             drot: IDENTITY_2.as_ptr(),
-            temp: ZEROS.as_ptr(),
-            predef: ZEROS.as_ptr(),
+            temp: common.fields.temperature.as_ptr(),
+            predef: common.predef()[0].as_ptr(),
             nfdir: &raw const common.directions,
             mcrd: &raw const COORDINATES,
-            npred: &raw const ONE,
+            npred: &raw const common.fields.count,
             nstatv: common.statev.count(),
             chrlngth: &raw const self.chrlngth,
             props: common.props.as_mut_ptr(),

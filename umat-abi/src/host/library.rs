@@ -148,6 +148,11 @@ impl Library {
         Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, guard, handle })
     }
 
+    /// Whether calls trap invalid operations, because the library is made to be debugged.
+    pub fn traps(&self) -> bool {
+        self.guard.as_ref().is_some_and(Guard::traps)
+    }
+
     /// The file.
     pub fn path(&self) -> &Path {
         &self.path

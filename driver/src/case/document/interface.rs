@@ -33,6 +33,10 @@ pub struct InterfaceCase {
     pub initial: Option<Piece<InterfaceInitial>>,
     /// Arguments of the plugin that the path leaves open; a replay of a recorded call gives them.
     pub arguments: Option<Piece<ContactArguments>>,
+    /// Initial temperature (default 0), the same on both surfaces.
+    pub temperature: Option<Piece<f64>>,
+    /// Initial field variables.
+    pub predef: Option<Piece<Vec<f64>>>,
     /// What is done to the point.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<InterfaceStep>>>,
@@ -97,16 +101,25 @@ pub struct InterfaceRamp {
     pub target: InterfaceTarget,
     /// Ends this step early.
     pub until: Option<Until>,
+    /// Temperature at the end of the step.
+    pub temperature: Option<f64>,
+    /// Field variables at the end of the step.
+    pub predef: Option<Vec<f64>>,
 }
 
 /// A step with one increment per row of a CSV file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct InterfaceTable {
-    /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), and gap (mm) or p (MPa).
+    /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
+    /// and predef1, predef2, … of the case's field variables.
     pub table: String,
     /// Ends this step early.
     pub until: Option<Until>,
+    /// Temperature at the end of the step.
+    pub temperature: Option<f64>,
+    /// Field variables at the end of the step.
+    pub predef: Option<Vec<f64>>,
 }
 
 /// End values of a contact point, or "hold".

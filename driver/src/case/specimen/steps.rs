@@ -5,11 +5,11 @@ use super::super::document::pullout::PulloutStep as StepDocument;
 use super::super::document::{Cycle, PulloutCase};
 use super::super::problem::{Place, hint};
 use super::super::steps::{self, Counted};
-use super::super::{Reader, history};
+use super::super::{Reader, fields as field_values, history};
 use super::boundary::{Boundary, Drives, SLIP};
 use crate::path::program::Until;
 use crate::pullout::COLUMNS;
-use fe_core::model::{FieldValues, Fields, Step, StepControl};
+use fe_core::model::{Fields, Step, StepControl};
 
 /// Default sizes of automatic increments, as fractions of a step.
 const INITIAL: f64 = 1e-3;
@@ -65,17 +65,14 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
 
 /// Temperature and field variables, as far as anything says something of them.
 pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep]) -> Fields {
-    let root = Place::root();
-    let temperature = reader.optional(case.temperature.as_ref(), &root.key("temperature")).copied().unwrap_or_default();
-    let variables = reader.optional(case.predef.as_ref(), &root.key("predef")).cloned().unwrap_or_default();
-    let count = variables.len();
+    let initial = field_values::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let count = initial.variables.len();
     if let Some(wrong) = steps.iter().filter_map(|step| step.predef.as_ref()).find(|end| end.len() != count) {
         let message =
             format!("a step gives {} field variables, but the case has {count} at the start ($.predef)", wrong.len());
-        reader.problem(&root.key("steps"), message);
+        reader.problem(&Place::root().key("steps"), message);
         return Fields::default();
     }
-    let initial = FieldValues { temperature, variables };
     let mut now = initial.clone();
     let end = |step: &ResolvedStep| {
         now.temperature = step.temperature.unwrap_or(now.temperature);

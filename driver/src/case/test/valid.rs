@@ -204,9 +204,12 @@ fn initial_states_temperature_and_field_variables() {
     assert_eq!(point.initial.strain, [1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     assert_eq!(point.initial.stress, Some(Box::new([0.0, -7.0, 0.0, 0.0, 0.0, 0.0])));
     assert_eq!((point.initial.statev.as_deref(), point.initial.time), (Some([8.0, 9.0].as_slice()), 10.0));
-    assert_eq!((point.initial.temperature, point.initial.predef.as_slice()), (20.0, [1.0, 2.0].as_slice()));
     assert_eq!(
-        (point.steps[0].temperature, point.steps[0].predef.as_deref()),
+        (point.initial.fields.temperature, point.initial.fields.variables.as_slice()),
+        (20.0, [1.0, 2.0].as_slice())
+    );
+    assert_eq!(
+        (point.steps[0].fields.temperature, point.steps[0].fields.predef.as_deref()),
         (Some(30.0), Some([3.0, 4.0].as_slice()))
     );
 }

@@ -63,6 +63,9 @@ pub(in crate::command) struct Arguments {
     /// Increments of the case at most.
     #[arg(long, hide = true)]
     longest_path: Option<u64>,
+    /// Time for the group, s.
+    #[arg(long, hide = true)]
+    seconds: Option<f64>,
 }
 
 impl Arguments {
@@ -78,12 +81,20 @@ impl Arguments {
     }
 
     /// The command line of a group of checks, without the program's name.
-    fn command_line(&self, group: Group, rows: &Path, skip: &[usize], longest_path: Option<u64>) -> Vec<OsString> {
+    fn command_line(
+        &self,
+        group: Group,
+        rows: &Path,
+        skip: &[usize],
+        longest_path: Option<u64>,
+        seconds: f64,
+    ) -> Vec<OsString> {
         let group = group.to_possible_value().map(|value| value.get_name().to_owned()).unwrap_or_default();
         let mut line: Vec<OsString> = vec!["plugin".into(), "check".into(), format!("--group={group}").into()];
         line.extend(["--rows".into(), rows.into(), format!("--states={}", self.states).into()]);
         line.extend(skip.iter().map(|state| format!("--skip={state}").into()));
         line.extend(longest_path.map(|count| format!("--longest-path={count}").into()));
+        line.push(format!("--seconds={seconds}").into());
         line.extend(self.case.iter().flat_map(|case| ["--case".into(), case.into()]));
         line.extend(self.overrides().into_iter().map(|entry| format!("--set={entry}").into()));
         line.extend(self.plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]));
@@ -196,6 +207,7 @@ fn here(arguments: &Arguments, library: &Library) -> u8 {
         group: arguments.group,
         skipped: arguments.skip.clone(),
         longest_path: arguments.longest_path,
+        seconds: arguments.seconds,
         ..Options::default()
     };
     let plugins = match plugins(arguments, library, &mut options) {

@@ -4,7 +4,7 @@ use crate::case::Case;
 use crate::output::number::{rounded, signed};
 use crate::path::program::{
     Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
-    NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, Until,
+    NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, StepFields, Until,
 };
 use umat_abi::host::{Law, Manner, TangentSource};
 
@@ -220,8 +220,18 @@ fn point_step(step: &PointStep, columns: &[String]) -> String {
     if let Some(until) = &step.until {
         text.push_str(&format!("; until {}", bound(until, columns)));
     }
-    if let Some(temperature) = step.temperature {
+    text + &fields(&step.fields)
+}
+
+/// Where temperature and field variables go.
+fn fields(fields: &StepFields) -> String {
+    let mut text = String::new();
+    if let Some(temperature) = fields.temperature {
         text.push_str(&format!("; temperature → {}", rounded(temperature)));
+    }
+    if let Some(variables) = fields.predef.as_ref().filter(|variables| !variables.is_empty()) {
+        let values: Vec<String> = variables.iter().map(|value| rounded(*value)).collect();
+        text.push_str(&format!("; field variables → {}", values.join(", ")));
     }
     text
 }
@@ -271,7 +281,7 @@ fn interface_step(step: &InterfaceStep, columns: &[String]) -> String {
     if let Some(until) = &step.until {
         text.push_str(&format!("; until {}", bound(until, columns)));
     }
-    text
+    text + &fields(&step.fields)
 }
 
 fn bound(until: &Until, columns: &[String]) -> String {

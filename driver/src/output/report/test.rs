@@ -103,16 +103,10 @@ fn program() -> Program {
         drive,
         constraints,
         until,
-        temperature: None,
-        predef: None,
+        fields: StepFields::default(),
     };
     let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
-    let table = PointDrive::Table {
-        controls,
-        time_increments: vec![1.0],
-        rows: vec![[0.0; 6]],
-        fields: TableFields::default(),
-    };
+    let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
     Program {
         case_file: PathBuf::from("case.json"),
         title: "t".into(),
@@ -139,8 +133,7 @@ fn program() -> Program {
                 statev: None,
                 time: 0.0,
                 deformation_gradient: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-                temperature: 0.0,
-                predef: vec![],
+                fields: FieldValues::default(),
             },
             steps: std::iter::once(step(
                 ramp,

@@ -10,8 +10,9 @@ use serde_json::{Value, json};
 const STIFFNESS: f64 = 100.0;
 /// Displacements go through text, sums of drives and shape functions.
 const ROUNDING: f64 = 1e-11;
-/// Increments, duration, s, and displacement of the upper block at the end, mm.
-const STEPS: [(usize, f64, [f64; 2]); 2] = [(2, 4.0, [-0.04, -0.01]), (4, 2.0, [-0.12, -0.03])];
+/// Increments, duration, s, displacement of the upper block at the end, mm, temperature and field variables there.
+const STEPS: [(usize, f64, [f64; 2], f64, [f64; 2]); 2] =
+    [(2, 4.0, [-0.04, -0.01], 20.0, [1.0, 2.0]), (4, 2.0, [-0.12, -0.03], 40.0, [5.0, 10.0])];
 /// Thickness of both blocks, mm.
 const THICKNESS: f64 = 2.5;
 const E: f64 = 1000.0;
@@ -46,16 +47,18 @@ fn case(mut contact: Value) -> Value {
     contact["slave"] = json!("above");
     contact["master"] = json!("below");
     contact["width"] = json!("part");
-    let steps = STEPS.map(|(increments, time, displacement)| {
+    let steps = STEPS.map(|(increments, time, displacement, temperature, predef)| {
         let drives = patch.drives(5..=8, |_| displacement);
-        json!({ "slip": 0.001, "drives": drives, "time": time, "increments": increments })
+        let mut step = json!({ "slip": 0.001, "drives": drives, "time": time, "increments": increments });
+        (step["temperature"], step["predef"]) = (json!(temperature), json!(predef));
+        step
     });
     let part = json!({
         "material": { "plugin": "linear_elastic", "props": { "E": E, "nu": 0 } },
         "model": "plane_stress", "thickness": THICKNESS,
     });
     json!({
-        "kind": "pullout", "title": "Two blocks",
+        "kind": "pullout", "title": "Two blocks", "temperature": 10, "predef": [0, 2],
         "mesh": { "file": "blocks.msh" },
         "parts": { "lower": part, "upper": part, "spare": part },
         "contact": [contact],

@@ -10,10 +10,12 @@ fn uinter_at_a_point() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "print.c", &[]) else { return };
     let case = json!({
-        "kind": "interface", "characteristic_length": 2.5,
+        "kind": "interface", "characteristic_length": 2.5, "temperature": 20, "predef": [1, 2],
         "material": { "plugin": library, "props": [100, 6], "nstatv": 1, "cmname": "bond" },
         "initial": { "slip": 0.01, "gap": 0.02, "time": 5 },
-        "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.05, "gap": -0.02 } }],
+        "steps": [{
+            "increments": 2, "time": 4, "target": { "slip": 0.05, "gap": -0.02 }, "temperature": 30, "predef": [3, 6],
+        }],
     });
     let run = run(&desk, "uinter", &case);
     let calls = calls(&run.log(), "UINTER");
@@ -54,9 +56,11 @@ fn fric_at_a_point() {
     let desk = Desk::new();
     let Some(library) = built(&desk, "print.c", &[]) else { return };
     let case = json!({
-        "kind": "interface",
+        "kind": "interface", "temperature": 20, "predef": [1, 2],
         "material": { "plugin": library, "entry": "fric", "props": [100], "nstatv": 1 },
-        "steps": [{ "increments": 2, "time": 4, "target": { "slip": 0.04, "p": 6 } }],
+        "steps": [{
+            "increments": 2, "time": 4, "target": { "slip": 0.04, "p": 6 }, "temperature": 30, "predef": [3, 6],
+        }],
     });
     let run = run(&desk, "fric", &case);
     let calls = calls(&run.log(), "FRIC");
@@ -89,6 +93,44 @@ fn fric_at_a_point() {
         &[FRIC_ALWAYS, expected].concat(),
         &[("ciname", "PRINT"), ("slname", "SLAVE"), ("msname", "MASTER")],
     );
+}
+
+/// LM by what the point did in the increment before: 1 at first, 0 where it slipped, 2 where nothing pressed.
+#[test]
+fn fric_is_told_whether_it_was_open() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    let step = |slip: f64, p: f64| json!({ "increments": 1, "target": { "slip": slip, "p": p } });
+    let case = json!({
+        "kind": "interface",
+        "material": { "plugin": library, "entry": "fric", "props": [100], "nstatv": 1 },
+        "steps": [step(0.01, 5.0), step(0.02, -1.0), step(0.03, 5.0), step(0.03, 6.0), step(0.04, 5.0)],
+    });
+    let calls = calls(&run(&desk, "open", &case).log(), "FRIC");
+    let told: Vec<_> = calls.iter().map(|call| &*call["lm"]).collect();
+    // a step without slip sticks
+    assert_eq!(told, ["1", "0", "2", "0", "1"]);
+}
+
+/// A table's columns, and what is told at the initial place; without field variables there is one of 0 to read.
+#[test]
+fn a_table_has_temperatures_of_a_contact_point() {
+    let desk = Desk::new();
+    let Some(library) = built(&desk, "print.c", &[]) else { return };
+    desk.write("path.csv", "slip,temperature\n0.01,70\n0.02,40\n");
+    let mut case = json!({
+        "kind": "interface", "temperature": 20,
+        "material": { "plugin": library, "props": [100, 6], "nstatv": 1 },
+        "steps": [{ "table": "path.csv" }, { "increments": 1, "target": { "slip": 0.03 } }],
+    });
+    let calls = calls(&run(&desk, "table", &case).log(), "UINTER");
+    let told: Vec<_> = calls.iter().map(|call| [&*call["temp"], &*call["dtemp"]]).collect();
+    assert_eq!(told, [["20,20", "0,0"], ["70,70", "50,50"], ["40,40", "-30,-30"], ["40,40", "0,0"]]);
+    assert!(calls.iter().all(|call| call["npred"] == "1" && call["predef"] == "0,0"));
+    case["steps"][0]["predef"] = json!([1.0]);
+    let refused = desk.case("refused.json", &case);
+    let outcome = desk.pullout(["check", refused.to_str().expect("UTF-8")]).expect(2);
+    assert!(outcome.stderr.contains("$.steps[0].predef: 1 values given"), "{}", outcome.stderr);
 }
 
 /// Two tangential directions: every array that has them.

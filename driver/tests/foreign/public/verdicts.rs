@@ -84,6 +84,8 @@ verdicts! {
 
 #[test]
 fn what_stays_elastic_is_not_tested() {
+    // below the yield surface clay is nonlinear, and comes back
+    untested(&cases::CAM_CLAY, towards(json!({ "e11": -1e-4, "e22": 0.0, "e33": 0.0 })));
     untested(&cases::READ_TABLE, towards(json!({ "e11": 1e-4 })));
     untested(&cases::MAZARS, towards(json!({ "e11": 1e-5 })));
     untested(&cases::HASHIN, towards(json!({ "e11": 0.0, "e22": 1e-4, "g12": 0.0 })));

@@ -5,6 +5,7 @@ use super::points::{Points, States};
 use super::record::Body;
 use super::trust::work_of;
 use crate::kinematics::finite::{Components, rotated};
+use crate::model::FieldValues;
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -99,10 +100,8 @@ pub struct PointCall<'a> {
     pub time_increment: f64,
     /// CELENT, mm.
     pub characteristic_length: f64,
-    /// Temperature at its start and at its end.
-    pub temperature: [f64; 2],
-    /// Field variables at its start and at its end.
-    pub predef: [Vec<f64>; 2],
+    /// Temperature and field variables at its start and at its end.
+    pub fields: [FieldValues; 2],
     /// Whether the UMAT was called with six components; of plane stress the strain 33 is then known.
     pub through_six: bool,
 }
@@ -111,6 +110,11 @@ fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
     let mut sum = SolidEnergies::default();
     parts.into_iter().for_each(|part| sum += part);
     sum
+}
+
+/// Values by their starts and increments.
+fn after(starts: &[f64], increments: &[f64]) -> Vec<f64> {
+    starts.iter().zip(increments).map(|(start, increment)| start + increment).collect()
 }
 
 impl Solids {
@@ -132,10 +136,9 @@ impl Solids {
             time: call.time[1],
             time_increment: call.dtime,
             characteristic_length: call.celent,
-            temperature: [call.temp, call.temp + call.dtemp],
-            predef: [
-                call.predef.clone(),
-                call.predef.iter().zip(&call.dpred).map(|(start, change)| start + change).collect(),
+            fields: [
+                FieldValues { temperature: call.temp, variables: call.predef.clone() },
+                FieldValues { temperature: call.temp + call.dtemp, variables: after(&call.predef, &call.dpred) },
             ],
             through_six: call.is_through_solid(),
         })

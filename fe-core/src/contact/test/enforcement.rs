@@ -39,7 +39,8 @@ fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothi
     }
     for law in [uinter(&[]), hard(5.0, 0.0, &unbonded), uinter(&[("normal_law", 1.0), ("p_0", 2.0), ("g_0", 0.05)])] {
         let scene = above(0.1);
-        let error = Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true).unwrap_err();
+        let error =
+            Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true, &FieldValues::default()).unwrap_err();
         assert!(matches!(error, ContactError::InitialGap { point: 0, .. }), "{error}");
     }
     for law in [uinter(&unbonded), hard(0.0, 0.0, &unbonded)] {
@@ -49,7 +50,7 @@ fn small_initial_gaps_are_subtracted_and_large_ones_only_open_what_carries_nothi
         assert_eq!(contact.counts().open, 6);
         assert!(largest(&forces(&mut contact, &scene.moved(1, |_| [0.0, -0.11]))) > 0.0, "the whole gap closes");
         let scene = above(-0.1);
-        assert!(Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true).is_err());
+        assert!(Contact::new(&scene.mesh, &[scene.pair(law)], &[86.0; 2], true, &FieldValues::default()).is_err());
     }
 }
 
@@ -136,7 +137,7 @@ fn an_enforcement_without_a_penalty_is_refused() {
     let scene = Scene::straight(Q4);
     let condensed = Enforcement::PerturbedLagrangian { ratio: 1e4 };
     let pair = ContactPair { enforcement: condensed, ..scene.pair(uinter(&[("normal_stiffness", 7.0)])) };
-    let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err();
+    let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true, &FieldValues::default()).unwrap_err();
     assert!(matches!(error, ContactError::Enforcement { .. }), "{error}");
 }
 

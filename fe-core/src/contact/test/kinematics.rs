@@ -261,7 +261,7 @@ fn a_master_in_pieces_is_refused() {
     let scene = Scene::straight(Q4);
     let mut pair = scene.pair(uinter(&[]));
     pair.master.remove(1);
-    let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err().to_string();
+    let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true, &FieldValues::default()).unwrap_err().to_string();
     assert_eq!(
         error,
         "contact 'fibre': the master is no single chain of edges: it is in pieces: 1 of 3 edges hang together"

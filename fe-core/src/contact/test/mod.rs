@@ -11,7 +11,9 @@ use crate::assembly::{Blocks, IncrementContext};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
-use crate::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
+use crate::model::{
+    ContactLaw, ContactPair, Enforcement, FieldValues, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width,
+};
 use std::collections::HashMap;
 use umat_abi::law::Request;
 
@@ -87,7 +89,7 @@ impl Scene {
 
     /// A modulus of which the penalty comes out near 200 MPa/mm: with it the geometric terms of a tangent count.
     pub fn contact(&self, pair: ContactPair) -> Contact {
-        Contact::new(&self.mesh, &[pair], &[86.0, 86.0], true).unwrap()
+        Contact::new(&self.mesh, &[pair], &[86.0, 86.0], true, &FieldValues::default()).unwrap()
     }
 
     pub fn freedom_count(&self) -> usize {

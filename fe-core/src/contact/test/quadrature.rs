@@ -87,7 +87,7 @@ fn numbers_of_points_out_of_range_are_refused() {
     let scene = Scene::straight(Q4);
     for quadrature in [Gauss { points: 0 }, Segments { points: 11 }] {
         let pair = ContactPair { quadrature, ..scene.pair(uinter(&[])) };
-        let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true).unwrap_err();
+        let error = Contact::new(&scene.mesh, &[pair], &[1.0, 1.0], true, &FieldValues::default()).unwrap_err();
         assert!(error.to_string().contains("from 1 to 10 are possible"), "{error}");
     }
 }

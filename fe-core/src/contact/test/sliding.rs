@@ -12,8 +12,9 @@ fn a_walk_finds_what_a_full_search_finds() {
     for kind in [Q4, Q8] {
         let scene = Scene::rows(kind, parabola, PlaneModel::PlaneStrain);
         let pair = scene.pair(uinter(&[("mu", 0.2)]));
-        let mut contacts =
-            [true, false].map(|walk| Contact::new(&scene.mesh, std::slice::from_ref(&pair), &[86.0; 2], walk).unwrap());
+        let mut contacts = [true, false].map(|walk| {
+            Contact::new(&scene.mesh, std::slice::from_ref(&pair), &[86.0; 2], walk, &FieldValues::default()).unwrap()
+        });
         for step in 0..60 {
             let displacements = scene.shaken([0.05 * f64::from(step) - 0.5, -0.02], 0.01);
             let [walked, searched] = contacts.each_mut().map(|contact| {
@@ -49,7 +50,8 @@ fn searches_are_counted_only_where_they_happen() {
     let scene = Scene::straight(Q8);
     let mut forces = vec![0.0; scene.freedom_count()];
     for (walk, searches) in [(true, 0), (false, 6)] {
-        let mut contact = Contact::new(&scene.mesh, &[scene.pair(uinter(&[]))], &[86.0; 2], walk).unwrap();
+        let mut contact =
+            Contact::new(&scene.mesh, &[scene.pair(uinter(&[]))], &[86.0; 2], walk, &FieldValues::default()).unwrap();
         let displacements = scene.moved(1, |_| [0.9, -0.01]);
         let (context, mut blocks) = (context(), Blocks::default());
         let request = Request::StressAndTangent;
@@ -327,7 +329,8 @@ fn a_closed_master_is_gone_round_and_round() {
     let scene = Scene { mesh, master, slave };
     let law = uinter(&[("law", 2.0), ("mu", 0.3)]);
     for walk in [true, false] {
-        let mut contact = Contact::new(&scene.mesh, &[scene.pair(law.clone())], &[86.0; 2], walk).unwrap();
+        let mut contact =
+            Contact::new(&scene.mesh, &[scene.pair(law.clone())], &[86.0; 2], walk, &FieldValues::default()).unwrap();
         let mut turned = |angle: f64| {
             let (sine, cosine) = angle.sin_cos();
             let turn = |[x, y]: [f64; 2]| [cosine * x - sine * y - x, sine * x + cosine * y - y];

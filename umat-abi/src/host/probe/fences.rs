@@ -35,7 +35,7 @@ macro_rules! probed {
 
 /// Characters of a name.
 const NAME: usize = 80;
-/// Values of a pair of surfaces: TEMP, or PREDEF with one field variable.
+/// Slave and master: TEMP.
 const SURFACES: usize = 2;
 
 probed!(UmatCall, |call| call.arguments(false), {
@@ -48,7 +48,8 @@ probed!(UinterCall, |call| call.arguments(), {
     stress: call.traction().len(), ddsddr: call.traction().len().pow(2), dviscous: call.traction().len().pow(2),
     dstructural: call.traction().len().pow(2), flux: 2, ddfddt: 4, ddsddt: 2 * call.traction().len(),
     ddfddr: 2 * call.traction().len(), statev: call.statev().len(), rdisp: call.traction().len(),
-    drdisp: call.traction().len(), temp: SURFACES, dtemp: SURFACES, predef: SURFACES, dpred: SURFACES, time: 2,
+    drdisp: call.traction().len(), temp: SURFACES, dtemp: SURFACES, predef: call.predef()[0].len(),
+    dpred: call.predef()[1].len(), time: 2,
     ciname: NAME, slname: NAME, msname: NAME, props: call.props().len(), coords: 3, alocaldir: 9, drot: 4,
 });
 
@@ -56,6 +57,7 @@ probed!(FricCall, |call| call.arguments(), {
     tau: call.traction().len(), ddtddg: call.traction().len().pow(2), ddtddp: call.traction().len(),
     dslip: call.traction().len(), ddtddt: 2 * call.traction().len(), statev: call.statev().len(),
     dgam: call.traction().len(), taulm: call.traction().len(), slip: call.traction().len(), time: 2, ciname: NAME,
-    slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES, predef: SURFACES,
+    slname: NAME, msname: NAME, coords: 3, rcoord: 3, drot: 4, temp: SURFACES,
+    predef: call.predef()[0].len(),
     props: call.props().len(),
 });

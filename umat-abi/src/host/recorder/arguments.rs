@@ -88,6 +88,12 @@ record! {
     rdisp to.put(&call.rdisp[..call.traction().len()]);
     /// DRDISP.
     drdisp to.put(&call.drdisp[..call.traction().len()]);
+    /// TEMP at the end, and DTEMP.
+    temp to.put(&call.temperature());
+    /// Field variables at the end, each at slave and master.
+    predef to.put(call.predef()[0]);
+    /// Their increments.
+    dpred to.put(call.predef()[1]);
     /// Step time and total time at the end.
     time to.put(&call.time);
     /// DTIME.
@@ -127,6 +133,12 @@ record! {
     press to.put(&call.pressure);
     /// SLIP.
     slip to.put(&call.slip[..call.traction().len()]);
+    /// TEMP at the end, and DTEMP.
+    temp to.put(&call.temperature());
+    /// Field variables at the end, each at slave and master.
+    predef to.put(call.predef()[0]);
+    /// Their increments.
+    dpred to.put(call.predef()[1]);
     /// Step time and total time at the end.
     time to.put(&call.time);
     /// DTIME.

@@ -9,7 +9,10 @@ use clap::ValueEnum;
 use serde_json::Value;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
+/// Longest time of all groups, so that a check ends within twenty seconds.
+const TIME_OF_ALL: Duration = Duration::from_secs(19);
 /// Ends of a process that the sample is drawn again for, without what led to it.
 const MOST_ENDS: usize = 16;
 /// The row that every group has.
@@ -39,14 +42,20 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
     }
     let mut tally = Tally { arguments, judged: Vec::new(), bounds: Vec::new() };
     let (mut skip, mut longest_path) = (Vec::new(), None);
-    for group in Group::value_variants() {
+    let start = Instant::now();
+    let groups = Group::value_variants();
+    for (index, group) in groups.iter().enumerate() {
         loop {
+            // the first is what the others rest on
+            let part = 2.0 / (1 + groups.len() - index) as f64;
+            let time_limit = TIME_OF_ALL.saturating_sub(start.elapsed()).mul_f64(part);
             let Ok(mut rows) = tempfile::NamedTempFile::new() else {
                 complain("no temporary file can be made");
                 return BAD_INPUT;
             };
-            let command = arguments.command_line(*group, rows.path(), &skip, longest_path);
-            let end = isolation::supervise(&Job { command: &command, ..Job::default() }, &need);
+            let command = arguments.command_line(*group, rows.path(), &skip, longest_path, time_limit.as_secs_f64());
+            let job = Job { command: &command, time_limit: Some(time_limit), ..Job::default() };
+            let end = isolation::supervise(&job, &need);
             let mut text = String::new();
             let _ = rows.as_file_mut().rewind().and_then(|()| rows.as_file_mut().read_to_string(&mut text));
             let told = tally.read(&text);
@@ -63,6 +72,10 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
                     return BAD_INPUT;
                 }
             };
+            if failure.is_out_of_time {
+                tally.leave(library, *group, &told, &failure, time_limit);
+                break;
+            }
             tally.end(library, *group, &told, &failure);
             let is_first = *group == Group::States;
             match (&told.begun, told.drawn) {
@@ -127,6 +140,14 @@ impl Tally<'_> {
         self.judged.len() - 1
     }
 
+    /// The law that was told last; the library's name stands for one that was not.
+    fn present_law(&mut self, library: &Path) -> usize {
+        match self.judged.len() {
+            0 => self.law(&library.file_stem().unwrap_or_default().to_string_lossy(), library),
+            count => count - 1,
+        }
+    }
+
     fn add(&mut self, law: usize, row: Row) {
         if row.check == BOUNDS {
             let known = self.bounds.iter_mut().find(|(of, other)| *of == law && other.stress_state == row.stress_state);
@@ -156,14 +177,29 @@ impl Tally<'_> {
         self.bounds.retain(|(_, row)| row.verdict == Verdict::Fail);
     }
 
+    /// Tells what a group had no time for.
+    fn leave(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure, time_limit: Duration) {
+        let law = self.present_law(library);
+        let (check, entry) = told.begun.clone().unwrap_or_else(|| ("start".into(), "-".into()));
+        let detail = format!(
+            "not tested: no time left after {:.1} s, in call {} of this check: the plugin's calls take long; left out with \
+             what follows of {}",
+            time_limit.as_secs_f64(),
+            failure.calls_of_check,
+            group.words()
+        );
+        let figure = "out of time".into();
+        self.add(
+            law,
+            Row { check: check.leak(), stress_state: entry.leak(), verdict: Verdict::NotTested, figure, detail },
+        );
+    }
+
     /// Tells of a call that did not come back.
     fn end(&mut self, library: &Path, group: Group, told: &Told, failure: &Failure) {
         let message = &failure.report.message;
         complain(format!("{}: {message}", library.display()));
-        let law = match self.judged.len() {
-            0 => self.law(&library.file_stem().unwrap_or_default().to_string_lossy(), library),
-            count => count - 1,
-        };
+        let law = self.present_law(library);
         let (check, entry) = told.begun.clone().unwrap_or_else(|| ("loading".into(), "-".into()));
         let mut detail = match told.drawn {
             Some((state, true)) => format!("a long step away from the case's path, state {state}: {message}"),
