@@ -191,3 +191,41 @@ fn what_cannot_go_on_is_refused() {
     let outcome = desk.pullout(words).expect(2);
     assert!(outcome.stderr.contains("rows from before the checkpoint are missing"), "{}", outcome.stderr);
 }
+
+/// `fields.pvd` and the files behind the last checkpoint are made again; a file from before it must be as it was.
+#[test]
+fn written_fields_are_those_of_the_run_that_goes_on() {
+    let desk = Desk::new();
+    let case = cases().join("chapter-6").join("6.14-plane.json");
+    let case = case.to_string_lossy();
+    let coarse = ["run", "--quiet", &case, "--set", "mesh.specimen.embedded_elements=6", "--set", "steps.0.slip=0.02"];
+    let coarse = coarse.into_iter().chain(["--set", "output={\"plots\": false, \"vtu\": 3}"]);
+    let run = |more: &[&str], code: i32| desk.pullout(coarse.clone().chain(more.iter().copied())).expect(code);
+    run(&["--out", "out", "--checkpoint-every", "8"], 0);
+    let whole = files(&desk.path("out"));
+    let list = String::from_utf8(whole["fields.pvd"].clone()).expect("text");
+    assert!(list.matches("<DataSet").count() > 8, "{list}");
+    let late = list.matches("<DataSet").count() / 2 - 1;
+    let names = ["fields.pvd", &format!("fields/{late:06}.vtu"), "fields/000000.vtu"];
+    let [pvd, late, first] = names.map(|name| desk.path("out").join(name));
+    for gone in [&pvd, &late] {
+        fs::remove_file(gone).expect("it was written");
+    }
+    run(&["--restart", "out"], 0);
+    assert!(files(&desk.path("out")) == whole);
+    let content = fs::read(&first).expect("a field");
+    let mut changed = content.clone();
+    *changed.last_mut().expect("a byte") ^= 1;
+    fs::write(&first, &changed).expect("a field");
+    let stderr = run(&["--restart", "out"], 2).stderr;
+    assert!(stderr.contains("fields/000000.vtu: is missing or was changed since the checkpoint"), "{stderr}");
+    fs::remove_file(&first).expect("a field");
+    assert!(run(&["--restart", "out"], 2).stderr.contains("fields/000000.vtu: is missing"));
+    fs::write(&first, &content).expect("a field");
+    run(&["--restart", "out"], 0);
+    // the checkpoint is no file
+    fs::remove_file(desk.path("out/checkpoint.bin")).expect("a checkpoint");
+    let made = std::process::Command::new("mkfifo").arg(desk.path("out/checkpoint.bin")).status();
+    assert!(made.expect("mkfifo").success());
+    assert!(run(&["--restart", "out"], 2).stderr.contains("checkpoint.bin: it is a pipe or a device"));
+}

@@ -491,3 +491,31 @@ fn pictures_and_comparison_of_a_long_history_need_little_memory() {
     assert!((summary["compare"][0]["rms"].as_f64().expect("a number") - rms.sqrt()).abs() < 1e-9);
     assert!(desk.path("out/plots/stress_strain.svg").exists());
 }
+
+/// A file system of one megabyte, where the tests may mount one.
+#[test]
+fn a_full_file_system_fails_the_run_at_its_step_and_leaves_whole_rows() {
+    let desk = Desk::new();
+    let steps = json!([ { "increments": 1_000_000, "target": { "e11": 0.001 } } ]);
+    desk.case("case.json", &point(elastic(), steps));
+    std::fs::create_dir(desk.path("small")).expect("a folder");
+    let program = env!("CARGO_BIN_EXE_pullout");
+    // what is in a namespace's file system is seen only there
+    let script = format!(
+        "mount -t tmpfs -o size=1m none small || exit 99; {program} run --out small/out case.json; code=$?; \
+         cp -r small/out copy; ls -a small/out; exit $code"
+    );
+    let mut unshare = std::process::Command::new("unshare");
+    unshare.args(["--mount", "--map-root-user", "sh", "-c", &script]).current_dir(desk.path(""));
+    let Ok(output) = unshare.env_remove("PULLOUT_PLUGIN_PATH").stdin(std::process::Stdio::null()).output() else {
+        return eprintln!("no unshare: not tested");
+    };
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    if output.status.code() == Some(99) || stderr.contains("unshare") {
+        return eprintln!("no file system may be mounted here: not tested");
+    }
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("step 1, increment ") && stderr.contains("No space left"), "{stderr}");
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("partial"));
+    assert!(Table::read(&desk.path("copy/history.csv")).rows.len() > 1000);
+}

@@ -330,7 +330,7 @@ fn run_case(
     checkpoints: &Checkpoints,
     telling: Telling,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    let kept = checkpoints.from.as_deref().and_then(Kept::of);
+    let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
     let folder = directory.path().to_owned();
     case.announce();

@@ -86,6 +86,14 @@ pub struct Statistics {
     pub cutbacks: u64,
 }
 
+impl Statistics {
+    /// Whether a run can count on from there.
+    pub fn counts_on(&self) -> bool {
+        let Self { increments, iterations, plugin_calls, cutbacks } = *self;
+        [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < 1 << 60)
+    }
+}
+
 /// Why a run ended early.
 #[derive(Debug)]
 pub enum Stop {

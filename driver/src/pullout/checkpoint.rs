@@ -85,6 +85,10 @@ impl Checkpoints {
             return Err(named("made by another case, or with other plugins: a run goes on with what it began with"));
         }
         let saved: Box<Saved> = postcard::from_bytes(state).map_err(|_| damaged())?;
+        // The hash is no signature: whoever can write the file can write that as well.
+        if !(saved.analysis.fits(&program.model) && saved.recorder.fits(program)) {
+            return Err(damaged());
+        }
         if let Some(file) = saved.recorder.fields.as_ref().and_then(|fields| fields.changed(folder)) {
             let file = folder.join(file);
             return Err(format!(

@@ -52,22 +52,36 @@ struct KeptFields {
     activities: Vec<Activity>,
 }
 
+impl KeptFields {
+    fn on(self, mesh: &Mesh) -> Fields<'_> {
+        Fields {
+            mesh,
+            displacements: Cow::Owned(self.displacements),
+            time: self.time,
+            reactions: self.reactions,
+            stresses: self.stresses,
+            strains: self.strains,
+            states: self.states,
+            state_names: self.state_names,
+            pairs: self.pairs,
+            contact: self.contact,
+            activities: self.activities,
+        }
+    }
+}
+
+impl KeptPeak {
+    /// Whether a run on this mesh can have come to it.
+    pub fn fits(&self, mesh: &Mesh) -> bool {
+        self.peak.is_none_or(|peak| [peak.load, peak.slip, peak.time].into_iter().all(f64::is_finite))
+            && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
+    }
+}
+
 impl<'p> PeakKeeper<'p> {
     /// Goes on from a peak so far.
     pub fn resumed(mesh: Option<&'p Mesh>, kept: KeptPeak) -> Self {
-        let fields = mesh.zip(kept.fields).map(|(mesh, kept)| Fields {
-            mesh,
-            displacements: Cow::Owned(kept.displacements),
-            time: kept.time,
-            reactions: kept.reactions,
-            stresses: kept.stresses,
-            strains: kept.strains,
-            states: kept.states,
-            state_names: kept.state_names,
-            pairs: kept.pairs,
-            contact: kept.contact,
-            activities: kept.activities,
-        });
+        let fields = mesh.zip(kept.fields).map(|(mesh, fields)| fields.on(mesh));
         Self { mesh, peak: kept.peak, fields }
     }
 

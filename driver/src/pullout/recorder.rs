@@ -187,6 +187,20 @@ pub(super) struct RecorderState {
     step_start: f64,
 }
 
+impl RecorderState {
+    /// Whether a run of this program can have come to it.
+    pub(super) fn fits(&self, program: &Program) -> bool {
+        let Self { fields, peak, present: _, energies, so_far, energy_error, step_start } = self;
+        fields.is_some() == program.output.fields_every.is_some()
+            && fields.as_ref().is_none_or(WrittenFields::is_sound)
+            && peak.fits(&program.model.mesh)
+            && energies.is_finite()
+            && so_far.counts_on()
+            && energy_error.is_finite()
+            && step_start.is_finite()
+    }
+}
+
 /// The last row, and whether it was written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Present {

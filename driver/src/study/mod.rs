@@ -24,6 +24,7 @@ pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
 
+use std::collections::BTreeSet;
 use std::path::PathBuf;
 
 /// A study that was read.
@@ -53,6 +54,18 @@ pub struct Study {
     pub overlays: Vec<Columns>,
     /// What is tested.
     pub claims: Vec<Claim>,
+}
+
+impl Study {
+    /// The history columns that it looks at.
+    pub fn columns(&self) -> BTreeSet<&str> {
+        let pairs = std::iter::once(&self.curve).chain(&self.overlays).flat_map(|pair| [&pair.x, &pair.y]);
+        let of_claims = self.claims.iter().filter_map(|claim| match &claim.quantity {
+            Quantity::Named(_) => None,
+            Quantity::Column { column, over, .. } => Some(std::iter::once(column).chain(over)),
+        });
+        pairs.chain(of_claims.flatten()).map(String::as_str).collect()
+    }
 }
 
 /// What is varied.

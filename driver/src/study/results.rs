@@ -11,7 +11,7 @@
 use super::document::{NamedPlace, NamedQuantity, Where};
 use super::execution::{State, is_refused};
 use super::{Columns, Quantity, Run, Study};
-use crate::output::history::History;
+use crate::output::history::{History, HistoryFile};
 use crate::output::summary::{Status, Summary};
 use std::path::Path;
 
@@ -36,7 +36,7 @@ pub struct RunResult {
     pub message: Option<String>,
     /// Whether the results were there before.
     pub is_kept: bool,
-    /// All that was written of it.
+    /// What was written of it, as far as the study looks at it.
     pub history: History,
     /// Its summary, if it came so far.
     pub summary: Option<Summary>,
@@ -83,7 +83,9 @@ impl RunResult {
             let message = Some("it was not run; output.txt has the reason".into());
             return Self { status: Some(Status::Failed), message, ..Self::default() };
         }
-        let history = History::read(&folder.join("history.csv")).unwrap_or_default();
+        let history = HistoryFile::open(&folder.join("history.csv"));
+        let history =
+            history.and_then(|history| history.read_columns(&Vec::from_iter(study.columns()))).unwrap_or_default();
         let summary = Summary::read(&folder.join("summary.json")).ok();
         let mut result = Self {
             // without a summary it did not come to an end of its own

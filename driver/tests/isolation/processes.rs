@@ -198,3 +198,38 @@ fn no_worker_outlives_its_supervisor() {
         assert!(Table::read(&history).rows.len() > 300);
     }
 }
+
+/// The first Ctrl-C asks a run to end with its increment; one that hangs in a call ends at the second, with its worker.
+#[test]
+fn a_second_signal_ends_a_run_that_hangs() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "misbehaving") {
+        return;
+    }
+    desk.case("case.json", &point(material("misbehaving", Fault::EndlessLoop as u32)));
+    let mut process = command();
+    process.current_dir(desk.path("")).args(["run", "--quiet", "--out", "out", "case.json"]);
+    let mut child = process.spawn().expect("the program starts");
+    // a header and the seven states before the call that does not return
+    let history = desk.path("out/history.csv");
+    let deadline = Instant::now() + Duration::from_secs(60);
+    while std::fs::read_to_string(&history).unwrap_or_default().lines().count() < 9 {
+        assert!(Instant::now() < deadline && child.try_wait().expect("a child").is_none(), "no rows");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let tasks = std::fs::read_dir(format!("/proc/{}/task", child.id())).expect("threads");
+    let children = tasks.flatten().filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    let worker: u32 = children.collect::<String>().trim().parse().expect("one worker");
+    // SIGINT may be ignored by what started the tests
+    let terminate = || Command::new("kill").args(["-TERM", &child.id().to_string()]).status().expect("kill");
+    assert!(terminate().success());
+    std::thread::sleep(Duration::from_millis(200));
+    assert!(Path::new(&format!("/proc/{worker}")).exists(), "the first signal is passed on, and waits for the call");
+    assert!(terminate().success());
+    assert_eq!(child.wait().expect("an end").code(), Some(143));
+    while std::fs::read_to_string(format!("/proc/{worker}/stat")).is_ok_and(|stat| !stat.contains(") Z ")) {
+        assert!(Instant::now() < deadline, "the worker lives on");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    assert_eq!(Table::read(&history).rows.len(), 8);
+}

@@ -86,6 +86,20 @@ impl PointState {
         }
     }
 
+    /// Whether all are numbers, and the foot is on a master of a size that there is.
+    fn is_sound(&self) -> bool {
+        /// Edges of all rounds about a closed master.
+        const MOST_EDGES: u64 = 1 << 40;
+        let Self { foot, gap, slip, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
+        let Self {
+            inelastic_slip, plugin_energies, normal_energy, work, leaning, dissipated, opening, released, ..
+        } = *self;
+        let place = [foot.coordinate, gap, slip, lean, largest_slip, weight, pressure, shear, normal.multiplier];
+        let sums = [normal.opening, inelastic_slip, normal_energy, work, leaning, dissipated, opening, released];
+        let mut numbers = place.into_iter().chain(sums).chain(plugin_energies);
+        numbers.all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
+    }
+
     /// Books the energies of an increment that led here from `start`, by trapezoids; `area` mm².
     pub fn book(&mut self, start: &Self, area: f64) {
         let penetration = start.gap - self.gap;
@@ -122,9 +136,11 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Whether it is of as many points with as many states.
+    /// Whether another one is of as many points with as many states, and what the host computes with are numbers.
     pub fn fits(&self, other: &Self) -> bool {
-        self.points.len() == other.points.len() && self.statev.len() == other.statev.len()
+        self.points.len() == other.points.len()
+            && self.statev.len() == other.statev.len()
+            && other.points.iter().all(PointState::is_sound)
     }
 
     /// Takes another one's numbers without allocating.

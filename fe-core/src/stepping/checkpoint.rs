@@ -5,12 +5,15 @@
 //! checkpoint, as the run does that is restarted from it. So both compute the same to the last bit.
 
 use super::control::StepRun;
-use super::newton::{Equilibrium, EquilibriumState};
+use super::newton::{Equilibrium, EquilibriumState, foreign_state};
 use super::{Analysis, ModelError, Present, RunError, clock};
 use crate::assembly::{IncrementContext, Place, Trouble};
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
+
+/// No run counts so far: with more, counters could overflow.
+pub(super) const MOST_COUNTED: u64 = 1 << 31;
 
 /// What the rest of a run depends on, at the end of an increment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -36,6 +39,18 @@ impl Checkpoint {
     pub fn place(&self) -> [u32; 2] {
         [self.position.step, self.position.increment]
     }
+
+    /// Whether a run of this model can have come to it, as far as the model alone tells: its step, the lengths of arrays,
+    /// and that all are numbers. What solids and contact remember, [`Analysis::resume`] compares with theirs.
+    pub fn fits(&self, model: &Model) -> bool {
+        let Position { step, ref run, increment, step_time } = self.position;
+        let of_model = (step as usize).checked_sub(1).and_then(|index| model.steps.get(index));
+        of_model.is_some_and(|of_model| run.fits(of_model, model))
+            && u64::from(increment) < MOST_COUNTED
+            && step_time.is_finite()
+            && self.present.fits(model)
+            && self.equilibrium.is_finite()
+    }
 }
 
 impl<'m> Analysis<'m> {
@@ -51,11 +66,8 @@ impl<'m> Analysis<'m> {
     /// Those of [`Self::new`], and a checkpoint of another model.
     pub fn resume(model: &'m Model, checkpoint: &Checkpoint) -> Result<Self, ModelError> {
         super::error::check(model)?;
-        let fits = (1..=model.steps.len()).contains(&(checkpoint.position.step as usize))
-            && checkpoint.present.committed.drives.len() == model.drives.len()
-            && checkpoint.present.committed.displacements.len() == 2 * model.mesh.nodes().len();
-        if !fits {
-            return Err(ModelError::Inconsistent("the states to go on from are those of another model".into()));
+        if !checkpoint.fits(model) {
+            return Err(foreign_state());
         }
         let Position { step, increment, step_time, .. } = checkpoint.position;
         let context = IncrementContext {

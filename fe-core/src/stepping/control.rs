@@ -10,6 +10,7 @@
 //! Until the load has peaked no contact point's slip may grow by more than the law's elastic limit or half of its
 //! largest slip so far in one increment, and the peak itself is bisected, so that neither depends on the sizes asked for.
 
+use super::checkpoint::MOST_COUNTED;
 use super::newton::{Committed, Converged, Leader, Target};
 use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::{Place, Trouble};
@@ -115,6 +116,12 @@ pub(super) struct LoadHistory {
     pub(super) peaked: bool,
 }
 
+impl LoadHistory {
+    pub(super) fn is_finite(&self) -> bool {
+        [self.greatest, self.last, self.noise].into_iter().all(f64::is_finite)
+    }
+}
+
 /// What an increment that converged is judged by.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Findings {
@@ -203,6 +210,50 @@ impl StepRun {
             stabilised: model.controls.relaxation_time > 0.0,
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
         }
+    }
+
+    /// Whether a run of this step of a model can have come to it.
+    pub(super) fn fits(&self, step: &Step, model: &Model) -> bool {
+        let Self {
+            start,
+            end,
+            duration,
+            progress,
+            size,
+            lead,
+            attempted,
+            failures,
+            last_progress,
+            usual_progress,
+            usual_slip,
+            usual_dissipation,
+            helped: _,
+            jumps_refused,
+            energy_refused,
+            largest_slip,
+            follows_slip,
+            stabilised,
+            locates_peak,
+        } = self;
+        let numbers = [progress, attempted, last_progress, usual_progress, usual_slip, usual_dissipation, largest_slip];
+        let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
+        if start.len() != model.drives.len() || !are_finite(start) || !are_finite(&numbers.map(|number| *number)) {
+            return false;
+        }
+        let is_led = match lead {
+            Lead::Drives => true,
+            Lead::Other(Led { increment, first, advances, .. }) => {
+                *first > 0.0 && are_finite(&[*increment, *first]) && u64::from(*advances) < MOST_COUNTED
+            }
+        };
+        let begun = Self::new(step, start, model);
+        let counts = [failures, jumps_refused, energy_refused];
+        is_led
+            && *progress < 1.0
+            && counts.into_iter().all(|&count| u64::from(count) < MOST_COUNTED)
+            && size.may_follow(&begun.size)
+            && (end, duration, follows_slip) == (&begun.end, &begun.duration, &begun.follows_slip)
+            && (stabilised, locates_peak) == (&begun.stabilised, &begun.locates_peak)
     }
 
     pub(super) fn is_done(&self) -> bool {

@@ -42,6 +42,13 @@ impl Energies {
             - (self.interface + self.opening + self.stabilisation)
     }
 
+    /// Whether all are numbers.
+    pub fn is_finite(&self) -> bool {
+        let Self { external_work, elastic, plastic, damage, unaccounted, interface, opening, stabilisation } = *self;
+        let all = [external_work, elastic, plastic, damage, unaccounted, interface, opening, stabilisation];
+        all.into_iter().all(f64::is_finite)
+    }
+
     /// What was added since a datum.
     pub(super) fn since(&self, datum: &Self) -> Self {
         Self {

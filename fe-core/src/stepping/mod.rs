@@ -69,6 +69,34 @@ struct Present {
     greatest_work: f64,
 }
 
+impl Present {
+    /// Whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
+    fn fits(&self, model: &Model) -> bool {
+        let Self { committed, energies, datum, datum_accounts, statistics, total_time, load, greatest_work } = self;
+        let Statistics {
+            increments,
+            iterations,
+            cutbacks,
+            settlements,
+            expansions,
+            evaluations,
+            factorisations,
+            block_factorisations,
+            solutions,
+        } = *statistics;
+        let counts = [increments, iterations, cutbacks, settlements, expansions, evaluations, factorisations];
+        let counts_on = counts.into_iter().chain([block_factorisations, solutions]).all(|count| count < 1 << 60);
+        counts_on
+            && committed.fits(model)
+            && [energies, datum].into_iter().all(Energies::is_finite)
+            && datum_accounts.len() == model.mesh.parts().len()
+            && datum_accounts.iter().all(PartAccount::is_finite)
+            && load.is_finite()
+            && total_time.is_finite()
+            && greatest_work.is_finite()
+    }
+}
+
 /// A model that is being computed.
 pub struct Analysis<'m> {
     model: &'m Model,

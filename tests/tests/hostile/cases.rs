@@ -1,13 +1,11 @@
 //! The shipped cases with keys left out, given twice, of another type or order, with numbers at the ends of their scales,
 //! with texts and arrays of all sorts, and with damaged bytes.
 
-use crate::process::{inventory, outcome, pullout};
-use crate::suite::{Form, Tally, each};
-use end_to_end_tests::fuzz::{WILD_WORDS, damage, damaged};
+use crate::process::{self, inventory, outcome, pullout};
+use crate::suite::{Form, Tally, any_damage, each};
+use end_to_end_tests::fuzz::{WILD_WORDS, damaged};
 use end_to_end_tests::workspace;
 use fastrand::Rng;
-use proptest::strategy::{Strategy, ValueTree};
-use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use serde_json::{Map, Value, json};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -23,7 +21,7 @@ const TWICE: &str = "@twice@";
 
 pub fn run(form: &Form) -> Tally {
     let desk = tempfile::tempdir().expect("a temporary folder");
-    copy(&workspace("cases"), &desk.path().join("cases"));
+    process::copy(&workspace("cases"), &desk.path().join("cases"));
     let mut files = Vec::new();
     collect(&desk.path().join("cases"), &mut files);
     files.sort();
@@ -74,14 +72,6 @@ fn judge(hostile: &Path, desk: &Path, number: u64) -> Result<(), String> {
     }
 }
 
-fn copy(from: &Path, to: &Path) {
-    fs::create_dir_all(to).expect("a folder");
-    for entry in fs::read_dir(from).expect("a folder").flatten() {
-        let (from, to) = (entry.path(), to.join(entry.file_name()));
-        if from.is_dir() { copy(&from, &to) } else { fs::copy(&from, &to).map(drop).expect("a file") }
-    }
-}
-
 fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     for path in fs::read_dir(folder).expect("a folder").flatten().map(|entry| entry.path()) {
         if path.is_dir() {
@@ -104,12 +94,6 @@ fn mutated(case: &[u8], number: u64, random: &mut Rng) -> Vec<u8> {
     let text = document.to_string();
     let text = text.replace(&format!("\"{RAW}"), "").replace(&format!("{RAW}\""), "").replace(TWICE, "");
     text.into_bytes()
-}
-
-fn any_damage(number: u64) -> Vec<end_to_end_tests::fuzz::Damage> {
-    let seed: [u8; 32] = std::array::from_fn(|k| number.to_le_bytes()[k % 8]);
-    let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
-    damage().new_tree(&mut runner).expect("it refuses nothing").current()
 }
 
 /// Changes one place of a document.

@@ -13,7 +13,11 @@
 //! The test program is `pullout` itself when it is called by that name, so that workers that it starts are it as well.
 
 mod cases;
+mod checkpoints;
+mod kills;
+mod meshes;
 mod process;
+mod specimen;
 mod suite;
 
 use std::process::ExitCode;
@@ -22,7 +26,8 @@ use suite::{Form, Tally};
 /// A kind of hostile input.
 type Module = (&'static str, fn(&Form) -> Tally);
 
-const MODULES: [Module; 1] = [("cases", cases::run)];
+const MODULES: [Module; 4] =
+    [("cases", cases::run), ("meshes", meshes::run), ("checkpoints", checkpoints::run), ("kills", kills::run)];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os();

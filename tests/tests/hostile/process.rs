@@ -7,11 +7,14 @@ use std::io::{Read, Seek};
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use wait_timeout::ChildExt;
 
 /// The name by which the test program is `pullout`.
 pub const NAME: &str = "pullout";
+/// Of results.
+pub const HISTORY: &str = "history.csv";
+pub const CHECKPOINT: &str = "checkpoint.bin";
 /// A run that is longer is asked to end.
 const PATIENCE: Duration = Duration::from_secs(20);
 /// One that does not end then hangs.
@@ -122,14 +125,11 @@ pub fn inventory(folder: &Path, left_out: &Path) -> Vec<(PathBuf, u64, std::time
     files
 }
 
-/// Waits until something is so, as long as a child lives; whether it is.
-pub fn until(child: &mut Child, is_so: impl Fn() -> bool) -> bool {
-    let start = Instant::now();
-    while !is_so() {
-        if start.elapsed() > PATIENCE || child.try_wait().is_ok_and(|status| status.is_some()) {
-            return is_so();
-        }
-        std::thread::sleep(Duration::from_millis(1));
+/// Copies a folder.
+pub fn copy(from: &Path, to: &Path) {
+    std::fs::create_dir_all(to).expect("a folder");
+    for entry in std::fs::read_dir(from).expect("a folder").flatten() {
+        let (from, to) = (entry.path(), to.join(entry.file_name()));
+        if from.is_dir() { copy(&from, &to) } else { std::fs::copy(&from, &to).map(drop).expect("a file") }
     }
-    true
 }

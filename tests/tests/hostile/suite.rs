@@ -1,5 +1,8 @@
 //! Many attempts, by number, on all processors.
 
+use end_to_end_tests::fuzz::{Damage, damage};
+use proptest::strategy::{Strategy, ValueTree};
+use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::any::Any;
 use std::cell::RefCell;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -77,6 +80,13 @@ pub fn each(numbers: &[u64], attempt: impl Fn(u64, &mut fastrand::Rng) -> Result
     let mut broken = broken.into_inner().expect("no panic holds it");
     broken.sort();
     Tally { tried: numbers.len(), broken: broken.into_iter().map(|(k, reason)| format!("{k}: {reason}")).collect() }
+}
+
+/// Changes of the bytes of a file.
+pub fn any_damage(number: u64) -> Vec<Damage> {
+    let seed: [u8; 32] = std::array::from_fn(|k| number.to_le_bytes()[k % 8]);
+    let mut runner = TestRunner::new_with_rng(Config::default(), TestRng::from_seed(RngAlgorithm::ChaCha, &seed));
+    damage().new_tree(&mut runner).expect("it refuses nothing").current()
 }
 
 thread_local! {

@@ -4,7 +4,7 @@ use super::record::Kept;
 use crate::case::Case;
 use crate::output::history::digest_of;
 use crate::pullout::Program;
-use crate::pullout::checkpoint::Checkpoints;
+use crate::pullout::checkpoint::{self, Checkpoints};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -60,8 +60,10 @@ impl Interruption {
             None => Checkpoints::new(program, self.checkpoint_every).map_err(|error| error.to_string()),
             Some(folder) => {
                 let checkpoints = Checkpoints::restart(program, folder, self.checkpoint_every)?;
-                let kept = checkpoints.from.as_deref().and_then(Kept::of);
-                let Kept { history_bytes: bytes, history_sha256, .. } = kept.ok_or("the checkpoint is damaged")?;
+                let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
+                let Kept { history_bytes: bytes, history_sha256, .. } = kept.ok_or_else(|| {
+                    format!("{}: this is no checkpoint, or it is damaged", folder.join(checkpoint::FILE).display())
+                })?;
                 let history = folder.join("history.csv");
                 match fs::metadata(&history) {
                     Ok(file) if file.len() >= bytes => match digest_of(&history, bytes) {

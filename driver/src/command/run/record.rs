@@ -45,9 +45,12 @@ pub(super) struct Kept {
 }
 
 impl Kept {
-    /// Of a checkpoint; `None`: it holds none.
-    pub(super) fn of(saved: &Saved) -> Option<Self> {
-        postcard::from_bytes(&saved.observer).ok()
+    /// Of a checkpoint of a run with these columns; `None`: it holds none.
+    pub(super) fn of(saved: &Saved, columns: &[String]) -> Option<Self> {
+        let kept: Self = postcard::from_bytes(&saved.observer).ok()?;
+        let Self { peaks, done, times_s, .. } = &kept;
+        let is_sound = peaks.fits(columns) && *done < 1 << 60 && times_s.iter().all(|time| (0.0..1e12).contains(time));
+        is_sound.then_some(kept)
     }
 }
 

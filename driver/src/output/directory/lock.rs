@@ -2,11 +2,11 @@
 
 use super::{Refusal, at};
 use crate::input::{self, Input};
-use rustix::fs::{FlockOperation, flock};
+use rustix::fs::{FlockOperation, OFlags, flock};
 use rustix::io::Errno;
 use std::fs::{self, File};
 use std::io::{self, Write};
-use std::os::unix::fs::MetadataExt;
+use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
 
 /// The lock's file in a directory.
@@ -29,8 +29,11 @@ impl Lock {
     pub(super) fn take(directory: &Path) -> Result<(Self, Option<String>), Refusal> {
         let path = directory.join(FILE);
         loop {
-            let mut file =
-                File::options().read(true).write(true).create(true).truncate(false).open(&path).map_err(at(&path))?;
+            let mut options = File::options();
+            options.read(true).write(true).create(true).truncate(false);
+            // the file is emptied: not one that a link leads to
+            options.custom_flags((OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed());
+            let mut file = options.open(&path).map_err(at(&path))?;
             let note = match flock(&file, FlockOperation::NonBlockingLockExclusive) {
                 Ok(()) => None,
                 Err(Errno::WOULDBLOCK) => return Err(taken(directory, &text(&path))),

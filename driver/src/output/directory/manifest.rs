@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::collections::{BTreeMap, BTreeSet};
 use std::os::unix::fs::MetadataExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Files beyond this size are known by size and time alone: to hash them would take as long as to write them.
 const MOST_HASHED: u64 = 64 << 20;
@@ -69,7 +69,12 @@ impl Manifest {
     pub(super) fn read(directory: &Path, kind: Kind) -> io::Result<Option<Self>> {
         let path = directory.join(MANIFEST);
         match input::read(&path, Input::Result) {
-            Ok(text) => serde_json::from_slice(&text).map(Some).map_err(|_| super::super::malformed(&path, "not ours")),
+            Ok(text) => {
+                let manifest: Option<Self> = serde_json::from_slice(&text).ok();
+                // whoever can write into the folder can write a manifest: what it names lies in the folder
+                let ours = manifest.filter(|manifest| manifest.names().all(names::lies_within));
+                ours.map(Some).ok_or_else(|| super::super::malformed(&path, "not ours"))
+            }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
                 let files = kind.of_older_version(directory);
                 let mut manifest = Self::new(kind);
@@ -83,6 +88,22 @@ impl Manifest {
     pub(super) fn write(&self, directory: &Path) -> io::Result<()> {
         let path = directory.join(MANIFEST);
         write_whole(&path, format!("{}\n", serde_json::to_string_pretty(self)?).as_bytes())
+    }
+
+    /// Everything that it names: files, and folders of earlier results with theirs.
+    fn names(&self) -> impl Iterator<Item = &str> {
+        let earlier = self.earlier.iter().flat_map(|(folder, files)| std::iter::once(folder).chain(files));
+        self.files.keys().chain(earlier).map(String::as_str)
+    }
+
+    /// Folders that files of results lie in, but for the directory itself.
+    pub(super) fn folders(&self) -> BTreeSet<PathBuf> {
+        let mut folders = BTreeSet::from(["fields", "plots"].map(PathBuf::from));
+        for name in self.files.keys().chain(&self.aside()) {
+            folders.extend(Path::new(name).ancestors().skip(1).map(Path::to_owned));
+        }
+        folders.remove(Path::new(""));
+        folders
     }
 
     /// Whether it lists nothing.

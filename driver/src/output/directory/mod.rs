@@ -16,8 +16,8 @@
 
 use super::at;
 use manifest::Manifest;
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, Write};
 use std::os::unix::fs::MetadataExt;
 use std::path::{Path, PathBuf};
 
@@ -99,6 +99,7 @@ impl ResultDirectory {
             directory.notes.extend(note);
         }
         directory.survey(access)?;
+        directory.refuse_links().map_err(|error| Refusal::Content(error.to_string()))?;
         Ok(directory)
     }
 
@@ -127,7 +128,9 @@ impl ResultDirectory {
     pub fn join(path: &Path, kind: Kind) -> io::Result<Self> {
         let manifest = Manifest::read(path, kind)?.unwrap_or_else(|| Manifest::new(kind));
         let (lock, replaced, notes, made) = (None, Vec::new(), Vec::new(), Vec::new());
-        Ok(Self { path: path.to_owned(), kind, manifest, lock, replaced, notes, made })
+        let directory = Self { path: path.to_owned(), kind, manifest, lock, replaced, notes, made };
+        directory.refuse_links()?;
+        Ok(directory)
     }
 
     /// Takes over what another process, which had the directory from this one, noted in it.
@@ -148,6 +151,19 @@ impl ResultDirectory {
     /// What the user should know.
     pub fn notes(&self) -> &[String] {
         &self.notes
+    }
+
+    /// Refuses folders of results that are links: what is replaced and removed there would lie elsewhere.
+    fn refuse_links(&self) -> io::Result<()> {
+        let is_link =
+            |folder: &PathBuf| fs::symlink_metadata(self.path.join(folder)).is_ok_and(|entry| entry.is_symlink());
+        match self.manifest.folders().iter().find(|folder| is_link(folder)) {
+            None => Ok(()),
+            Some(folder) => {
+                let message = "is a link: results are replaced only where they lie in the result directory itself";
+                Err(super::malformed(&self.path.join(folder), message))
+            }
+        }
     }
 
     /// Finds out what stands in the way.
@@ -306,7 +322,13 @@ impl Drop for ResultDirectory {
 /// Writes a file beside its place and moves it there; what a failure leaves of it is removed.
 pub(super) fn write_whole(path: &Path, content: &[u8]) -> io::Result<()> {
     let partial = path.with_file_name(PARTIAL);
-    let written = fs::write(&partial, content).and_then(|()| fs::rename(&partial, path));
+    let write = || {
+        // what a kill left there, or a link that leads elsewhere
+        let _ = fs::remove_file(&partial);
+        File::create_new(&partial)?.write_all(content)?;
+        fs::rename(&partial, path)
+    };
+    let written = write();
     if written.is_err() {
         let _ = fs::remove_file(&partial);
     }

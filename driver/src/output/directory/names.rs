@@ -5,7 +5,7 @@ use crate::input::{self, Input};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::Path;
+use std::path::{Component, Path};
 
 /// What results are of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -138,6 +138,11 @@ pub(super) fn present(pattern: &str, directory: &Path) -> Vec<String> {
 /// A link to a folder is one as well.
 fn is_file(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|entry| !entry.is_dir())
+}
+
+/// Whether a name leads nowhere but into a directory, as text: no `..`, not absolute.
+pub(super) fn lies_within(name: &str) -> bool {
+    !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 /// Whether a name fits a pattern: `#` stands for digits, `*` for anything but `/`.

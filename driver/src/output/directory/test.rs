@@ -238,3 +238,71 @@ fn patterns() {
         assert_eq!(names::fits(pattern, name), expected, "{pattern} {name}");
     }
 }
+
+/// A folder beside a result directory, with a file that nobody may touch.
+fn beside(folder: &Path) -> (PathBuf, PathBuf) {
+    let (path, elsewhere) = (folder.join("out"), folder.join("elsewhere"));
+    fs::create_dir_all(&elsewhere).unwrap();
+    for name in ["a.svg", "000000.vtu", "000001.vtu", "victim"] {
+        fs::write(elsewhere.join(name), "mine").unwrap();
+    }
+    results(&path, &[("summary.json", "1"), ("plots/a.svg", "a")]);
+    (path, elsewhere)
+}
+
+#[test]
+fn a_forged_manifest_names_nothing_outside() {
+    let folder = tempfile::tempdir().unwrap();
+    let (path, elsewhere) = beside(folder.path());
+    let victim = elsewhere.join("victim").to_str().unwrap().to_owned();
+    for name in ["../elsewhere/victim", &victim, "plots/../../elsewhere/victim", "", ".."] {
+        let forged = [
+            format!("{{\"files\": {{{name:?}: null}}, \"earlier\": {{}}"),
+            format!("{{\"files\": {{}}, \"earlier\": {{{name:?}: [\"victim\"]}}"),
+            format!("{{\"files\": {{}}, \"earlier\": {{\"previous\": [{name:?}]}}"),
+        ];
+        for text in forged {
+            fs::write(path.join(MANIFEST), text + ", \"pullout\": \"0.1.0\", \"kind\": \"run\"}").unwrap();
+            assert!(refused(&path, Kind::Run, Access::default()).contains(MANIFEST));
+            assert!(ResultDirectory::join(&path, Kind::Run).is_err());
+            let mut directory = opened(&path, Access { overwrite: true, ..Access::default() });
+            directory.begin(&[]).unwrap();
+            directory.remove_earlier().unwrap();
+            directory.finish().unwrap();
+        }
+    }
+    assert_eq!(names(&elsewhere).len(), 4);
+}
+
+#[test]
+fn nothing_is_written_or_removed_through_a_link() {
+    for link in ["plots", "fields", "previous", ".pullout.lock", ".pullout.partial", "history.csv", "manifest.json"] {
+        let folder = tempfile::tempdir().unwrap();
+        let (path, elsewhere) = beside(folder.path());
+        let _ = fs::remove_dir_all(path.join(link)).or_else(|_| fs::remove_file(path.join(link)));
+        let is_folder = ["plots", "fields", "previous"].contains(&link);
+        let target = if is_folder { elsewhere.clone() } else { elsewhere.join("victim") };
+        std::os::unix::fs::symlink(target, path.join(link)).unwrap();
+        for overwrite in [false, true] {
+            let Ok(mut directory) = ResultDirectory::open(&path, Kind::Run, Access { overwrite, ..Access::default() })
+            else {
+                continue;
+            };
+            directory.begin(&[]).unwrap();
+            directory.write("plots/a.svg", "new").unwrap();
+            directory.remove_earlier().unwrap();
+            directory.finish().unwrap();
+        }
+        assert!(files(&elsewhere).values().all(|content| content == "mine"), "{link}");
+        assert_eq!(names(&elsewhere).len(), 4, "{link}");
+    }
+}
+
+#[test]
+fn a_lock_with_any_text_locks_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    for text in ["0 host", "4294967296 host", "-1 host", "99999999999999999999 h", "1", "", "\u{0}", "1 \u{1b}[2J"] {
+        fs::write(folder.path().join(".pullout.lock"), text).unwrap();
+        drop(opened(folder.path(), Access::default()));
+    }
+}

@@ -245,12 +245,22 @@ impl HistoryFile {
 
     /// All of it in memory.
     fn read(&self) -> io::Result<History> {
-        let mut data = vec![Vec::new(); self.columns.len()];
-        self.each(&self.all(), &mut |values| {
+        self.read_columns(&self.columns)
+    }
+
+    /// Columns of it in memory; those of other names are left out.
+    ///
+    /// # Errors
+    /// The file cannot be read, or holds something else.
+    pub fn read_columns<S: AsRef<str>>(&self, names: &[S]) -> io::Result<History> {
+        let is_wanted = |k: &usize| names.iter().any(|name| name.as_ref() == self.columns[*k]);
+        let wanted: Vec<usize> = self.all().into_iter().filter(is_wanted).collect();
+        let mut data = vec![Vec::new(); wanted.len()];
+        self.each(&wanted, &mut |values| {
             data.iter_mut().zip(values).for_each(|(column, &value)| column.push(value));
             ControlFlow::Continue(())
         })?;
-        Ok(History { columns: self.columns.clone(), data })
+        Ok(History { columns: wanted.into_iter().map(|k| self.columns[k].clone()).collect(), data })
     }
 
     /// What pictures need of it: all rows of a history of usual length; of a longer one, of each of many stretches the

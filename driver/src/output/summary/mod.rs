@@ -164,6 +164,15 @@ impl PeakRecorder {
         Self { extremes: vec![none; names.len()], names }
     }
 
+    /// Whether it is of a history with these columns.
+    pub fn fits(&self, columns: &[String]) -> bool {
+        let virgin = Self::new(columns);
+        let times = self.extremes.iter().flat_map(|extremes| [extremes.max_at.time, extremes.min_at.time]);
+        self.names == virgin.names
+            && self.extremes.len() == virgin.extremes.len()
+            && times.into_iter().all(f64::is_finite)
+    }
+
     /// Takes an increment into account.
     pub fn observe(&mut self, row: &Row<'_>) {
         let Some((&time, values)) = row.values.split_first() else { return };

@@ -26,7 +26,9 @@ impl BlockState {
     }
 
     fn fits(&self, block: &Block) -> bool {
-        self.displacements.len() == block.committed.len() && self.points.fits(&block.body.points.committed)
+        self.displacements.len() == block.committed.len()
+            && self.displacements.iter().flatten().all(|number| number.is_finite())
+            && self.points.fits(&block.body.points.committed)
     }
 }
 
@@ -42,7 +44,10 @@ impl Solids {
     #[must_use]
     pub fn set_state(&mut self, state: &SolidsState) -> bool {
         let mut pairs = self.blocks.iter().zip(&state.blocks);
-        let fits = self.blocks.len() == state.blocks.len() && pairs.all(|(block, state)| state.fits(block));
+        let fits = self.blocks.len() == state.blocks.len()
+            && pairs.all(|(block, state)| state.fits(block))
+            && state.counters.counts_on()
+            && self.may_trust(&state.trust);
         if fits {
             for (block, state) in self.blocks.iter_mut().zip(&state.blocks) {
                 block.body.points.committed.clone_from(&state.points);

@@ -56,6 +56,14 @@ pub struct Counters {
     pub stiffness_builds: u64,
 }
 
+impl Counters {
+    /// Whether a run can count on from there.
+    pub(super) fn counts_on(&self) -> bool {
+        let Self { umat_calls, evaluations, skipped_evaluations, stiffness_builds } = *self;
+        [umat_calls, evaluations, skipped_evaluations, stiffness_builds].into_iter().all(|count| count < 1 << 60)
+    }
+}
+
 impl std::ops::AddAssign for Counters {
     fn add_assign(&mut self, other: Self) {
         self.umat_calls += other.umat_calls;

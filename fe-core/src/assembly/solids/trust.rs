@@ -98,6 +98,17 @@ impl Trust {
         }
     }
 
+    /// Whether a run can have come from `virgin` to it.
+    pub(super) fn may_follow(&self, virgin: &Self) -> bool {
+        let Self { reports, missed, judges_tangent, pause, tangent_deviation, compared } = self;
+        (*reports == virgin.reports || virgin.reports == Reports::Believed)
+            && (!*judges_tangent || virgin.judges_tangent)
+            && missed.iter().flatten().all(|number| number.is_finite())
+            && pause.iter().all(|&pause| pause <= LONGEST_PAUSE)
+            && tangent_deviation.is_none_or(f64::is_finite)
+            && compared.is_none_or(|compared| compared.deviation.is_finite())
+    }
+
     /// Whether reported energies count.
     pub(super) fn believes(&self) -> bool {
         matches!(self.reports, Reports::Vouched | Reports::Believed)
@@ -132,6 +143,11 @@ pub struct PartAccount {
 }
 
 impl PartAccount {
+    /// Whether all are numbers.
+    pub fn is_finite(&self) -> bool {
+        [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
+    }
+
     /// What it has reported, as sums have it.
     pub fn reported(&self) -> SolidEnergies {
         let Self { stored, dissipated, damages, .. } = *self;
@@ -263,6 +279,11 @@ impl Solids {
                 block.records.iter_mut().for_each(|record| record.has_tangent = false);
             }
         }
+    }
+
+    /// Whether another run of these solids can have come to believe this.
+    pub(super) fn may_trust(&self, trust: &[Trust]) -> bool {
+        trust.len() == self.trust.len() && trust.iter().zip(&self.trust).all(|(trust, virgin)| trust.may_follow(virgin))
     }
 
     /// Takes over what another run came to believe.

@@ -16,7 +16,7 @@ mod correction;
 mod iteration;
 mod state;
 
-pub(super) use state::EquilibriumState;
+pub(super) use state::{EquilibriumState, foreign_state};
 
 use super::times::timed;
 use super::zone::Zone;
@@ -41,6 +41,20 @@ pub(super) struct Committed {
     pub(super) mean_slip: f64,
     /// Energy that the solids' laws dissipated so far, N mm.
     pub(super) dissipation: f64,
+}
+
+impl Committed {
+    /// Whether it is of this model: lengths of arrays, and all numbers are finite.
+    pub(super) fn fits(&self, model: &Model) -> bool {
+        let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
+        let freedoms = 2 * model.mesh.nodes().len();
+        let arrays =
+            [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
+        arrays.into_iter().all(|(array, length)| array.len() == length && array.iter().all(|number| number.is_finite()))
+            // without contact there is none
+            && (mean_slip.is_finite() || model.contacts.is_empty())
+            && dissipation.is_finite()
+    }
 }
 
 /// What the increment shall reach.

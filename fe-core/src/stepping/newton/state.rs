@@ -22,6 +22,13 @@ pub struct EquilibriumState {
     last_iterations: usize,
 }
 
+impl EquilibriumState {
+    /// Whether the scales are numbers.
+    pub(in crate::stepping) fn is_finite(&self) -> bool {
+        [self.greatest_scale, self.rounding, self.last_move].into_iter().all(f64::is_finite)
+    }
+}
+
 impl<'m> Equilibrium<'m> {
     /// What it remembers at the end of an increment.
     pub(in crate::stepping) fn state(&self) -> EquilibriumState {
@@ -43,6 +50,9 @@ impl<'m> Equilibrium<'m> {
     /// Those of [`Self::new`], and a state of another model.
     pub(in crate::stepping) fn with_state(model: &'m Model, state: &EquilibriumState) -> Result<Self, ModelError> {
         let mut made = Self::new(model, Equations::new(model)?)?;
+        if !state.zone.may_follow(&made.zone) {
+            return Err(foreign_state());
+        }
         if made.zone != state.zone {
             // the solids are virgin still: what is condensed is elastic, and was so
             made.zone = state.zone.clone();
@@ -51,7 +61,7 @@ impl<'m> Equilibrium<'m> {
             made.solids.set_active(made.zone.active());
         }
         if !(made.solids.set_state(&state.solids) && made.contact.set_state(&state.contact)) {
-            return Err(ModelError::Inconsistent("the states to go on from are those of another model".into()));
+            return Err(foreign_state());
         }
         made.greatest_scale = state.greatest_scale;
         made.rounding = state.rounding;
@@ -59,4 +69,9 @@ impl<'m> Equilibrium<'m> {
         made.last_iterations = state.last_iterations;
         Ok(made)
     }
+}
+
+/// A checkpoint of another model, or one that no run has made.
+pub(in crate::stepping) fn foreign_state() -> ModelError {
+    ModelError::Inconsistent("the states to go on from are those of another model".into())
 }
