@@ -52,7 +52,8 @@ fn umat() -> UmatFunction {
     unsafe { std::mem::transmute(umat_ as *const ()) }
 }
 
-const STATES: [StressState; 3] = [StressState::ThreeD, StressState::PlaneStrain, StressState::PlaneStress];
+const STATES: [StressState; 3] =
+    [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
 
 #[test]
 fn every_law_along_a_short_path() {
