@@ -230,6 +230,7 @@ impl StepRun {
             helped: _,
             jumps_refused,
             energy_refused,
+            energy_looks,
             largest_slip,
             follows_slip,
             stabilised,
@@ -247,7 +248,7 @@ impl StepRun {
             }
         };
         let begun = Self::new(step, start, model);
-        let counts = [failures, jumps_refused, energy_refused];
+        let counts = [failures, jumps_refused, energy_refused, energy_looks];
         is_led
             && *progress < 1.0
             && counts.into_iter().all(|&count| u64::from(count) < MOST_COUNTED)
