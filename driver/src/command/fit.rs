@@ -140,7 +140,7 @@ pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
     };
     let request = bond.request();
     if let Some(need) = fit::need(&request) {
-        return isolated::carry_out(line, &need, &bond.curve);
+        return isolated::carry_out(line, &need, &bond.curve, bond.quiet);
     }
     let mut directory = match bond.open() {
         Ok(directory) => directory,

@@ -15,8 +15,7 @@ use std::time::Instant;
 
 /// Validates a case.
 pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) -> u8 {
-    tell_of_wish(file, need, quiet);
-    carry_out(&check_line(file, reading, quiet.then_some("--quiet")), need, file)
+    carry_out(&check_line(file, reading, quiet.then_some("--quiet")), need, file, quiet)
 }
 
 /// Validates a case that is to be run: what ends the process now will end the run, and be told then.
@@ -39,15 +38,18 @@ fn check_line(file: &Path, reading: &Reading, flag: Option<&str>) -> Vec<OsStrin
     line
 }
 
-fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
+/// Says that a wish of the case is not granted.
+pub(super) fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
     if need.is_against_a_wish && !quiet {
         let what = "\"isolate\": false is granted by --in-process only; its plugins run in a process of their own";
         complain(format!("{}: {what}", file.display()));
     }
 }
 
-/// Carries out a command line of this program in a worker; the exit code. `file` is what messages begin with.
-pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path) -> u8 {
+/// Carries out a command line of this program in a worker; the exit code. `file` is what messages begin with; `quiet`:
+/// only errors are told.
+pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path, quiet: bool) -> u8 {
+    tell_of_wish(file, need, quiet);
     match isolation::supervise(&Job { command: line, ..Job::default() }, need) {
         Ok(End::Done(code)) => code,
         Ok(End::Failed(failure)) => fail(file, &failure, &failure.report.message),

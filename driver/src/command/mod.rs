@@ -118,7 +118,7 @@ impl Reading {
     /// These arguments, for a worker.
     fn command_line(&self) -> Vec<OsString> {
         let overrides = self.overrides.iter().map(|entry| format!("--set={entry}").into());
-        let folders = self.plugin_paths.iter().flat_map(|folder| ["--plugin-path".into(), folder.into()]);
+        let folders = self.plugin_paths.iter().map(|folder| option("--plugin-path", folder));
         overrides.chain(folders).chain(self.untrusted.then(|| "--untrusted".into())).collect()
     }
 
@@ -235,6 +235,14 @@ fn act(command: Command, line: &[OsString]) -> u8 {
 fn schema() -> u8 {
     say(&format!("{:#}\n", crate::case::schema()));
     DONE
+}
+
+/// An option with its value, which may begin with a hyphen.
+fn option(name: &str, value: &Path) -> OsString {
+    let mut option = OsString::from(name);
+    option.push("=");
+    option.push(value);
+    option
 }
 
 /// Prints to standard error.

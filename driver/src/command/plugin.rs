@@ -92,7 +92,7 @@ fn with_library(name: &str, plugin_paths: &[PathBuf], line: &[OsString], work: i
         Err(code) => return code,
     };
     if let Some(need) = Need::of_library(&file, TIME_LIMIT) {
-        return isolated::carry_out(line, &need, &file);
+        return isolated::carry_out(line, &need, &file, false);
     }
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();

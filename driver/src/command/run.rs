@@ -1,6 +1,6 @@
 //! `pullout run` and `pullout check`.
 
-use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, study};
+use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
 use crate::case::{self, Case};
 use crate::isolation::prints::{Prints, say};
 use crate::isolation::{Aftermath, Need, worker};
@@ -70,10 +70,10 @@ impl Arguments {
     /// The command line of a worker that runs a case into a folder, or makes results of what a run left there.
     pub(super) fn of_worker(&self, file: &Path, folder: &Path, aftermath: Option<&str>) -> Vec<OsString> {
         let mut line: Vec<OsString> = vec!["run".into()];
-        match &self.interruption.restart {
-            Some(restart) => line.extend(["--restart".into(), restart.into()]),
-            None => line.extend(["--out".into(), folder.into()]),
-        }
+        line.push(match &self.interruption.restart {
+            Some(restart) => option("--restart", restart),
+            None => option("--out", folder),
+        });
         line.extend(self.interruption.checkpoint_every.map(|every| format!("--checkpoint-every={every}").into()));
         line.extend(self.overwrite.then(|| "--overwrite".into()));
         line.extend(self.quiet.then(|| "--quiet".into()));

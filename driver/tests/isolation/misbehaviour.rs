@@ -147,6 +147,9 @@ fn isolation_is_switched_off_by_the_command_line_alone() {
     assert_eq!(json(&desk.path("out/case/summary.json"))["status"], "failed");
     let outcome = desk.pullout(["check", "case.json"]).expect(0);
     assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    let outcome = desk.pullout(["run", "case.json", "--quiet", "--out=-quiet"]).expect(1);
+    assert_eq!(outcome.stderr.lines().count(), 1, "{}", outcome.stderr);
+    assert!(desk.path("-quiet/summary.json").is_file());
     // the plugin ends the program itself: its rows are all that is left
     desk.pullout(["run", "case.json", "--in-process", "--out", "in"]).expect(7);
     assert!(desk.path("in/history.csv").is_file() && !desk.path("in/summary.json").exists());

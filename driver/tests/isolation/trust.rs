@@ -39,7 +39,7 @@ fn metadata_is_no_reason_for_trust() {
     if !claiming(&desk, "libclaiming.so", "exit(0);") {
         return;
     }
-    let case = point(json!({ "plugin": "./libclaiming.so", "props": [], "nstatv": 0, "isolate": false }));
+    let case = point(json!({ "plugin": "./libclaiming.so", "props": [], "nstatv": 0 }));
     desk.case("case.json", &case);
     desk.case("other.json", &case);
     let study = json!({ "kind": "study", "base": "case.json", "members": [{ "label": "a" }] });

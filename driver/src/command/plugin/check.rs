@@ -1,6 +1,6 @@
 //! `pullout plugin check`: in this process, or each group of checks in one of its own where the library may not run here.
 
-use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, Place, complain, refuse, say};
+use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, Place, complain, option, refuse, say};
 use super::{TIME_LIMIT, file_of};
 use crate::case::{self, Case};
 use crate::conformance::{self, Event, Group, Options, Report};
@@ -95,9 +95,9 @@ impl Arguments {
         line.extend(skip.iter().map(|state| format!("--skip={state}").into()));
         line.extend(longest_path.map(|count| format!("--longest-path={count}").into()));
         line.push(format!("--seconds={seconds}").into());
-        line.extend(self.case.iter().flat_map(|case| ["--case".into(), case.into()]));
+        line.extend(self.case.iter().map(|case| option("--case", case)));
         line.extend(self.overrides().into_iter().map(|entry| format!("--set={entry}").into()));
-        line.extend(self.plugin_paths.iter().flat_map(|path| ["--plugin-path".into(), path.into()]));
+        line.extend(self.plugin_paths.iter().map(|path| option("--plugin-path", path)));
         line.extend(["--".into(), OsString::from(&self.plugin)]);
         line
     }

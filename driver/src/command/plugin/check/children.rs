@@ -2,7 +2,7 @@
 
 use super::{Arguments, Judged, TIME_LIMIT, conclude};
 use crate::case;
-use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, say};
+use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
 use crate::conformance::{Group, Report, Row, Verdict};
 use crate::isolation::{self, End, Failure, Job, Need};
 use clap::ValueEnum;
@@ -37,6 +37,7 @@ struct Tally<'a> {
 
 /// Makes all groups.
 pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
+    isolated::tell_of_wish(arguments.case.as_deref().unwrap_or(library), &need, false);
     for limit in need.libraries.values_mut().filter(|limit| **limit == isolation::CALL_TIME_LIMIT) {
         *limit = TIME_LIMIT;
     }
