@@ -140,8 +140,8 @@ fn a_c_plugin_that_misbehaves_is_named() {
         return;
     }
     for (fault, expected) in [
-        (1, "returned NaN or infinite stresses"),
-        (2, "returned NaN or infinite stresses"),
+        (1, "returned STRESS(1) = NaN"),
+        (2, "returned STRESS(2) = inf"),
         (3, "asks for smaller increments (PNEWDT = 0.1)"),
         (4, "STRESS"),
         (5, "DDSDDE"),

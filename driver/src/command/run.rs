@@ -332,7 +332,8 @@ fn run_case(
 ) -> io::Result<(Summary, io::Result<()>)> {
     let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
-    let folder = directory.path().to_owned();
+    // a plugin may change the folder in which this process works
+    let folder = std::path::absolute(directory.path())?;
     case.announce();
     let prints = Prints::keep(&folder, telling.echo)?;
     let columns = case.columns();
@@ -522,6 +523,17 @@ fn warnings(case: &Case) -> Vec<String> {
             "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); they \
              were restored behind each",
             library.path().display()
+        ));
+    }
+    for (name, library) in libraries {
+        let written = library.written_inputs();
+        let Some([step, increment, ..]) = written.values().min() else { continue };
+        let names: Vec<&str> = written.keys().copied().collect();
+        warnings.push(format!(
+            "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
+             what it changed there was lost with the call",
+            library.path().display(),
+            names.join(", ")
         ));
     }
     warnings

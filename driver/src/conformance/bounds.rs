@@ -26,7 +26,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
                 Ok(Probed::Clean) => {}
                 Ok(Probed::Trespass(trespass)) => {
                     let argument = trespass.argument.to_uppercase();
-                    findings.insert(trespass.to_string().replace(trespass.argument, &argument));
+                    findings.insert(trespass.to_string().replace(&*trespass.argument, &argument));
                 }
                 Ok(Probed::Ended(how)) => {
                     findings.insert(format!("{state}: {how}"));

@@ -172,7 +172,7 @@ fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
         flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: [call.counters[0], call.counters[1]],
-        setting: Setting::of_contact(call, call.dtime),
+        setting: Setting::of_contact(&call.fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     Increment { from, step: call.drdisp[..directions].to_vec() }
@@ -191,7 +191,7 @@ fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
         flags: before.flags,
         time: call.time.map(|time| time - call.dtime),
         counters: call.counters,
-        setting: Setting::of_contact(call, call.dtime),
+        setting: Setting::of_contact(&call.fields, call.dtime),
         ..Committed::zero(entry, before.statev.len())
     };
     Increment { from, step: call.dgam[..directions].iter().copied().chain([call.pressure[1]]).collect() }

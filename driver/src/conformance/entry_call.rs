@@ -3,7 +3,7 @@
 use super::subject::{Answer, Committed, INSTANT, Setting};
 use crate::path::deformation::columns;
 use nalgebra::Matrix3;
-use umat_abi::host::{Alteration, ContactArrays, FricCall, Overrun, UinterCall, UmatCall};
+use umat_abi::host::{Alteration, FricCall, Overrun, SurfaceFields, UinterCall, UmatCall};
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
@@ -35,9 +35,9 @@ fn share_of_fields(share: f64) -> f64 {
 }
 
 /// Tells a contact law temperature and field variables.
-fn set_fields(call: &mut ContactArrays, setting: &Setting, share: f64) {
+fn set_fields(fields: &mut SurfaceFields, setting: &Setting, share: f64) {
     let (temperature, [starts, ends]) = setting.over(share_of_fields(share));
-    call.set_fields(temperature, [&starts, &ends]);
+    fields.set(temperature, [&starts, &ends]);
 }
 
 pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alteration: Alteration<'_>) -> Called {
@@ -60,7 +60,7 @@ pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alterati
 /// The arguments of a UINTER.
 pub(super) fn prepare_uinter(call: &mut UinterCall, from: &Committed, step: &[f64], share: f64) {
     call.dtime = share * from.setting.time_increment;
-    set_fields(call, &from.setting, share);
+    set_fields(&mut call.fields, &from.setting, share);
     let n = step.len();
     for k in 0..n {
         call.rdisp[k] = from.input[k] + step[k];
@@ -94,7 +94,7 @@ pub(super) fn uinter(call: &mut UinterCall, filling: f64, alteration: Alteration
 /// The arguments of a FRIC.
 pub(super) fn prepare_fric(call: &mut FricCall, from: &Committed, step: &[f64], share: f64) {
     call.dtime = share * from.setting.time_increment;
-    set_fields(call, &from.setting, share);
+    set_fields(&mut call.fields, &from.setting, share);
     let n = step.len() - 1;
     call.lm = from.flags[0];
     call.dgam[..n].copy_from_slice(&step[..n]);

@@ -19,7 +19,7 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallOutcome, ContactArrays, FricCall, LoadError, Probed, UinterCall, UmatCall, Validation,
+    Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, SurfaceFields, UinterCall, UmatCall, Validation,
 };
 use umat_abi::law::StressState;
 
@@ -101,7 +101,7 @@ pub(super) struct Setting {
 
 impl Setting {
     /// Of a call of a contact law, which is told both at the end of the increment.
-    pub(super) fn of_contact(call: &ContactArrays, time_increment: f64) -> Self {
+    pub(super) fn of_contact(call: &SurfaceFields, time_increment: f64) -> Self {
         let [end, increment] = call.temperature();
         let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
         let starts = ends.iter().zip(&increments).map(|(end, increment)| end - increment).collect();

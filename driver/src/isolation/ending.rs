@@ -17,7 +17,7 @@ pub(super) enum Cause {
     Signal(i32),
     /// The supervisor: a call took longer than this, s.
     TimeLimit(f64),
-    /// Itself: a plugin had closed the standard output.
+    /// Itself: a plugin had closed what it writes to.
     ClosedOutput,
 }
 
@@ -53,6 +53,7 @@ impl Report {
             return Self { message, at_loading: true, call: None };
         }
         let unfinished = recording.unfinished_call();
+        let trespass = recording.trespass().filter(|_| matches!(cause, Cause::Signal(_)));
         let happened = match (unfinished.is_some(), cause) {
             (_, Cause::ClosedOutput) | (true, _) => cause.within_a_call(),
             (false, _) => format!("after this call, outside any other, {}", cause.outside_a_call()),
@@ -62,7 +63,10 @@ impl Report {
             Cause::Exit(_) | Cause::Signal(_) => explanation(last_words, matches!(cause, Cause::Exit(_))),
             Cause::TimeLimit(_) | Cause::ClosedOutput => None,
         };
-        let happened = explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}"));
+        let happened = match trespass {
+            Some(trespass) => format!("it {trespass}; the process was ended there"),
+            None => explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}")),
+        };
         let message = match &call {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),
@@ -119,6 +123,18 @@ fn contact_point(node: &[f64]) -> String {
     node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
+/// What is told of an end behind the done-mark, `None` if it was the usual one: the results are complete.
+pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
+    if cause == Cause::Exit(code.into()) {
+        return None;
+    }
+    let plugin = recording.last_call().map_or_else(|| "a plugin".to_owned(), |call| format!("plugin '{}'", call.name));
+    let happened = cause.outside_a_call();
+    Some(format!(
+        "warning: {plugin}: after everything was written, {happened} (exit handlers of its library): nothing is lost"
+    ))
+}
+
 impl Cause {
     fn within_a_call(self) -> String {
         match self {
@@ -132,7 +148,9 @@ impl Cause {
                 format!("it did not return within {limit} s and was ended (material.call_time_limit_s)")
             }
             Self::ClosedOutput => {
-                "it closed the standard output; the run was ended before a file of results takes its place".into()
+                "it closed the standard output or another descriptor of the program's; the run was ended before a file of \
+                 results takes its place"
+                    .into()
             }
         }
     }
@@ -142,7 +160,7 @@ impl Cause {
             Self::Exit(code) => format!("the process ended with exit code {code}"),
             Self::Signal(signal) => format!("the process was ended by {}", signal_in_words(signal)),
             Self::TimeLimit(limit) => format!("the process did not end within {limit} s"),
-            Self::ClosedOutput => "the standard output was closed".into(),
+            Self::ClosedOutput => "the standard output or another descriptor of the program's was closed".into(),
         }
     }
 

@@ -36,8 +36,13 @@
 //! - the worker's end: exit code or signal;
 //! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
 //!   supervisor was stopped itself does not count; what the host computes between calls takes as long as it takes;
-//! - the standard output, by the worker after each increment: if a plugin closes it, the next file that is opened takes
-//!   its number, and what is printed goes there.
+//! - the standard output and the standard error, by the worker after each increment: if a plugin closes one, the next
+//!   file that is opened takes its number, and what is printed goes there;
+//! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;
+//! - the folder in which the program works, and the mode of new files: restored behind what plugins do.
+//!
+//! What ends the worker behind its done-mark (exit handlers of a library) takes nothing from the results, nor from the
+//! exit code: it is told.
 //!
 //! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
 //! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of
@@ -58,6 +63,6 @@ pub mod worker;
 pub use ending::Aftermath;
 pub use need::{CALL_TIME_LIMIT, Need, need, need_of};
 pub use supervisor::{End, Failure, Job, supervise};
-pub use system::{die_with, program};
+pub use system::{die_with, out_of_reach, program};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, load};
 pub use worker::Task;

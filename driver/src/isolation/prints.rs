@@ -1,17 +1,21 @@
 //! What plugins print: kept in files of the result directory, or thrown away, and away from what this program says itself.
 //!
-//! While a [`Prints`] lives, the standard output is a file, and a duplicate of the former one is ours. Fortran's unit 7
+//! While a [`Prints`] lives, plugins may be called: behind it the program works in the folder where it worked. The standard output is a file, and a duplicate of the former one is ours. Fortran's unit 7
 //! goes to a file beside it where its runtime lets itself be told so.
 
+use super::system::out_of_reach;
+use super::worker;
 use crate::output::plain;
+use rustix::fs::{Mode, OFlags};
 use rustix::io::fcntl_dupfd_cloexec;
+use rustix::process::umask;
 use rustix::stdio::{dup2_stdout, stdout};
 use std::fs::{self, File};
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::os::fd::OwnedFd;
 use std::path::{Path, PathBuf};
 use std::process::Stdio;
-use std::sync::{Mutex, MutexGuard, PoisonError};
+use std::sync::{Mutex, MutexGuard, OnceLock, PoisonError};
 use umat_abi::host::{flush_prints, write_messages_to};
 
 /// Unit 6 and the standard output; unit 7.
@@ -30,10 +34,53 @@ fn ours() -> MutexGuard<'static, Option<OwnedFd>> {
 /// Prints to the standard output that this program was given; a reader that went away (`| head`) is no error.
 pub fn say(text: &str) {
     let text = plain(text);
-    let _ = match ours().as_ref().and_then(|ours| ours.try_clone().ok()) {
-        Some(ours) => File::from(ours).write_all(text.as_bytes()),
+    let copy = ours().as_ref().map(OwnedFd::try_clone);
+    let said = match copy {
+        Some(ours) => ours.and_then(|ours| File::from(ours).write_all(text.as_bytes())),
         None => io::stdout().write_all(text.as_bytes()),
     };
+    if said.is_err_and(|error| error.kind() != io::ErrorKind::BrokenPipe) {
+        worker::end_for_closed_output();
+    }
+}
+
+/// What plugins may change of a process: the folder in which it works, and the mode of new files.
+#[derive(Debug)]
+struct Surroundings {
+    folder: Option<OwnedFd>,
+}
+
+/// The mode of new files as this program was given it.
+static MODE_OF_FILES: OnceLock<Mode> = OnceLock::new();
+
+/// Gives new files the mode that this program was given.
+pub(super) fn restore_mode_of_files() {
+    if let Some(mode) = MODE_OF_FILES.get() {
+        umask(*mode);
+    }
+}
+
+impl Surroundings {
+    /// As they are.
+    fn keep() -> Self {
+        MODE_OF_FILES.get_or_init(|| {
+            // it is told only when it is set
+            let mode = umask(Mode::empty());
+            umask(mode);
+            mode
+        });
+        let folder = rustix::fs::open(".", OFlags::PATH | OFlags::DIRECTORY | OFlags::CLOEXEC, Mode::empty());
+        Self { folder: folder.ok().map(|folder| out_of_reach(folder.into()).into()) }
+    }
+}
+
+impl Drop for Surroundings {
+    fn drop(&mut self) {
+        restore_mode_of_files();
+        if let Some(folder) = &self.folder {
+            let _ = rustix::process::fchdir(folder);
+        }
+    }
 }
 
 /// The standard output that a child of this program gets.
@@ -50,6 +97,7 @@ pub struct Prints {
     folder: Option<PathBuf>,
     /// Whether what was kept is shown in the end.
     echo: bool,
+    _surroundings: Surroundings,
 }
 
 impl Prints {
@@ -57,7 +105,7 @@ impl Prints {
     pub fn discard() -> Self {
         // without it the prints are seen, no more
         let _ = lead_to(Path::new(NOWHERE), Path::new(NOWHERE));
-        Self { folder: None, echo: false }
+        Self { folder: None, echo: false, _surroundings: Surroundings::keep() }
     }
 
     /// Keeps them in [`FILES`] of a folder, behind what is there.
@@ -68,7 +116,7 @@ impl Prints {
         let folder = std::path::absolute(folder)?;
         let [log, messages] = FILES.map(|name| folder.join(name));
         lead_to(&log, &messages)?;
-        Ok(Self { folder: Some(folder), echo })
+        Ok(Self { folder: Some(folder), echo, _surroundings: Surroundings::keep() })
     }
 }
 
@@ -94,7 +142,8 @@ fn lead_to(log: &Path, messages: &Path) -> io::Result<()> {
     io::stdout().flush()?;
     let mut ours = ours();
     if ours.is_none() {
-        *ours = Some(fcntl_dupfd_cloexec(stdout(), BEHIND_STANDARD_STREAMS)?);
+        let copy = fcntl_dupfd_cloexec(stdout(), BEHIND_STANDARD_STREAMS)?;
+        *ours = Some(out_of_reach(copy.into()).into());
     }
     dup2_stdout(&file)?;
     write_messages_to(messages);

@@ -1,6 +1,6 @@
 //! Starts a worker and watches it.
 
-use super::ending::{Cause, Report};
+use super::ending::{Cause, Report, behind_the_end};
 use super::last_words::LastWords;
 use super::prints::{self, Echo};
 use super::worker::{COMMAND, Note};
@@ -92,12 +92,15 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let ended = ended?;
     let is_out_of_time = matches!(ended, Watched::OutOfTime(_));
     let cause = match ended {
-        _ if recording.done().is_some() => {
-            return Ok(End::Done(recording.done().unwrap_or_default()));
-        }
         Watched::Ended(status) => cause_of(status, &recording),
         Watched::Killed(limit) | Watched::OutOfTime(limit) => Cause::TimeLimit(limit),
     };
+    if let Some(code) = recording.done() {
+        if let Some(words) = behind_the_end(cause, code, &recording) {
+            let _ = writeln!(io::stderr(), "{words}");
+        }
+        return Ok(End::Done(code));
+    }
     let report = Report::new(cause, &recording, need, &last_words);
     let note = |note: Note| recording.note(note as usize);
     Ok(End::Failed(Box::new(Failure {

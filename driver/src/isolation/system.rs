@@ -1,5 +1,6 @@
 //! What the operating system is asked for.
 
+use rustix::event::{PollFd, PollFlags, Timespec};
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;
@@ -39,7 +40,18 @@ pub fn die_with(_parent: u32) -> io::Result<bool> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Whether the standard output is open: one system call, and the cheapest.
-pub fn standard_output_is_open() -> bool {
-    rustix::io::fcntl_getfd(rustix::stdio::stdout()).is_ok()
+/// Whether the standard output and the standard error are open: one system call.
+pub fn standard_streams_are_open() -> bool {
+    let mut streams = [rustix::stdio::stdout(), rustix::stdio::stderr()]
+        .map(|stream| PollFd::from_borrowed_fd(stream, PollFlags::empty()));
+    let found = rustix::event::poll(&mut streams, Some(&Timespec::default()));
+    found.is_err() || streams.iter().all(|stream| !stream.revents().contains(PollFlags::NVAL))
+}
+
+/// Descriptors below are the first that a plugin gets, or closes in a row.
+const REACH: i32 = 512;
+
+/// The same file under a number that plugins do not meet by chance; where there is none, as it was.
+pub fn out_of_reach(file: File) -> File {
+    rustix::io::fcntl_dupfd_cloexec(&file, REACH).map_or(file, File::from)
 }

@@ -1,5 +1,6 @@
 //! The process that calls the plugins.
 
+use super::prints::restore_mode_of_files;
 use super::system;
 use crate::input;
 use crate::path::Statistics;
@@ -41,7 +42,7 @@ pub(super) enum Note {
     Increments,
     Iterations,
     Cutbacks,
-    /// 1: the standard output was closed.
+    /// 1: the standard output, or another descriptor that is not the plugin's, was closed.
     ClosedOutput,
     /// Calls of the present check of a plugin.
     Calls,
@@ -115,14 +116,22 @@ pub fn note_start() {
     }
 }
 
-/// An increment is done. A plugin that closed the standard output ends the worker here: the next file to be opened would
-/// take its number, and what is printed would go into it.
+/// An increment is done. A plugin that closed a standard stream ends the worker here: the next file to be opened would take
+/// its number, and what is printed would go into it.
 pub fn note_increment(so_far: &Statistics) {
     let Some(recorder) = recorder::installed() else { return };
     recorder.note(Note::Increments as usize, so_far.increments);
     recorder.note(Note::Iterations as usize, so_far.iterations);
     recorder.note(Note::Cutbacks as usize, so_far.cutbacks);
-    if !system::standard_output_is_open() {
+    restore_mode_of_files();
+    if !system::standard_streams_are_open() {
+        end_for_closed_output();
+    }
+}
+
+/// Ends this worker because a plugin closed what it writes to; does nothing elsewhere.
+pub fn end_for_closed_output() {
+    if let Some(recorder) = recorder::installed() {
         recorder.note(Note::ClosedOutput as usize, 1);
         std::process::exit(1);
     }

@@ -9,7 +9,7 @@ use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{
     Accepted, ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay,
 };
-use umat_abi::host::{Clock, ContactArrays, Derived, ExternalDatabases, FricCall, MOMENT, UinterCall};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -116,6 +116,7 @@ impl<'p> Runner<'p> {
                 UinterCall::new(library, symbol, name, directions + 1, plugin.nstatv, &plugin.props).map(|mut call| {
                     call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                     arguments.set_uinter(&mut call);
+                    call.fence();
                     Call::Uinter(call)
                 })
             }
@@ -123,6 +124,7 @@ impl<'p> Runner<'p> {
                 FricCall::new(library, symbol, name, directions, plugin.nstatv, &plugin.props).map(|mut call| {
                     call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                     arguments.set_fric(&mut call);
+                    call.fence();
                     Call::Fric(call)
                 })
             }
@@ -183,13 +185,13 @@ impl<'p> Runner<'p> {
         let [start, end] = &self.fields;
         let trial = &mut self.trial.fields;
         trial.set_between(start, end, from);
-        let call: &mut ContactArrays = match &mut self.call {
-            Call::Uinter(call) => call,
-            Call::Fric(call) => call,
+        let fields: &mut SurfaceFields = match &mut self.call {
+            Call::Uinter(call) => &mut call.fields,
+            Call::Fric(call) => &mut call.fields,
         };
         let before = trial.clone();
         trial.set_between(start, end, to);
-        call.set_fields([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
+        fields.set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
     /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
@@ -279,7 +281,7 @@ impl<'p> Runner<'p> {
         let committed = &self.committed;
         let trial = &mut self.trial;
         trial.slip = [place[0], place[1]];
-        let outcome = match &mut self.call {
+        let (outcome, not_finite) = match &mut self.call {
             Call::Uinter(call) => {
                 let displacement = [place[NORMAL], place[0], place[1]];
                 let before = [-committed.gap, committed.slip[0], committed.slip[1]];
@@ -300,7 +302,7 @@ impl<'p> Runner<'p> {
                 trial.energies = call.energies;
                 trial.flags = call.flags;
                 self.normal_stiffness = call.tangent(0, 0);
-                outcome
+                (outcome, call.not_finite())
             }
             Call::Fric(call) => {
                 call.lm = committed.flags[0];
@@ -315,27 +317,27 @@ impl<'p> Runner<'p> {
                 let outcome = call.call();
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];
-                match call.lm {
-                    0 => trial.shear[..self.directions].copy_from_slice(call.traction()),
-                    1 => {
+                match call.answer() {
+                    Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.traction()),
+                    Ok(FricAnswer::Sticks) => {
                         return Err(Trouble::Fatal(
                             "the plugin returned LM = 1 (the host enforces stick): under a prescribed slip the \
                              traction is then undefined"
                                 .into(),
                         ));
                     }
-                    _ => {}
+                    Ok(FricAnswer::NoShear) => {}
+                    Err(message) => return Err(Trouble::Fatal(message)),
                 }
                 trial.statev.copy_from_slice(call.statev());
                 trial.inelastic_slip = std::array::from_fn(|i| committed.inelastic_slip[i] + call.dslip[i]);
                 trial.energies[..2].copy_from_slice(&call.energies);
                 // without pressure nothing touches
                 trial.flags = [if place[NORMAL] > 0.0 { call.next_lm() } else { FricCall::OPEN }, 0];
-                outcome
+                (outcome, call.not_finite())
             }
         };
-        let finite = self.trial.pressure.is_finite() && self.trial.shear.iter().all(|t| t.is_finite());
-        Trouble::of_call(outcome, finite, self.plugin_name, "tractions")
+        Trouble::of_call(outcome, not_finite, self.plugin_name)
     }
 
     /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places

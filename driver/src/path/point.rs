@@ -454,8 +454,7 @@ impl Point<'_> {
         call.energies = self.committed.energies;
         self.statistics.plugin_calls += 1;
         let outcome = call.call(request);
-        let finite = call.stress().iter().all(|s| s.is_finite());
-        Trouble::of_call(outcome, finite, self.plugin, "stresses")
+        Trouble::of_call(outcome, call.not_finite(), self.plugin)
     }
 }
 

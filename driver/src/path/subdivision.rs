@@ -2,7 +2,7 @@
 
 use super::program::{Controls, Program, Until};
 use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
-use umat_abi::host::{CallOutcome, Overrun};
+use umat_abi::host::{CallOutcome, NotFinite, Overrun};
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,20 +19,20 @@ pub(super) enum Trouble {
 }
 
 impl Trouble {
-    /// Judges a call of a plugin: `finite` tells whether all `results` ("stresses", "tractions") are.
+    /// Judges a call of a plugin, with what it returned that is no number.
     #[inline]
     pub(super) fn of_call(
         outcome: Result<CallOutcome, Overrun>,
-        finite: bool,
+        not_finite: Option<NotFinite>,
         plugin: &str,
-        results: &str,
     ) -> Result<(), Self> {
         match outcome {
-            Ok(CallOutcome::Done) if finite => Ok(()),
-            Ok(CallOutcome::Done) => Err(Self::CutBack {
-                fraction: 0.5,
-                reason: format!("the plugin '{plugin}' returned NaN or infinite {results}"),
-            }),
+            Ok(CallOutcome::Done) => match not_finite {
+                None => Ok(()),
+                Some(result) => {
+                    Err(Self::CutBack { fraction: 0.5, reason: format!("the plugin '{plugin}' returned {result}") })
+                }
+            },
             Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
                 fraction,
                 reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),

@@ -1,19 +1,55 @@
 /* Linear elasticity that misbehaves where it is told to.
  *
- * PROPS: E, the fault (below), and the step and increment in which it is made.
+ * PROPS: E, the fault (below), and the step and increment in which it is made; with the environment variable
+ * FAULT_AT_LOADING, its number is the fault that is made when the library is loaded.
  * With the fault "print" every argument is printed before the process is aborted. */
 #define _GNU_SOURCE
+#include <fcntl.h>
 #include <fenv.h>
+#include <locale.h>
+#include <math.h>
+#include <pthread.h>
 #include <signal.h>
 #include <stddef.h>
 #include <stdint.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
+#include <xmmintrin.h>
 #include "pullout_umat.h"
 
-enum fault { NONE, EXIT_0, EXIT_7, ABORT, WILD_POINTER, ENDLESS_LOOP, STACK, TRAP, CLOSE_STDOUT, PRINT,
-             HANG_AT_EXIT };
+/* `Fault` in main.rs numbers the first ones; the suite of hostile plugins has them all, in this order */
+enum fault {
+    NONE, EXIT_0, EXIT_7, ABORT, WILD_POINTER, ENDLESS_LOOP, STACK, TRAP, CLOSE_STDOUT, PRINT, HANG_AT_EXIT,
+    /* ways to end */
+    QUICK_EXIT, EXIT_AT_ONCE, THREAD_EXIT, KILL_ITSELF, RAISE_SEGV, RAISE_XFSZ, RAISE_ALARM, STACK_SMASHED, FREED_TWICE,
+    ABORT_AT_EXIT, SEGV_AT_EXIT, EXIT_5_AT_EXIT,
+    /* processes and descriptors */
+    FORK_RETURNS, FORK_EXITS, FORK_STAYS, CLOSE_AND_PRINT, CLOSE_STDIN, CLOSE_STDERR, CLOSE_ALL, NO_DESCRIPTORS,
+    CHANGE_FOLDER, UMASK, LOCALE, IGNORE_SIGNALS, PRINT_MUCH, FLUSH_TO_ZERO, ROUND_UP, LEAVE_TRAPS,
+    /* stores outside arrays */
+    STRESS_BEHIND, STRESS_FAR, STRESS_FRONT, STATEV_BEHIND, STATEV_FAR, STATEV_FRONT, TANGENT_BEHIND, TANGENT_FAR,
+    PROPS_BEHIND, ENERGY_BEHIND, PNEWDT_BEHIND, NAME_BEHIND,
+    /* stores into inputs */
+    WRITE_PROPS, WRITE_NSTATV, WRITE_NPROPS, WRITE_COMPONENTS, WRITE_STRAIN, WRITE_INCREMENT, WRITE_TIME, WRITE_DTIME,
+    WRITE_COORDS, WRITE_NAME, WRITE_POINT, WRITE_KINC, WRITE_TEMP,
+    /* results */
+    NAN_STRESS, INFINITE_STRESS, NAN_STATEV, INFINITE_STATEV, NAN_ENERGY, CUT_BACK, NAN_PNEWDT, NEGATIVE_PNEWDT, LM_7
+};
+
+/* arguments that all entry points have */
+struct arguments {
+    double *stress, *tangent, *statev, *energy, *pnewdt;
+    int32_t *lm;
+    int n;
+    const int32_t *components, *nstatv, *nprops, *point, *kinc;
+    const double *strain, *increment, *props, *time, *dtime, *coords, *temp;
+    const char *name;
+};
 
 static void print(const char *name, const double *values, int count)
 {
@@ -50,22 +86,162 @@ static void hang(void)
         sleep(1);
 }
 
-static void misbehave(enum fault fault)
+static void segv(void)
 {
-    static volatile double zero, sink;
+    *(volatile int *)(uintptr_t)16 = 1;
+}
+
+static void exit_5(void)
+{
+    _exit(5);
+}
+
+static void smash(volatile char *frame, int count)
+{
+    for (int i = 0; i < count; i++)
+        frame[i] = (char)i;
+}
+
+static void change(const double *value)
+{
+    *(volatile double *)(uintptr_t)value = 12345.0;
+}
+
+static void change_integer(const int32_t *value)
+{
+    *(volatile int32_t *)(uintptr_t)value = 12345;
+}
+
+static void end(enum fault fault)
+{
+    volatile char frame[8];
+    void *volatile block;
     switch (fault) {
     case EXIT_0: exit(0);
     case EXIT_7: exit(7);
+    case QUICK_EXIT: quick_exit(0);
+    case EXIT_AT_ONCE: _exit(0);
+    case THREAD_EXIT: pthread_exit(NULL);
     case ABORT: abort();
-    case WILD_POINTER: *(volatile int *)(uintptr_t)16 = 1; break;
-    case ENDLESS_LOOP: for (;;) usleep(1000);
-    case STACK: sink = deeper(1.0); break;
-    case TRAP: feenableexcept(FE_DIVBYZERO); sink = 1.0 / zero; break;
-    case CLOSE_STDOUT: fclose(stdout); break;
-    case PRINT: fflush(stdout); abort();
+    case KILL_ITSELF: kill(getpid(), SIGKILL); break;
+    case RAISE_SEGV: raise(SIGSEGV); break;
+    case RAISE_XFSZ: signal(SIGXFSZ, SIG_DFL), raise(SIGXFSZ); break;
+    case RAISE_ALARM: raise(SIGALRM); break;
+    case STACK_SMASHED: smash(frame, 4096), abort();
+    case FREED_TWICE: block = malloc(40), free(block), free(block); break;
+    case ABORT_AT_EXIT: atexit(abort); break;
+    case SEGV_AT_EXIT: atexit(segv); break;
+    case EXIT_5_AT_EXIT: atexit(exit_5); break;
     case HANG_AT_EXIT: atexit(hang); break;
     default: break;
     }
+}
+
+static void spoil_process(enum fault fault)
+{
+    pid_t child;
+    switch (fault) {
+    case FORK_RETURNS: fork(); break;
+    case FORK_EXITS:
+        child = fork();
+        if (child == 0) _exit(0);
+        waitpid(child, NULL, 0);
+        break;
+    case FORK_STAYS: if (fork() == 0) sleep(1), _exit(0); break;
+    case CLOSE_STDOUT: fclose(stdout); break;
+    case CLOSE_AND_PRINT: close(1), printf("printed\n"), fflush(stdout); break;
+    case CLOSE_STDIN: close(0); break;
+    case CLOSE_STDERR: close(2); break;
+    case CLOSE_ALL: for (int i = 0; i < 1024; i++) close(i); break;
+    case NO_DESCRIPTORS: { struct rlimit none = { 0, 0 }; setrlimit(RLIMIT_NOFILE, &none); } break;
+    case CHANGE_FOLDER: if (chdir("/") != 0) abort(); break;
+    case UMASK: umask(0777); break;
+    case LOCALE: setlocale(LC_ALL, "de_DE.UTF-8"); break;
+    case IGNORE_SIGNALS: for (int i = 1; i < 32; i++) signal(i, SIG_IGN); break;
+    case PRINT_MUCH: for (int i = 0; i < 100000; i++) printf("line %d\n", i); break;
+    case FLUSH_TO_ZERO: _mm_setcsr(_mm_getcsr() | 0x8040); break;
+    case ROUND_UP: fesetround(FE_UPWARD); break;
+    case LEAVE_TRAPS: feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW | FE_INEXACT); break;
+    default: break;
+    }
+}
+
+static void store(enum fault fault, const struct arguments *a)
+{
+    enum { FAR = 1000 };
+    const int states = *a->nstatv;
+    switch (fault) {
+    case STRESS_BEHIND: a->stress[a->n] = 1.0; break;
+    case STRESS_FAR: a->stress[a->n + FAR] = 1.0; break;
+    case STRESS_FRONT: a->stress[-1] = 1.0; break;
+    case STATEV_BEHIND: a->statev[states] = 1.0; break;
+    case STATEV_FAR: a->statev[states + FAR] = 1.0; break;
+    case STATEV_FRONT: a->statev[-1] = 1.0; break;
+    case TANGENT_BEHIND: a->tangent[a->n * a->n] = 1.0; break;
+    case TANGENT_FAR: a->tangent[a->n * a->n + FAR] = 1.0; break;
+    case PROPS_BEHIND: change(a->props + *a->nprops); break;
+    case ENERGY_BEHIND: a->energy[1] = 1.0; break;
+    case PNEWDT_BEHIND: a->pnewdt[1] = 1.0; break;
+    /* the last name of UINTER and FRIC, MSNAME, is two names further */
+    case NAME_BEHIND: for (int i = 0; i < FAR; i++) ((char *)(uintptr_t)a->name)[80 + i] = 'x'; break;
+    case WRITE_PROPS: change(a->props); break;
+    case WRITE_NSTATV: change_integer(a->nstatv); break;
+    case WRITE_NPROPS: change_integer(a->nprops); break;
+    case WRITE_COMPONENTS: change_integer(a->components); break;
+    case WRITE_STRAIN: change(a->strain); break;
+    case WRITE_INCREMENT: change(a->increment); break;
+    case WRITE_TIME: change(a->time + 1); break;
+    case WRITE_DTIME: change(a->dtime); break;
+    case WRITE_COORDS: change(a->coords); break;
+    case WRITE_NAME: memset((char *)(uintptr_t)a->name, 'x', 80); break;
+    case WRITE_POINT: change_integer(a->point); break;
+    case WRITE_KINC: change_integer(a->kinc); break;
+    case WRITE_TEMP: change(a->temp); break;
+    default: break;
+    }
+}
+
+static void spoil_results(enum fault fault, const struct arguments *a)
+{
+    switch (fault) {
+    case NAN_STRESS: a->stress[0] = NAN; break;
+    case INFINITE_STRESS: a->stress[0] = INFINITY; break;
+    case NAN_STATEV: a->statev[1] = NAN; break;
+    case INFINITE_STATEV: a->statev[1] = -INFINITY; break;
+    case NAN_ENERGY: *a->energy = NAN; break;
+    case CUT_BACK: *a->pnewdt = 0.5; break;
+    case NAN_PNEWDT: *a->pnewdt = NAN; break;
+    case NEGATIVE_PNEWDT: *a->pnewdt = -1.0; break;
+    case LM_7: if (a->lm) *a->lm = 7; break;
+    default: break;
+    }
+}
+
+static void misbehave(enum fault fault, const struct arguments *a)
+{
+    static volatile double zero, sink;
+    switch (fault) {
+    case WILD_POINTER: segv(); break;
+    case ENDLESS_LOOP: for (;;) usleep(1000);
+    case STACK: sink = deeper(1.0); break;
+    case TRAP: feenableexcept(FE_DIVBYZERO); sink = 1.0 / zero; break;
+    case PRINT: fflush(stdout); abort();
+    default: break;
+    }
+    (void)sink;
+    end(fault);
+    spoil_process(fault);
+    if (a) {
+        store(fault, a);
+        spoil_results(fault, a);
+    }
+}
+
+__attribute__((constructor)) static void load(void)
+{
+    const char *fault = getenv("FAULT_AT_LOADING");
+    if (fault)
+        misbehave((enum fault)atoi(fault), NULL);
 }
 
 static enum fault fault_now(const double *props, int step, int increment)
@@ -107,7 +283,9 @@ void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *
     *sse += stress[0] * dstran[0];
     for (int i = 0; i < *nstatv; i++)
         statev[i] += i + 1.0;
-    misbehave(fault);
+    const struct arguments all = { stress, ddsdde, statev, sse, pnewdt, NULL, n, ntens, nstatv, nprops, noel, kinc,
+                                   stran, dstran, props, time, dtime, coords, temp, cmname };
+    misbehave(fault, &all);
 }
 
 void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructural, double *flux, double *ddfddt,
@@ -147,7 +325,9 @@ void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructur
     *lopenclose = 1;
     for (int i = 0; i < *nstatv; i++)
         statev[i] += i + 1.0;
-    misbehave(fault);
+    const struct arguments all = { stress, ddsddr, statev, sed, pnewdt, NULL, n, ndir, nstatv, nprops, node, kinc,
+                                   rdisp, drdisp, props, time, dtime, coords, temp, ciname };
+    misbehave(fault, &all);
 }
 
 void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dslip, double *sed, double *sfd,
@@ -183,5 +363,7 @@ void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dsl
     }
     for (int i = 0; i < *nstatv; i++)
         statev[i] += i + 1.0;
-    misbehave(fault);
+    const struct arguments all = { tau, ddtddg, statev, sed, pnewdt, lm, n, nfdir, nstatv, nprops, node, kinc,
+                                   slip, dgam, props, time, dtime, coords, temp, ciname };
+    misbehave(fault, &all);
 }

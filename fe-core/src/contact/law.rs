@@ -5,7 +5,9 @@ use super::normal::{HostNormal, NormalState};
 use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, PluginLaw};
-use umat_abi::host::{CallOutcome, ContactArrays, FricCall, Law, Overrun, UinterCall, Validation};
+use umat_abi::host::{
+    CallOutcome, FricAnswer, FricCall, Law, NotFinite, Overrun, SurfaceFields, UinterCall, Validation,
+};
 
 /// A plugin that gave a number that is none may do better with a smaller increment.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -70,11 +72,11 @@ impl PointLaw {
 
     /// Tells it temperature and field variables at the start and at the end of the increment.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
-        let arrays: &mut ContactArrays = match self {
-            Self::Uinter { call, .. } => call,
-            Self::Fric { call, .. } => call,
+        let fields: &mut SurfaceFields = match self {
+            Self::Uinter { call, .. } => &mut call.fields,
+            Self::Fric { call, .. } => &mut call.fields,
         };
-        arrays.set_fields([start.temperature, end.temperature], [&start.variables, &end.variables]);
+        fields.set([start.temperature, end.temperature], [&start.variables, &end.variables]);
     }
 
     fn of(pair: &ContactPair, penalty: f64) -> Result<Self, ContactError> {
@@ -120,23 +122,24 @@ impl PointLaw {
         end: &mut PointState,
         statev: &mut [f64],
     ) -> Result<Tangent, LawFailure> {
-        let tangent = match self {
-            Self::Uinter { call, augmented } => uinter(call, *augmented, situation, end, statev)?,
-            Self::Fric { call, normal, sticking } => fric(call, normal, *sticking, situation, end, statev)?,
-        };
-        let numbers = [end.pressure, end.shear].into_iter().chain(tangent.into_iter().flatten());
-        if !numbers.chain(end.plugin_energies).chain(statev.iter().copied()).all(f64::is_finite) {
-            let reason = "the contact law gave a number that is not finite".to_owned();
-            return Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) });
+        match self {
+            Self::Uinter { call, augmented } => uinter(call, *augmented, situation, end, statev),
+            Self::Fric { call, normal, sticking } => fric(call, normal, *sticking, situation, end, statev),
         }
-        Ok(tangent)
     }
 
-    /// The arrays of the plugin's calls.
-    pub fn arrays(&self) -> &ContactArrays {
+    /// Calls of the plugin so far.
+    pub fn calls(&self) -> u64 {
         match self {
-            Self::Uinter { call, .. } => call,
-            Self::Fric { call, .. } => call,
+            Self::Uinter { call, .. } => call.calls(),
+            Self::Fric { call, .. } => call.calls(),
+        }
+    }
+
+    fn props(&self) -> &[f64] {
+        match self {
+            Self::Uinter { call, .. } => call.props(),
+            Self::Fric { call, .. } => call.props(),
         }
     }
 
@@ -147,8 +150,8 @@ impl PointLaw {
         start: &PointState,
         statev: &'a [f64],
     ) -> Option<super::ContactCall<'a>> {
-        let props = self.arrays().props();
-        let number = i32::try_from(point + 1).ok().filter(|_| self.arrays().calls() > 0);
+        let props = self.props();
+        let number = i32::try_from(point + 1).ok().filter(|_| self.calls() > 0);
         match self {
             Self::Uinter { call, .. } if Some(call.node) == number => Some(super::ContactCall {
                 slip: [call.rdisp[1] - call.drdisp[1], call.rdisp[1]],
@@ -158,7 +161,7 @@ impl PointLaw {
                 characteristic_length: call.chrlngth,
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
-                fields: fields_of(call),
+                fields: fields_of(&call.fields),
             }),
             Self::Fric { call, .. } if Some(call.node) == number => Some(super::ContactCall {
                 slip: [start.slip, start.slip + call.dgam[0]],
@@ -168,7 +171,7 @@ impl PointLaw {
                 characteristic_length: call.chrlngth,
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
-                fields: fields_of(call),
+                fields: fields_of(&call.fields),
             }),
             _ => None,
         }
@@ -195,9 +198,9 @@ impl PointLaw {
 }
 
 /// Temperature and field variables at the start and at the end of a call's increment.
-fn fields_of(call: &ContactArrays) -> [FieldValues; 2] {
-    let [temperature, increment] = call.temperature();
-    let [variables, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2));
+fn fields_of(fields: &SurfaceFields) -> [FieldValues; 2] {
+    let [temperature, increment] = fields.temperature();
+    let [variables, increments] = fields.predef().map(|pairs| pairs.iter().copied().step_by(2));
     let start = variables.clone().zip(increments).map(|(end, increment)| end - increment).collect();
     [
         FieldValues { temperature: temperature - increment, variables: start },
@@ -248,9 +251,15 @@ fn refusal(law: &Law, props: &[f64]) -> Option<String> {
 }
 
 /// The call's end: what a host does with it.
-fn judged(outcome: Result<CallOutcome, Overrun>) -> Result<(), LawFailure> {
+fn judged(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) -> Result<(), LawFailure> {
     match outcome {
-        Ok(CallOutcome::Done) => Ok(()),
+        Ok(CallOutcome::Done) => match not_finite {
+            None => Ok(()),
+            Some(result) => {
+                let reason = format!("the contact law returned {result}");
+                Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) })
+            }
+        },
         Ok(CallOutcome::CutBack(fraction)) => {
             let reason = format!("the contact law asks for {fraction} of the increment (PNEWDT)");
             Err(LawFailure { reason, fraction: Some(fraction) })
@@ -294,7 +303,7 @@ fn uinter(
     call.counters = [context.step, context.increment, context.iteration].map(counter);
     call.node = situation.number;
     let outcome = call.call();
-    judged(outcome)?;
+    judged(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
     statev.copy_from_slice(call.statev());
     (end.plugin_energies, end.flags) = (call.energies, call.flags);
@@ -356,21 +365,22 @@ fn fric(
     call.counters = [context.step, context.increment].map(counter);
     call.node = situation.number;
     let outcome = call.call();
-    judged(outcome)?;
+    judged(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     statev.copy_from_slice(call.statev());
     end.plugin_energies[..2].copy_from_slice(&call.energies);
     (end.stick, end.inelastic_slip) = (call.next_lm(), start.inelastic_slip);
-    let (by_slip, by_pressure) = match call.lm {
-        0 => {
+    let answer = call.answer().map_err(|reason| LawFailure { reason, fraction: None })?;
+    let (by_slip, by_pressure) = match answer {
+        FricAnswer::Tractions => {
             end.shear = call.traction()[0];
             end.inelastic_slip = start.inelastic_slip + call.dslip[0];
             (call.tangent(0, 0), call.pressure_tangent[0])
         }
-        1 => {
+        FricAnswer::Sticks => {
             end.shear = start.shear + sticking * slip_increment;
             (sticking, 0.0)
         }
-        _ => {
+        FricAnswer::NoShear => {
             end.shear = 0.0;
             (0.0, 0.0)
         }

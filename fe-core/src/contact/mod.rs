@@ -203,7 +203,7 @@ impl Contact {
 
     /// Calls of the plugins so far.
     pub fn law_calls(&self) -> u64 {
-        self.earlier_calls + self.pairs.iter().map(|pair| pair.law.arrays().calls()).sum::<u64>()
+        self.earlier_calls + self.pairs.iter().map(|pair| pair.law.calls()).sum::<u64>()
     }
 
     /// The last call of a pair's law, if it was for this point: the one that failed, where a law did.

@@ -80,8 +80,11 @@ impl PluginLaw {
     /// # Errors
     /// The library has no such entry point.
     pub fn uinter(&self) -> Result<UinterCall, LawError> {
-        UinterCall::new(&self.library, self.symbol.as_deref(), &self.cmname, 2, self.nstatv, &self.props)
-            .map_err(|error| self.error(&error))
+        let (symbol, name) = (self.symbol.as_deref(), &self.cmname);
+        let call = UinterCall::new(&self.library, symbol, name, 2, self.nstatv, &self.props);
+        let mut call = call.map_err(|error| self.error(&error))?;
+        call.fence();
+        Ok(call)
     }
 
     /// Calls of its FRIC with one tangential direction.
@@ -89,8 +92,11 @@ impl PluginLaw {
     /// # Errors
     /// The library has no such entry point.
     pub fn fric(&self) -> Result<FricCall, LawError> {
-        FricCall::new(&self.library, self.symbol.as_deref(), &self.cmname, 1, self.nstatv, &self.props)
-            .map_err(|error| self.error(&error))
+        let (symbol, name) = (self.symbol.as_deref(), &self.cmname);
+        let call = FricCall::new(&self.library, symbol, name, 1, self.nstatv, &self.props);
+        let mut call = call.map_err(|error| self.error(&error))?;
+        call.fence();
+        Ok(call)
     }
 
     /// STATEV of a point at the start.

@@ -16,6 +16,7 @@ mod cases;
 mod checkpoints;
 mod kills;
 mod meshes;
+mod plugins;
 mod process;
 mod specimen;
 mod suite;
@@ -26,8 +27,13 @@ use suite::{Form, Tally};
 /// A kind of hostile input.
 type Module = (&'static str, fn(&Form) -> Tally);
 
-const MODULES: [Module; 4] =
-    [("cases", cases::run), ("meshes", meshes::run), ("checkpoints", checkpoints::run), ("kills", kills::run)];
+const MODULES: [Module; 5] = [
+    ("cases", cases::run),
+    ("meshes", meshes::run),
+    ("checkpoints", checkpoints::run),
+    ("kills", kills::run),
+    ("plugins", plugins::run),
+];
 
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os();

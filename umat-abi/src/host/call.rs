@@ -1,14 +1,16 @@
-//! A safe call of a UMAT: every argument valid, buffers reused, canaries checked.
+//! A safe call of a UMAT: every argument valid, buffers reused, what it must not write looked at.
 
+use super::exchange::{Exchange, Numbers, inputs, outputs};
 use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
 use super::manner::Detour;
-use super::memory::{Guarded, Overrun, fortran_name};
+use super::memory::{Guarded, NotFinite, Overrun, fortran_name, same_bits};
 use super::recorder::{Arguments, Slot, UmatRecord};
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
 use std::ffi::c_char;
+use std::ops::{Deref, DerefMut};
 
 /// PNEWDT on entry: large, so that a plugin that takes the minimum or assigns is understood alike.
 const PNEWDT_ON_ENTRY: f64 = 1e36;
@@ -30,10 +32,67 @@ impl CallOutcome {
     }
 }
 
+inputs! {
+    /// The arguments of UMAT that it must not change, but for PROPS, PREDEF and DPRED.
+    UmatInputs {
+        /// Total strain at the start of the increment, engineering shear.
+        pub stran "STRAN": [f64; 6],
+        /// Strain increment.
+        pub dstran "DSTRAN": [f64; 6],
+        /// Step time and total time at the start.
+        pub time "TIME": [f64; 2],
+        /// Time increment.
+        pub dtime "DTIME": f64,
+        /// Temperature at the start.
+        pub temp "TEMP": f64,
+        /// Temperature increment.
+        pub dtemp "DTEMP": f64,
+        /// Coordinates of the point.
+        pub coords "COORDS": [f64; 3],
+        /// Incremental rotation, column-major (`drot[column][row]`).
+        pub drot "DROT": [[f64; 3]; 3],
+        /// Characteristic length, mm.
+        pub celent "CELENT": f64,
+        /// Deformation gradient at the start, column-major.
+        pub dfgrd0 "DFGRD0": [[f64; 3]; 3],
+        /// Deformation gradient at the end, column-major.
+        pub dfgrd1 "DFGRD1": [[f64; 3]; 3],
+        /// Element number, from 1.
+        pub noel "NOEL": i32,
+        /// Integration point, from 1.
+        pub npt "NPT": i32,
+        /// Step number (from 1), procedure, NLGEOM flag, linear-perturbation flag.
+        pub jstep "JSTEP": [i32; 4],
+        /// Increment number, from 1.
+        pub kinc "KINC": i32,
+        ntens "NTENS": i32,
+        ndi "NDI": i32,
+        nshr "NSHR": i32,
+        nstatv "NSTATV": i32,
+        nprops "NPROPS": i32,
+        layer "LAYER": i32,
+        kspt "KSPT": i32,
+        cmname "CMNAME": [u8; 80],
+    }
+}
+
+outputs! {
+    UmatOutputs {
+        sse "SSE": Numbers<1>,
+        spd "SPD": Numbers<1>,
+        scd "SCD": Numbers<1>,
+        rpl "RPL": Numbers<1>,
+        ddsddt "DDSDDT": Numbers<6>,
+        drplde "DRPLDE": Numbers<6>,
+        drpldt "DRPLDT": Numbers<1>,
+        pnewdt "PNEWDT": Numbers<1>,
+    }
+}
+
 /// One material point's arguments and the function that takes them.
 ///
-/// Components are those of the stress state (3, 4 or 6). The caller sets the public fields and the
-/// slices, calls, and reads the slices back.
+/// Components are those of the stress state (3, 4 or 6). The caller sets the public fields (those of [`UmatInputs`] among
+/// them) and the slices, calls, and reads the slices back.
 #[derive(Debug)]
 pub struct UmatCall {
     function: UmatFunction,
@@ -45,53 +104,42 @@ pub struct UmatCall {
     stress: Guarded,
     statev: Guarded,
     ddsdde: Guarded,
+    /// PROPS as the host has them, and as the plugin gets them.
+    own_props: Vec<f64>,
     props: Guarded,
+    exchange: Exchange<UmatInputs, UmatOutputs>,
+    /// PREDEF and DPRED of a plugin that nobody vouches for.
+    lent_fields: Option<[Guarded; 2]>,
     /// Energies: stored, plastic, creep ("SCD").
     pub energies: [f64; 3],
-    thermal: [f64; 14],
-    /// Total strain at the start of the increment, engineering shear.
-    pub stran: [f64; 6],
-    /// Strain increment.
-    pub dstran: [f64; 6],
-    /// Step time and total time at the start.
-    pub time: [f64; 2],
-    /// Time increment.
-    pub dtime: f64,
-    /// Temperature at the start.
-    pub temp: f64,
-    /// Temperature increment.
-    pub dtemp: f64,
     /// Field variables at the start. A call makes them at least one, and as many as `dpred`, by zeros.
     pub predef: Vec<f64>,
     /// Their increments.
     pub dpred: Vec<f64>,
-    /// Coordinates of the point.
-    pub coords: [f64; 3],
-    /// Incremental rotation, column-major (`drot[column][row]`).
-    pub drot: [[f64; 3]; 3],
-    /// Characteristic length, mm.
-    pub celent: f64,
-    /// Deformation gradient at the start, column-major.
-    pub dfgrd0: [[f64; 3]; 3],
-    /// Deformation gradient at the end, column-major.
-    pub dfgrd1: [[f64; 3]; 3],
-    /// Element number, from 1.
-    pub noel: i32,
-    /// Integration point, from 1.
-    pub npt: i32,
-    /// Step number (from 1), procedure, NLGEOM flag, linear-perturbation flag.
-    pub jstep: [i32; 4],
-    /// Increment number, from 1.
-    pub kinc: i32,
     /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
     /// before a call, that of the end behind it.
     pub strain_33: f64,
-    cmname: [u8; 80],
     pnewdt: f64,
     /// Where calls are noted, if they are.
     slot: Option<Slot>,
     /// How calls are made that are not plain.
     pub(super) detour: Option<Box<Detour>>,
+}
+
+impl Deref for UmatCall {
+    type Target = UmatInputs;
+
+    #[inline]
+    fn deref(&self) -> &UmatInputs {
+        &self.exchange.inputs
+    }
+}
+
+impl DerefMut for UmatCall {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut UmatInputs {
+        &mut self.exchange.inputs
+    }
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
@@ -115,30 +163,20 @@ impl UmatCall {
         props: &[f64],
     ) -> Result<Self, LoadError> {
         let function = library.umat(symbol)?;
-        let ntens = stress_state.components().len();
+        let (ntens, ndi, nshr) = stress_state.counts();
+        let components = stress_state.components().len();
         let mut guarded_props = Guarded::new("PROPS", props.len());
         guarded_props.as_mut_slice().copy_from_slice(props);
+        let statev = Guarded::new("STATEV", nstatv);
         let described = !library.laws().is_empty();
-        Ok(Self {
-            function,
-            _library: library.clone(),
-            honours_stress_only: described && library.laws().iter().all(|law| law.has(flags::STRESS_ONLY)),
-            guard: library.guard(),
-            stress_state,
-            stress: Guarded::new("STRESS", ntens),
-            statev: Guarded::new("STATEV", nstatv),
-            ddsdde: Guarded::new("DDSDDE", ntens * ntens),
-            props: guarded_props,
-            energies: [0.0; 3],
-            thermal: [0.0; 14],
+        let guard = library.guard();
+        let inputs = UmatInputs {
             stran: [0.0; 6],
             dstran: [0.0; 6],
             time: [0.0; 2],
             dtime: 1.0,
             temp: 0.0,
             dtemp: 0.0,
-            predef: vec![0.0],
-            dpred: vec![0.0],
             coords: [0.0; 3],
             drot: IDENTITY,
             celent: 1.0,
@@ -148,12 +186,54 @@ impl UmatCall {
             npt: 1,
             jstep: [1, STATIC_PROCEDURE, 0, 0],
             kinc: 1,
-            strain_33: 0.0,
+            ntens,
+            ndi,
+            nshr,
+            nstatv: *statev.count(),
+            nprops: *guarded_props.count(),
+            // the only layer and section point
+            layer: 1,
+            kspt: 1,
             cmname: fortran_name(name),
+        };
+        let lends = guard.is_some();
+        Ok(Self {
+            function,
+            _library: library.clone(),
+            honours_stress_only: described && library.laws().iter().all(|law| law.has(flags::STRESS_ONLY)),
+            guard,
+            stress_state,
+            stress: Guarded::new("STRESS", components),
+            statev,
+            ddsdde: Guarded::new("DDSDDE", components * components),
+            own_props: props.to_vec(),
+            props: guarded_props,
+            exchange: Exchange::new(inputs, lends),
+            lent_fields: lends.then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 1))),
+            energies: [0.0; 3],
+            predef: vec![0.0],
+            dpred: vec![0.0],
+            strain_33: 0.0,
             pnewdt: PNEWDT_ON_ENTRY,
             slot: Slot::new(library, symbol, name),
             detour: None,
         })
+    }
+
+    /// In a process that exists for its plugins, lets every array end where a page begins that cannot be written: a store
+    /// behind it ends the process, and the recorder tells which. For runs; elsewhere nothing is done.
+    pub fn fence(&mut self) {
+        if self.slot.is_none() {
+            return;
+        }
+        for array in [&mut self.stress, &mut self.statev, &mut self.ddsdde, &mut self.props] {
+            array.fence();
+        }
+        self.lent_fields.iter_mut().flatten().for_each(Guarded::fence);
+        self.exchange.fence();
+        if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid_mut()) {
+            solid.fence();
+        }
     }
 
     /// Number of stress components.
@@ -161,18 +241,9 @@ impl UmatCall {
         self.stress.as_slice().len()
     }
 
-    /// NTENS, NDI, NSHR. The plugin reads them through pointers that must live as long as the call: constants do.
-    fn counts(&self) -> &'static [i32; 3] {
-        match self.stress_state {
-            StressState::ThreeD => &[6, 3, 3],
-            StressState::PlaneStrainOrAxisymmetric => &[4, 3, 1],
-            StressState::PlaneStress => &[3, 2, 1],
-        }
-    }
-
     /// NDI.
     pub(super) fn ndi(&self) -> i32 {
-        self.counts()[1]
+        self.exchange.inputs.ndi
     }
 
     /// The stress state it was made for.
@@ -202,7 +273,7 @@ impl UmatCall {
 
     /// PROPS.
     pub fn props(&self) -> &[f64] {
-        self.props.as_slice()
+        &self.own_props
     }
 
     /// DDSDDE(row, column) of the last call, indices from 0.
@@ -214,6 +285,20 @@ impl UmatCall {
     /// DDSDDE, column-major.
     pub fn ddsdde(&self) -> &[f64] {
         self.ddsdde.as_slice()
+    }
+
+    /// Returns a result of the last call that a host cannot go on with, DDSDDE aside, which not every host needs.
+    #[inline]
+    pub fn not_finite(&self) -> Option<NotFinite> {
+        let [sse, spd, scd] = self.energies.each_ref().map(std::slice::from_ref);
+        let states = [("STRESS", self.stress()), ("STATEV", self.statev())];
+        NotFinite::among(states.into_iter().chain([("SSE", sse), ("SPD", spd), ("SCD", scd)]))
+    }
+
+    /// Returns an entry of DDSDDE of the last call that is no number.
+    #[inline]
+    pub fn moduli_not_finite(&self) -> Option<NotFinite> {
+        NotFinite::among([("DDSDDE", self.ddsdde())])
     }
 
     /// DDSDDE, to be set behind a call.
@@ -261,13 +346,12 @@ impl UmatCall {
     }
 
     /// Calls the plugin `count` times with the same arguments, for measurements: STRESS and STATEV are as they are now
-    /// before each call and at the end, DDSDDE is not zeroed, canaries are checked once.
+    /// before each call and at the end, DDSDDE is not zeroed.
     ///
     /// # Errors
     /// As [`Self::call`].
     pub fn repeat(&mut self, count: usize, request: Request) -> Result<CallOutcome, Overrun> {
         let stress_only = request == Request::Stress && self.honours_stress_only;
-        self.pnewdt = PNEWDT_ON_ENTRY;
         let mut start = [0.0; 6];
         let start = &mut start[..self.ntens()];
         start.copy_from_slice(self.stress.as_slice());
@@ -278,8 +362,8 @@ impl UmatCall {
             let arguments = self.arguments(stress_only);
             // SAFETY: every pointer is valid for the sizes that the counts tell.
             run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+            self.take_back()?;
         }
-        self.check_arrays()?;
         self.stress.as_mut_slice().copy_from_slice(start);
         self.statev.as_mut_slice().copy_from_slice(&states);
         Ok(self.outcome())
@@ -303,7 +387,6 @@ impl UmatCall {
         assert!(stran.len() == ntens && dstran.len() == ntens && stress.len() == ntens, "NTENS values");
         assert!(statev.len() == self.statev.as_slice().len(), "NSTATV values");
         let stress_only = request == Request::Stress && self.honours_stress_only;
-        self.pnewdt = PNEWDT_ON_ENTRY;
         let arguments = UmatArguments {
             stran: stran.as_ptr(),
             dstran: dstran.as_ptr(),
@@ -313,14 +396,47 @@ impl UmatCall {
         };
         // SAFETY: every pointer is valid for the sizes that the counts tell.
         run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+        self.take_outputs();
         self.outcome()
     }
 
-    fn check_arrays(&mut self) -> Result<(), Overrun> {
+    /// Takes over what the call wrote besides its arrays.
+    #[inline]
+    fn take_outputs(&mut self) {
+        let UmatOutputs { sse, spd, scd, pnewdt, .. } = &self.exchange.outputs;
+        (self.energies, self.pnewdt) = ([sse, spd, scd].map(|energy| energy.values[0]), pnewdt.values[0]);
+    }
+
+    /// Takes over what the call wrote, and looks at what it must not write.
+    #[inline]
+    fn take_back(&mut self) -> Result<(), Overrun> {
+        let has_inputs = self.exchange.take_back()?;
+        self.take_outputs();
         self.stress.check()?;
         self.statev.check()?;
         self.ddsdde.check()?;
-        self.props.check()
+        self.props.check()?;
+        let Some([predef, dpred]) = &mut self.lent_fields else { return Ok(()) };
+        predef.check()?;
+        dpred.check()?;
+        let has_fields = same_bits(predef.as_slice(), &self.predef) && same_bits(dpred.as_slice(), &self.dpred);
+        if !has_inputs || !has_fields || !same_bits(self.props.as_slice(), &self.own_props) {
+            self.note_written();
+        }
+        Ok(())
+    }
+
+    /// The call wrote into inputs.
+    #[cold]
+    fn note_written(&mut self) {
+        let mut written = self.exchange.written();
+        let lent = self.lent_fields.iter().flatten().zip([("PREDEF", &self.predef), ("DPRED", &self.dpred)]);
+        let arrays = lent.chain([(&self.props, ("PROPS", &self.own_props))]);
+        written.extend(arrays.filter(|(lent, (_, own))| !same_bits(lent.as_slice(), own)).map(|(_, (name, _))| name));
+        self.props.as_mut_slice().copy_from_slice(&self.own_props);
+        if let Some(guard) = &self.guard {
+            guard.note_written(written, [self.jstep[0], self.kinc, self.noel, self.npt]);
+        }
     }
 
     /// What the last call came back with, also if it wrote behind an array.
@@ -341,7 +457,6 @@ impl UmatCall {
         alter: impl FnOnce(&mut UmatArguments),
     ) -> Result<CallOutcome, Overrun> {
         self.ddsdde.as_mut_slice().fill(filling);
-        self.pnewdt = PNEWDT_ON_ENTRY;
         if self.slot.is_some() {
             self.note(stress_only);
         }
@@ -352,7 +467,7 @@ impl UmatCall {
         if let Some(slot) = &mut self.slot {
             slot.leave();
         }
-        self.check_arrays()?;
+        self.take_back()?;
         Ok(self.outcome())
     }
 
@@ -379,55 +494,60 @@ impl UmatCall {
             self.predef.resize(count, 0.0);
             self.dpred.resize(count, 0.0);
         }
-        let [ntens, ndi, nshr] = self.counts();
-        let [sse, spd, scd] = &mut self.energies;
-        let thermal = self.thermal.as_mut_ptr();
+        let [sse, spd, scd] = self.energies.map(Numbers::from);
+        let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
+        self.exchange.outputs = UmatOutputs { sse, spd, scd, pnewdt, ..self.exchange.outputs };
+        let (inputs, outputs) = self.exchange.hand_over();
+        let mut fields = [self.predef.as_ptr(), self.dpred.as_ptr()];
+        if let Some(lent) = &mut self.lent_fields {
+            for ((lent, own), field) in lent.iter_mut().zip([&self.predef, &self.dpred]).zip(&mut fields) {
+                lent.hold(own);
+                *field = lent.as_mut_ptr();
+            }
+        }
         let ddsdde = if stress_only { std::ptr::null_mut() } else { self.ddsdde.as_mut_ptr() };
-        UmatArguments {
-            stress: self.stress.as_mut_ptr(),
-            statev: self.statev.as_mut_ptr(),
-            ddsdde,
-            sse,
-            spd,
-            scd,
-            rpl: thermal,
-            // SAFETY: offsets within the 14 values: DDSDDT(6) at 1, DRPLDE(6) at 7, DRPLDT at 13.
-            ddsddt: unsafe { thermal.add(1) },
-            // SAFETY: as above.
-            drplde: unsafe { thermal.add(7) },
-            // SAFETY: as above.
-            drpldt: unsafe { thermal.add(13) },
-            stran: self.stran.as_ptr(),
-            dstran: self.dstran.as_ptr(),
-            time: self.time.as_ptr(),
-            dtime: &raw const self.dtime,
-            temp: &raw const self.temp,
-            dtemp: &raw const self.dtemp,
-            predef: self.predef.as_ptr(),
-            dpred: self.dpred.as_ptr(),
-            cmname: self.cmname.as_ptr().cast::<c_char>(),
-            ndi,
-            nshr,
-            ntens,
-            nstatv: self.statev.count(),
-            props: self.props.as_mut_ptr(),
-            nprops: self.props.count(),
-            coords: self.coords.as_ptr(),
-            drot: self.drot.as_ptr().cast(),
-            pnewdt: &raw mut self.pnewdt,
-            celent: &raw const self.celent,
-            dfgrd0: self.dfgrd0.as_ptr().cast(),
-            dfgrd1: self.dfgrd1.as_ptr().cast(),
-            noel: &raw const self.noel,
-            npt: &raw const self.npt,
-            layer: &raw const ONE,
-            kspt: &raw const ONE,
-            jstep: self.jstep.as_ptr(),
-            kinc: &raw const self.kinc,
-            cmname_length: self.cmname.len(),
+        // SAFETY: both live as long as the call object, and only addresses are taken.
+        unsafe {
+            UmatArguments {
+                stress: self.stress.as_mut_ptr(),
+                statev: self.statev.as_mut_ptr(),
+                ddsdde,
+                sse: (&raw mut (*outputs).sse).cast(),
+                spd: (&raw mut (*outputs).spd).cast(),
+                scd: (&raw mut (*outputs).scd).cast(),
+                rpl: (&raw mut (*outputs).rpl).cast(),
+                ddsddt: (&raw mut (*outputs).ddsddt).cast(),
+                drplde: (&raw mut (*outputs).drplde).cast(),
+                drpldt: (&raw mut (*outputs).drpldt).cast(),
+                stran: (&raw const (*inputs).stran).cast(),
+                dstran: (&raw const (*inputs).dstran).cast(),
+                time: (&raw const (*inputs).time).cast(),
+                dtime: &raw const (*inputs).dtime,
+                temp: &raw const (*inputs).temp,
+                dtemp: &raw const (*inputs).dtemp,
+                predef: fields[0],
+                dpred: fields[1],
+                cmname: (&raw const (*inputs).cmname).cast::<c_char>(),
+                ndi: &raw const (*inputs).ndi,
+                nshr: &raw const (*inputs).nshr,
+                ntens: &raw const (*inputs).ntens,
+                nstatv: &raw const (*inputs).nstatv,
+                props: self.props.as_mut_ptr(),
+                nprops: &raw const (*inputs).nprops,
+                coords: (&raw const (*inputs).coords).cast(),
+                drot: (&raw const (*inputs).drot).cast(),
+                pnewdt: (&raw mut (*outputs).pnewdt).cast(),
+                celent: &raw const (*inputs).celent,
+                dfgrd0: (&raw const (*inputs).dfgrd0).cast(),
+                dfgrd1: (&raw const (*inputs).dfgrd1).cast(),
+                noel: &raw const (*inputs).noel,
+                npt: &raw const (*inputs).npt,
+                layer: &raw const (*inputs).layer,
+                kspt: &raw const (*inputs).kspt,
+                jstep: (&raw const (*inputs).jstep).cast(),
+                kinc: &raw const (*inputs).kinc,
+                cmname_length: self.exchange.inputs.cmname.len(),
+            }
         }
     }
 }
-
-/// LAYER and KSPT: the only layer and section point.
-static ONE: i32 = 1;

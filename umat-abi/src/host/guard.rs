@@ -1,6 +1,7 @@
 //! Calls of libraries that describe nothing: what is not known of them is made sure of.
 
 use crate::floating_point;
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError, Weak};
@@ -13,6 +14,8 @@ pub(super) struct Guard {
     /// Whether invalid operations, divisions by zero and overflow end the process with SIGFPE in a call.
     traps: bool,
     changed_modes: Arc<AtomicBool>,
+    /// Inputs that calls wrote, each with step, increment, element and point of the first.
+    written: Arc<Mutex<BTreeMap<&'static str, [i32; 4]>>>,
 }
 
 /// The turn of each library file: handles of one file share its COMMON blocks.
@@ -37,7 +40,26 @@ fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 
 impl Guard {
     pub(super) fn new(path: &Path, traps: bool) -> Self {
-        Self { turn: Some(turn_of(path)), traps, changed_modes: Arc::default() }
+        Self { turn: Some(turn_of(path)), traps, changed_modes: Arc::default(), written: Arc::default() }
+    }
+
+    /// For a library that is known to be thread-safe.
+    pub(super) fn without_turn() -> Self {
+        Self { turn: None, traps: false, changed_modes: Arc::default(), written: Arc::default() }
+    }
+
+    /// A call wrote inputs.
+    #[cold]
+    pub(super) fn note_written(&self, arguments: impl IntoIterator<Item = &'static str>, place: [i32; 4]) {
+        let mut written = locked(&self.written);
+        for argument in arguments {
+            written.entry(argument).or_insert(place);
+        }
+    }
+
+    /// The inputs that calls wrote, with the place of the first.
+    pub(super) fn written(&self) -> BTreeMap<&'static str, [i32; 4]> {
+        locked(&self.written).clone()
     }
 
     /// The same without waiting for other threads.

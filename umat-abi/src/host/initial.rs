@@ -70,6 +70,7 @@ enum Source<F> {
 #[derive(Debug)]
 struct Routine<F> {
     function: F,
+    values: Guarded,
     guard: Option<Guard>,
     slot: Option<Slot>,
     /// Keeps the function's code loaded.
@@ -81,17 +82,25 @@ impl<F: Copy> Initial<F> {
     ///
     /// # Safety
     /// `F` is the type of the routine.
-    unsafe fn new(library: &Library, routine: &str, given: Option<&[f64]>, count: usize) -> Self {
+    unsafe fn new(
+        library: &Library,
+        (routine, array): (&str, &'static str),
+        given: Option<&[f64]>,
+        count: usize,
+    ) -> Self {
         let source = match given {
             Some(given) => Source::Given(given.to_vec()),
             // SAFETY: forwarded to the caller; the library is kept.
             None => match unsafe { library.find(routine) } {
-                Some(function) => Source::Routine(Routine {
-                    function,
-                    guard: library.guard(),
-                    slot: Slot::of_routine(library),
-                    _library: library.clone(),
-                }),
+                Some(function) => {
+                    let slot = Slot::of_routine(library);
+                    let mut values = Guarded::new(array, count);
+                    if slot.is_some() {
+                        values.fence();
+                    }
+                    let guard = library.guard();
+                    Source::Routine(Routine { function, values, guard, slot, _library: library.clone() })
+                }
                 None => Source::Zero,
             },
         };
@@ -102,11 +111,10 @@ impl<F: Copy> Initial<F> {
     fn of_point(
         &mut self,
         (name, number): (&str, i32),
-        array: &'static str,
         point: &InitialPoint,
         call: impl FnOnce(F, &mut Guarded),
     ) -> Result<Vec<f64>, String> {
-        let Routine { function, guard, slot, .. } = match &mut self.source {
+        let Routine { function, values, guard, slot, .. } = match &mut self.source {
             Source::Zero => return Ok(vec![0.0; self.count]),
             Source::Given(given) => return Ok(given.clone()),
             Source::Routine(routine) => routine,
@@ -117,15 +125,15 @@ impl<F: Copy> Initial<F> {
                 InitialStateRecord::write(&[point.element, point.point], to);
             });
         }
-        let mut guarded = Guarded::new(array, self.count);
-        run(guard.as_ref(), || call(*function, &mut guarded));
+        values.as_mut_slice().fill(0.0);
+        run(guard.as_ref(), || call(*function, values));
         if let Some(slot) = slot {
             slot.leave();
         }
-        guarded.check().map_err(|overrun| format!("{name}: {overrun}"))?;
-        match guarded.as_slice().iter().position(|value| !value.is_finite()) {
-            Some(k) => Err(format!("{name} set {array}({}) to {}", k + 1, guarded.as_slice()[k])),
-            None => Ok(guarded.as_slice().to_vec()),
+        values.check().map_err(|overrun| format!("{name}: {overrun}"))?;
+        match values.as_slice().iter().position(|value| !value.is_finite()) {
+            Some(k) => Err(format!("{name} set {}({}) to {}", values.name(), k + 1, values.as_slice()[k])),
+            None => Ok(values.as_slice().to_vec()),
         }
     }
 
@@ -138,7 +146,7 @@ impl InitialStates {
     /// Of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: a function of this name has the signature of the manual; no check is possible.
-        Self(unsafe { Initial::new(library, "sdvini", given, count) })
+        Self(unsafe { Initial::new(library, ("sdvini", "STATEV"), given, count) })
     }
 
     /// Whether all are 0 at every point, because nobody says otherwise.
@@ -152,7 +160,7 @@ impl InitialStates {
     /// In words, if SDVINI wrote behind STATEV, or left a value that is not finite.
     pub fn of_point(&mut self, at: &InitialPoint) -> Result<Vec<f64>, String> {
         let InitialPoint { coordinates, element, point } = at;
-        self.0.of_point(("SDVINI", Arguments::INITIAL_STATE), "STATEV", at, |function, values| {
+        self.0.of_point(("SDVINI", Arguments::INITIAL_STATE), at, |function, values| {
             let (states, count) = (values.as_mut_ptr(), values.count());
             // SAFETY: every pointer is valid for the sizes that the counts tell.
             unsafe { function(states, coordinates.as_ptr(), count, &DIMENSIONS, element, point, &ONE, &ONE) }
@@ -164,7 +172,7 @@ impl InitialStresses {
     /// Of a law with `count` stress components: those given; otherwise what SIGINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: as for SDVINI.
-        Self(unsafe { Initial::new(library, "sigini", given, count) })
+        Self(unsafe { Initial::new(library, ("sigini", "SIGMA"), given, count) })
     }
 
     /// Whether all are 0 at every point, because nobody says otherwise.
@@ -180,7 +188,7 @@ impl InitialStresses {
         let InitialPoint { coordinates, element, point } = at;
         // the rebar's name, which is blank, and the type of the element
         let names = [fortran_name(""), fortran_name(element_type)].concat();
-        self.0.of_point(("SIGINI", Arguments::INITIAL_STRESS), "SIGMA", at, |function, values| {
+        self.0.of_point(("SIGINI", Arguments::INITIAL_STRESS), at, |function, values| {
             let (stress, count) = (values.as_mut_ptr(), values.count());
             let names = names.as_ptr().cast::<c_char>();
             // SAFETY: every pointer is valid for the sizes that the counts tell.

@@ -8,6 +8,7 @@ use crate::fric::FricFunction;
 use crate::metadata::{BATCH_SYMBOL, PLUGIN_SYMBOL, Plugin, UmatBatch};
 use crate::uinter::UinterFunction;
 use crate::umat::UmatFunction;
+use std::collections::BTreeMap;
 use std::ffi::{CStr, OsStr, c_void};
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -140,8 +141,14 @@ impl Library {
         prints::note_loaded(&handle);
         // SAFETY: the symbol is only looked for.
         let is_debug = unsafe { own_symbol::<*const c_void>(&handle, path, DEBUG_SYMBOL) }.is_some();
-        let guard = laws.is_empty().then(|| Guard::new(path, is_debug));
-        if recorder::installed().is_some() {
+        let is_isolated = recorder::installed().is_some();
+        let guard = if laws.is_empty() {
+            Some(Guard::new(path, is_debug))
+        } else {
+            // isolated with its metadata: nobody vouches for more than what they say
+            is_isolated.then(Guard::without_turn)
+        };
+        if is_isolated {
             // What it does when it is unloaded it does at the worker's exit, behind the done-mark.
             std::mem::forget(Arc::clone(&handle));
         }
@@ -175,6 +182,12 @@ impl Library {
     /// Whether loading it switched floating-point modes (flush-to-zero); they were restored.
     pub fn changes_floating_point(&self) -> bool {
         self.changes_floating_point
+    }
+
+    /// Returns the inputs that calls so far wrote into, each with step, increment, element and point of the first call
+    /// that did. The changes were lost with the calls. Not looked for where somebody vouches for the library.
+    pub fn written_inputs(&self) -> BTreeMap<&'static str, [i32; 4]> {
+        self.guard.as_ref().map(Guard::written).unwrap_or_default()
     }
 
     /// Whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata

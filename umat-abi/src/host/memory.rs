@@ -1,78 +1,232 @@
-//! Arrays that a plugin writes, with canaries behind each: an overrun is reported by name instead of
-//! crashing something later.
+//! Arrays that a plugin writes, with canaries on both sides of each: an overrun is reported by name instead of crashing
+//! something later. In the arrays of a worker a write outside ends the process at the very store.
 
+#[cfg(unix)]
+use super::fence::{Fenced, Outside, Watched, watch};
+#[cfg(unix)]
+use super::probe::Alignment;
+use crate::law::all_finite;
+use std::borrow::Cow;
 use std::fmt;
 
 /// A bit pattern no computation produces: a signalling-free NaN with a marked payload.
-const CANARY: u64 = 0x7ff8_c0de_ba5e_ba11;
+pub(super) const CANARY: u64 = 0x7ff8_c0de_ba5e_ba11;
 /// Doubles behind each array.
 pub(super) const CANARIES: usize = 4;
 
 /// Doubles behind them that are nobody's: what arrays for 6 components are longer than those for 3, 36 − 9.
 const SLACK: usize = 27;
 
-/// A plugin wrote behind one of its arrays.
+/// A plugin wrote outside one of its arrays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Overrun {
     /// The argument's name.
     pub array: &'static str,
-    /// Its length.
+    /// The element written, as Fortran counts (from 1).
+    pub element: i64,
+    /// Elements that the array has.
     pub length: usize,
 }
 
 impl fmt::Display for Overrun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "the plugin wrote behind the end of {} (length {})", self.array, self.length)
+        let Self { array, element, length } = self;
+        write!(f, "the plugin wrote {array}({element}), which has {length} elements")
     }
 }
 
 impl std::error::Error for Overrun {}
 
-/// One array with its canaries.
-#[derive(Clone, Debug)]
+/// A result that is NaN or infinite.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct NotFinite {
+    /// The argument's name.
+    pub argument: &'static str,
+    /// The element, from 1.
+    pub element: usize,
+    /// What it is.
+    pub value: f64,
+}
+
+impl NotFinite {
+    /// The first of some results.
+    #[inline]
+    pub(super) fn among<'a>(results: impl IntoIterator<Item = (&'static str, &'a [f64])>) -> Option<Self> {
+        results.into_iter().find_map(|(argument, values)| {
+            if all_finite(values) {
+                return None;
+            }
+            let element = values.iter().position(|value| !value.is_finite())?;
+            Some(Self { argument, element: element + 1, value: values[element] })
+        })
+    }
+}
+
+impl fmt::Display for NotFinite {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { argument, element, value } = self;
+        write!(f, "{argument}({element}) = {value}")
+    }
+}
+
+/// An access outside an array.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Trespass {
+    /// The argument's name.
+    pub argument: Cow<'static, str>,
+    /// The element touched, as Fortran counts (from 1).
+    pub element: i64,
+    /// Elements that the array has.
+    pub length: usize,
+    /// Whether it was written; `None` where the processor does not tell.
+    pub writes: Option<bool>,
+}
+
+impl fmt::Display for Trespass {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let verb = match self.writes {
+            Some(true) => "writes",
+            Some(false) => "reads",
+            None => "touches",
+        };
+        write!(f, "{verb} {}({}), which has {} elements", self.argument, self.element, self.length)
+    }
+}
+
+/// One array with a canary in front of it, and behind it canaries or a page that cannot be written.
+#[derive(Debug)]
 pub(super) struct Guarded {
     name: &'static str,
     length: usize,
     /// The length as Fortran passes it.
     count: i32,
-    memory: Vec<f64>,
+    first: *mut f64,
+    /// Canaries behind it.
+    behind: usize,
+    /// Characters at its end that messages count instead of its values.
+    characters: Option<usize>,
+    _memory: Memory,
 }
+
+#[derive(Debug)]
+enum Memory {
+    Canaries(#[allow(dead_code, reason = "owns what is written through a pointer")] Vec<f64>),
+    #[cfg(unix)]
+    Fenced(#[allow(dead_code, reason = "owns what is written through a pointer")] Watched),
+}
+
+// SAFETY: it owns its memory alone, and gives it out as borrowed slices.
+unsafe impl Send for Guarded {}
+// SAFETY: as above.
+unsafe impl Sync for Guarded {}
 
 impl Guarded {
     /// An array of zeros.
     pub(super) fn new(name: &'static str, length: usize) -> Self {
-        let mut memory = vec![0.0; length];
-        memory.resize(length + CANARIES + SLACK, f64::from_bits(CANARY));
-        Self { name, length, count: i32::try_from(length).unwrap_or(i32::MAX), memory }
+        let mut memory = vec![f64::from_bits(CANARY); 1 + length + CANARIES + SLACK];
+        memory[1..=length].fill(0.0);
+        let first = &raw mut memory[1];
+        let count = i32::try_from(length).unwrap_or(i32::MAX);
+        Self { name, length, count, first, behind: CANARIES, characters: None, _memory: Memory::Canaries(memory) }
     }
 
+    /// Room for values of any kind at whose end an argument of characters stands, which messages name.
+    pub(super) fn ending_with(name: &'static str, characters: usize, length: usize) -> Self {
+        Self { characters: Some(characters), ..Self::new(name, length) }
+    }
+
+    /// Moves the array so that it ends where a page begins that cannot be written. Where the system does not give that, the
+    /// canaries stay.
+    #[cfg(unix)]
+    pub(super) fn fence(&mut self) {
+        let make = || {
+            let shape = [1 + self.length, size_of::<f64>()];
+            let mut fenced = Fenced::new(self.name, shape, Alignment::End, Outside::Readable(CANARY)).ok()?;
+            match self.characters {
+                None => fenced.count_from_second(),
+                Some(characters) => fenced.count_characters(characters),
+            }
+            Some(fenced)
+        };
+        let Some(watched) = watch(make) else { return };
+        let front: *mut f64 = watched.address().cast();
+        // SAFETY: there is room for one value in front and for as many as the array has.
+        let first = unsafe {
+            front.write(f64::from_bits(CANARY));
+            std::ptr::copy_nonoverlapping(self.first, front.add(1), self.length);
+            front.add(1)
+        };
+        (self.first, self.behind, self._memory) = (first, 0, Memory::Fenced(watched));
+    }
+
+    #[cfg(not(unix))]
+    pub(super) fn fence(&mut self) {}
+
+    #[inline]
     pub(super) fn as_slice(&self) -> &[f64] {
-        &self.memory[..self.length]
+        // SAFETY: the array's memory, which it owns.
+        unsafe { std::slice::from_raw_parts(self.first, self.length) }
     }
 
+    #[inline]
     pub(super) fn as_mut_slice(&mut self) -> &mut [f64] {
-        &mut self.memory[..self.length]
+        // SAFETY: as above.
+        unsafe { std::slice::from_raw_parts_mut(self.first, self.length) }
     }
 
+    #[inline]
     pub(super) fn as_mut_ptr(&mut self) -> *mut f64 {
-        self.memory.as_mut_ptr()
+        self.first
+    }
+
+    /// The argument's name.
+    pub(super) fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Takes over values, as many as there are.
+    #[inline]
+    pub(super) fn hold(&mut self, values: &[f64]) {
+        if values.len() != self.length {
+            let is_fenced = self.behind == 0;
+            *self = Self::new(self.name, values.len());
+            if is_fenced {
+                self.fence();
+            }
+        }
+        self.as_mut_slice().copy_from_slice(values);
     }
 
     /// The length as an argument (NSTATV, NPROPS).
-    pub(super) fn count(&self) -> *const i32 {
-        &raw const self.count
+    pub(super) fn count(&self) -> &i32 {
+        &self.count
     }
 
     /// Checks the canaries and restores them.
     #[inline]
     pub(super) fn check(&mut self) -> Result<(), Overrun> {
-        let canaries = &mut self.memory[self.length..self.length + CANARIES];
-        if canaries.iter().all(|x| x.to_bits() == CANARY) {
+        // SAFETY: so many values stand around the array.
+        let (front, behind) = unsafe {
+            let behind = std::slice::from_raw_parts_mut(self.first.add(self.length), self.behind);
+            (&mut *self.first.sub(1), behind)
+        };
+        if front.to_bits() == CANARY && behind.iter().all(|x| x.to_bits() == CANARY) {
             return Ok(());
         }
-        canaries.fill(f64::from_bits(CANARY));
-        Err(Overrun { array: self.name, length: self.length })
+        let offset = behind.iter().position(|x| x.to_bits() != CANARY);
+        *front = f64::from_bits(CANARY);
+        behind.fill(f64::from_bits(CANARY));
+        let length = self.characters.unwrap_or(self.length);
+        let size = if self.characters.is_some() { size_of::<f64>() } else { 1 };
+        let element = offset.map_or(0, |offset| i64::try_from(length + 1 + size * offset).unwrap_or(i64::MAX));
+        Err(Overrun { array: self.name, element, length })
     }
+}
+
+/// Returns whether numbers are the same to the last bit.
+#[inline]
+pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
 /// A Fortran CHARACTER*80: upper case, blank-padded.

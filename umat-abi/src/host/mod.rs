@@ -6,6 +6,9 @@ mod call;
 mod data;
 mod description;
 mod discovery;
+mod exchange;
+#[cfg(unix)]
+mod fence;
 mod guard;
 mod initial;
 mod interface_call;
@@ -24,17 +27,17 @@ pub const MOMENT: f64 = 1e-12;
 
 pub use altered::Alteration;
 pub use batch::BatchCall;
-pub use call::{CallOutcome, UmatCall};
+pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
 pub use discovery::{Found, library_file_name, library_path, names_a_file, search_paths};
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
-pub use interface_call::{ContactArrays, FricCall, UinterCall};
+pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, binds_deeply};
 pub use manner::{Manner, TangentDeviation, TangentSource};
-pub use memory::Overrun;
+pub use memory::{NotFinite, Overrun, Trespass};
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]
-pub use probe::{Alignment, Probed, Trespass};
+pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
 pub use utilities::{UnavailableUtilities, announce_job, utilities_path};

@@ -196,7 +196,9 @@ static ROWS: OnceLock<Mutex<File>> = OnceLock::new();
 /// Hands a line on.
 fn hand_on(line: &Value) {
     if let Some(mut file) = ROWS.get().and_then(|file| file.lock().ok()) {
-        let _ = file.write_all(format!("{line}\n").as_bytes());
+        if file.write_all(format!("{line}\n").as_bytes()).is_err() {
+            worker::end_for_closed_output();
+        }
     }
 }
 
@@ -217,7 +219,7 @@ fn here(arguments: &Arguments, library: &Library) -> u8 {
     options.listener = match &arguments.rows {
         Some(rows) => {
             let Ok(file) = File::options().append(true).open(rows) else { return FAILED };
-            let _ = ROWS.set(Mutex::new(file));
+            let _ = ROWS.set(Mutex::new(isolation::out_of_reach(file)));
             Some(|event| match event {
                 Event::Begins(check, stress_state) => hand_on(&json!({ "begins": [check, stress_state] })),
                 Event::Draws(state, is_far) => hand_on(&json!({ "draws": [state, is_far] })),

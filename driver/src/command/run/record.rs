@@ -106,7 +106,11 @@ impl Observer for Record {
         if row.step == 0 {
             self.peaks.observe(&row);
         }
-        self.writer.write(&row)
+        let written = self.writer.write(&row);
+        if written.as_ref().is_err_and(|error| error.raw_os_error() == Some(rustix::io::Errno::BADF.raw_os_error())) {
+            worker::end_for_closed_output();
+        }
+        written
     }
 
     fn ends_here(&self) -> bool {

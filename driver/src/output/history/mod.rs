@@ -2,6 +2,7 @@
 
 use super::{at, malformed, number};
 use crate::input;
+use crate::isolation::out_of_reach;
 use crate::path::Row;
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions};
@@ -56,6 +57,7 @@ impl HistoryWriter {
     }
 
     fn of(file: File, path: &Path, values: usize, bytes: u64, digest: Option<Sha256>) -> Self {
+        let file = out_of_reach(file);
         let longest = values * (number::EXACT_LENGTH + 1) + 3 * 11;
         Self { file, path: path.to_owned(), line: Vec::with_capacity(longest), values, bytes, digest }
     }

@@ -158,6 +158,7 @@ impl Points {
             let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
             self.call.go_through(law.solid_umat().map_err(failed)?);
         }
+        self.call.fence();
         Ok(())
     }
 
@@ -347,17 +348,14 @@ impl Points {
             }
             Ok(CallOutcome::Done) => {}
         }
-        let fault = |what: &str| PointTrouble {
-            reason: format!("the law returned {what} that are not finite"),
-            fraction: Some(USUAL_FRACTION),
-        };
-        if !self.call.stress().iter().all(|value| value.is_finite()) {
-            return Err(fault("stresses"));
+        let moduli = || self.call.moduli_not_finite().filter(|_| request == Request::StressAndTangent);
+        match self.call.not_finite().or_else(moduli) {
+            None => Ok(()),
+            Some(result) => {
+                let reason = format!("the law returned {result}");
+                Err(PointTrouble { reason, fraction: Some(USUAL_FRACTION) })
+            }
         }
-        if request == Request::StressAndTangent && !self.call.ddsdde().iter().all(|value| value.is_finite()) {
-            return Err(fault("moduli"));
-        }
-        Ok(())
     }
 
     /// DDSDDE over all four components.

@@ -94,6 +94,13 @@ struct Point {
     energies: [f64; 3],
 }
 
+impl Detour {
+    /// The call with six components, if there is one.
+    pub(super) fn solid_mut(&mut self) -> Option<&mut UmatCall> {
+        self.solid.as_deref_mut()
+    }
+}
+
 impl UmatCall {
     /// Says where DDSDDE comes from.
     pub fn set_tangent_source(&mut self, tangent: TangentSource) {

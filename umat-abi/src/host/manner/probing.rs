@@ -45,7 +45,7 @@ impl Manner {
 
     /// Makes a call go through six components if the plugin, of which nothing is known, does not serve those of the plane;
     /// then says why. The call has the arguments of a virgin point, and keeps them. What may crash or write wild is tried in
-    /// a child process first.
+    /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
     ///
     /// # Errors
     /// What `make` says.
@@ -55,16 +55,17 @@ impl Manner {
         law: Option<&Law>,
         make: impl Fn(StressState) -> Result<UmatCall, LoadError>,
     ) -> Result<Option<String>, LoadError> {
-        if self.as_three_d.is_some() || law.is_some() || call.stress_state() == StressState::ThreeD {
-            return Ok(None);
+        let mut reason = None;
+        if self.as_three_d.is_none() && law.is_none() && call.stress_state() != StressState::ThreeD {
+            let tangent = call.tangent_source();
+            let mut solid = make(StressState::ThreeD)?;
+            reason = call.why_not_plane(&mut solid);
+            if reason.is_some() {
+                call.go_through(solid);
+                call.set_tangent_source(tangent);
+            }
         }
-        let tangent = call.tangent_source();
-        let mut solid = make(StressState::ThreeD)?;
-        let reason = call.why_not_plane(&mut solid);
-        if reason.is_some() {
-            call.go_through(solid);
-            call.set_tangent_source(tangent);
-        }
+        call.fence();
         Ok(reason)
     }
 }

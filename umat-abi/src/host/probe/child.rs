@@ -1,7 +1,7 @@
 //! The child process, and what it tells of its end.
 
-use super::pages::Fenced;
-use super::{Probed, Trespass};
+use super::super::fence::{Access, Fenced, listen};
+use super::Probed;
 use std::fs::File;
 use std::io::{self, Read};
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd};
@@ -63,18 +63,18 @@ fn prepare() {
     unsafe {
         let stack = libc::stack_t { ss_sp: libc::malloc(HANDLER_STACK), ss_flags: 0, ss_size: HANDLER_STACK };
         libc::sigaltstack(&raw const stack, ptr::null_mut());
-        let mut action: libc::sigaction = std::mem::zeroed();
-        action.sa_sigaction = handler as *const () as usize;
-        action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
-        for signal in [libc::SIGSEGV, libc::SIGBUS] {
-            libc::sigaction(signal, &raw const action, ptr::null_mut());
-        }
         libc::signal(libc::SIGALRM, libc::SIG_DFL);
         libc::alarm(TIME_LIMIT);
         let nowhere = libc::open(c"/dev/null".as_ptr(), libc::O_WRONLY);
         libc::dup2(nowhere, libc::STDOUT_FILENO);
         libc::dup2(nowhere, libc::STDERR_FILENO);
     }
+    // without a handler the signal is told by its number
+    let _ = listen(|address, access| {
+        tell(address, access as u8);
+        // SAFETY: ends the child.
+        unsafe { libc::_exit(1) }
+    });
 }
 
 /// Writes the message. Only what a signal handler may call.
@@ -85,29 +85,6 @@ fn tell(address: usize, access: u8) {
     unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
 }
 
-extern "C" fn handler(_signal: i32, info: *const libc::siginfo_t, context: *const libc::c_void) {
-    // SAFETY: the kernel passes both.
-    let (address, access) = unsafe { ((*info).si_addr() as usize, access(context)) };
-    tell(address, access);
-    // SAFETY: ends the child.
-    unsafe { libc::_exit(1) }
-}
-
-/// 0: read, 1: written, 2: unknown.
-#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
-unsafe fn access(context: *const libc::c_void) -> u8 {
-    /// Bit of the page fault's error code.
-    const WRITE: i64 = 2;
-    // SAFETY: the third argument of a handler is the context.
-    let error = unsafe { (*context.cast::<libc::ucontext_t>()).uc_mcontext.gregs[libc::REG_ERR as usize] };
-    u8::from(error & WRITE != 0)
-}
-
-#[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
-unsafe fn access(_context: *const libc::c_void) -> u8 {
-    2
-}
-
 /// What the child's message and status say.
 fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
     let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, access)| (*address, *access));
@@ -115,18 +92,9 @@ fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
         Some((_, RETURNED)) => Probed::Clean,
         Some((address, access)) => {
             let address = usize::try_from(u64::from_ne_bytes(address)).unwrap_or(0);
-            let found = fenced.iter().find_map(|array| Some((array, array.element_at(address)?)));
+            let found = fenced.iter().find_map(|array| array.extent().trespass(address, Access::of(access)));
             match found {
-                Some((array, element)) => Probed::Trespass(Trespass {
-                    argument: array.argument,
-                    element,
-                    length: array.length,
-                    writes: match access {
-                        0 => Some(false),
-                        1 => Some(true),
-                        _ => None,
-                    },
-                }),
+                Some(trespass) => Probed::Trespass(trespass),
                 None => Probed::Ended("it touches memory that is not its own (a segmentation fault)".into()),
             }
         }

@@ -1,8 +1,8 @@
 //! The arrays of each entry point behind fences.
 
 use super::super::call::UmatCall;
+use super::super::fence::Fenced;
 use super::super::interface_call::{FricCall, UinterCall};
-use super::pages::Fenced;
 use super::{Alignment, Probed, child};
 use std::io;
 

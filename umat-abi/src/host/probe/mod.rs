@@ -6,9 +6,8 @@
 
 mod child;
 mod fences;
-mod pages;
 
-use std::fmt;
+use super::memory::Trespass;
 
 /// Where an array lies between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -17,30 +16,6 @@ pub enum Alignment {
     End,
     /// It begins where the page before ends: element 0 is forbidden.
     Start,
-}
-
-/// An access outside an array.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Trespass {
-    /// The argument's name.
-    pub argument: &'static str,
-    /// The element touched, as Fortran counts (from 1).
-    pub element: i64,
-    /// Elements that the array has.
-    pub length: usize,
-    /// Whether it was written; `None` where the processor does not tell.
-    pub writes: Option<bool>,
-}
-
-impl fmt::Display for Trespass {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let verb = match self.writes {
-            Some(true) => "writes",
-            Some(false) => "reads",
-            None => "touches",
-        };
-        write!(f, "{verb} {}({}), which has {} elements", self.argument, self.element, self.length)
-    }
 }
 
 /// How the call ended.

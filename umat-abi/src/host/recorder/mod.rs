@@ -12,7 +12,7 @@
 //! threads never share one:
 //!
 //! ```text
-//! header   done | end of slots | last slot | loading | notes … | path being loaded
+//! header   done | end of slots | last slot | loading | notes … | trespass | path being loaded
 //! slot     size | sequence | name, path, symbol, CMNAME | entry point, tangent wanted, arguments …
 //! ```
 //!
@@ -25,6 +25,8 @@
 //! one comparison more.
 
 mod arguments;
+#[cfg(target_os = "linux")]
+mod copy;
 mod map;
 mod recording;
 mod slot;
@@ -35,7 +37,8 @@ pub use arguments::{Arguments, ExternalDatabaseRecord, FricRecord, InitialStateR
 pub use recording::{Beat, CallRecord, Recording};
 pub(super) use slot::{Slot, loading};
 
-use map::{Map, word};
+use super::memory::Trespass;
+use map::{Map, WORD, word};
 use std::fs::File;
 use std::io;
 use std::sync::OnceLock;
@@ -63,8 +66,17 @@ pub fn install(file: &File) -> io::Result<&'static Recorder> {
     if map.word(word::MAGIC).load(Ordering::Acquire) != map::MAGIC {
         return Err(io::Error::other("not the file of a recorder"));
     }
+    #[cfg(target_os = "linux")]
+    copy::mark()?;
     RECORDER.set(Recorder { map }).map_err(|_| io::Error::other("this process has a recorder"))?;
     installed().ok_or_else(|| io::Error::other("no recorder"))
+}
+
+/// The plugin has given the control back. A copy of the process that it made ends here: rows are written by one process.
+#[inline]
+fn returned() {
+    #[cfg(target_os = "linux")]
+    copy::end_if_one();
 }
 
 /// The recorder of this process, if it is a worker.
@@ -76,6 +88,18 @@ impl Recorder {
     /// Says that all is done, with the exit code.
     pub fn done(&self, code: u8) {
         self.map.word(word::DONE).store(1 + u64::from(code), Ordering::Release);
+    }
+
+    /// Says what a call touched outside its arrays. Does only what a signal handler may.
+    pub(super) fn note_trespass(&self, trespass: &Trespass) {
+        let name = trespass.argument.as_bytes();
+        let name = &name[..name.len().min(word::LONGEST_ARGUMENT)];
+        self.map.write(word::ARGUMENT, name);
+        let access = trespass.writes.map_or(0, |writes| 1 + u64::from(writes));
+        let numbers = [1 + name.len() as u64, trespass.element.cast_unsigned(), trespass.length as u64, access];
+        for (k, number) in numbers.into_iter().enumerate().rev() {
+            self.map.word(word::TRESPASS + WORD * k).store(number, Ordering::Release);
+        }
     }
 
     /// Leaves a number for the supervisor; `index` < [`NOTES`], others are ignored.

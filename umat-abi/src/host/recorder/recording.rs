@@ -2,10 +2,12 @@
 //!
 //! A plugin that writes wild may have written into the file as well: nothing that is read is trusted.
 
+use super::super::memory::Trespass;
 use super::NOTES;
 use super::arguments::Arguments;
 use super::map::{CAPACITY, HEADER, LONGEST_PATH, MAGIC, Map, WORD, word};
 use super::slot::{SEQUENCE, TEXTS};
+use std::borrow::Cow;
 use std::fs::File;
 use std::io;
 use std::path::PathBuf;
@@ -65,6 +67,18 @@ impl Recording {
     /// A number that the worker left; 0 before, and for others than [`NOTES`].
     pub fn note(&self, index: usize) -> u64 {
         if index < NOTES { self.map.word(word::NOTES + WORD * index).load(Ordering::Acquire) } else { 0 }
+    }
+
+    /// What the call that ended the process touched outside its arrays.
+    pub fn trespass(&self) -> Option<Trespass> {
+        let number = |k: usize| self.map.word(word::TRESPASS + WORD * k).load(Ordering::Acquire);
+        let length = usize::try_from(number(0).checked_sub(1)?).ok()?.min(word::LONGEST_ARGUMENT);
+        Some(Trespass {
+            argument: Cow::Owned(text(&self.map.read(word::ARGUMENT, length)?)),
+            element: number(1).cast_signed(),
+            length: usize::try_from(number(2)).ok()?,
+            writes: number(3).checked_sub(1).map(|writes| writes == 1),
+        })
     }
 
     /// Calls of entry points that were begun.

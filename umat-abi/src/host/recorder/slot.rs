@@ -1,7 +1,7 @@
 //! The worker's side: a call object's slot, and what is written into it.
 
 use super::map::{CAPACITY, LONGEST_PATH, WORD, word};
-use super::{Recorder, installed};
+use super::{Recorder, installed, returned};
 use crate::host::Library;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -81,6 +81,7 @@ impl Slot {
     /// The plugin gave the control back.
     #[inline]
     pub(in crate::host) fn leave(&mut self) {
+        returned();
         self.sequence += self.sequence & 1;
         self.beat();
     }
@@ -166,6 +167,7 @@ pub(in crate::host) fn loading<R>(path: &Path, body: impl FnOnce() -> R) -> R {
     map.write(word::PATH + WORD, bytes);
     map.word(word::LOADING).fetch_add(1, Ordering::SeqCst);
     let result = body();
+    returned();
     map.word(word::LOADING).fetch_add(1, Ordering::SeqCst);
     result
 }

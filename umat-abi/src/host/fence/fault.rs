@@ -1,0 +1,102 @@
+//! The handler of forbidden accesses.
+
+use std::io;
+use std::mem::MaybeUninit;
+use std::ptr;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicPtr, Ordering};
+
+/// What was done to an address.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(in crate::host) enum Access {
+    Read,
+    Write,
+    /// The processor does not tell.
+    Unknown,
+}
+
+impl Access {
+    pub(in crate::host) fn writes(self) -> Option<bool> {
+        match self {
+            Self::Read => Some(false),
+            Self::Write => Some(true),
+            Self::Unknown => None,
+        }
+    }
+
+    /// From its number.
+    pub(in crate::host) fn of(number: u8) -> Self {
+        match number {
+            0 => Self::Read,
+            1 => Self::Write,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+/// Takes an address that was touched. Does only what a signal handler may.
+pub(in crate::host) type Sink = fn(address: usize, access: Access);
+
+const SIGNALS: [i32; 2] = [libc::SIGSEGV, libc::SIGBUS];
+
+static SINK: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
+/// The handlers that there were before.
+static FORMER: OnceLock<[libc::sigaction; 2]> = OnceLock::new();
+
+/// Lets forbidden accesses be told to `sink`, from now on; then the former handlers get them.
+///
+/// # Errors
+/// The system does not let it.
+pub(in crate::host) fn listen(sink: Sink) -> io::Result<()> {
+    SINK.store(sink as *mut (), Ordering::SeqCst);
+    let mut former = [MaybeUninit::<libc::sigaction>::zeroed(); 2];
+    for (signal, former) in SIGNALS.into_iter().zip(&mut former) {
+        // SAFETY: plain system calls; the handler is one of three arguments, and does what a handler may.
+        unsafe {
+            let mut action: libc::sigaction = std::mem::zeroed();
+            action.sa_sigaction = handler as *const () as usize;
+            action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
+            if libc::sigaction(signal, &raw const action, former.as_mut_ptr()) != 0 {
+                return Err(io::Error::last_os_error());
+            }
+        }
+    }
+    // SAFETY: filled above, and zeros are valid.
+    let _ = FORMER.set(former.map(|action| unsafe { action.assume_init() }));
+    Ok(())
+}
+
+extern "C" fn handler(signal: i32, info: *const libc::siginfo_t, context: *const libc::c_void) {
+    let sink = SINK.load(Ordering::SeqCst);
+    // SAFETY: the kernel passes both; what `listen` stored is a function.
+    unsafe {
+        // a signal that was sent, not caused, tells no address
+        let is_sent = (*info).si_code <= 0;
+        if !is_sent && !sink.is_null() {
+            std::mem::transmute::<*mut (), Sink>(sink)((*info).si_addr() as usize, access(context));
+        }
+        for (number, former) in SIGNALS.into_iter().zip(FORMER.get().into_iter().flatten()) {
+            libc::sigaction(number, former, ptr::null_mut());
+        }
+        // the access is repeated on return
+        if is_sent {
+            libc::signal(signal, libc::SIG_DFL);
+            libc::raise(signal);
+        }
+    }
+}
+
+#[cfg(all(target_arch = "x86_64", target_os = "linux"))]
+unsafe fn access(context: *const libc::c_void) -> Access {
+    /// Bit of the page fault's error code.
+    const WRITE: i64 = 2;
+    // SAFETY: the third argument of a handler is the context.
+    let error = unsafe { (*context.cast::<libc::ucontext_t>()).uc_mcontext.gregs[libc::REG_ERR as usize] };
+    if error & WRITE != 0 { Access::Write } else { Access::Read }
+}
+
+#[cfg(not(all(target_arch = "x86_64", target_os = "linux")))]
+unsafe fn access(_context: *const libc::c_void) -> Access {
+    Access::Unknown
+}

@@ -1,0 +1,87 @@
+//! Fences whose violation is noted in the recorder of this process.
+
+use super::super::recorder;
+use super::fault::{Access, listen};
+use super::{Extent, Fenced};
+use std::ptr;
+use std::sync::OnceLock;
+use std::sync::atomic::{AtomicBool, AtomicPtr, AtomicUsize, Ordering};
+
+/// Arrays that are watched at the same time: each takes some of the mappings that a process may have, and some of memory.
+const MOST: usize = 2048;
+
+/// One array in the list that the handler goes through. It is never taken out of it.
+#[derive(Debug)]
+struct Entry {
+    extent: Extent,
+    is_alive: AtomicBool,
+    next: *const Entry,
+}
+
+/// The list's newest entry.
+static NEWEST: AtomicPtr<Entry> = AtomicPtr::new(ptr::null_mut());
+static COUNT: AtomicUsize = AtomicUsize::new(0);
+
+/// A fenced array of which the handler knows.
+#[derive(Debug)]
+pub(in crate::host) struct Watched {
+    fenced: Fenced,
+    entry: &'static Entry,
+}
+
+// SAFETY: the list's entries do not change but for what is atomic, and live for ever.
+unsafe impl Sync for Entry {}
+// SAFETY: as above.
+unsafe impl Send for Entry {}
+
+/// Lets whoever touches the fences of an array be noted; `None`: too many are watched, or there can be no handler.
+pub(in crate::host) fn watch(make: impl FnOnce() -> Option<Fenced>) -> Option<Watched> {
+    static LISTENS: OnceLock<bool> = OnceLock::new();
+    if COUNT.load(Ordering::Relaxed) >= MOST || !*LISTENS.get_or_init(|| listen(note).is_ok()) {
+        return None;
+    }
+    let fenced = make()?;
+    COUNT.fetch_add(1, Ordering::Relaxed);
+    let entry = Entry { extent: *fenced.extent(), is_alive: AtomicBool::new(true), next: ptr::null() };
+    let entry: *mut Entry = Box::into_raw(Box::new(entry));
+    let mut newest = NEWEST.load(Ordering::Acquire);
+    loop {
+        // SAFETY: nobody else knows it yet.
+        unsafe { (*entry).next = newest };
+        match NEWEST.compare_exchange_weak(newest, entry, Ordering::AcqRel, Ordering::Acquire) {
+            // SAFETY: it is never freed, and from now on only read.
+            Ok(_) => return Some(Watched { fenced, entry: unsafe { &*entry } }),
+            Err(other) => newest = other,
+        }
+    }
+}
+
+impl Watched {
+    pub(in crate::host) fn address(&self) -> *mut u8 {
+        self.fenced.address()
+    }
+}
+
+impl Drop for Watched {
+    fn drop(&mut self) {
+        self.entry.is_alive.store(false, Ordering::Release);
+        COUNT.fetch_sub(1, Ordering::Relaxed);
+    }
+}
+
+/// Runs in the signal handler.
+fn note(address: usize, access: Access) {
+    let mut next: *const Entry = NEWEST.load(Ordering::Acquire);
+    // SAFETY: entries of the list live for ever.
+    while let Some(entry) = unsafe { next.as_ref() } {
+        if entry.is_alive.load(Ordering::Acquire)
+            && let Some(trespass) = entry.extent.trespass(address, access)
+        {
+            if let Some(recorder) = recorder::installed() {
+                recorder.note_trespass(&trespass);
+            }
+            return;
+        }
+        next = entry.next;
+    }
+}
