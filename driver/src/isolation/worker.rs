@@ -93,6 +93,10 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
     }
     let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
     print_by_lines();
+    // a check of a plugin goes on behind such an error
+    if task.stage != Stage::Command {
+        recorder.fence_arrays();
+    }
     if let Some(terminal) = terminal_of(task.supervisor) {
         let _ = TERMINAL.set(terminal);
     }

@@ -5,7 +5,7 @@ use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
 use super::manner::Detour;
 use super::memory::{Guarded, NotFinite, Overrun, fortran_name, same_bits};
-use super::recorder::{Arguments, Slot, UmatRecord};
+use super::recorder::{self, Arguments, Slot, UmatRecord};
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
@@ -220,10 +220,10 @@ impl UmatCall {
         })
     }
 
-    /// In a process that exists for its plugins, lets every array end where a page begins that cannot be written: a store
-    /// behind it ends the process, and the recorder tells which. For runs; elsewhere nothing is done.
+    /// Lets every array end where a page begins that cannot be written, where the recorder of this process wants that
+    /// ([`recorder::Recorder::fence_arrays`]): a store behind one ends the process, and the recorder tells which.
     pub fn fence(&mut self) {
-        if self.slot.is_none() {
+        if !recorder::fences_arrays() {
             return;
         }
         for array in [&mut self.stress, &mut self.statev, &mut self.ddsdde, &mut self.props] {

@@ -3,7 +3,7 @@
 use super::guard::{Guard, run};
 use super::library::Library;
 use super::memory::{Guarded, fortran_name};
-use super::recorder::{Arguments, InitialStateRecord, Slot};
+use super::recorder::{self, Arguments, InitialStateRecord, Slot};
 use std::ffi::c_char;
 
 /// STATEV(NSTATV), COORDS(NCRDS), NSTATV, NCRDS, NOEL, NPT, LAYER, KSPT.
@@ -95,7 +95,7 @@ impl<F: Copy> Initial<F> {
                 Some(function) => {
                     let slot = Slot::of_routine(library);
                     let mut values = Guarded::new(array, count);
-                    if slot.is_some() {
+                    if recorder::fences_arrays() {
                         values.fence();
                     }
                     let guard = library.guard();

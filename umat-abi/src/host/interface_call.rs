@@ -5,7 +5,7 @@ use super::exchange::{Exchange, Inputs, Integer, Numbers, Outputs, inputs, outpu
 use super::guard::{Guard, run};
 use super::library::{Library, LoadError};
 use super::memory::{Guarded, NotFinite, Overrun, fortran_name, same_bits};
-use super::recorder::{Arguments, FricRecord, Slot, UinterRecord};
+use super::recorder::{self, Arguments, FricRecord, Slot, UinterRecord};
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
 use std::ops::{Deref, DerefMut};
@@ -248,7 +248,7 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
 
     /// As [`super::UmatCall::fence`].
     pub fn fence(&mut self) {
-        if self.slot.is_none() {
+        if !recorder::fences_arrays() {
             return;
         }
         for array in [&mut self.traction, &mut self.tangent, &mut self.statev, &mut self.props] {

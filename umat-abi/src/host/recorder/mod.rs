@@ -42,7 +42,7 @@ use map::{Map, WORD, word};
 use std::fs::File;
 use std::io;
 use std::sync::OnceLock;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Words of the header that the program may use as it likes.
 pub const NOTES: usize = 8;
@@ -54,6 +54,7 @@ static RECORDER: OnceLock<Recorder> = OnceLock::new();
 #[derive(Debug)]
 pub struct Recorder {
     map: Map,
+    fences_arrays: AtomicBool,
 }
 
 /// Records all calls of this process from now on, in a file that a [`Recording`] has prepared. Call objects that were
@@ -68,7 +69,9 @@ pub fn install(file: &File) -> io::Result<&'static Recorder> {
     }
     #[cfg(target_os = "linux")]
     copy::mark()?;
-    RECORDER.set(Recorder { map }).map_err(|_| io::Error::other("this process has a recorder"))?;
+    RECORDER
+        .set(Recorder { map, fences_arrays: AtomicBool::new(false) })
+        .map_err(|_| io::Error::other("this process has a recorder"))?;
     installed().ok_or_else(|| io::Error::other("no recorder"))
 }
 
@@ -84,7 +87,18 @@ pub fn installed() -> Option<&'static Recorder> {
     RECORDER.get()
 }
 
+/// Whether arrays of calls end at pages that cannot be written.
+pub(super) fn fences_arrays() -> bool {
+    installed().is_some_and(|recorder| recorder.fences_arrays.load(Ordering::Relaxed))
+}
+
 impl Recorder {
+    /// From now on a plugin that writes behind an array of a run ends this process at the very store, and
+    /// [`Recording::trespass`] tells which array it was. Without it canaries tell so behind the call.
+    pub fn fence_arrays(&self) {
+        self.fences_arrays.store(true, Ordering::Relaxed);
+    }
+
     /// Says that all is done, with the exit code.
     pub fn done(&self, code: u8) {
         self.map.word(word::DONE).store(1 + u64::from(code), Ordering::Release);

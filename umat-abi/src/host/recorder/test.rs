@@ -10,7 +10,7 @@ fn prepared() -> (File, Recording) {
 
 /// A worker's side beside the one of the process.
 fn recorder(file: &File) -> &'static Recorder {
-    Box::leak(Box::new(Recorder { map: Map::open(file).expect("a mapping") }))
+    Box::leak(Box::new(Recorder { map: Map::open(file).expect("a mapping"), fences_arrays: AtomicBool::new(false) }))
 }
 
 fn slot(recorder: &'static Recorder) -> Slot {
