@@ -174,7 +174,7 @@ impl Cause {
 
 /// Name of a signal, and what it means where a plugin causes it.
 fn signal_in_words(signal: i32) -> String {
-    const KNOWN: [(Signal, &str, &str); 10] = [
+    const KNOWN: [(Signal, &str, &str); 16] = [
         (Signal::SEGV, "SIGSEGV", "an address that is not its own, or automatic arrays beyond the stack"),
         (Signal::BUS, "SIGBUS", "an address without memory"),
         (Signal::FPE, "SIGFPE", "a floating-point exception with traps on, or an integer division by zero"),
@@ -185,6 +185,12 @@ fn signal_in_words(signal: i32) -> String {
         (Signal::INT, "SIGINT", "from outside"),
         (Signal::TRAP, "SIGTRAP", "a breakpoint"),
         (Signal::XCPU, "SIGXCPU", "the limit of CPU time"),
+        (Signal::XFSZ, "SIGXFSZ", "a file beyond the limit of its size (ulimit -f)"),
+        (Signal::ALARM, "SIGALRM", "a timer that it set itself"),
+        (Signal::HUP, "SIGHUP", "from outside: the terminal was closed"),
+        (Signal::QUIT, "SIGQUIT", "from outside"),
+        (Signal::PIPE, "SIGPIPE", "nobody reads what it writes"),
+        (Signal::SYS, "SIGSYS", "a system call that is not allowed"),
     ];
     match KNOWN.iter().find(|(known, ..)| known.as_raw() == signal) {
         Some((_, name, words)) => format!("signal {name} ({words})"),
