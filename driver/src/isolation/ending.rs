@@ -1,11 +1,11 @@
 //! What ended a worker, and where, in words.
 
-use super::Need;
 use super::last_words::explanation;
+use super::{Need, trust};
 use crate::path::Statistics;
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
 
 /// What ended a worker.
@@ -63,6 +63,17 @@ impl Report {
             Cause::Exit(_) | Cause::Signal(_) => explanation(last_words, matches!(cause, Cause::Exit(_))),
             Cause::TimeLimit(_) | Cause::ClosedOutput => None,
         };
+        if let (Cause::ClosedOutput, Some(last)) = (cause, &call) {
+            // found behind the increment: any library may have done it that was not built with the program
+            let suspects: Vec<_> = need.libraries.keys().filter(|library| !trust::is_shipped(library)).collect();
+            if !suspects.contains(&&last.library) || suspects.len() > 1 {
+                let [step, increment] = last.arguments.place();
+                let names = suspects.iter().map(|library| format!("'{}'", name_of_file(library))).collect::<Vec<_>>();
+                let which = if names.len() == 1 { "plugin" } else { "one of the plugins" };
+                let message = format!("{which} {}, step {step}, increment {increment}: {happened}", names.join(", "));
+                return Self { message, at_loading: false, call: None };
+            }
+        }
         let happened = match trespass {
             Some(trespass) => format!("it {trespass}; the process was ended there"),
             None => explanation.map_or_else(|| happened.clone(), |words| format!("{happened}: {words}")),
@@ -78,6 +89,12 @@ impl Report {
     pub fn library(&self) -> Option<&PathBuf> {
         self.call.as_ref().map(|call| &call.library)
     }
+}
+
+/// What a library is called that describes nothing.
+fn name_of_file(library: &Path) -> String {
+    let stem = library.file_stem().unwrap_or_default().to_string_lossy();
+    stem.strip_prefix("lib").unwrap_or(&stem).to_owned()
 }
 
 /// Plugin, routine if it is not an entry point, step, increment, and in a specimen the point.

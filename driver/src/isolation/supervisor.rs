@@ -218,7 +218,8 @@ impl Heartbeat {
     fn overdue(&mut self, recording: &Recording, need: &Need, passed: Duration) -> Option<f64> {
         if recording.done().is_some() {
             self.leaving += passed;
-            return Some(need.longest_time()).filter(|limit| self.leaving.as_secs_f64() > *limit);
+            let is_overdue = |limit: &f64| self.leaving.as_secs_f64() > *limit || signals::received().is_some();
+            return Some(need.longest_time()).filter(is_overdue);
         }
         let before = |beat: Beat| self.pending.iter().find(|(other, _)| *other == beat).map(|(_, time)| *time + passed);
         let pending: Vec<_> = recording.pending().map(|beat| (beat, before(beat).unwrap_or_default())).collect();

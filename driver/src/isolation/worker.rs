@@ -93,10 +93,7 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
     }
     let recorder = open(&task.recorder).map_err(|error| format!("{}: {error}", task.recorder.display()))?;
     print_by_lines();
-    // a check of a plugin goes on behind such an error
-    if task.stage != Stage::Command {
-        recorder.fence_arrays();
-    }
+    recorder.fence_arrays(true);
     if let Some(terminal) = terminal_of(task.supervisor) {
         let _ = TERMINAL.set(terminal);
     }
@@ -105,6 +102,10 @@ pub fn work(task: &Task, work: impl FnOnce() -> u8) -> Result<u8, String> {
         input::supply(&stream[0], content);
     }
     let code = work();
+    if code != 0 && !system::standard_streams_are_open() {
+        // why, nobody has heard
+        end_for_closed_output();
+    }
     recorder.done(code);
     Ok(code)
 }
@@ -117,6 +118,14 @@ fn open(path: &Path) -> std::io::Result<&'static Recorder> {
 pub fn note_start() {
     if let Some(recorder) = recorder::installed() {
         recorder.note(Note::Running as usize, 1);
+        end_if_a_stream_is_closed();
+    }
+}
+
+/// Lets calls come back that wrote behind an array: a check of a plugin goes on behind such an error.
+pub fn let_calls_come_back() {
+    if let Some(recorder) = recorder::installed() {
+        recorder.fence_arrays(false);
     }
 }
 
@@ -128,6 +137,10 @@ pub fn note_increment(so_far: &Statistics) {
     recorder.note(Note::Iterations as usize, so_far.iterations);
     recorder.note(Note::Cutbacks as usize, so_far.cutbacks);
     restore_mode_of_files();
+    end_if_a_stream_is_closed();
+}
+
+fn end_if_a_stream_is_closed() {
     if !system::standard_streams_are_open() {
         end_for_closed_output();
     }

@@ -321,7 +321,7 @@ impl<'p> Runner<'p> {
                     Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.traction()),
                     Ok(FricAnswer::Sticks) => {
                         return Err(Trouble::Fatal(
-                            "the plugin returned LM = 1 (the host enforces stick): under a prescribed slip the \
+                            "it returned LM = 1 (the host enforces stick): under a prescribed slip the \
                              traction is then undefined"
                                 .into(),
                         ));

@@ -29,9 +29,7 @@ impl Trouble {
         match outcome {
             Ok(CallOutcome::Done) => match not_finite {
                 None => Ok(()),
-                Some(result) => {
-                    Err(Self::CutBack { fraction: 0.5, reason: format!("the plugin '{plugin}' returned {result}") })
-                }
+                Some(result) => Err(Self::CutBack { fraction: 0.5, reason: format!("it returned {result}") }),
             },
             Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
                 fraction,

@@ -122,9 +122,20 @@ impl PointLaw {
         end: &mut PointState,
         statev: &mut [f64],
     ) -> Result<Tangent, LawFailure> {
-        match self {
+        let result = match self {
             Self::Uinter { call, augmented } => uinter(call, *augmented, situation, end, statev),
             Self::Fric { call, normal, sticking } => fric(call, normal, *sticking, situation, end, statev),
+        };
+        result.map_err(|LawFailure { reason, fraction }| {
+            let reason = format!("plugin '{}': {reason}", self.plugin());
+            LawFailure { reason, fraction }
+        })
+    }
+
+    fn plugin(&self) -> &str {
+        match self {
+            Self::Uinter { call, .. } => call.plugin(),
+            Self::Fric { call, .. } => call.plugin(),
         }
     }
 
@@ -256,12 +267,12 @@ fn judged(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) 
         Ok(CallOutcome::Done) => match not_finite {
             None => Ok(()),
             Some(result) => {
-                let reason = format!("the contact law returned {result}");
+                let reason = format!("it returned {result}");
                 Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) })
             }
         },
         Ok(CallOutcome::CutBack(fraction)) => {
-            let reason = format!("the contact law asks for {fraction} of the increment (PNEWDT)");
+            let reason = format!("it asks for {fraction} of the increment (PNEWDT)");
             Err(LawFailure { reason, fraction: Some(fraction) })
         }
         Err(overrun) => Err(LawFailure { reason: overrun.to_string(), fraction: None }),

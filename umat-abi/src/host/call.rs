@@ -98,6 +98,7 @@ pub struct UmatCall {
     function: UmatFunction,
     /// Keeps the function's code loaded.
     _library: Library,
+    plugin: String,
     honours_stress_only: bool,
     guard: Option<Guard>,
     stress_state: StressState,
@@ -200,6 +201,7 @@ impl UmatCall {
         Ok(Self {
             function,
             _library: library.clone(),
+            plugin: library.name_of_law(name),
             honours_stress_only: described && library.laws().iter().all(|law| law.has(flags::STRESS_ONLY)),
             guard,
             stress_state,
@@ -234,6 +236,11 @@ impl UmatCall {
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid_mut()) {
             solid.fence();
         }
+    }
+
+    /// What messages call the plugin.
+    pub fn plugin(&self) -> &str {
+        &self.plugin
     }
 
     /// Number of stress components.

@@ -196,6 +196,7 @@ impl SurfaceFields {
 pub struct Contact<I, O> {
     /// Keeps the function's code loaded.
     _library: Library,
+    plugin: String,
     guard: Option<Guard>,
     traction: Guarded,
     tangent: Guarded,
@@ -231,6 +232,7 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
         let inputs = inputs([&traction, &statev, &guarded_props].map(|array| *array.count()));
         Self {
             _library: library.clone(),
+            plugin: library.name_of_law(name),
             exchange: Exchange::new(inputs, guard.is_some()),
             fields: SurfaceFields::default(),
             lent_fields: guard.is_some().then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 2))),
@@ -276,6 +278,11 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
     /// PREDEF and DPRED: of each variable the values at slave and master.
     pub fn predef(&self) -> [&[f64]; 2] {
         self.fields.predef()
+    }
+
+    /// What messages call the plugin.
+    pub fn plugin(&self) -> &str {
+        &self.plugin
     }
 
     /// STRESS (UINTER: \[0\] > 0 is compression) or TAU (FRIC).
@@ -700,7 +707,7 @@ impl FricCall {
             0 => Ok(FricAnswer::Tractions),
             1 => Ok(FricAnswer::Sticks),
             2 => Ok(FricAnswer::NoShear),
-            lm => Err(format!("the plugin returned LM = {lm}, where FRIC returns 0, 1 or 2")),
+            lm => Err(format!("it returned LM = {lm}, where FRIC returns 0, 1 or 2")),
         }
     }
 

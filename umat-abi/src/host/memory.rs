@@ -31,7 +31,7 @@ pub struct Overrun {
 impl fmt::Display for Overrun {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { array, element, length } = self;
-        write!(f, "the plugin wrote {array}({element}), which has {length} elements")
+        write!(f, "it wrote {array}({element}), which has {length} elements")
     }
 }
 

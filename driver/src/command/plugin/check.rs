@@ -5,7 +5,7 @@ use super::{TIME_LIMIT, file_of};
 use crate::case::{self, Case};
 use crate::conformance::{self, Event, Group, Options, Report};
 use crate::isolation::prints::Prints;
-use crate::isolation::{self, Need};
+use crate::isolation::{self, Need, worker};
 use crate::path::program::Plugin;
 use clap::ValueEnum;
 use serde_json::{Value, json};
@@ -179,6 +179,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
         return children::run(arguments, &file, need);
     }
+    worker::let_calls_come_back();
     // what it prints in thousands of calls is nobody's
     let _prints = Prints::discard();
     match isolation::load(&file) {

@@ -106,11 +106,7 @@ impl Observer for Record {
         if row.step == 0 {
             self.peaks.observe(&row);
         }
-        let written = self.writer.write(&row);
-        if written.as_ref().is_err_and(|error| error.raw_os_error() == Some(rustix::io::Errno::BADF.raw_os_error())) {
-            worker::end_for_closed_output();
-        }
-        written
+        self.writer.write(&row)
     }
 
     fn ends_here(&self) -> bool {

@@ -2,8 +2,9 @@
 
 use super::{at, malformed, number};
 use crate::input;
-use crate::isolation::out_of_reach;
+use crate::isolation::{out_of_reach, worker};
 use crate::path::Row;
+use rustix::io::Errno;
 use sha2::{Digest, Sha256};
 use std::fs::{File, OpenOptions};
 use std::io::{self, Read, Seek, SeekFrom, Write};
@@ -79,6 +80,9 @@ impl HistoryWriter {
         }
         self.format(row);
         if let Err(error) = self.file.write_all(&self.line) {
+            if error.raw_os_error() == Some(Errno::BADF.raw_os_error()) {
+                worker::end_for_closed_output();
+            }
             // a full disk takes a part of a line
             let _ = self.file.set_len(self.bytes);
             return Err(at(&self.path)(error));

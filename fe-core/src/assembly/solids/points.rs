@@ -340,21 +340,21 @@ impl Points {
     /// Calls the UMAT and judges what came back.
     fn run(&mut self, request: Request) -> Result<(), PointTrouble> {
         self.calls += 1;
-        match self.call.call(request) {
-            Err(overrun) => return Err(PointTrouble { reason: overrun.to_string(), fraction: None }),
+        let outcome = self.call.call(request);
+        let trouble = |reason: String, fraction: Option<f64>| {
+            Err(PointTrouble { reason: format!("plugin '{}': {reason}", self.call.plugin()), fraction })
+        };
+        match outcome {
+            Err(overrun) => return trouble(overrun.to_string(), None),
             Ok(CallOutcome::CutBack(fraction)) => {
-                let reason = format!("the law asks for {fraction} of the increment");
-                return Err(PointTrouble { reason, fraction: Some(fraction) });
+                return trouble(format!("it asks for {fraction} of the increment (PNEWDT)"), Some(fraction));
             }
             Ok(CallOutcome::Done) => {}
         }
         let moduli = || self.call.moduli_not_finite().filter(|_| request == Request::StressAndTangent);
         match self.call.not_finite().or_else(moduli) {
             None => Ok(()),
-            Some(result) => {
-                let reason = format!("the law returned {result}");
-                Err(PointTrouble { reason, fraction: Some(USUAL_FRACTION) })
-            }
+            Some(result) => trouble(format!("it returned {result}"), Some(USUAL_FRACTION)),
         }
     }
 

@@ -93,10 +93,10 @@ pub(super) fn fences_arrays() -> bool {
 }
 
 impl Recorder {
-    /// From now on a plugin that writes behind an array of a run ends this process at the very store, and
+    /// Says whether a plugin that writes behind an array of a run ends this process at the very store, from now on:
     /// [`Recording::trespass`] tells which array it was. Without it canaries tell so behind the call.
-    pub fn fence_arrays(&self) {
-        self.fences_arrays.store(true, Ordering::Relaxed);
+    pub fn fence_arrays(&self, fences: bool) {
+        self.fences_arrays.store(fences, Ordering::Relaxed);
     }
 
     /// Says that all is done, with the exit code.
