@@ -410,12 +410,12 @@ impl Model {
                 }
                 self.initial.states = states;
             }
-            "TEMPERATURE" => self.initial.temperature = Some(same_everywhere(keyword)?),
+            "TEMPERATURE" => self.initial.temperature = Some(self.same_everywhere(keyword)?),
             "FIELD" => {
-                let index = variable(keyword)?;
+                let (index, value) = (variable(keyword)?, self.same_everywhere(keyword)?);
                 let fields = &mut self.initial.fields;
                 fields.resize(fields.len().max(index + 1), 0.0);
-                fields[index] = same_everywhere(keyword)?;
+                fields[index] = value;
             }
             _ => self.left_out.push(format!("{}: initial {kind}", keyword.place)),
         }
@@ -533,8 +533,8 @@ impl Model {
                     };
                     (vec![Quantity::Pressure(face)], line.number(2)?)
                 }
-                "FIELD" => (vec![Quantity::Field(variable(keyword)?)], same_everywhere(keyword)?),
-                _ => (vec![Quantity::Temperature], same_everywhere(keyword)?),
+                "FIELD" => (vec![Quantity::Field(variable(keyword)?)], self.same_everywhere(keyword)?),
+                _ => (vec![Quantity::Temperature], self.same_everywhere(keyword)?),
             };
             self.change(keyword, line, value, quantities)?;
         }
@@ -562,6 +562,26 @@ impl Model {
     fn anew(&mut self, keyword: &Keyword, name: &'static str) {
         if let Some(step) = self.steps.last_mut().filter(|_| keyword.capitals("OP").as_deref() == Some("NEW")) {
             step.anew.insert(name);
+        }
+    }
+
+    /// The value that all data lines give to all corners of the element.
+    fn same_everywhere(&self, keyword: &Keyword) -> Result<f64, String> {
+        let Some(first) = keyword.data.first() else { return Ok(0.0) };
+        let value = first.number(1)?;
+        let mut nodes = BTreeSet::new();
+        for line in &keyword.data {
+            nodes.extend(self.nodes_of(line)?);
+            if line.number(1)? != value {
+                return Err(format!("{}: a temperature or field that is not the same at all nodes", line.place));
+            }
+        }
+        let corners = self.element.iter().flat_map(|element| element.nodes.iter().take(element.shape.corners));
+        match corners.copied().find(|node| !nodes.contains(node)) {
+            Some(node) => {
+                Err(format!("{}: a temperature or field of some nodes of the element, not of {node}", first.place))
+            }
+            None => Ok(value),
         }
     }
 
@@ -595,18 +615,6 @@ fn variable(keyword: &Keyword) -> Result<usize, String> {
     let number = keyword.parameter("VARIABLE").map_or(Ok(1), str::parse);
     let number = number.ok().filter(|number| (1..=MOST).contains(number));
     number.map(|number| number - 1).ok_or_else(|| format!("{}: VARIABLE is from 1 to {MOST}", keyword.place))
-}
-
-/// The value that all data lines give.
-fn same_everywhere(keyword: &Keyword) -> Result<f64, String> {
-    let Some(first) = keyword.data.first() else { return Ok(0.0) };
-    let value = first.number(1)?;
-    for line in &keyword.data {
-        if line.number(1)? != value {
-            return Err(format!("{}: a temperature or field that is not the same at all nodes", line.place));
-        }
-    }
-    Ok(value)
 }
 
 /// The number of a face: S1, P1, …

@@ -148,11 +148,12 @@ fn plane_and_axisymmetric_elements_and_parts_are_understood() {
         format!(
             "*PART, NAME=P\n*NODE\n1, {x}, 0.\n2, {}, 0.\n3, {}, 5.\n4, {x}, 5.\n*ELEMENT, TYPE={kind}\n1, 1, 2, 3, \
              4\n*ELSET, ELSET=E\n1,\n*SOLID SECTION, ELSET=E, MATERIAL=STEEL\n2.,\n*END PART\n*ASSEMBLY, NAME=A\n*INSTANCE, \
-             NAME=P-1, PART=P\n*END INSTANCE\n*NSET, NSET=TOP, INSTANCE=P-1\n3, 4\n*END ASSEMBLY\n{STEEL}*INITIAL \
+             NAME=P-1, PART=P\n*END INSTANCE\n*NSET, NSET=TOP, INSTANCE=P-1\n3, 4\n*NSET, \
+             NSET=ALL, INSTANCE=P-1\n1, 2, TOP\n*END ASSEMBLY\n{STEEL}*INITIAL \
              CONDITIONS, TYPE=STRESS\nP-1.E, -1., -2., -3., 0.\n*INITIAL CONDITIONS, TYPE=SOLUTION\nE, 1., 2., 3.\n*INITIAL \
-             CONDITIONS, TYPE=TEMPERATURE\nTOP, 20.\n*INITIAL CONDITIONS, TYPE=FIELD, VARIABLE=2\nTOP, \
+             CONDITIONS, TYPE=TEMPERATURE\nALL, 20.\n*INITIAL CONDITIONS, TYPE=FIELD, VARIABLE=2\nALL, \
              0.5\n*BOUNDARY\nP-1.1, 1, 2\nP-1.4, 1\nP-1.2, 2\n*STEP\n*STATIC\n1., 1.\n*CLOAD\nTOP, 2, \
-             100.\n*TEMPERATURE\nTOP, 80.\n*FIELD, VARIABLE=2\nTOP, 1.5\n*END STEP\n",
+             100.\n*TEMPERATURE\nALL, 80.\n*FIELD, VARIABLE=2\nALL, 1.5\n*END STEP\n",
             x + 10.0,
             x + 10.0
         )
@@ -287,4 +288,25 @@ fn large_deformations_of_a_sheet_are_named_as_left_out() {
     assert!(outcome.stderr.contains(&line_of(&job, "*STEP, NLGEOM")), "{}", outcome.stderr);
     let history = desk.run(&desk.path("sheet.json"), &[], "out", 0).history;
     close(history.last("s11"), 200e3 * 1e-3);
+}
+
+/// What is given to one node is not that of the element.
+#[test]
+fn a_temperature_of_some_nodes_is_refused() {
+    let desk = Desk::new();
+    for (nodes, is_whole) in [("ALL", true), ("RIGHT", false), ("1", false)] {
+        let job = format!(
+            "{CUBE}{STEEL}*INITIAL CONDITIONS, TYPE=TEMPERATURE\nALL, 20.\n{ROLLERS}*STEP\n*STATIC, DIRECT\n1., \
+             1.\n*TEMPERATURE\n{nodes}, 60.\n*END STEP\n"
+        );
+        if is_whole {
+            assert_eq!(imported(&desk, &job).0["steps"][0]["temperature"], 60.0);
+        } else {
+            let words = refused(&desk, &job);
+            assert!(
+                words.contains(&line_of(&job, &format!("{nodes}, 60."))) && words.contains("some nodes"),
+                "{words}"
+            );
+        }
+    }
 }
