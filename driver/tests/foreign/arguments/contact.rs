@@ -11,8 +11,8 @@ const STIFFNESS: f64 = 100.0;
 /// Displacements go through text, sums of drives and shape functions.
 const ROUNDING: f64 = 1e-11;
 /// Increments, duration, s, displacement of the upper block at the end, mm, temperature and field variables there.
-const STEPS: [(usize, f64, [f64; 2], f64, [f64; 2]); 2] =
-    [(2, 4.0, [-0.04, -0.01], 20.0, [1.0, 2.0]), (4, 2.0, [-0.12, -0.03], 40.0, [5.0, 10.0])];
+type Step = (usize, f64, [f64; 2], f64, [f64; 2]);
+const STEPS: [Step; 2] = [(2, 4.0, [-0.04, -0.01], 20.0, [1.0, 2.0]), (4, 2.0, [-0.12, -0.03], 40.0, [5.0, 10.0])];
 /// Thickness of both blocks, mm.
 const THICKNESS: f64 = 2.5;
 const E: f64 = 1000.0;
