@@ -51,13 +51,13 @@ pub enum Input {
 
 impl Input {
     /// The most bytes. A case holds numbers that people and scripts wrote, not data: tables and meshes have files of their
-    /// own. A table of the greatest size has about 10 million rows of two columns, a mesh about 10 million nodes.
+    /// own. A table of the greatest size has some million rows, a mesh some ten million nodes.
     pub const fn limit(self) -> u64 {
         MEGABYTE
             * match self {
                 Self::Case => 32,
-                Self::Source => 64,
-                Self::Table | Self::Job | Self::Result => 256,
+                Self::Source | Self::Table => 64,
+                Self::Job | Self::Result => 256,
                 Self::Library => 1_000,
                 Self::Mesh => 2_000,
                 Self::Checkpoint => 16_000,

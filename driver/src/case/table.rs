@@ -7,12 +7,18 @@ use std::path::Path;
 /// Problems reported of one file before the rest is left out.
 const MOST_PROBLEMS: usize = 5;
 
-/// A CSV file's header and rows of text.
+/// A CSV file's header and rows. It is kept as the text that it is: rows of texts would take many times its size.
 #[derive(Debug)]
 pub struct CsvFile {
     /// Column names.
     pub header: Vec<String>,
-    rows: Vec<(u64, csv::StringRecord)>,
+    text: Vec<u8>,
+    /// The line of each row.
+    lines: Vec<u64>,
+}
+
+fn reader(text: &[u8]) -> csv::Reader<&[u8]> {
+    csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(text)
 }
 
 impl CsvFile {
@@ -23,36 +29,36 @@ impl CsvFile {
     pub fn read(path: &Path) -> Result<Self, Vec<String>> {
         let file = path.display();
         let unreadable = |error: io::Error| vec![format!("{file} cannot be read: {error}")];
-        let bytes = input::read(path, Input::Table).map_err(unreadable)?;
-        let bytes = input::without_mark(&bytes).map_err(unreadable)?;
-        let mut reader =
-            csv::ReaderBuilder::new().comment(Some(b'#')).trim(csv::Trim::All).flexible(true).from_reader(bytes);
+        let mut text = input::read(path, Input::Table).map_err(unreadable)?;
+        let start = text.len() - input::without_mark(&text).map_err(unreadable)?.len();
+        let mut reader = reader(&text[start..]);
         let header = reader.headers().map_err(|error| vec![format!("{file}: {error}")])?;
         let header: Vec<String> = header.iter().map(str::to_owned).collect();
-        let mut rows = Vec::new();
-        let mut problems = Vec::new();
-        for record in reader.records() {
-            match record {
-                Ok(record) => {
+        let mut lines = Vec::new();
+        let mut problems = Problems::default();
+        let mut record = csv::StringRecord::new();
+        loop {
+            match reader.read_record(&mut record) {
+                Ok(false) => break,
+                Ok(true) => {
                     let line = record.position().map_or(0, csv::Position::line);
                     if record.len() != header.len() {
-                        problems.push(format!(
-                            "{file}, line {line}: {} fields, but the header has {}",
-                            record.len(),
-                            header.len()
-                        ));
+                        problems.add(|| {
+                            format!("{file}, line {line}: {} fields, but the header has {}", record.len(), header.len())
+                        });
                     }
-                    rows.push((line, record));
+                    lines.push(line);
                 }
-                Err(error) => problems.push(format!("{file}: {error}")),
+                Err(error) => problems.add(|| format!("{file}: {error}")),
             }
         }
         if header.iter().all(String::is_empty) {
-            problems.push(format!("{file} is empty: a header line with column names is needed"));
-        } else if rows.is_empty() {
-            problems.push(format!("{file} has no rows below its header"));
+            problems.add(|| format!("{file} is empty: a header line with column names is needed"));
+        } else if lines.is_empty() {
+            problems.add(|| format!("{file} has no rows below its header"));
         }
-        if problems.is_empty() { Ok(Self { header, rows }) } else { Err(shortened(problems)) }
+        text.drain(..start);
+        problems.or(Self { header, text, lines })
     }
 
     /// The finite numbers of some columns, row by row. Rows in which one of them is blank are left out if
@@ -61,9 +67,11 @@ impl CsvFile {
     /// # Errors
     /// One sentence for each cell that is no finite number.
     pub fn numbers(&self, columns: &[usize], skip_blank: bool) -> Result<Vec<Vec<f64>>, Vec<String>> {
-        let mut problems = Vec::new();
-        let mut numbers = Vec::with_capacity(self.rows.len());
-        for (line, record) in &self.rows {
+        let mut problems = Problems::default();
+        let mut numbers = Vec::with_capacity(self.lines.len());
+        let mut reader = reader(&self.text);
+        let mut record = csv::StringRecord::new();
+        while reader.read_record(&mut record).is_ok_and(|is_there| is_there) {
             if skip_blank && columns.iter().any(|column| record[*column].is_empty()) {
                 continue;
             }
@@ -71,30 +79,48 @@ impl CsvFile {
             for &column in columns {
                 match record[column].parse::<f64>() {
                     Ok(value) if value.is_finite() => row.push(value),
-                    _ => problems.push(format!(
-                        "line {line}, column '{}': '{}' is no finite number",
-                        self.header[column], &record[column]
-                    )),
+                    _ => problems.add(|| {
+                        let line = record.position().map_or(0, csv::Position::line);
+                        let (name, cell) = (&self.header[column], &record[column]);
+                        format!("line {line}, column '{name}': '{cell}' is no finite number")
+                    }),
                 }
             }
             numbers.push(row);
         }
-        if problems.is_empty() { Ok(numbers) } else { Err(shortened(problems)) }
+        problems.or(numbers)
     }
 
     /// Line number of a row.
     pub fn line(&self, row: usize) -> u64 {
-        self.rows.get(row).map_or(0, |(line, _)| *line)
+        self.lines.get(row).copied().unwrap_or_default()
     }
 }
 
-fn shortened(mut problems: Vec<String>) -> Vec<String> {
-    let more = problems.len().saturating_sub(MOST_PROBLEMS);
-    problems.truncate(MOST_PROBLEMS);
-    if more > 0 {
-        problems.push(format!("and {more} more like this"));
+/// What is wrong with a file: the first problems, and how many there are.
+#[derive(Default)]
+struct Problems {
+    first: Vec<String>,
+    count: usize,
+}
+
+impl Problems {
+    fn add(&mut self, problem: impl FnOnce() -> String) {
+        self.count += 1;
+        if self.count <= MOST_PROBLEMS {
+            self.first.push(problem());
+        }
     }
-    problems
+
+    /// What was read, if nothing is wrong.
+    fn or<T>(mut self, read: T) -> Result<T, Vec<String>> {
+        match self.count.saturating_sub(MOST_PROBLEMS) {
+            0 if self.count == 0 => return Ok(read),
+            0 => {}
+            more => self.first.push(format!("and {more} more like this")),
+        }
+        Err(self.first)
+    }
 }
 
 /// What a table step's file says: columns of known names, with time increments.
@@ -118,24 +144,25 @@ impl Table {
     pub fn read(path: &Path, names: &[&str]) -> Result<Self, Vec<String>> {
         let csv = CsvFile::read(path)?;
         let file = path.display();
-        let mut problems = Vec::new();
+        let mut problems = Problems::default();
         for (k, name) in csv.header.iter().enumerate() {
             if csv.header[..k].contains(name) {
-                problems.push(format!("{file}: the column '{name}' is there twice"));
+                problems.add(|| format!("{file}: the column '{name}' is there twice"));
             } else if name != "time" && !names.contains(&name.as_str()) {
                 let valid = ["time"].iter().chain(names);
-                problems.push(format!("{file}: no component is called '{name}'{}", super::problem::hint(name, valid)));
+                problems
+                    .add(|| format!("{file}: no component is called '{name}'{}", super::problem::hint(name, valid)));
             }
         }
-        if !csv.header.iter().any(|name| names.contains(&name.as_str())) && problems.is_empty() {
-            problems.push(format!("{file}: no column names a component; valid names: {}", names.join(", ")));
+        if !csv.header.iter().any(|name| names.contains(&name.as_str())) && problems.count == 0 {
+            problems.add(|| format!("{file}: no column names a component; valid names: {}", names.join(", ")));
         }
         let all: Vec<usize> = (0..csv.header.len()).collect();
         let rows = match csv.numbers(&all, false) {
             Ok(rows) => rows,
             Err(cells) => {
-                problems.extend(cells.into_iter().map(|cell| format!("{file}, {cell}")));
-                return Err(problems);
+                problems.first.extend(cells.into_iter().map(|cell| format!("{file}, {cell}")));
+                return Err(problems.first);
             }
         };
         let time = csv.header.iter().position(|name| name == "time");
@@ -148,17 +175,13 @@ impl Table {
                 starts_at_zero |= k == 0 && increment == 0.0;
                 if !(increment > 0.0 || (k == 0 && increment == 0.0)) {
                     let what = if k == 0 { "is negative" } else { "is not greater than that of the row before" };
-                    problems.push(format!("{file}, line {}: the time {} {what}", csv.line(k), row[time]));
+                    problems.add(|| format!("{file}, line {}: the time {} {what}", csv.line(k), row[time]));
                 }
                 time_increments[k] = increment;
                 before = row[time];
             }
         }
         let columns = names.iter().map(|name| csv.header.iter().position(|column| column == name)).collect();
-        if problems.is_empty() {
-            Ok(Self { columns, time_increments, rows, starts_at_zero })
-        } else {
-            Err(shortened(problems))
-        }
+        problems.or(Self { columns, time_increments, rows, starts_at_zero })
     }
 }
