@@ -52,7 +52,7 @@ fn judge(hostile: &Path, desk: &Path, number: u64) -> Result<(), String> {
             return Err(format!("refused without a name: {text}"));
         }
     }
-    if number % RUN != 0 {
+    if !number.is_multiple_of(RUN) {
         return Ok(());
     }
     let out = desk.join("out").join(number.to_string());

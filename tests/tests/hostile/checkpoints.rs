@@ -41,7 +41,7 @@ pub fn run(form: &Form) -> Tally {
         let Original { specimen, folder, content, state } = &originals[random.usize(..originals.len())];
         let out = desk.path().join(number.to_string());
         process::copy(folder, &out);
-        let is_unhashed = number % UNHASHED == 0;
+        let is_unhashed = number.is_multiple_of(UNHASHED);
         let forged = forge(content, *state, !is_unhashed, random);
         fs::write(out.join(process::CHECKPOINT), &forged).expect("a checkpoint");
         let ended = outcome(pullout(desk.path(), specimen.restart(&out)));

@@ -32,7 +32,7 @@ pub fn run(form: &Form) -> Tally {
     fs::write(&case, point.to_string()).expect("a case");
     each(&form.numbers(ALL, SHORT), |number, random| {
         let out = desk.path().join(number.to_string());
-        let judged = if number % OVER == 0 {
+        let judged = if number.is_multiple_of(OVER) {
             over_old_results(desk.path(), &case, &out, random)
         } else {
             goes_on(desk.path(), &out, time, &expected, random)

@@ -82,7 +82,8 @@ impl Outcome {
         if self.stderr.contains("panicked at") || self.stdout.contains("panicked at") {
             return wrong("panicked");
         }
-        if !matches!(code, 0..=3) && !(self.was_asked && code == 143) {
+        let may_be = matches!(code, 0..=3) || self.was_asked && code == 143;
+        if !may_be {
             return wrong(&format!("exit {code}"));
         }
         if code != 0 && !names.iter().any(|name| self.stderr.contains(name)) {
