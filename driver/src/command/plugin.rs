@@ -11,7 +11,7 @@ use clap::Subcommand;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{Found, Law, Library, Routine, library_path, names_a_file, search_paths};
+use umat_abi::host::{Found, Law, Library, Routine, binds_deeply, library_path, names_a_file, search_paths};
 use umat_abi::metadata::{PLUGIN_SYMBOL, flags, kinds, stress_states};
 
 #[derive(Debug, Subcommand)]
@@ -179,23 +179,33 @@ fn info(library: &Library) -> u8 {
             library.path().display(),
             entry_points.join(", "),
             routines(library),
-            place_of(library)
+            place_of(library) + memory()
         ));
         return DONE;
     }
     for law in library.laws() {
         say(&describe(law, library.path()));
     }
-    say(&(routines(library) + place_of(library)));
+    say(&(routines(library) + &place_of(library) + memory()));
     DONE
 }
 
 /// Where cases call it.
-fn place_of(library: &Library) -> &'static str {
+fn place_of(library: &Library) -> String {
     if isolation::is_shipped(library.path()) {
-        "Process: the program's own; the library was built with it\n"
+        "Process: the program's own; the library was built with it\n".into()
     } else {
-        "Process: one of its own, or with --in-process the program's\n"
+        "Process: one of its own, or with --in-process the program's\n".into()
+    }
+}
+
+/// Whose memory plugins take, where that changes how they are loaded; nothing otherwise.
+fn memory() -> &'static str {
+    if !cfg!(target_os = "linux") || binds_deeply() {
+        ""
+    } else {
+        "Memory: not the C library's (LD_PRELOAD of another malloc): names that several libraries define are those of the \
+         one that was loaded first\n"
     }
 }
 

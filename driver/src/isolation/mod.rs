@@ -52,7 +52,7 @@ mod ending;
 mod last_words;
 mod need;
 pub mod prints;
-mod replay;
+pub mod replay;
 mod supervisor;
 mod system;
 #[cfg(test)]

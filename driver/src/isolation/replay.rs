@@ -15,9 +15,7 @@ pub(super) fn of(call: &CallRecord, title: &str, need: &Need) -> Option<Value> {
     let title = format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title));
     let mut case = match &call.arguments {
         Arguments::Umat(umat) => point(umat, call.wants_tangent),
-        Arguments::Uinter(uinter) => uinter_case(uinter),
-        Arguments::Fric(fric) => fric_case(fric),
-        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
+        contact => contact_point(contact)?,
     };
     case["title"] = json!(title);
     case["material"] = material(call, need)?;
@@ -84,6 +82,23 @@ fn rows(matrix: &[f64]) -> Value {
     json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
 }
 
+/// What a case of kind "point" says of the arguments that its path leaves open.
+pub fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
+    json!({
+        "energies": array::<3>(&call.energies),
+        "step_time": at(&call.time, 0),
+        "coords": array::<3>(&call.coords),
+        "drot": rows(&call.drot),
+        "dfgrd0": rows(&call.dfgrd0),
+        "dfgrd1": rows(&call.dfgrd1),
+        "noel": integer(&call.noel_npt, 0),
+        "npt": integer(&call.noel_npt, 1),
+        "jstep": integers::<4>(&call.jstep),
+        "kinc": integer(&call.kinc, 0),
+        "ddsdde": wants_tangent,
+    })
+}
+
 fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     let stress_state = match call.stran.len() {
         6 => StressState::ThreeD,
@@ -111,19 +126,7 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
             "statev": call.statev,
             "time": at(&call.time, 1).max(0.0),
         },
-        "arguments": {
-            "energies": array::<3>(&call.energies),
-            "step_time": at(&call.time, 0),
-            "coords": array::<3>(&call.coords),
-            "drot": rows(&call.drot),
-            "dfgrd0": rows(&call.dfgrd0),
-            "dfgrd1": rows(&call.dfgrd1),
-            "noel": integer(&call.noel_npt, 0),
-            "npt": integer(&call.noel_npt, 1),
-            "jstep": integers::<4>(&call.jstep),
-            "kinc": integer(&call.kinc, 0),
-            "ddsdde": wants_tangent,
-        },
+        "arguments": umat_arguments(call, wants_tangent),
     });
     set_length(&mut case, &call.celent);
     case["steps"] = json!([step]);
@@ -133,6 +136,15 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
         [call.predef.clone(), ends.collect()]
     });
     case
+}
+
+/// A case of kind "interface" without its material, of a call of UINTER or FRIC.
+pub fn contact_point(call: &Arguments) -> Option<Value> {
+    match call {
+        Arguments::Uinter(uinter) => Some(uinter_case(uinter)),
+        Arguments::Fric(fric) => Some(fric_case(fric)),
+        _ => None,
+    }
 }
 
 /// Sets temperature and field variables at both ends; the host's one variable of 0 is that of a case without any.

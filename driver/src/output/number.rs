@@ -17,6 +17,13 @@ pub fn push_exact(line: &mut Vec<u8>, value: f64) {
     }
 }
 
+/// The shortest text that reads back to the same double, with an exponent where it is tiny or huge.
+pub fn exact(value: f64) -> String {
+    let mut text = Vec::with_capacity(EXACT_LENGTH);
+    push_exact(&mut text, value);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
 /// Appends an integer.
 #[inline]
 pub fn push_integer(line: &mut Vec<u8>, mut value: u32) {

@@ -9,6 +9,7 @@ use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{
     Accepted, ContactArguments, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay,
 };
+use crate::output::number::exact;
 use umat_abi::host::{Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall};
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -375,9 +376,10 @@ impl<'p> Runner<'p> {
         Err(Trouble::CutBack {
             fraction: 0.5,
             reason: format!(
-                "no gap found for p = {pressure} MPa (reached {} MPa): the normal law does not carry it; control gap \
+                "no gap found for p = {} MPa (reached {} MPa): the normal law does not carry it; control gap \
                  instead",
-                self.committed.pressure
+                exact(pressure),
+                exact(self.committed.pressure)
             ),
         })
     }

@@ -9,6 +9,7 @@ use super::program::{
 use super::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use super::subdivision::{Divisible, Trouble, lerp, take_increment};
 use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, UmatArguments, replay};
+use crate::output::number::exact;
 use nalgebra::Matrix3;
 use umat_abi::host::{
     Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall,
@@ -595,7 +596,8 @@ impl Runner<'_> {
                 "no equilibrium found for {stress} = {end} MPa (reached {reached} MPa): stress control cannot pass a \
                  peak; control {strain} by strain instead",
                 stress = STRESS_NAMES[i],
-                reached = self.stress()[i],
+                end = exact(end),
+                reached = exact(self.stress()[i]),
                 strain = STRAIN_NAMES[i],
             );
         }

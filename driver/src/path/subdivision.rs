@@ -33,7 +33,7 @@ impl Trouble {
             },
             Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
                 fraction,
-                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction})"),
+                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction:?})"),
             }),
             Err(overrun) => Err(Self::Fatal(overrun.to_string())),
         }

@@ -2,6 +2,7 @@
 
 use super::Program;
 use crate::case::job_folder;
+use crate::isolation::replay::{self as recorded, umat_arguments};
 use crate::path::program::{STRAIN_NAMES, STRESS_NAMES};
 use crate::path::replay::{StrainDrive, duration, set_fields};
 use fe_core::assembly::{Place, Trouble};
@@ -72,6 +73,7 @@ fn material_point(
             "target": named(&STRAIN_NAMES, driven, end),
         }],
     });
+    case["arguments"] = umat_arguments(&call.arguments, true);
     let [start, end] = &call.fields;
     set_fields(&mut case, start, end);
     Some(case)
@@ -99,6 +101,7 @@ fn contact_point(program: &Program, pair: &str, point: usize, title: String, sna
         "initial": initial,
         "steps": [{ "increments": 1, "time": duration(call.time_increment), "target": target }],
     });
+    case["arguments"] = recorded::contact_point(&call.arguments)?["arguments"].take();
     let [start, end] = &call.fields;
     set_fields(&mut case, start, end);
     Some(case)

@@ -1,7 +1,8 @@
 //! What a UMAT reads beside its case, and what it prints.
 
 use super::{built, close, point};
-use crate::program::{Desk, Run};
+use crate::program::{Desk, Run, command};
+use end_to_end_tests::notice;
 use serde_json::{Value, json};
 
 /// The folder of a case with its table, and the case; `aborts`: the increment in which the law ends the process.
@@ -51,6 +52,33 @@ fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
         assert!(echoed.stdout.contains("case: done, 3 increments"), "{}", echoed.stdout);
         assert_eq!(std::fs::read_to_string(desk.path("echoed/umat.log")).expect("kept"), run.log());
     }
+}
+
+/// With jemalloc in place of malloc, as clusters have it, Fortran's runtime frees what it took.
+#[test]
+fn another_malloc_does_not_disturb_a_law_that_prints() {
+    const MALLOC: &str = "libjemalloc.so.2";
+    let desk = Desk::new();
+    let with_it = |arguments: &[&str]| {
+        let mut process = command();
+        let output = process.current_dir(desk.path("")).env("LD_PRELOAD", MALLOC).args(arguments).output();
+        let output = output.expect("the program starts");
+        let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
+        (output.status.code(), text(&output.stdout), text(&output.stderr))
+    };
+    if with_it(&["--version"]).2.contains("cannot be preloaded") {
+        return notice("libjemalloc.so.2 is not installed");
+    }
+    let Some(case) = prepared(&desk, 0) else { return };
+    desk.case("job/case.json", &case);
+    let (code, _, stderr) = with_it(&["run", "--quiet", "--out", "out", "job/case.json"]);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let log = std::fs::read_to_string(desk.path("out/umat.log")).expect("a log");
+    assert_eq!(increments(&log, "UNIT SIX"), [1, 2, 3], "{log}");
+    let library = case["material"]["plugin"].as_str().expect("a path");
+    let (code, info, _) = with_it(&["plugin", "info", library]);
+    assert!(code == Some(0) && info.contains("Memory: not the C library's"), "{info}");
+    assert!(!desk.pullout(["plugin", "info", library]).expect(0).stdout.contains("Memory:"));
 }
 
 /// What was printed before a signal is there, also of the call that it ended; the replay finds the table.

@@ -5,6 +5,7 @@ use super::normal::{HostNormal, NormalState};
 use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, PluginLaw};
+use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{
     CallOutcome, FricAnswer, FricCall, Law, NotFinite, Overrun, SurfaceFields, UinterCall, Validation,
 };
@@ -173,6 +174,12 @@ impl PointLaw {
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
                 fields: fields_of(&call.fields),
+                arguments: Arguments::Uinter(UinterRecord {
+                    stress: vec![start.pressure, start.shear],
+                    energies: start.plugin_energies.to_vec(),
+                    flags: start.flags.map(f64::from).to_vec(),
+                    ..UinterRecord::of(call)
+                }),
             }),
             Self::Fric { call, .. } if Some(call.node) == number => Some(super::ContactCall {
                 slip: [start.slip, start.slip + call.dgam[0]],
@@ -183,6 +190,12 @@ impl PointLaw {
                 time: call.time[1] - call.dtime,
                 time_increment: call.dtime,
                 fields: fields_of(&call.fields),
+                arguments: Arguments::Fric(FricRecord {
+                    lm: vec![start.stick.into()],
+                    tau: vec![start.shear],
+                    energies: start.plugin_energies[..2].to_vec(),
+                    ..FricRecord::of(call)
+                }),
             }),
             _ => None,
         }
@@ -272,7 +285,7 @@ fn judged(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) 
             }
         },
         Ok(CallOutcome::CutBack(fraction)) => {
-            let reason = format!("it asks for {fraction} of the increment (PNEWDT)");
+            let reason = format!("it asks for {fraction:?} of the increment (PNEWDT)");
             Err(LawFailure { reason, fraction: Some(fraction) })
         }
         Err(overrun) => Err(LawFailure { reason: overrun.to_string(), fraction: None }),

@@ -26,6 +26,7 @@ use crate::model::{ContactPair, FieldValues, Freedom};
 use history::PointState;
 use kinematics::Kinematics;
 use pair::{Output, Pair};
+use umat_abi::host::recorder::Arguments;
 use umat_abi::law::Request;
 
 #[cfg(test)]
@@ -147,6 +148,8 @@ pub struct ContactCall<'a> {
     pub time_increment: f64,
     /// Temperature and field variables at its start and at its end.
     pub fields: [FieldValues; 2],
+    /// All arguments, with what the law changes as it was at the start.
+    pub arguments: Arguments,
 }
 
 /// What a law is given in the normal direction.

@@ -227,6 +227,8 @@ struct Attempt {
     summary: Option<Value>,
     /// Nothing beside the results was changed.
     is_contained: bool,
+    /// The run of the replay case, if there is one.
+    replay: Option<Outcome>,
 }
 
 impl Attempt {
@@ -241,13 +243,19 @@ impl Attempt {
         if host == Host::Constructor {
             command.env(AT_LOADING, fault.to_string());
         }
-        let outcome = outcome(command)?;
+        let ended = outcome(command)?;
+        let is_contained = inventory(folder, &results) == before && !Path::new("/out").exists();
+        let replay = results.join("replay.json").exists().then(|| {
+            let arguments = ["run", "out/replay.json", "--quiet", "--set", "output.plots=false", "--out", "again"];
+            outcome(pullout(folder, arguments))
+        });
         let read = |name: &str| fs::read_to_string(results.join(name)).ok();
         Ok(Self {
-            outcome,
+            outcome: ended,
+            replay: replay.transpose()?,
             history: read("history.csv"),
             summary: read("summary.json").and_then(|text| serde_json::from_str(&text).ok()),
-            is_contained: inventory(folder, &results) == before && !Path::new("/out").exists(),
+            is_contained,
         })
     }
 
@@ -284,6 +292,12 @@ impl Attempt {
             _ if status == "done" => return wrong("done, says the summary"),
             _ if !sound.starts_with(history) => return wrong("finished rows are not those of a sound run"),
             _ => {}
+        }
+        if let (Fails(words), Some(replay)) = (class, &self.replay) {
+            let code = replay.judge(&["misbehaving"])?;
+            if code != 1 || !replay.stderr.contains(words) {
+                return wrong(&format!("the replay does not repeat it (exit {code}: {})", replay.stderr));
+            }
         }
         if let Fails(_) = class {
             // a header, the initial state, a step and two increments at the least

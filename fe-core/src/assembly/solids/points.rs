@@ -190,7 +190,7 @@ impl Points {
                 } else {
                     ""
                 };
-                Err(error(format!("the modulus along 1 is {modulus} MPa{advice}")))
+                Err(error(format!("the modulus along 1 is {modulus:?} MPa{advice}")))
             }
         }
     }
@@ -347,7 +347,7 @@ impl Points {
         match outcome {
             Err(overrun) => return trouble(overrun.to_string(), None),
             Ok(CallOutcome::CutBack(fraction)) => {
-                return trouble(format!("it asks for {fraction} of the increment (PNEWDT)"), Some(fraction));
+                return trouble(format!("it asks for {fraction:?} of the increment (PNEWDT)"), Some(fraction));
             }
             Ok(CallOutcome::Done) => {}
         }

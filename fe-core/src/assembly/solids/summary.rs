@@ -6,6 +6,7 @@ use super::record::Body;
 use super::trust::work_of;
 use crate::kinematics::finite::{Components, rotated};
 use crate::model::FieldValues;
+use umat_abi::host::recorder::UmatRecord;
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -112,6 +113,8 @@ pub struct PointCall<'a> {
     pub fields: [FieldValues; 2],
     /// Whether the UMAT was called with six components; of plane stress the strain 33 is then known.
     pub through_six: bool,
+    /// The arguments that a path leaves open, with SSE, SPD and SCD at its start.
+    pub arguments: UmatRecord,
 }
 
 fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
@@ -134,7 +137,7 @@ impl Solids {
         if [Some(call.noel), Some(call.npt)] != [number(element), number(point)] {
             return None;
         }
-        let PointView { stress, strain, statev, .. } = self.point(element, point);
+        let PointView { stress, strain, statev, energies, .. } = self.point(element, point);
         let rotation = (call.drot[0][0], call.drot[0][1]);
         Some(PointCall {
             stress: rotated(&stress, rotation, 1.0),
@@ -149,6 +152,7 @@ impl Solids {
                 FieldValues { temperature: call.temp + call.dtemp, variables: after(&call.predef, &call.dpred) },
             ],
             through_six: call.is_through_solid(),
+            arguments: UmatRecord { energies: energies.to_vec(), ..UmatRecord::of(call) },
         })
     }
 

@@ -3,7 +3,7 @@
 use super::super::call::UmatCall;
 use super::super::interface_call::{FricCall, UinterCall};
 use super::recording::Reader;
-use super::slot::Writer;
+use super::slot::{Writer, written};
 
 /// Declares a record, how it is written from a call, and how it is read.
 macro_rules! record {
@@ -20,6 +20,12 @@ macro_rules! record {
             #[inline]
             pub(in crate::host) fn write($object: &$call, $writer: &mut Writer) {
                 $($put;)+
+            }
+
+            /// The arguments of a call as they are now.
+            pub fn of($object: &$call) -> Self {
+                let words = written(|$writer| Self::write($object, $writer));
+                Self::read(&mut Reader::new(&words)).unwrap_or_default()
             }
 
             /// Reads them in the same order.

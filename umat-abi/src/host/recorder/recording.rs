@@ -171,6 +171,10 @@ pub(super) struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
+    pub(super) fn new(bytes: &'a [u8]) -> Self {
+        Self { bytes }
+    }
+
     fn word(&mut self) -> Option<[u8; WORD]> {
         let (word, rest) = self.bytes.split_first_chunk()?;
         self.bytes = rest;

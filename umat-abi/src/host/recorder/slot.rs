@@ -123,6 +123,15 @@ pub(in crate::host) struct Writer {
     wanted: usize,
 }
 
+/// What `write` writes.
+pub(super) fn written(write: impl Fn(&mut Writer)) -> Vec<u8> {
+    let mut counter = Writer { next: std::ptr::null_mut(), room: 0, wanted: 0 };
+    write(&mut counter);
+    let mut words = vec![0.0_f64; counter.wanted];
+    write(&mut Writer { next: words.as_mut_ptr(), room: words.len(), wanted: 0 });
+    words.iter().flat_map(|word| word.to_ne_bytes()).collect()
+}
+
 impl Writer {
     /// One argument.
     #[inline]
