@@ -40,8 +40,8 @@ pub(super) fn run(
 
 /// The entry point in use.
 enum Call {
-    Uinter(UinterCall),
-    Fric(FricCall),
+    Uinter(Box<UinterCall>),
+    Fric(Box<FricCall>),
 }
 
 /// The state of the point between increments.
@@ -118,7 +118,7 @@ impl<'p> Runner<'p> {
                     call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                     arguments.set_uinter(&mut call);
                     call.fence();
-                    Call::Uinter(call)
+                    Call::Uinter(Box::new(call))
                 })
             }
             InterfaceEntry::Fric => {
@@ -126,7 +126,7 @@ impl<'p> Runner<'p> {
                     call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
                     arguments.set_fric(&mut call);
                     call.fence();
-                    Call::Fric(call)
+                    Call::Fric(Box::new(call))
                 })
             }
         }

@@ -64,7 +64,7 @@ struct Initial<F> {
 enum Source<F> {
     Zero,
     Given(Vec<f64>),
-    Routine(Routine<F>),
+    Routine(Box<Routine<F>>),
 }
 
 #[derive(Debug)]
@@ -99,7 +99,7 @@ impl<F: Copy> Initial<F> {
                         values.fence();
                     }
                     let guard = library.guard();
-                    Source::Routine(Routine { function, values, guard, slot, _library: library.clone() })
+                    Source::Routine(Box::new(Routine { function, values, guard, slot, _library: library.clone() }))
                 }
                 None => Source::Zero,
             },
@@ -114,7 +114,7 @@ impl<F: Copy> Initial<F> {
         point: &InitialPoint,
         call: impl FnOnce(F, &mut Guarded),
     ) -> Result<Vec<f64>, String> {
-        let Routine { function, values, guard, slot, .. } = match &mut self.source {
+        let Routine { function, values, guard, slot, .. } = &mut **match &mut self.source {
             Source::Zero => return Ok(vec![0.0; self.count]),
             Source::Given(given) => return Ok(given.clone()),
             Source::Routine(routine) => routine,

@@ -196,10 +196,10 @@ static ROWS: OnceLock<Mutex<File>> = OnceLock::new();
 
 /// Hands a line on.
 fn hand_on(line: &Value) {
-    if let Some(mut file) = ROWS.get().and_then(|file| file.lock().ok()) {
-        if file.write_all(format!("{line}\n").as_bytes()).is_err() {
-            worker::end_for_closed_output();
-        }
+    if let Some(mut file) = ROWS.get().and_then(|file| file.lock().ok())
+        && file.write_all(format!("{line}\n").as_bytes()).is_err()
+    {
+        worker::end_for_closed_output();
     }
 }
 
