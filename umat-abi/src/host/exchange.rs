@@ -203,9 +203,8 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         lent.check()?;
         // SAFETY: as above; any bits are numbers.
         let lent = unsafe { &*lent.as_mut_ptr().cast::<Lent<I, O>>() };
-        let written = lent.outputs;
-        written.check()?;
-        *outputs = written;
+        lent.outputs.check()?;
+        *outputs = lent.outputs;
         Ok(words(inputs) == words(&lent.inputs))
     }
 

@@ -88,10 +88,14 @@ impl Guard {
         }
         let result = call();
         let after = floating_point::control();
-        if floating_point::modes(after) != floating_point::modes(before) {
+        let has_changed = floating_point::modes(after) != floating_point::modes(before);
+        if has_changed {
             self.changed_modes.store(true, Ordering::Relaxed);
         }
-        floating_point::set_control(control);
+        // to write the register takes longer than to read it
+        if has_changed || self.traps {
+            floating_point::set_control(control);
+        }
         result
     }
 }
