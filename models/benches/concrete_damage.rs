@@ -32,6 +32,7 @@ fn run(props: &[f64], length: Option<f64>, path: &Path, request: Request) -> f64
                 strain_increment: std::array::from_fn(|i| pair[1][i] - pair[0][i]),
                 stress,
                 characteristic_length: length,
+                time_increment: 1.0,
             };
             let parameters = ConcreteDamage::parameters(black_box(props)).expect("consistent");
             let response = ConcreteDamage::update(&parameters, &increment, &mut state, request).expect("an update");

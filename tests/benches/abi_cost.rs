@@ -87,6 +87,7 @@ fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
         strain_increment: start.point.dstran,
         stress: start.stress,
         characteristic_length: None,
+        time_increment: 1.0,
     };
     let mut state = start.statev.clone();
     let mut nanoseconds = [const { Vec::new() }; 3];

@@ -18,10 +18,11 @@ pub use toolchain::{Tool, find, named_by, notice, run};
 use std::path::{Path, PathBuf};
 
 /// The laws that are shipped.
-pub const SHIPPED_LAWS: [&str; 9] = [
+pub const SHIPPED_LAWS: [&str; 10] = [
     "biaxial_damage",
     "bond_slip",
     "concrete_damage",
+    "concrete_damage_implex",
     "drucker_prager",
     "inelastic_damage",
     "j2_plasticity",

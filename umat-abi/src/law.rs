@@ -93,6 +93,8 @@ pub struct Increment {
     pub stress: [f64; 6],
     /// CELENT, mm; `None` if the host passed NULL, zero, a negative number or NaN.
     pub characteristic_length: Option<f64>,
+    /// DTIME, s, where the law asks for it; 1 if the host passed NULL, zero, a negative number or NaN.
+    pub time_increment: f64,
 }
 
 impl Increment {
@@ -105,6 +107,7 @@ impl Increment {
             strain_increment: [0.0; 6],
             stress: [0.0; 6],
             characteristic_length: None,
+            time_increment: 1.0,
         }
     }
 
@@ -391,6 +394,9 @@ pub trait Law {
     /// Whether every number of a response and of a new state is finite, [`Self::update`] failing otherwise
     /// ([`Response::finite`]): the boundary does not look at them again.
     const FINITE_OR_FAILS: bool = false;
+
+    /// Whether [`Self::update`] looks at [`Increment::time_increment`], which is not even read otherwise.
+    const USES_TIME_INCREMENT: bool = false;
 
     /// Whether [`Self::update_block`] is there.
     const UPDATES_BLOCKS: bool = false;

@@ -56,6 +56,10 @@ pub mod flags {
     pub const ISOTROPIC: u32 = 64;
 }
 
+/// The state variable of a law that integrates by extrapolation: the work so far of what its stress exceeds that of the
+/// implicit law by, N·mm/mm³, its amount. Hosts choose their increments by it.
+pub const OVERSTRESS_WORK: &CStr = c"overstress_work";
+
 /// A C string that lives as long as the library: never NULL when made by a const builder.
 #[repr(transparent)]
 #[derive(Clone, Copy)]

@@ -136,5 +136,6 @@ pub(super) fn increment_of(call: &UmatCall) -> Increment {
         strain_increment: call.dstran,
         stress: std::array::from_fn(|i| call.stress()[i]),
         characteristic_length: None,
+        time_increment: 1.0,
     }
 }

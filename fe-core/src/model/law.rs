@@ -5,7 +5,7 @@ use umat_abi::host::{
     FricCall, InitialPoint, InitialStates, InitialStresses, Law, Library, LoadError, Manner, UinterCall, UmatCall,
 };
 use umat_abi::law::StressState;
-use umat_abi::metadata::flags;
+use umat_abi::metadata::{OVERSTRESS_WORK, flags};
 
 /// The plugin of a part or of a contact pair. Which law it is nobody here knows.
 #[derive(Clone, Debug)]
@@ -135,6 +135,12 @@ impl PluginLaw {
     /// Whether its tangent is symmetric whatever the parameters and the state.
     pub fn has_symmetric_tangent(&self) -> bool {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
+    }
+
+    /// Which of its states is the work of the overstress of a law that extrapolates, if it does.
+    pub fn overstress_work(&self) -> Option<usize> {
+        let law = self.law.as_ref()?;
+        law.states.iter().position(|state| OVERSTRESS_WORK.to_str() == Ok(&*state.name))
     }
 
     /// Names of its state variables, by metadata or `sdv1`…, followed by those of its derived outputs.

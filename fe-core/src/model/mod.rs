@@ -195,6 +195,11 @@ impl Model {
         self.laws.iter().enumerate().any(|(part, law)| !law.initial_stresses(model(part)).are_zero())
     }
 
+    /// Whether a law extrapolates: its increments take time, however far they lead.
+    pub fn extrapolates(&self) -> bool {
+        self.laws.iter().any(|law| law.overstress_work().is_some())
+    }
+
     /// The libraries of its laws, parts first; some may be named several times.
     pub fn libraries(&self) -> impl Iterator<Item = &Library> {
         let of_contact = self.contacts.iter().map(|pair| match &pair.law {

@@ -134,13 +134,17 @@ pub(super) struct Findings {
     /// What the increment adds to the imbalance of the energies, and that imbalance before it, relative to the work.
     pub(super) energy_error: f64,
     pub(super) energy_error_before: f64,
+    /// The work of the overstress of laws that extrapolate in the increment, likewise.
+    pub(super) overstress: f64,
 }
 
 impl Findings {
-    /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
+    /// How much the increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it
+    /// may.
     fn energy_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
-        self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
+        let imbalance = self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0));
+        imbalance.max(self.overstress / ENERGY_TOLERANCE)
     }
 }
 
@@ -207,7 +211,7 @@ impl StepRun {
             energy_looks: 0,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
-            stabilised: model.controls.relaxation_time > 0.0,
+            stabilised: model.controls.relaxation_time > 0.0 || model.extrapolates(),
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
         }
     }

@@ -30,7 +30,7 @@ pub struct Energies {
     pub interface: f64,
     /// Spent on opening bonded interfaces and lost where contact fades at an end.
     pub opening: f64,
-    /// Spent on viscous stabilisation.
+    /// Spent on what helps over instabilities: viscous stress, and the overstress of laws that extrapolate.
     pub stabilisation: f64,
 }
 

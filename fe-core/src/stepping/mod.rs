@@ -346,12 +346,16 @@ impl<'m> Analysis<'m> {
         let is_driven_alone = !self.model.fields.change();
         let [energy_error_before, energy_error] =
             if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
+        let reference = self.work_reference(self.external_work_at(&converged.end), &converged.end);
+        let overstress = solids.trial_energies().overstress - solids.energies().overstress;
+        let overstress = if reference > 0.0 { overstress / reference } else { 0.0 };
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
             slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
             energy_error,
             energy_error_before,
+            overstress,
         }
     }
 

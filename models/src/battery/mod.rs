@@ -124,6 +124,7 @@ pub struct Point<'p, L: Law> {
     pub stress: [f64; 6],
     pub state: Vec<f64>,
     pub characteristic_length: Option<f64>,
+    pub time_increment: f64,
 }
 
 impl<'p, L: Law> Point<'p, L> {
@@ -136,6 +137,7 @@ impl<'p, L: Law> Point<'p, L> {
             stress: [0.0; 6],
             state: vec![0.0; L::INFO.states.len()],
             characteristic_length: None,
+            time_increment: 1.0,
         }
     }
 
@@ -153,6 +155,7 @@ impl<'p, L: Law> Point<'p, L> {
             strain_increment: std::array::from_fn(|i| strain[i] - self.strain[i]),
             stress: self.stress,
             characteristic_length: self.characteristic_length,
+            time_increment: self.time_increment,
         }
     }
 

@@ -381,6 +381,7 @@ fn strain_that_is_no_number_is_refused() {
                     strain_increment: [0.0; 6],
                     stress: [0.0; 6],
                     characteristic_length: None,
+                    time_increment: 1.0,
                 };
                 let result = BiaxialDamage::update(&parameters, &increment, &mut [0.0; 9], Request::StressAndTangent);
                 assert!(matches!(result, Err(Failure::CutBack { .. })), "{bad} {result:?}");

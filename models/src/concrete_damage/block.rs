@@ -3,7 +3,7 @@
 use super::dissipation;
 use super::evolution::Evolution;
 use super::{
-    Branch, CRACK_BAND, History, INELASTIC_STRAIN, Parameters, PointResponse, STATES, STRAIN_33_STATE, elastic_response,
+    CRACK_BAND, History, INELASTIC_STRAIN, Parameters, PointResponse, STATES, STRAIN_33_STATE, elastic_response,
 };
 use crate::tensor::Spectral;
 use umat_abi::law::{Block, BlockResponse, Increment, LANES, Lane, StressState};
@@ -56,17 +56,17 @@ fn damaged(
     // where something grows, what it dissipates depends on the strain at the start
     let mut starts = None;
     for lane in (0..LANES).filter(|&lane| !is_elastic[lane]) {
-        let before = history(states, lane);
+        let mut state = [0.0; STATES.len()];
+        for (value, lanes) in state.iter_mut().zip(&*states) {
+            *value = lanes[lane];
+        }
+        let before = History::of(&state);
         let point = PointResponse {
             trial: of(trial, lane),
             axes: axes[lane],
             normal: None,
             evolution: Evolution::new(parameters, &softening, &before, &axes[lane].values),
         };
-        let mut state = [0.0; STATES.len()];
-        for (value, lanes) in state.iter_mut().zip(&*states) {
-            *value = lanes[lane];
-        }
         let stress = point.stress(parameters);
         let dissipation = if point.dissipates() {
             let increment = Increment {
@@ -75,6 +75,7 @@ fn damaged(
                 strain_increment: of(&block.strain_increment, lane),
                 stress: of(&block.stress, lane),
                 characteristic_length: None,
+                time_increment: 1.0,
             };
             let start = point.start(&before, &increment, &state);
             // no closure: it would not be compiled for wide registers
@@ -113,15 +114,6 @@ fn principal_strains_at_start(block: &Block, states: &[Lane]) -> [[f64; 3]; LANE
         }
     }
     Spectral::of_strains(&strain).map(|axes| axes.values)
-}
-
-/// The history of one point.
-#[inline(always)]
-fn history(states: &[Lane], lane: usize) -> History {
-    History {
-        tension: Branch { eta: states[0][lane], maximum: states[2][lane] },
-        compression: Branch { eta: states[1][lane], maximum: states[3][lane] },
-    }
 }
 
 /// The components of one point.

@@ -57,6 +57,20 @@ impl Evolution {
         Self { criteria, flow, history, growth, solid }
     }
 
+    /// Advances `history` to the principal strain (descending), with the stress of a solid whose η_t, η_c are given.
+    /// Without inelastic strain.
+    #[inline]
+    pub fn at_given_damage(
+        parameters: &Parameters,
+        softening: &[Softening; 2],
+        history: &History,
+        [eta_t, eta_c]: [f64; 2],
+        strain: &[f64; 3],
+    ) -> Self {
+        let solid = Degraded::new(parameters, eta_t, eta_c, strain);
+        Self { growth: [None; 2], solid, ..Self::new(parameters, softening, history, strain) }
+    }
+
     /// The consistent tangent in principal axes: H_ij = ∂s_i/∂e_j and d_12, d_13, d_23.
     #[inline]
     pub fn tangent(&self, parameters: &Parameters) -> ([[f64; 3]; 3], [f64; 3]) {

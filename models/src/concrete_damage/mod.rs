@@ -7,6 +7,7 @@ mod criteria;
 mod degraded;
 mod dissipation;
 mod evolution;
+mod implex;
 mod inelastic;
 mod no_tension;
 mod plane_stress;
@@ -30,6 +31,8 @@ use umat_abi::law::{
 };
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
 use uniaxial::Uniaxial;
+
+pub use implex::ConcreteDamageImplex;
 
 /// The law.
 pub struct ConcreteDamage;
@@ -110,6 +113,17 @@ struct History {
     compression: Branch,
 }
 
+impl History {
+    /// As it stands among the states.
+    #[inline(always)]
+    fn of(state: &[f64]) -> Self {
+        Self {
+            tension: Branch { eta: state[0], maximum: state[2] },
+            compression: Branch { eta: state[1], maximum: state[3] },
+        }
+    }
+}
+
 const PARAMETERS: [Parameter; 14] = [
     youngs_modulus(31800.0),
     poisson_ratio(0.18),
@@ -132,12 +146,21 @@ const PARAMETERS: [Parameter; 14] = [
     Parameter::new(c"G_c", c"N/mm", 0.0, c"fracture energy in compression (0: no crack band)").at_least(0.0),
 ];
 
-const STATES: [StateVariable; 13] = [
+/// The first states of both integrations.
+const HISTORY_STATES: [StateVariable; 5] = [
     StateVariable::new(c"eta_t", c"-", c"tensile damage D_t/(1 - D_t)"),
     StateVariable::new(c"eta_c", c"-", c"compressive damage D_c/(1 - D_c)"),
     StateVariable::new(c"Y_t_max", c"MPa", c"largest tensile energy release rate above Y_t0 so far"),
     StateVariable::new(c"Y_c_max", c"MPa", c"largest compressive energy release rate above Y_c0 so far"),
     StateVariable::new(c"crack_band", c"-", c"0 off, 1 on"),
+];
+
+const STATES: [StateVariable; 13] = [
+    HISTORY_STATES[0],
+    HISTORY_STATES[1],
+    HISTORY_STATES[2],
+    HISTORY_STATES[3],
+    HISTORY_STATES[4],
     StateVariable::new(c"inelastic_strain_11", c"-", c"inelastic strain").strain_component(1),
     StateVariable::new(c"inelastic_strain_22", c"-", c"inelastic strain").strain_component(2),
     StateVariable::new(c"inelastic_strain_33", c"-", c"inelastic strain").strain_component(3),
@@ -276,22 +299,14 @@ fn advance(
     state: &mut [f64],
     request: Request,
 ) -> Result<Response, Failure> {
-    increment.check_strain()?;
-    if length_is_unchecked(parameters, increment, state) {
-        let length = increment.characteristic_length.ok_or_else(|| parameters.missing_length())?;
-        ConcreteDamage::check_characteristic_length(parameters, length)?;
-        state[CRACK_BAND] = CRACK_BAND_ON;
-        if let Some(response) = ConcreteDamage::elastic(parameters, increment, state, request) {
-            return Ok(response);
-        }
+    if let Some(response) = begin(parameters, increment, state, request)? {
+        return Ok(response);
     }
-    let history = History {
-        tension: Branch { eta: state[0], maximum: state[2] },
-        compression: Branch { eta: state[1], maximum: state[3] },
-    };
+    let history = History::of(state);
     let trial = trial_strain(increment, state);
     let softening = parameters.softening(increment.characteristic_length);
-    let point = solve_point(parameters, &softening, &history, increment, state, trial)?;
+    let evolve = |strain: &[f64; 3]| Evolution::new(parameters, &softening, &history, strain);
+    let point = solve_point(parameters, evolve, &history, increment, state, trial)?;
     let stress = point.stress(parameters);
     let dissipation = if point.dissipates() {
         let start = point.start(&history, increment, state);
@@ -302,16 +317,41 @@ fn advance(
     };
     let energy = point.evolution.solid.energy();
     if !point.is_finite(energy, dissipation, &stress) {
-        if let Some(length) = increment.characteristic_length {
-            ConcreteDamage::check_characteristic_length(parameters, length)?;
-        }
-        return Err(Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" });
+        return Err(overflow(parameters, increment));
     }
     let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
     point.commit(state, dissipation);
     state[CRACK_BAND] = crack_band(parameters);
     let dissipated_energy = state[DISSIPATED_ENERGY_STATE];
     Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)
+}
+
+/// Checks the strain and, at the first call of a point, the length; the response if it turns out to be elastic.
+#[inline(always)]
+fn begin(
+    parameters: &Parameters,
+    increment: &Increment,
+    state: &mut [f64],
+    request: Request,
+) -> Result<Option<Response>, Failure> {
+    increment.check_strain()?;
+    if !length_is_unchecked(parameters, increment, state) {
+        return Ok(None);
+    }
+    let length = increment.characteristic_length.ok_or_else(|| parameters.missing_length())?;
+    ConcreteDamage::check_characteristic_length(parameters, length)?;
+    state[CRACK_BAND] = CRACK_BAND_ON;
+    Ok(ConcreteDamage::elastic(parameters, increment, state, request))
+}
+
+/// Why a result is no number: a length that grew beyond the limit, or else the strain.
+#[cold]
+fn overflow(parameters: &Parameters, increment: &Increment) -> Failure {
+    let length = increment.characteristic_length.map(|h| ConcreteDamage::check_characteristic_length(parameters, h));
+    match length {
+        Some(Err(error)) => error.into(),
+        _ => Failure::CutBack { fraction: 0.5, reason: "the strain is not finite or overflows the energy" },
+    }
 }
 
 /// Stress and energy of the virgin solid.
@@ -389,7 +429,7 @@ struct PointResponse {
 #[inline]
 fn solve_point(
     parameters: &Parameters,
-    softening: &[Softening; 2],
+    evolve: impl Fn(&[f64; 3]) -> Evolution,
     history: &History,
     increment: &Increment,
     state: &[f64],
@@ -397,13 +437,13 @@ fn solve_point(
 ) -> Result<PointResponse, Failure> {
     if increment.stress_state != StressState::PlaneStress {
         let axes = Spectral::of_strain(&trial);
-        let evolution = Evolution::new(parameters, softening, history, &axes.values);
+        let evolution = evolve(&axes.values);
         return Ok(PointResponse { trial, axes, normal: None, evolution });
     }
     let elastic = parameters.elasticity.plane_stress_strain_33(&trial);
     let guess = state[STRAIN_33_STATE] - state[INELASTIC_STRAIN + 2]
         + parameters.elasticity.plane_stress_strain_33(&increment.strain_increment);
-    let solution = plane_stress::solve(parameters, softening, history, &trial, elastic, guess)
+    let solution = plane_stress::solve(parameters, evolve, history, &trial, elastic, guess)
         .ok_or(Failure::CutBack { fraction: 0.25, reason: "no strain 33 makes stress 33 vanish" })?;
     trial[2] = solution.strain_33;
     Ok(PointResponse { trial, axes: solution.axes, normal: Some(solution.normal), evolution: solution.evolution })

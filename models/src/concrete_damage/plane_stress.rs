@@ -3,7 +3,6 @@
 //! Direction 3 is principal and stays so, hence the search needs one in-plane decomposition only.
 
 use super::evolution::Evolution;
-use super::softening::Softening;
 use super::{History, Parameters};
 use crate::tensor::Spectral;
 
@@ -82,7 +81,7 @@ fn inside(below: f64, above: f64) -> f64 {
 /// taken.
 pub(super) fn solve(
     parameters: &Parameters,
-    softening: &[Softening; 2],
+    evolve: impl Fn(&[f64; 3]) -> Evolution,
     history: &History,
     strain: &[f64; 6],
     elastic: f64,
@@ -91,7 +90,7 @@ pub(super) fn solve(
     let plane = Plane::new(strain);
     let at = |strain_33: f64| {
         let (axes, normal) = plane.axes(strain_33);
-        let evolution = Evolution::new(parameters, softening, history, &axes.values);
+        let evolution = evolve(&axes.values);
         Solution { strain_33, axes, normal, evolution }
     };
     let undamaged = history.tension.eta == 0.0 && history.compression.eta == 0.0;

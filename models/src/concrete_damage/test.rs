@@ -4,6 +4,7 @@
 mod crack_band;
 mod energy;
 mod extremes;
+mod implex;
 mod strength;
 
 use super::samples::*;

@@ -304,6 +304,7 @@ fn extremes_stay_finite_and_admissible() {
                     strain_increment: [0.0; 6],
                     stress: [0.0; 6],
                     characteristic_length: None,
+                    time_increment: 1.0,
                 };
                 assert!(DruckerPrager::update(&virgin.parameters, &increment, &mut state, Request::Stress).is_err());
             }

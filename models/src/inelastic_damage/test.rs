@@ -182,6 +182,7 @@ fn an_indefinite_energy_is_refused() {
         strain_increment: [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0],
         stress: [0.0; 6],
         characteristic_length: None,
+        time_increment: 1.0,
     };
     let run = |stress_state| {
         InelasticDamage::update(&parameters, &increment(stress_state), &mut [0.0; 3], Request::StressAndTangent)

@@ -264,6 +264,7 @@ fn extremes_stay_finite_and_admissible() {
                 strain_increment: [0.0; 6],
                 stress: [0.0; 6],
                 characteristic_length: None,
+                time_increment: 1.0,
             };
             assert!(J2Plasticity::update(&point.parameters, &increment, &mut state, Request::Stress).is_err());
             let increment = Increment { strain: [1e300, -1e300, 0.0, 1e300, 0.0, 0.0], ..increment };

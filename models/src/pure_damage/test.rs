@@ -100,6 +100,7 @@ fn what_overflows_asks_for_a_cut_back() {
         strain_increment: [1e200, 0.0, 0.0, 0.0, 0.0, 0.0],
         stress: [0.0; 6],
         characteristic_length: None,
+        time_increment: 1.0,
     };
     let result = PureDamage::update(&point.parameters, &increment, &mut [0.0; 4], Request::StressAndTangent);
     assert!(matches!(result, Err(Failure::CutBack { .. })));

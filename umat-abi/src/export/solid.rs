@@ -29,6 +29,7 @@ struct Arguments {
     spd: *mut f64,
     celent: *const f64,
     scd: *mut f64,
+    dtime: *const f64,
 }
 
 /// Runs law `L` as a UMAT.
@@ -38,7 +39,7 @@ struct Arguments {
 #[inline(always)]
 pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
     let &UmatArguments { stress, statev, ddsdde, sse, spd, scd, stran, dstran, ndi, nshr, ntens, .. } = arguments;
-    let &UmatArguments { nstatv, props, nprops, drot, celent, pnewdt, .. } = arguments;
+    let &UmatArguments { nstatv, props, nprops, drot, celent, pnewdt, dtime, .. } = arguments;
     let used = Arguments {
         stress,
         statev,
@@ -56,6 +57,7 @@ pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
         nprops,
         drot,
         celent,
+        dtime,
     };
     // SAFETY: forwarded to the caller.
     let outcome = guarded(move || unsafe { update::<L>(&used) });
@@ -163,6 +165,11 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
         // SAFETY: CELENT is NULL or valid.
         increment.characteristic_length =
             unsafe { optional(a.celent) }.filter(|length| length.is_finite() && *length > 0.0);
+    }
+    if L::USES_TIME_INCREMENT {
+        // SAFETY: DTIME is NULL or valid.
+        let time_increment = unsafe { optional(a.dtime) };
+        increment.time_increment = time_increment.filter(|time| time.is_finite() && *time > 0.0).unwrap_or(1.0);
     }
     Ok(increment)
 }

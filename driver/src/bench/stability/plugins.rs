@@ -11,13 +11,14 @@ use umat_abi::host::{Found, search_paths};
 const PART: &str = "plugin";
 
 /// All shipped plugins.
-const PLUGINS: [&str; 9] = [
+const PLUGINS: [&str; 10] = [
     "linear_elastic",
     "pure_damage",
     "inelastic_damage",
     "reverse_cyclic_damage",
     "biaxial_damage",
     "concrete_damage",
+    "concrete_damage_implex",
     "j2_plasticity",
     "drucker_prager",
     "bond_slip",

@@ -205,6 +205,11 @@ impl Points {
         (c[0][0] * minor(1, 2) - c[0][1] * minor(0, 2) + c[0][2] * minor(0, 1)) / minor(1, 2)
     }
 
+    /// NSTATV.
+    pub(super) fn nstatv(&self) -> usize {
+        self.nstatv
+    }
+
     /// STATEV of a point.
     pub(super) fn statev(&self, point: usize) -> std::ops::Range<usize> {
         point * self.nstatv..(point + 1) * self.nstatv

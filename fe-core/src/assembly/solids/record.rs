@@ -64,7 +64,9 @@ pub(super) struct Part {
     average: bool,
     /// The dissipation of its law is damage, not plastic flow.
     pub(super) damages: bool,
-    /// Its tangent may be negative: the law damages, or does not say.
+    /// The state of its law that is the work of the overstress: it extrapolates.
+    pub(super) overstress_work: Option<usize>,
+    /// Its tangent may be negative: the law damages, or does not say; not if it extrapolates.
     pub(super) softens: bool,
     /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
     /// while it still hardens (Rudnicki and Rice 1975).
@@ -219,13 +221,15 @@ fn groups(mesh: &Mesh, limit: usize) -> Vec<Group> {
 fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [bool; 2]) -> Result<Part, SolidsError> {
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
-    let softens = law.law.as_ref().is_none_or(has_damage);
+    let overstress_work = law.overstress_work();
+    let softens = law.law.as_ref().is_none_or(has_damage) && overstress_work.is_none();
     Ok(Part {
         name: definition.name.clone(),
         axisymmetric: definition.model == PlaneModel::Axisymmetric,
         // In plane stress nothing locks.
         average: average && definition.model != PlaneModel::PlaneStress,
         damages: law.law.as_ref().is_some_and(has_damage),
+        overstress_work,
         softens,
         may_lose_stability: softens || !law.has_symmetric_tangent(),
         nlgeom,

@@ -19,8 +19,11 @@ pub struct SolidEnergies {
     pub damage: f64,
     /// Work of the stresses of laws whose energies cannot be believed.
     pub unaccounted: f64,
-    /// Dissipated by the viscous stress of the stabilisation.
-    pub viscous: f64,
+    /// What helps over instabilities has taken: the work of viscous stress, and of the overstress of laws that
+    /// extrapolate.
+    pub stabilisation: f64,
+    /// The work of that overstress alone.
+    pub overstress: f64,
 }
 
 impl std::ops::AddAssign for SolidEnergies {
@@ -29,7 +32,8 @@ impl std::ops::AddAssign for SolidEnergies {
         self.plastic += other.plastic;
         self.damage += other.damage;
         self.unaccounted += other.unaccounted;
-        self.viscous += other.viscous;
+        self.stabilisation += other.stabilisation;
+        self.overstress += other.overstress;
     }
 }
 
@@ -172,7 +176,7 @@ impl Solids {
             let sum = &mut parts[*index];
             let states = states(points);
             for (work, volume) in states.viscous.iter().zip(volumes) {
-                sum.viscous += work * volume;
+                sum.stabilisation += work * volume;
             }
             if !self.trust[*index].believes() {
                 sum.unaccounted += work_of(&states.work, volumes);
@@ -182,6 +186,13 @@ impl Solids {
                 sum.stored += stored * volume;
                 let dissipated = if part.damages { &mut sum.damage } else { &mut sum.plastic };
                 *dissipated += (plastic + creep) * volume;
+            }
+            if let Some(state) = part.overstress_work {
+                let works = states.statev.iter().skip(state).step_by(points.nstatv());
+                let overstress: f64 = works.zip(volumes).map(|(work, volume)| work * volume).sum();
+                sum.overstress += overstress;
+                sum.stabilisation += overstress;
+                *if part.damages { &mut sum.damage } else { &mut sum.plastic } -= overstress;
             }
         }
         parts

@@ -11,6 +11,10 @@ use umat_abi::law::Request;
 /// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths. Not with
 /// contact: at the kinks of its laws such steps go to and fro.
 const WORK_REDUCTION: f64 = 0.8;
+/// Where the work along a correction has fallen to this part, the energy is at its minimum along it,
+const MINIMUM_REACHED: f64 = 0.2;
+/// which is sought so often.
+const MAX_SECANTS: usize = 10;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
 /// Derivatives of the dissipation are differences over this part of the last increment.
@@ -188,6 +192,9 @@ impl Equilibrium<'_> {
         if self.work_along(direction).abs() <= limit {
             return Ok(1.0);
         }
+        if self.model.extrapolates() {
+            return self.least_work(trial, direction, context, (work_before, &place), statistics);
+        }
         let mut best = (full, 1.0);
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
@@ -208,6 +215,42 @@ impl Equilibrium<'_> {
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
         }
         Ok(best.1)
+    }
+
+    /// Applies as much of a correction as minimises the energy along it, from the full one, which passes the minimum: with
+    /// extrapolating laws the energy is convex, with kinks where cracks close. Beyond these the next tangent is the right
+    /// one, short of them the same correction would be found again.
+    fn least_work(
+        &mut self,
+        trial: &mut Committed,
+        direction: &Direction,
+        context: IncrementContext,
+        (work_before, place): (f64, &dyn Fn(f64, &mut Committed)),
+        statistics: &mut Statistics,
+    ) -> Result<f64, Trouble> {
+        // regula falsi in Illinois' form
+        let (mut low, mut high) = ((0.0, work_before), (1.0, self.work_along(direction)));
+        let mut length = 1.0;
+        for _ in 0..MAX_SECANTS {
+            if high.1 * work_before >= 0.0 || high.1.abs() <= MINIMUM_REACHED * work_before.abs() {
+                break;
+            }
+            length = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
+            place(length, trial);
+            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+            let work = self.work_along(direction);
+            if work.abs() <= MINIMUM_REACHED * work_before.abs() {
+                break;
+            }
+            if work * work_before > 0.0 {
+                low = (length, work);
+                high.1 *= 0.5;
+            } else {
+                high = (length, work);
+                low.1 *= 0.5;
+            }
+        }
+        Ok(length)
     }
 
     /// The work of the unbalanced forces along a correction, N mm: 0 where a shorter or longer one gains nothing.

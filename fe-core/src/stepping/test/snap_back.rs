@@ -100,6 +100,33 @@ fn stabilisation_passes_a_snap_back_without_turning_and_books_what_it_takes() {
     approx::assert_abs_diff_eq!(last.load / AREA, stress(strain), epsilon = 0.02);
 }
 
+/// What lags behind by one increment carries more than its strength, the less the smaller the increments are.
+#[test]
+fn extrapolated_damage_passes_a_snap_back_without_turning_and_books_what_it_takes() {
+    let properties = [("E", MODULUS), ("nu", 0.0), ("A_t", SCALE), ("B_t", EXPONENT), ("Y_t0", THRESHOLD)];
+    let peak = (1..4000).map(|k| AREA * stress(1e-7 * f64::from(k))).fold(0.0, f64::max);
+    let overshoots = [1.0, 0.25].map(|fraction| {
+        let mut model = bar();
+        model.laws[1] = PluginLaw::shipped("concrete_damage_implex", &properties);
+        let (initial, maximum) = (0.02 * fraction, 0.05 * fraction);
+        model.steps[0].control = StepControl::Automatic { initial, maximum, minimum: 1e-8 };
+        let (records, statistics) = run(&model);
+        assert!(records.windows(2).all(|pair| pair[1].slip > pair[0].slip));
+        assert!(records.iter().all(|record| record.energy_error.abs() < 1e-3));
+        assert!(statistics.iterations <= 3 * statistics.increments, "{statistics:?}: increments are nearly linear");
+        let last = records.last().unwrap();
+        assert_eq!(last.slip, END);
+        let strain = (last.slip - last.load / AREA * LENGTHS[0] / REST) / LENGTHS[1];
+        approx::assert_abs_diff_eq!(last.load / AREA, stress(strain), epsilon = 0.02);
+        let Energies { external_work, elastic, damage, stabilisation, .. } = last.energies;
+        assert!(stabilisation > 0.0 && damage > 0.0);
+        approx::assert_relative_eq!(damage + stabilisation + elastic, external_work, max_relative = 1e-3);
+        records.iter().map(|record| record.load).fold(0.0, f64::max) / peak - 1.0
+    });
+    // increments are cut where the overstress costs too much: less is left to gain
+    assert!(overshoots[0] < 0.05 && overshoots[1] < 0.8 * overshoots[0], "{overshoots:?}");
+}
+
 /// Far from all thresholds. What never loses its stability gets no dashpot.
 #[test]
 fn stabilisation_adds_the_stress_of_a_dashpot_beside_an_elastic_strip_that_may_lose_its_stability() {

@@ -47,6 +47,7 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
             stress: [0.0; 6],
             state: vec![0.0; L::INFO.states.len()],
             characteristic_length: sample.characteristic_length,
+            time_increment: 1.0,
         };
         Some(Self { subject, sample, point, ordinary, reach: 0.0 })
     }

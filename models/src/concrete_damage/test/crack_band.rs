@@ -86,6 +86,7 @@ fn too_long_an_element_is_refused_with_the_limit() {
         strain_increment: [0.0; 6],
         stress: [0.0; 6],
         characteristic_length: Some(1e5),
+        time_increment: 1.0,
     };
     let parameters = ConcreteDamage::parameters(&spec).expect("consistent");
     let failure = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::Stress);
@@ -108,6 +109,7 @@ fn a_length_that_grows_too_large_is_refused() {
         strain_increment: [3.9e-4, 0.0, 0.0, 0.0, 0.0, 0.0],
         stress: point.stress,
         characteristic_length: Some(1e5),
+        time_increment: 1.0,
     };
     let failure = ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress);
     assert!(matches!(

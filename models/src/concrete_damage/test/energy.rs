@@ -5,7 +5,7 @@ use crate::tensor::work;
 use approx::assert_relative_eq;
 
 /// Smallest eigenvalue of a symmetric 6×6 matrix by cyclic Jacobi rotations.
-fn smallest_eigenvalue(mut m: [[f64; 6]; 6]) -> f64 {
+pub(super) fn smallest_eigenvalue(mut m: [[f64; 6]; 6]) -> f64 {
     for _ in 0..60 {
         for p in 0..6 {
             for q in p + 1..6 {

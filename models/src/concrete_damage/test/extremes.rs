@@ -104,6 +104,7 @@ fn bad_numbers_are_sent_back() {
                     strain_increment: strain,
                     stress: [0.0; 6],
                     characteristic_length: None,
+                    time_increment: 1.0,
                 };
                 let outcome = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::Stress);
                 assert!(matches!(outcome, Err(Failure::CutBack { .. })), "{bad} {stress_state:?}: {outcome:?}");

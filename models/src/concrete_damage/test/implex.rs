@@ -1,0 +1,150 @@
+//! IMPL-EX integration against the implicit law.
+
+use super::*;
+use crate::tensor::work;
+use approx::assert_relative_eq;
+
+/// A crack that opens while it is sheared, the sides pressed: 3 times the strain of the peak.
+const PATH: [f64; 6] = [3e-4, -8e-5, -4e-5, 1.2e-4, 0.0, 0.0];
+const OVERSTRESS_WORK: usize = 8;
+
+fn banded() -> [f64; 14] {
+    with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)])
+}
+
+fn virgin<'p>(props: &'p [f64; 14], stress_state: StressState) -> Point<'p, ConcreteDamageImplex> {
+    let mut point = Point::virgin(props, stress_state);
+    point.characteristic_length = Some(20.0);
+    point
+}
+
+fn part(path: &[f64; 6], progress: f64) -> [f64; 6] {
+    path.map(|component| component * progress)
+}
+
+fn along(stress_state: StressState, mut path: [f64; 6]) -> [f64; 6] {
+    if stress_state == StressState::PlaneStress {
+        path[2] = 0.0;
+    }
+    path
+}
+
+/// The greatest deviation from the implicit law along the softening half of a path of `count` increments, and the work of
+/// the overstress from the virgin state.
+fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
+    let props = banded();
+    let path = along(stress_state, PATH);
+    let mut point = virgin(&props, stress_state);
+    let mut implicit = Point::<ConcreteDamage>::virgin(&props, stress_state);
+    implicit.characteristic_length = point.characteristic_length;
+    let mut greatest: f64 = 0.0;
+    for i in 1..=count {
+        let strain = part(&path, f64::from(i) / f64::from(count));
+        let (found, expected) = (point.advance(&strain).stress, implicit.advance(&strain).stress);
+        if 2 * i > count {
+            let error = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            greatest = greatest.max(error);
+        }
+    }
+    [greatest, point.state[OVERSTRESS_WORK]]
+}
+
+#[test]
+fn deviates_from_the_implicit_law_by_second_order() {
+    for stress_state in STRESS_STATES {
+        let [coarse, fine] = [400, 800].map(|count| deviation(stress_state, count));
+        for (coarse, fine) in coarse.into_iter().zip(fine) {
+            let order = (coarse / fine).log2();
+            assert!(fine > 0.0 && (1.7..2.3).contains(&order), "{stress_state:?}: order {order}");
+        }
+    }
+}
+
+#[test]
+fn is_the_implicit_law_until_damage_begins() {
+    let props = banded();
+    for stress_state in STRESS_STATES {
+        let mut point = virgin(&props, stress_state);
+        let mut implicit = Point::<ConcreteDamage>::virgin(&props, stress_state);
+        implicit.characteristic_length = point.characteristic_length;
+        for progress in [0.1, 0.2, -0.1] {
+            let strain = part(&along(stress_state, PATH), progress);
+            let (found, expected) = (point.advance(&strain), implicit.advance(&strain));
+            assert_eq!((found.stress, found.tangent), (expected.stress, expected.tangent));
+            assert_eq!(found.stored_energy, expected.stored_energy);
+        }
+        assert_eq!(point.state[OVERSTRESS_WORK], 0.0);
+    }
+}
+
+#[test]
+fn tangent_is_the_derivative_of_the_stress_symmetric_and_positive() {
+    let props = banded();
+    battery::check_tangents::<ConcreteDamageImplex>("IMPL-EX", &[sample(&(props, Some(20.0)))]);
+    let mut random = battery::Random(0x1E);
+    for stress_state in STRESS_STATES {
+        for _ in 0..300 {
+            let mut point = virgin(&props, stress_state);
+            for _ in 0..4 {
+                point.advance(&random.strain(stress_state, 3e-4));
+            }
+            let c = point.trial(&random.strain(stress_state, 1e-3)).0.tangent;
+            let scale = c.iter().flatten().fold(0.0_f64, |m, x| m.max(x.abs()));
+            for i in 0..6 {
+                for j in 0..i {
+                    assert!((c[i][j] - c[j][i]).abs() <= 1e-12 * scale, "{c:?}");
+                }
+            }
+            assert!(energy::smallest_eigenvalue(c) >= -1e-12 * scale);
+        }
+    }
+}
+
+#[test]
+fn work_is_stored_and_dissipated_to_the_last_digits() {
+    let props = banded();
+    for stress_state in STRESS_STATES {
+        let mut point = virgin(&props, stress_state);
+        let (mut done, mut stored) = (0.0, 0.0);
+        for i in 0..300 {
+            // there, halfway back, and further
+            let progress =
+                [0.004 * f64::from(i), 0.8 - 0.004 * f64::from(i), 0.012 * f64::from(i) - 2.4][(i / 100) as usize];
+            let (strain, stress) = (point.strain, point.stress);
+            let response = point.advance(&part(&along(stress_state, PATH), progress));
+            let increment: [f64; 6] = std::array::from_fn(|i| point.strain[i] - strain[i]);
+            let mean: [f64; 6] = std::array::from_fn(|i| 0.5 * (stress[i] + response.stress[i]));
+            done += work(&mean, &increment);
+            stored = response.stored_energy;
+        }
+        let dissipated = point.state.last().copied().unwrap_or_default();
+        assert_relative_eq!(done, stored + dissipated, max_relative = 1e-12);
+        assert!(dissipated > 0.0);
+    }
+}
+
+/// Increments of unequal length, told by DTIME, lag no more than equal ones of the greater length.
+#[test]
+fn the_time_increment_tells_how_far_to_extrapolate() {
+    let props = banded();
+    let lag = |times: [f64; 2]| {
+        let mut point = virgin(&props, StressState::ThreeD);
+        let mut progress = 0.0;
+        for i in 0..400 {
+            let which = i % 2;
+            progress += [0.001, 0.004][which];
+            point.time_increment = times[which];
+            point.advance(&part(&PATH, progress));
+        }
+        point.state[OVERSTRESS_WORK]
+    };
+    let (told, untold) = (lag([1.0, 4.0]), lag([1.0, 1.0]));
+    assert!(told < 0.5 * untold, "{told:e} {untold:e}");
+}
+
+#[test]
+fn inelastic_strain_is_refused() {
+    let props = with(defaults(), &[("b_t", 0.3)]);
+    let error = ConcreteDamageImplex::parameters(&props).expect_err("b_t");
+    assert!(error.to_string().contains("b_t and b_c must be 0"), "{error}");
+}
