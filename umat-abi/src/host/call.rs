@@ -66,7 +66,7 @@ inputs! {
         /// Increment number, from 1.
         pub kinc "KINC": i32,
         ntens "NTENS": i32,
-        ndi "NDI": i32,
+        pub(super) ndi "NDI": i32,
         nshr "NSHR": i32,
         nstatv "NSTATV": i32,
         nprops "NPROPS": i32,
@@ -410,7 +410,7 @@ impl UmatCall {
     /// Takes over what the call wrote besides its arrays.
     #[inline]
     fn take_outputs(&mut self) {
-        let UmatOutputs { sse, spd, scd, pnewdt, .. } = &self.exchange.outputs;
+        let UmatOutputs { sse, spd, scd, pnewdt, .. } = self.exchange.outputs();
         (self.energies, self.pnewdt) = ([sse, spd, scd].map(|energy| energy.values[0]), pnewdt.values[0]);
     }
 
@@ -503,7 +503,8 @@ impl UmatCall {
         }
         let [sse, spd, scd] = self.energies.map(Numbers::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
-        self.exchange.outputs = UmatOutputs { sse, spd, scd, pnewdt, ..self.exchange.outputs };
+        let outputs = self.exchange.outputs_mut();
+        (outputs.sse, outputs.spd, outputs.scd, outputs.pnewdt) = (sse, spd, scd, pnewdt);
         let (inputs, outputs) = self.exchange.hand_over();
         let mut fields = [self.predef.as_ptr(), self.dpred.as_ptr()];
         if let Some(lent) = &mut self.lent_fields {

@@ -150,10 +150,16 @@ fn overrun(is_intact: bool, array: &'static str, length: usize) -> Result<(), Ov
 pub(super) struct Exchange<I, O> {
     /// As the host sets them.
     pub(super) inputs: I,
-    /// As the last call left them.
-    pub(super) outputs: O,
-    /// What a plugin gets in their place that nobody vouches for.
-    lent: Option<Guarded>,
+    shared: Shared<O>,
+}
+
+/// What the plugin gets.
+#[derive(Debug)]
+enum Shared<O> {
+    /// These outputs, and the inputs themselves.
+    Own(O),
+    /// A copy of the inputs behind the outputs, as [`Lent`]: nobody vouches for the plugin.
+    Lent(Guarded),
 }
 
 /// What lies in the memory that is lent.
@@ -166,59 +172,104 @@ struct Lent<I, O> {
 impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
     /// `lends`: nobody vouches for the plugin.
     pub(super) fn new(inputs: I, lends: bool) -> Self {
-        let lend = || {
+        let mut this = Self { inputs, shared: Shared::Own(O::default()) };
+        if lends {
             let (last, start) = I::PLACES.last().copied().unwrap_or_default();
-            Guarded::ending_with(last, size_of::<I>() - start, size_of::<Lent<I, O>>() / size_of::<u64>())
-        };
-        Self { inputs, outputs: O::default(), lent: lends.then(lend) }
+            let words = size_of::<Lent<I, O>>() / size_of::<u64>();
+            this.shared = Shared::Lent(Guarded::ending_with(last, size_of::<I>() - start, words));
+            *this.outputs_mut() = O::default();
+        }
+        this
     }
 
     /// As [`Guarded::fence`].
     pub(super) fn fence(&mut self) {
-        self.lent.iter_mut().for_each(Guarded::fence);
+        if let Shared::Lent(memory) = &mut self.shared {
+            memory.fence();
+        }
+    }
+
+    /// As the last call left them.
+    #[inline]
+    pub(super) fn outputs(&self) -> &O {
+        match &self.shared {
+            Shared::Own(outputs) => outputs,
+            // SAFETY: there is room for them, aligned like doubles; any bits are numbers.
+            Shared::Lent(memory) => unsafe { &*memory.as_slice().as_ptr().cast() },
+        }
+    }
+
+    /// To be set before a call.
+    #[inline]
+    pub(super) fn outputs_mut(&mut self) -> &mut O {
+        match &mut self.shared {
+            Shared::Own(outputs) => outputs,
+            // SAFETY: as above.
+            Shared::Lent(memory) => unsafe { &mut *memory.as_mut_ptr().cast() },
+        }
     }
 
     /// What the plugin gets.
     #[inline]
     pub(super) fn hand_over(&mut self) -> (*const I, *mut O) {
-        let Self { inputs, outputs, lent } = self;
-        let Some(lent) = lent else { return (inputs, outputs) };
-        let lent: *mut Lent<I, O> = lent.as_mut_ptr().cast();
-        // SAFETY: there is room for both, aligned like doubles.
-        unsafe {
-            (*lent).outputs = *outputs;
-            (*lent).inputs = *inputs;
-            (&raw const (*lent).inputs, &raw mut (*lent).outputs)
+        match &mut self.shared {
+            Shared::Own(outputs) => (&raw const self.inputs, outputs),
+            Shared::Lent(memory) => {
+                let lent: *mut Lent<I, O> = memory.as_mut_ptr().cast();
+                // SAFETY: there is room for both, aligned like doubles.
+                unsafe {
+                    (*lent).inputs = self.inputs;
+                    (&raw const (*lent).inputs, &raw mut (*lent).outputs)
+                }
+            }
         }
     }
 
-    /// Takes over what a call wrote. Returns whether the inputs are as they were.
+    /// Looks at what a call wrote. Returns whether the inputs are as they were.
     ///
     /// # Errors
     /// It wrote behind an output, or behind the inputs.
     #[inline]
     pub(super) fn take_back(&mut self) -> Result<bool, Overrun> {
-        let Self { inputs, outputs, lent } = self;
-        let Some(lent) = lent else { return Ok(true) };
-        lent.check()?;
-        // SAFETY: as above; any bits are numbers.
-        let lent = unsafe { &*lent.as_mut_ptr().cast::<Lent<I, O>>() };
-        lent.outputs.check()?;
-        *outputs = lent.outputs;
-        Ok(words(inputs) == words(&lent.inputs))
+        let Shared::Lent(memory) = &mut self.shared else { return Ok(true) };
+        memory.check()?;
+        if let Err(overrun) = self.outputs().check() {
+            *self.outputs_mut() = O::default();
+            return Err(overrun);
+        }
+        Ok(self.lent().is_none_or(|lent| words(lent) == words(&self.inputs)))
+    }
+
+    /// The copy of the inputs that the plugin got.
+    #[inline]
+    fn lent(&self) -> Option<&I> {
+        let Shared::Lent(memory) = &self.shared else { return None };
+        // SAFETY: as in `outputs`.
+        Some(unsafe { &(*memory.as_slice().as_ptr().cast::<Lent<I, O>>()).inputs })
     }
 
     /// Names of the inputs that the last call changed.
-    pub(super) fn written(&mut self) -> Vec<&'static str> {
-        let Some(lent) = &mut self.lent else { return Vec::new() };
-        // SAFETY: as above.
-        let lent = unsafe { &*lent.as_mut_ptr().cast::<Lent<I, O>>() };
-        let (before, after) = (bytes(&self.inputs), bytes(&lent.inputs));
+    pub(super) fn written(&self) -> Vec<&'static str> {
+        let Some(lent) = self.lent() else { return Vec::new() };
+        let (before, after) = (bytes(&self.inputs), bytes(lent));
         let ends = I::PLACES.iter().skip(1).map(|(_, start)| *start).chain([before.len()]);
         let changed =
             I::PLACES.iter().zip(ends).filter(|((_, start), end)| before[*start..*end] != after[*start..*end]);
         changed.map(|((name, _), _)| *name).collect()
     }
+}
+
+/// Inputs as the recorder notes them: in one piece.
+#[inline]
+pub(super) fn noted<I: Inputs>(inputs: &I) -> &[f64] {
+    // SAFETY: plain values without padding, aligned like doubles; any bits are a number.
+    unsafe { std::slice::from_raw_parts((&raw const *inputs).cast(), size_of::<I>() / size_of::<f64>()) }
+}
+
+/// Inputs that were noted; `None` if there are not as many words.
+pub(super) fn from_noted<I: Inputs>(noted: &[f64]) -> Option<I> {
+    // SAFETY: as many words are there; inputs are plain values, of which any bits are some.
+    (noted.len() == size_of::<I>() / size_of::<f64>()).then(|| unsafe { noted.as_ptr().cast::<I>().read() })
 }
 
 fn words<I: Inputs>(inputs: &I) -> &[u64] {

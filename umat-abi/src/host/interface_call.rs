@@ -333,7 +333,7 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
             slot.leave();
         }
         let has_inputs = self.exchange.take_back()?;
-        self.pnewdt = pnewdt(&self.exchange.outputs);
+        self.pnewdt = pnewdt(self.exchange.outputs());
         self.traction.check()?;
         self.tangent.check()?;
         self.statev.check()?;
@@ -466,7 +466,7 @@ impl UinterCall {
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &UinterInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         let result = self.common.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = &self.common.exchange.outputs;
+        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.common.exchange.outputs();
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
         self.flags = [lopenclose.value, lstate.value];
         result.map(|()| self.common.outcome())
@@ -505,7 +505,7 @@ impl UinterCall {
         let [lopenclose, lstate] = self.flags.map(Integer::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
         // the outputs of coupled procedures are zeroed, and ignored
-        common.exchange.outputs =
+        *common.exchange.outputs_mut() =
             UinterOutputs { sed, sfd, spd, svd, scd, pnewdt, lopenclose, lstate, ..UinterOutputs::default() };
         let inputs = &mut common.exchange.inputs;
         (inputs.temp, inputs.dtemp) = (common.fields.temperature, common.fields.temperature_increment);
@@ -731,7 +731,7 @@ impl FricCall {
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &FricInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
         let result = self.common.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = &self.common.exchange.outputs;
+        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.common.exchange.outputs();
         (self.pressure_tangent, self.dslip) = (ddtddp.values, dslip.values);
         (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.value);
         result.map(|()| self.common.outcome())
@@ -758,7 +758,8 @@ impl FricCall {
         let [sed, sfd] = self.energies.map(Numbers::from);
         let [ddtddp, dslip] = [self.pressure_tangent, self.dslip].map(Numbers::from);
         let (pnewdt, lm) = (Numbers::from(PNEWDT_ON_ENTRY), Integer::from(self.lm));
-        common.exchange.outputs = FricOutputs { ddtddp, dslip, sed, sfd, ddtddt: Numbers::default(), pnewdt, lm };
+        *common.exchange.outputs_mut() =
+            FricOutputs { ddtddp, dslip, sed, sfd, ddtddt: Numbers::default(), pnewdt, lm };
         let inputs = &mut common.exchange.inputs;
         (inputs.temp, inputs.npred) = (common.fields.temperature, common.fields.count);
         let [predef, _] = common.hand_over_fields();

@@ -1,25 +1,32 @@
 //! The arguments of a call as they are noted, and as they are read again: one list for both.
 
-use super::super::call::UmatCall;
-use super::super::interface_call::{FricCall, UinterCall};
+use super::super::call::{UmatCall, UmatInputs};
+use super::super::exchange::{from_noted, noted};
+use super::super::interface_call::{FricCall, FricInputs, UinterCall, UinterInputs};
 use super::recording::Reader;
 use super::slot::{Writer, written};
 
-/// Declares a record, how it is written from a call, and how it is read.
+/// Declares a record, how it is written from a call, and how it is read: arguments that are noted one by one, and those
+/// that the inputs hold, which are noted in one piece.
 macro_rules! record {
     (
         $(#[$struct_doc:meta])*
-        $name:ident of $call:ty: $object:ident, $writer:ident => $($(#[$doc:meta])* $field:ident $put:expr;)+
+        $name:ident of $call:ty: $object:ident, $writer:ident => { $($(#[$doc:meta])* $field:ident $put:expr;)+ }
+        $($inputs:ident: $inputs_type:ty, $record:ident => { $($(#[$input_doc:meta])* $input:ident $value:expr;)+ })?
     ) => {
         $(#[$struct_doc])*
         #[derive(Clone, Debug, Default, PartialEq)]
-        pub struct $name { $($(#[$doc])* pub $field: Vec<f64>,)+ }
+        pub struct $name {
+            $($(#[$doc])* pub $field: Vec<f64>,)+
+            $($($(#[$input_doc])* pub $input: Vec<f64>,)+)?
+        }
 
         impl $name {
             /// Writes the arguments of a call.
             #[inline]
             pub(in crate::host) fn write($object: &$call, $writer: &mut Writer) {
                 $($put;)+
+                $($writer.put(noted::<$inputs_type>($object));)?
             }
 
             /// The arguments of a call as they are now.
@@ -29,8 +36,15 @@ macro_rules! record {
             }
 
             /// Reads them in the same order.
+            #[allow(clippy::needless_update, reason = "not all records have inputs")]
             pub(super) fn read(reader: &mut Reader<'_>) -> Option<Self> {
-                Some(Self { $($field: reader.take()?,)+ })
+                let record = Self { $($field: reader.take()?,)+ ..Self::default() };
+                $(
+                    let $inputs: $inputs_type = from_noted(&reader.take()?)?;
+                    let $record = &record;
+                    let record = Self { $($input: $value.to_vec(),)+ ..record.clone() };
+                )?
+                Some(record)
             }
         }
     };
@@ -38,93 +52,99 @@ macro_rules! record {
 
 record! {
     /// UMAT. Integers are doubles here; the names are those of the arguments.
-    UmatRecord of UmatCall: call, to =>
+    UmatRecord of UmatCall: call, to => {
     /// At the start.
     stress to.put(call.stress());
     /// At the start.
     statev to.put(call.statev());
     /// SSE, SPD, SCD at the start.
     energies to.put(&call.energies);
-    /// At the start.
-    stran to.put(&call.stran[..call.ntens()]);
-    /// The increment.
-    dstran to.put(&call.dstran[..call.ntens()]);
-    /// Step time and total time at the start.
-    time to.put(&call.time);
-    /// DTIME.
-    dtime to.put(&[call.dtime]);
-    /// TEMP and DTEMP.
-    temp to.put(&[call.temp, call.dtemp]);
     /// Field variables at the start.
     predef to.put(&call.predef);
     /// Their increments.
     dpred to.put(&call.dpred);
-    /// NDI.
-    ndi to.put_integers([call.ndi()]);
     /// PROPS.
     props to.put(call.props());
+    }
+    inputs: UmatInputs, record => {
+    /// At the start.
+    stran inputs.stran.get(..record.stress.len())?;
+    /// The increment.
+    dstran inputs.dstran.get(..record.stress.len())?;
+    /// Step time and total time at the start.
+    time inputs.time;
+    /// DTIME.
+    dtime [inputs.dtime];
+    /// TEMP and DTEMP.
+    temp [inputs.temp, inputs.dtemp];
+    /// NDI.
+    ndi [inputs.ndi].map(f64::from);
     /// COORDS.
-    coords to.put(&call.coords);
+    coords inputs.coords;
     /// DROT, column-major.
-    drot to.put(call.drot.as_flattened());
+    drot inputs.drot.as_flattened();
     /// CELENT.
-    celent to.put(&[call.celent]);
+    celent [inputs.celent];
     /// DFGRD0, column-major.
-    dfgrd0 to.put(call.dfgrd0.as_flattened());
+    dfgrd0 inputs.dfgrd0.as_flattened();
     /// DFGRD1, column-major.
-    dfgrd1 to.put(call.dfgrd1.as_flattened());
+    dfgrd1 inputs.dfgrd1.as_flattened();
     /// NOEL and NPT.
-    noel_npt to.put_integers([call.noel, call.npt]);
+    noel_npt [inputs.noel, inputs.npt].map(f64::from);
     /// JSTEP.
-    jstep to.put_integers(call.jstep);
+    jstep inputs.jstep.map(f64::from);
     /// KINC.
-    kinc to.put_integers([call.kinc]);
+    kinc [inputs.kinc].map(f64::from);
+    }
 }
 
 record! {
     /// UINTER. Integers are doubles here; the names are those of the arguments.
-    UinterRecord of UinterCall: call, to =>
+    UinterRecord of UinterCall: call, to => {
     /// At the start.
     stress to.put(call.traction());
     /// At the start.
     statev to.put(call.statev());
     /// SED, SFD, SPD, SVD, SCD at the start.
     energies to.put(&call.energies);
-    /// RDISP at the end.
-    rdisp to.put(&call.rdisp[..call.traction().len()]);
-    /// DRDISP.
-    drdisp to.put(&call.drdisp[..call.traction().len()]);
+    /// LOPENCLOSE and LSTATE.
+    flags to.put_integers(call.flags);
     /// TEMP at the end, and DTEMP.
     temp to.put(&call.temperature());
     /// Field variables at the end, each at slave and master.
     predef to.put(call.predef()[0]);
     /// Their increments.
     dpred to.put(call.predef()[1]);
-    /// Step time and total time at the end.
-    time to.put(&call.time);
-    /// DTIME.
-    dtime to.put(&[call.dtime]);
     /// PROPS.
     props to.put(call.props());
+    }
+    inputs: UinterInputs, record => {
+    /// RDISP at the end.
+    rdisp inputs.rdisp.get(..record.stress.len())?;
+    /// DRDISP.
+    drdisp inputs.drdisp.get(..record.stress.len())?;
+    /// Step time and total time at the end.
+    time inputs.time;
+    /// DTIME.
+    dtime [inputs.dtime];
     /// COORDS.
-    coords to.put(&call.coords);
+    coords inputs.coords;
     /// ALOCALDIR, column-major.
-    alocaldir to.put(&call.local_directions);
+    alocaldir inputs.local_directions;
     /// AREA.
-    area to.put(&[call.area]);
+    area [inputs.area];
     /// CHRLNGTH.
-    chrlngth to.put(&[call.chrlngth]);
+    chrlngth [inputs.chrlngth];
     /// NODE.
-    node to.put_integers([call.node]);
+    node [inputs.node].map(f64::from);
     /// KSTEP, KINC, KIT.
-    counters to.put_integers(call.counters);
-    /// LOPENCLOSE and LSTATE.
-    flags to.put_integers(call.flags);
+    counters inputs.counters.map(f64::from);
+    }
 }
 
 record! {
     /// FRIC. Integers are doubles here; the names are those of the arguments.
-    FricRecord of FricCall: call, to =>
+    FricRecord of FricCall: call, to => {
     /// LM on entry.
     lm to.put_integers([call.lm]);
     /// At the start.
@@ -133,48 +153,53 @@ record! {
     statev to.put(call.statev());
     /// SED, SFD at the start.
     energies to.put(&call.energies);
-    /// DGAM.
-    dgam to.put(&call.dgam[..call.traction().len()]);
-    /// PRESS and DPRESS.
-    press to.put(&call.pressure);
-    /// SLIP.
-    slip to.put(&call.slip[..call.traction().len()]);
     /// TEMP at the end, and DTEMP.
     temp to.put(&call.temperature());
     /// Field variables at the end, each at slave and master.
     predef to.put(call.predef()[0]);
     /// Their increments.
     dpred to.put(call.predef()[1]);
-    /// Step time and total time at the end.
-    time to.put(&call.time);
-    /// DTIME.
-    dtime to.put(&[call.dtime]);
     /// PROPS.
     props to.put(call.props());
+    }
+    inputs: FricInputs, record => {
+    /// DGAM.
+    dgam inputs.dgam.get(..record.tau.len())?;
+    /// PRESS and DPRESS.
+    press inputs.pressure;
+    /// SLIP.
+    slip inputs.slip.get(..record.tau.len())?;
+    /// Step time and total time at the end.
+    time inputs.time;
+    /// DTIME.
+    dtime [inputs.dtime];
     /// COORDS.
-    coords to.put(&call.coords);
+    coords inputs.coords;
     /// RCOORD.
-    rcoord to.put(&call.rcoord);
+    rcoord inputs.rcoord;
     /// CHRLNGTH.
-    chrlngth to.put(&[call.chrlngth]);
+    chrlngth [inputs.chrlngth];
     /// NODE.
-    node to.put_integers([call.node]);
+    node [inputs.node].map(f64::from);
     /// KSTEP, KINC.
-    counters to.put_integers(call.counters);
+    counters inputs.counters.map(f64::from);
+    }
 }
 
 record! {
     /// UEXTERNALDB.
-    ExternalDatabaseRecord of [i32; 3]: call, to =>
+    ExternalDatabaseRecord of [i32; 3]: call, to => {
     /// LOP, KSTEP and KINC.
     counters to.put_integers(*call);
+    }
 }
 
 record! {
     /// SDVINI and SIGINI.
-    InitialStateRecord of [i32; 2]: call, to =>
+    InitialStateRecord of [i32; 2]: call, to => {
     /// NOEL and NPT.
     noel_npt to.put_integers(*call);
+    }
 }
 
 /// The arguments of a call by its entry point or routine.

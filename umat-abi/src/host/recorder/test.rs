@@ -1,4 +1,6 @@
 use super::*;
+use crate::host::exchange::{from_noted, noted};
+use crate::host::interface_call::FricInputs;
 use std::io::{Seek, Write};
 use std::path::PathBuf;
 
@@ -18,15 +20,17 @@ fn slot(recorder: &'static Recorder) -> Slot {
 }
 
 fn fric(dgam: f64, statev: usize) -> impl Fn(&mut slot::Writer) {
+    const WORDS: usize = size_of::<FricInputs>() / size_of::<f64>();
+    let mut inputs: FricInputs = from_noted(&[0.0; WORDS]).expect("as many words");
+    (inputs.dgam[0], inputs.counters) = (dgam, [2, 5]);
     move |to| {
         to.put_integers([Arguments::FRIC, 1]);
         to.put_integers([1]);
         to.put(&[0.5]);
         to.put(&vec![7.0; statev]);
-        to.put(&[0.0; 2]);
-        to.put(&[dgam]);
-        (0..9).for_each(|k| to.put(&[f64::from(k); 2]));
-        to.put_integers([2, 5]);
+        // energies, temperature, fields, their increments, PROPS
+        (0..5).for_each(|k| to.put(&[f64::from(k); 2]));
+        to.put(noted(&inputs));
     }
 }
 
