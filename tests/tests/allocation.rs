@@ -2,9 +2,14 @@
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, strain_path};
 use models::{
-    biaxial_damage::BiaxialDamage, concrete_damage::ConcreteDamage, drucker_prager::DruckerPrager,
-    inelastic_damage::InelasticDamage, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic,
-    pure_damage::PureDamage, reverse_cyclic_damage::ReverseCyclicDamage,
+    biaxial_damage::BiaxialDamage,
+    concrete_damage::{ConcreteDamage, ConcreteDamageImplex},
+    drucker_prager::DruckerPrager,
+    inelastic_damage::InelasticDamage,
+    j2_plasticity::J2Plasticity,
+    linear_elastic::LinearElastic,
+    pure_damage::PureDamage,
+    reverse_cyclic_damage::ReverseCyclicDamage,
 };
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -67,6 +72,7 @@ const ENTRIES: &[(&str, Boundary)] = &[
     ("reverse_cyclic_damage", umat::<ReverseCyclicDamage>),
     ("biaxial_damage", umat::<BiaxialDamage>),
     ("concrete_damage", umat::<ConcreteDamage>),
+    ("concrete_damage_implex", umat::<ConcreteDamageImplex>),
     ("j2_plasticity", umat::<J2Plasticity>),
     ("drucker_prager", umat::<DruckerPrager>),
 ];

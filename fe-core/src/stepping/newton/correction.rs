@@ -38,6 +38,13 @@ pub(super) struct Direction {
 }
 
 impl Direction {
+    /// Displaces by a part of it.
+    fn place(&self, from: &[f64], length: f64, trial: &mut Committed) {
+        for ((u, from), change) in trial.displacements.iter_mut().zip(from).zip(&self.displacements) {
+            *u = from + length * change;
+        }
+    }
+
     fn plus(mut self, factor: f64, other: &Self) -> Self {
         self.displacements.iter_mut().zip(&other.displacements).for_each(|(a, b)| *a += factor * b);
         self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
@@ -175,12 +182,7 @@ impl Equilibrium<'_> {
         for (drive, change) in trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
-        let place = |length: f64, trial: &mut Committed| {
-            for ((u, from), change) in trial.displacements.iter_mut().zip(&from).zip(&direction.displacements) {
-                *u = from + length * change;
-            }
-        };
-        place(1.0, trial);
+        direction.place(&from, 1.0, trial);
         self.evaluate(trial, context, request, statistics)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.residual);
@@ -193,13 +195,13 @@ impl Equilibrium<'_> {
             return Ok(1.0);
         }
         if self.model.extrapolates() {
-            return self.least_work(trial, direction, context, (work_before, &place), statistics);
+            return self.least_work(trial, direction, (&from, context), work_before, statistics);
         }
         let mut best = (full, 1.0);
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
-            place(length, trial);
+            direction.place(&from, length, trial);
             // with tangents: the one that ends the search is where the next iteration starts
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let residual = largest(&self.residual);
@@ -211,7 +213,7 @@ impl Equilibrium<'_> {
             }
         }
         if best.1 != length {
-            place(best.1, trial);
+            direction.place(&from, best.1, trial);
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
         }
         Ok(best.1)
@@ -224,8 +226,8 @@ impl Equilibrium<'_> {
         &mut self,
         trial: &mut Committed,
         direction: &Direction,
-        context: IncrementContext,
-        (work_before, place): (f64, &dyn Fn(f64, &mut Committed)),
+        (from, context): (&[f64], IncrementContext),
+        work_before: f64,
         statistics: &mut Statistics,
     ) -> Result<f64, Trouble> {
         // regula falsi in Illinois' form
@@ -236,7 +238,7 @@ impl Equilibrium<'_> {
                 break;
             }
             length = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
-            place(length, trial);
+            direction.place(from, length, trial);
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let work = self.work_along(direction);
             if work.abs() <= MINIMUM_REACHED * work_before.abs() {
