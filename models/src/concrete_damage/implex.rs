@@ -61,7 +61,7 @@ fn put_implicit_states(implicit: &[f64; IMPLICIT_STATES.len()], state: &mut [f64
 impl Law for ConcreteDamageImplex {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_damage_implex",
-        description: c"Concrete: concrete_damage (IV-H) with IMPL-EX integration, whose increments always converge",
+        description: c"Concrete: concrete_damage (IV-H) with IMPL-EX integration: damage is extrapolated",
         parameters: &PARAMETERS,
         repeating: None,
         states: &STATES,
