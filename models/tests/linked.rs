@@ -16,7 +16,7 @@ mod sample;
 use memory::PointMemory;
 use models::biaxial_damage::BiaxialDamage;
 use models::bond_slip::BondSlip;
-use models::concrete_damage::ConcreteDamage;
+use models::concrete_damage::{ConcreteDamage, ConcreteDamageImplex};
 use models::drucker_prager::DruckerPrager;
 use models::inelastic_damage::InelasticDamage;
 use models::j2_plasticity::J2Plasticity;
@@ -36,6 +36,7 @@ umat_abi::export_library!(
         ReverseCyclicDamage => "reverse_cyclic_damage",
         BiaxialDamage => "biaxial_damage",
         ConcreteDamage => "concrete_damage",
+        ConcreteDamageImplex => "concrete_damage_implex",
         J2Plasticity => "j2_plasticity",
         DruckerPrager => "drucker_prager",
     ],

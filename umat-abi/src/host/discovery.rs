@@ -31,8 +31,9 @@ pub fn library_path(folder: &Path, file: &str) -> PathBuf {
     if path.is_absolute() || path.starts_with(".") { path } else { Path::new(".").join(path) }
 }
 
-/// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`, and the program's own
-/// ([`installed_paths`]). Folders that do not exist are listed as well.
+/// The folders in which plugins are looked for, in order: the given ones, `PULLOUT_PLUGIN_PATH`, and the program's own:
+/// `deps/` beside the executable (or its folder if that is `deps/`), the executable's folder, and `<prefix>/lib/pullout`.
+/// Folders that do not exist are listed as well.
 pub fn search_paths(given: &[PathBuf]) -> Vec<PathBuf> {
     let mut paths = given.to_vec();
     if let Some(variable) = env::var_os("PULLOUT_PLUGIN_PATH") {
@@ -42,8 +43,7 @@ pub fn search_paths(given: &[PathBuf]) -> Vec<PathBuf> {
     paths
 }
 
-/// The folders in which a program finds what was installed with it: `deps/` beside the executable (or its own folder if
-/// that is `deps/`), the executable's folder, and `<prefix>/lib/pullout`.
+/// The folders in which a program finds what was installed with it.
 pub fn installed_paths() -> Vec<PathBuf> {
     let mut paths = Vec::new();
     if let Some(folder) = env::current_exe().ok().as_deref().and_then(Path::parent) {
