@@ -13,35 +13,15 @@ mod memory;
 #[allow(dead_code, reason = "a part of it is needed here")]
 mod sample;
 
+/// The library of all laws, linked.
+#[path = "../plugins/pullout_laws/src/lib.rs"]
+mod pullout_laws;
+
 use memory::PointMemory;
-use models::biaxial_damage::BiaxialDamage;
-use models::bond_slip::BondSlip;
-use models::concrete_damage::{ConcreteDamage, ConcreteDamageImplex};
-use models::drucker_prager::DruckerPrager;
-use models::inelastic_damage::InelasticDamage;
-use models::j2_plasticity::J2Plasticity;
-use models::linear_elastic::LinearElastic;
-use models::pure_damage::PureDamage;
-use models::reverse_cyclic_damage::ReverseCyclicDamage;
 use sample::{LAWS, Sample};
 use std::ptr::null_mut;
 use umat_abi::law::StressState;
 use umat_abi::umat::UmatFunction;
-
-umat_abi::export_library!(
-    umat: [
-        LinearElastic => "linear_elastic",
-        PureDamage => "pure_damage",
-        InelasticDamage => "inelastic_damage",
-        ReverseCyclicDamage => "reverse_cyclic_damage",
-        BiaxialDamage => "biaxial_damage",
-        ConcreteDamage => "concrete_damage",
-        ConcreteDamageImplex => "concrete_damage_implex",
-        J2Plasticity => "j2_plasticity",
-        DruckerPrager => "drucker_prager",
-    ],
-    interface: [BondSlip => "bond_slip"],
-);
 
 unsafe extern "C" {
     /// The one that is exported above.

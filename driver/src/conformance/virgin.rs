@@ -97,13 +97,7 @@ pub(super) fn zero_increment(subject: &mut Subject<'_>, sample: &[State], ledger
 
 /// Returns whether the law tells what its extrapolation costs.
 fn extrapolates(subject: &Subject<'_>) -> bool {
-    let states = subject.plugin.law.iter().flat_map(|law| &law.states);
-    states.into_iter().any(|state| OVERSTRESS_WORK.to_str() == Ok(&*state.name))
-}
-
-/// Index of the state strain_33.
-fn strain_33_index(subject: &Subject<'_>) -> Option<usize> {
-    subject.plugin.law.as_ref()?.states.iter().position(|state| state.name == "strain_33")
+    subject.plugin.law.as_ref().is_some_and(|law| law.state_index(OVERSTRESS_WORK).is_some())
 }
 
 /// Where ε33 is given, the state strain_33 is that.
@@ -111,7 +105,7 @@ pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mu
     const CHECK: &str = "strain_33";
     ledger.begin(CHECK);
     let given = matches!(subject.entry, Entry::Umat(stress_state) if stress_state != StressState::PlaneStress);
-    let (Some(index), true) = (strain_33_index(subject), given) else { return };
+    let (Some(index), true) = (subject.plugin.strain_33(), given) else { return };
     for state in sample {
         let Ok(answer) = subject.evaluate(&state.from, &state.step) else { continue };
         let expected = state.from.input[2] + state.step[2];
@@ -151,7 +145,7 @@ fn agreement(
     ledger.begin(CHECK);
     const PATHS: usize = 20;
     let condensed = stress_state == StressState::PlaneStress;
-    let index = strain_33_index(plane);
+    let index = plane.plugin.strain_33();
     if condensed && index.is_none() {
         return ledger.skip(CHECK, "no state strain_33");
     }

@@ -59,7 +59,7 @@ impl Plugin {
 
     /// State that is the strain 33 of plane stress, if the law has one.
     pub fn strain_33(&self) -> Option<usize> {
-        self.law.as_ref()?.states.iter().position(|state| state.name == "strain_33")
+        self.law.as_ref()?.state_index(c"strain_33")
     }
 
     /// Column names of the states and the derived outputs (abi: metadata names, or `sdv1`…).

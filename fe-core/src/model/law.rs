@@ -139,8 +139,7 @@ impl PluginLaw {
 
     /// Which of its states is the work of the overstress of a law that extrapolates, if it does.
     pub fn overstress_work(&self) -> Option<usize> {
-        let law = self.law.as_ref()?;
-        law.states.iter().position(|state| OVERSTRESS_WORK.to_str() == Ok(&*state.name))
+        self.law.as_ref()?.state_index(OVERSTRESS_WORK)
     }
 
     /// Names of its state variables, by metadata or `sdv1`…, followed by those of its derived outputs.

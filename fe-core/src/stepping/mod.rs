@@ -346,9 +346,13 @@ impl<'m> Analysis<'m> {
         let is_driven_alone = !self.model.fields.change();
         let [energy_error_before, energy_error] =
             if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
-        let reference = self.work_reference(self.external_work_at(&converged.end), &converged.end);
-        let overstress = solids.trial_energies().overstress - solids.energies().overstress;
-        let overstress = if reference > 0.0 { overstress / reference } else { 0.0 };
+        let overstress = if self.model.extrapolates() {
+            let reference = self.work_reference(self.external_work_at(&converged.end), &converged.end);
+            let spent = solids.trial_energies().overstress - solids.energies().overstress;
+            if reference > 0.0 { spent / reference } else { 0.0 }
+        } else {
+            0.0
+        };
         Findings {
             load: load.abs(),
             pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,

@@ -51,11 +51,13 @@ fn implicit_states(state: &[f64]) -> [f64; IMPLICIT_STATES.len()] {
     states
 }
 
+/// Writes them down, with the energy stored.
 #[inline(always)]
-fn put_implicit_states(implicit: &[f64; IMPLICIT_STATES.len()], state: &mut [f64]) {
+fn put_implicit_states(implicit: &[f64; IMPLICIT_STATES.len()], stored_energy: f64, state: &mut [f64]) {
     let common = ..HISTORY_STATES.len();
     state[common].copy_from_slice(&implicit[common]);
     LAST.iter().for_each(|&(here, there)| state[here] = implicit[there]);
+    state[STORED_ENERGY] = stored_energy;
 }
 
 impl Law for ConcreteDamageImplex {
@@ -105,8 +107,7 @@ impl Law for ConcreteDamageImplex {
     ) -> Option<Response> {
         let mut implicit = implicit_states(state);
         let response = ConcreteDamage::elastic(parameters, increment, &mut implicit, request)?;
-        put_implicit_states(&implicit, state);
-        state[STORED_ENERGY] = response.stored_energy;
+        put_implicit_states(&implicit, response.stored_energy, state);
         Some(response)
     }
 
@@ -122,8 +123,7 @@ impl Law for ConcreteDamageImplex {
         }
         let mut implicit = implicit_states(state);
         if let Some(response) = begin(parameters, increment, &mut implicit, request)? {
-            put_implicit_states(&implicit, state);
-            state[STORED_ENERGY] = response.stored_energy;
+            put_implicit_states(&implicit, response.stored_energy, state);
             return Ok(response);
         }
         let history = History::of(&implicit);
@@ -152,10 +152,9 @@ impl Law for ConcreteDamageImplex {
         };
         point.commit(&mut implicit, dissipation);
         implicit[CRACK_BAND] = crack_band(parameters);
-        put_implicit_states(&implicit, state);
+        put_implicit_states(&implicit, energy, state);
         state[RATE[0]] = (tension.eta - history.tension.eta) / increment.time_increment;
         state[RATE[1]] = (compression.eta - history.compression.eta) / increment.time_increment;
-        state[STORED_ENERGY] = energy;
         state[OVERSTRESS] += work(&overstress, &increment.strain_increment).abs();
         let dissipated_energy = implicit[DISSIPATED_ENERGY_STATE];
         Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)

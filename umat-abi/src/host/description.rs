@@ -154,6 +154,11 @@ impl Law {
         self.flags & flag != 0
     }
 
+    /// Position in STATEV of the state of this name, if the law has it.
+    pub fn state_index(&self, name: &CStr) -> Option<usize> {
+        self.states.iter().position(|state| state.name.as_bytes() == name.to_bytes())
+    }
+
     /// Asks the law itself about PROPS and, if known, the characteristic length.
     pub fn validate(&self, props: &[f64], characteristic_length: Option<f64>) -> Validation {
         let mut message = [0_u8; 1024];

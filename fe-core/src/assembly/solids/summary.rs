@@ -19,10 +19,9 @@ pub struct SolidEnergies {
     pub damage: f64,
     /// Work of the stresses of laws whose energies cannot be believed.
     pub unaccounted: f64,
-    /// What helps over instabilities has taken: the work of viscous stress, and of the overstress of laws that
-    /// extrapolate.
-    pub stabilisation: f64,
-    /// The work of that overstress alone.
+    /// Dissipated by the viscous stress of the stabilisation.
+    pub viscous: f64,
+    /// The work of the overstress of laws that extrapolate; not in what their damage or flow has dissipated.
     pub overstress: f64,
 }
 
@@ -32,7 +31,7 @@ impl std::ops::AddAssign for SolidEnergies {
         self.plastic += other.plastic;
         self.damage += other.damage;
         self.unaccounted += other.unaccounted;
-        self.stabilisation += other.stabilisation;
+        self.viscous += other.viscous;
         self.overstress += other.overstress;
     }
 }
@@ -176,7 +175,7 @@ impl Solids {
             let sum = &mut parts[*index];
             let states = states(points);
             for (work, volume) in states.viscous.iter().zip(volumes) {
-                sum.stabilisation += work * volume;
+                sum.viscous += work * volume;
             }
             if !self.trust[*index].believes() {
                 sum.unaccounted += work_of(&states.work, volumes);
@@ -191,7 +190,6 @@ impl Solids {
                 let works = states.statev.iter().skip(state).step_by(points.nstatv());
                 let overstress: f64 = works.zip(volumes).map(|(work, volume)| work * volume).sum();
                 sum.overstress += overstress;
-                sum.stabilisation += overstress;
                 *if part.damages { &mut sum.damage } else { &mut sum.plastic } -= overstress;
             }
         }

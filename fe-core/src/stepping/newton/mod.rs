@@ -462,6 +462,6 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         unaccounted: solids.unaccounted,
         interface: contact.work + contact.leaning - opening,
         opening,
-        stabilisation: solids.stabilisation,
+        stabilisation: solids.viscous + solids.overstress,
     }
 }
