@@ -20,6 +20,10 @@ pub fn umat(given: &document::UmatArguments) -> UmatArguments {
         jstep: given.jstep,
         kinc: given.kinc,
         ddsdde: given.ddsdde.unwrap_or_default(),
+        dstran: given.dstran.clone(),
+        dtime: given.dtime,
+        dtemp: given.dtemp,
+        dpred: given.dpred.clone(),
     }
 }
 
@@ -40,5 +44,11 @@ pub fn contact(given: &document::ContactArguments) -> ContactArguments {
         kstep: given.kstep,
         kinc: given.kinc,
         kit: given.kit,
+        time: given.time,
+        dtime: given.dtime,
+        drdisp: given.drdisp,
+        dpress: given.dpress,
+        dtemp: given.dtemp,
+        dpred: given.dpred.clone(),
     }
 }

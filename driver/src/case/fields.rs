@@ -41,6 +41,17 @@ pub fn of_step(
     StepFields { temperature, predef: predef.map(<[f64]>::to_vec), ..StepFields::default() }
 }
 
+/// DPRED of the first call must be of the case's field variables.
+pub fn check_increments(reader: &mut Reader<'_>, increments: Option<&[f64]>, count: usize, place: &Place) {
+    if let Some(increments) = increments
+        && increments.len() != count
+    {
+        let message =
+            format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", increments.len());
+        reader.problem(&place.key("dpred"), message);
+    }
+}
+
 /// Names of a table's columns.
 pub fn columns(count: usize) -> Vec<String> {
     std::iter::once(TEMPERATURE.to_owned()).chain((1..=count).map(|number| format!("{PREDEF}{number}"))).collect()

@@ -81,7 +81,6 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let states = plugin.as_ref().map_or(0, |plugin| plugin.nstatv);
     let initial_statev =
         statev(reader, material, given.statev.as_deref(), plugin.as_ref()).unwrap_or_else(|| vec![0.0; states]);
-    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments")).map(super::arguments::contact);
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };
@@ -90,6 +89,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     directions = directions.max(directions_of(reader, documents));
     let columns = if directions == 2 { two_directions } else { one_direction };
     let initial_fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let place_of_arguments = root.key("arguments");
+    let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
+    let dpred = arguments.and_then(|given| given.dpred.as_deref());
+    fields::check_increments(reader, dpred, initial_fields.variables.len(), &place_of_arguments);
     let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
     let mut resolve =
         |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
@@ -99,7 +102,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         tangential_directions: directions,
         initial_statev,
         initial_time: given.time.unwrap_or(0.0),
-        arguments: arguments.unwrap_or_default(),
+        arguments: arguments.map(super::arguments::contact).unwrap_or_default(),
         initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
         initial_fields,
         steps: close(open, entry),

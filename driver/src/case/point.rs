@@ -54,17 +54,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         check_thickness(reader, plugin, measure);
     }
     let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
-    if nlgeom
-        && case
-            .arguments
-            .as_ref()
-            .and_then(|given| reader.piece(given, &root.key("arguments")))
-            .is_some_and(|given| given.drot.is_some() || given.dfgrd0.is_some() || given.dfgrd1.is_some())
-    {
-        let message = "drot, dfgrd0 and dfgrd1 belong to cases without nlgeom: here the steps tell them";
-        reader.problem(&root.key("arguments"), message);
+    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments"));
+    if let Some(given) = arguments {
+        check_arguments(reader, given, mode, nlgeom, initial.fields.variables.len());
     }
-    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments")).map(super::arguments::umat);
+    let arguments = arguments.map(super::arguments::umat);
     let setting = Setting {
         mode: mode.unwrap_or(Mode::ThreeD),
         nlgeom,
@@ -350,6 +344,29 @@ pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str
             None
         }
     }
+}
+
+/// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.
+fn check_arguments(
+    reader: &mut Reader<'_>,
+    given: &document::UmatArguments,
+    mode: Option<Mode>,
+    nlgeom: bool,
+    field_variables: usize,
+) {
+    let place = Place::root().key("arguments");
+    let kinematics = [&given.drot, &given.dfgrd0, &given.dfgrd1];
+    if nlgeom && (kinematics.into_iter().any(Option::is_some) || given.dstran.is_some()) {
+        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps tell them";
+        reader.problem(&place, message);
+    } else if let (Some(dstran), Some(mode)) = (&given.dstran, mode) {
+        let count = mode.stress_state().components().len();
+        if dstran.len() != count {
+            let message = format!("{} values given, {count} needed in mode {}", dstran.len(), mode_name(mode));
+            reader.problem(&place.key("dstran"), message);
+        }
+    }
+    fields::check_increments(reader, given.dpred.as_deref(), field_variables, &place);
 }
 
 /// A deformation gradient must turn nothing inside out and fit the mode.

@@ -82,9 +82,13 @@ fn rows(matrix: &[f64]) -> Value {
     json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
 }
 
-/// What a case of kind "point" says of the arguments that its path leaves open.
+/// What a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
+/// but for rounding.
 pub fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
-    json!({
+    let mut arguments = json!({
+        "dstran": call.dstran,
+        "dtime": at(&call.dtime, 0),
+        "dtemp": at(&call.temp, 1),
         "energies": array::<3>(&call.energies),
         "step_time": at(&call.time, 0),
         "coords": array::<3>(&call.coords),
@@ -96,7 +100,11 @@ pub fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
         "jstep": integers::<4>(&call.jstep),
         "kinc": integer(&call.kinc, 0),
         "ddsdde": wants_tangent,
-    })
+    });
+    if !is_no_variable([&call.predef, &call.dpred]) {
+        arguments["dpred"] = json!(call.dpred);
+    }
+    arguments
 }
 
 fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
@@ -147,9 +155,14 @@ pub fn contact_point(call: &Arguments) -> Option<Value> {
     }
 }
 
-/// Sets temperature and field variables at both ends; the host's one variable of 0 is that of a case without any.
+/// Whether these are the host's one variable of 0, that of a case without any.
+fn is_no_variable(variables: [&[f64]; 2]) -> bool {
+    variables == [[0.0], [0.0]]
+}
+
+/// Sets temperature and field variables at both ends.
 fn set_fields(case: &mut Value, temperature: [f64; 2], mut variables: [Vec<f64>; 2]) {
-    if variables == [[0.0], [0.0]] {
+    if is_no_variable([&variables[0], &variables[1]]) {
         variables = [Vec::new(), Vec::new()];
     }
     let ([start, end], [first, last]) = (temperature, variables);
@@ -167,8 +180,10 @@ fn set_length(case: &mut Value, length: &[f64]) {
 }
 
 /// A case of kind "interface". TIME is that of the increment's end, a case's of its start.
-fn interface(time: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
-    let time = [0, 1].map(|k| at(time, k) - at(dtime, 0));
+fn interface(end: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
+    arguments["time"] = json!(array::<2>(end));
+    arguments["dtime"] = json!(at(dtime, 0));
+    let time = [0, 1].map(|k| at(end, k) - at(dtime, 0));
     arguments["step_time"] = json!(time[0]);
     arguments["kstep"] = json!(integer(counters, 0));
     arguments["kinc"] = json!(integer(counters, 1));
@@ -186,6 +201,13 @@ fn set_contact_fields(case: &mut Value, temp: &[f64], predef: &[f64], dpred: &[f
     let ends = || predef.iter().copied().step_by(2);
     let starts = ends().zip(dpred.iter().step_by(2)).map(|(end, increment)| end - increment);
     set_fields(case, [end - increment, end], [starts.collect(), ends().collect()]);
+    let arguments = &mut case["arguments"];
+    arguments["dtemp"] = json!(increment);
+    let ends: Vec<f64> = ends().collect();
+    let increments: Vec<f64> = dpred.iter().copied().step_by(2).collect();
+    if !is_no_variable([&ends, &increments]) {
+        arguments["dpred"] = json!(increments);
+    }
 }
 
 /// Sets the slips at both ends.
@@ -206,6 +228,7 @@ fn uinter_case(call: &UinterRecord) -> Value {
         "area": at(&call.area, 0),
         "node": integer(&call.node, 0),
         "kit": integer(&call.counters, 2),
+        "drdisp": array::<3>(&call.drdisp),
     });
     let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
     let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(&call.drdisp).map(|(end, by)| [end - by, *end]).collect();
@@ -224,6 +247,7 @@ fn fric_case(call: &FricRecord) -> Value {
         "traction": [pressure - increment, at(&call.tau, 0), at(&call.tau, 1)],
         "energies": [at(&call.energies, 0), at(&call.energies, 1), 0.0, 0.0, 0.0],
         "lm": integer(&call.lm, 0),
+        "dpress": increment,
         "slip": array::<2>(&call.slip),
         "coords": array::<3>(&call.coords),
         "rcoord": array::<3>(&call.rcoord),

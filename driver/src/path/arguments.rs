@@ -24,6 +24,14 @@ pub struct UmatArguments {
     pub kinc: Option<i32>,
     /// Whether DDSDDE is wanted where the path does not need it.
     pub ddsdde: bool,
+    /// DSTRAN of the first call, NTENS values, which the ends of its increment tell but for rounding.
+    pub dstran: Option<Vec<f64>>,
+    /// DTIME of the first call, s.
+    pub dtime: Option<f64>,
+    /// DTEMP of the first call.
+    pub dtemp: Option<f64>,
+    /// DPRED of the first call, of each field variable.
+    pub dpred: Option<Vec<f64>>,
 }
 
 impl UmatArguments {
@@ -74,6 +82,18 @@ pub struct ContactArguments {
     pub kinc: Option<i32>,
     /// KIT.
     pub kit: Option<i32>,
+    /// TIME of the first call, s.
+    pub time: Option<[f64; 2]>,
+    /// DTIME of the first call, s.
+    pub dtime: Option<f64>,
+    /// DRDISP of the first call, mm: the penetration's, then the slips'.
+    pub drdisp: Option<[f64; 3]>,
+    /// DPRESS of the first call, MPa.
+    pub dpress: Option<f64>,
+    /// DTEMP of the first call.
+    pub dtemp: Option<f64>,
+    /// DPRED of the first call, of each field variable.
+    pub dpred: Option<Vec<f64>>,
 }
 
 impl ContactArguments {

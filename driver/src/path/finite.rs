@@ -123,9 +123,15 @@ impl Finite {
 
     /// Prepares a call that ends at a strain of the case; `None` if no stretch has it.
     pub(super) fn stretch(&mut self, from: &Committed, strain: &[f64; 6], call: &mut UmatCall) -> Option<Entry> {
+        let end = self.end_of(from, strain)?;
+        self.deform(from, &end, call)
+    }
+
+    /// F at a strain of the case; `None` if no stretch has it.
+    pub(super) fn end_of(&self, from: &Committed, strain: &[f64; 6]) -> Option<Matrix3<f64>> {
         if *strain == self.strain {
             // F itself, not what rounding makes of it
-            return self.deform(from, &from.deformation_gradient, call);
+            return Some(from.deformation_gradient);
         }
         let stretch = match self.measure {
             Measure::Logarithmic => exponential(strain),
@@ -134,7 +140,7 @@ impl Finite {
                 is_stretch.then(|| Matrix3::identity() + symmetric(strain, 2.0))?
             }
         };
-        self.deform(from, &(self.rotation * stretch), call)
+        Some(self.rotation * stretch)
     }
 
     /// Prepares a call that ends at a deformation gradient; `None` if the volume is inverted on the way.

@@ -80,7 +80,7 @@ pub(super) struct Goal {
     /// Step time at the start and at the end of the increment.
     pub(super) step_time: (f64, f64),
     /// Total time at the start of the step.
-    time_of_step: f64,
+    pub(super) time_of_step: f64,
 }
 
 struct Runner<'p> {
@@ -100,6 +100,8 @@ struct Runner<'p> {
     fields: [FieldValues; 2],
     /// ∂p/∂penetration of the last evaluation.
     normal_stiffness: f64,
+    /// Nothing has been attempted yet.
+    is_first_attempt: bool,
 }
 
 impl<'p> Runner<'p> {
@@ -175,6 +177,7 @@ impl<'p> Runner<'p> {
             },
             fields: [interface.initial_fields.clone(), interface.initial_fields.clone()],
             normal_stiffness: 0.0,
+            is_first_attempt: true,
         };
         runner.set_fields(1.0, 1.0);
         runner.find_initial_traction()?;
@@ -195,11 +198,18 @@ impl<'p> Runner<'p> {
         fields.set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
     }
 
+    fn surface_fields(&mut self) -> &mut SurfaceFields {
+        match &mut self.call {
+            Call::Uinter(call) => &mut call.fields,
+            Call::Fric(call) => &mut call.fields,
+        }
+    }
+
     /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
     fn find_initial_traction(&mut self) -> Result<(), String> {
         if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
             let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
-            self.evaluate(place, MOMENT, &mut Statistics::default()).map_err(|trouble| match trouble {
+            self.evaluate(place, MOMENT, false, &mut Statistics::default()).map_err(|trouble| match trouble {
                 Trouble::CutBack { reason, .. } => reason,
                 Trouble::Fatal(message) => message,
             })?;
@@ -276,9 +286,17 @@ impl<'p> Runner<'p> {
     }
 
     /// One call from the committed state; `place` is \[slip, slip2, penetration\] (UINTER) or \[slip, slip2,
-    /// pressure\] (FRIC) at the end.
-    fn evaluate(&mut self, place: [f64; 3], time_increment: f64, statistics: &mut Statistics) -> Result<(), Trouble> {
+    /// pressure\] (FRIC) at the end. `is_first`: the case may tell the increments, as sums and differences round.
+    fn evaluate(
+        &mut self,
+        place: [f64; 3],
+        time_increment: f64,
+        is_first: bool,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
         statistics.plugin_calls += 1;
+        let of_path = ContactArguments::default();
+        let given = if is_first { self.arguments } else { &of_path };
         let committed = &self.committed;
         let trial = &mut self.trial;
         trial.slip = [place[0], place[1]];
@@ -287,14 +305,14 @@ impl<'p> Runner<'p> {
                 let displacement = [place[NORMAL], place[0], place[1]];
                 let before = [-committed.gap, committed.slip[0], committed.slip[1]];
                 call.rdisp = displacement;
-                call.drdisp = std::array::from_fn(|i| displacement[i] - before[i]);
+                call.drdisp = given.drdisp.unwrap_or_else(|| std::array::from_fn(|i| displacement[i] - before[i]));
                 let tractions = [committed.pressure, committed.shear[0], committed.shear[1]];
                 call.traction_mut().copy_from_slice(&tractions[..=self.directions]);
                 call.statev_mut().copy_from_slice(&committed.statev);
                 call.energies = committed.energies;
                 call.flags = committed.flags;
-                call.dtime = time_increment;
-                call.time = [self.arguments.step_time + trial.step_time, trial.total_time];
+                call.dtime = given.dtime.unwrap_or(time_increment);
+                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
                 let outcome = call.call();
                 trial.gap = -place[NORMAL];
                 trial.pressure = call.traction()[0];
@@ -309,12 +327,12 @@ impl<'p> Runner<'p> {
                 call.lm = committed.flags[0];
                 call.dgam = [place[0] - committed.slip[0], place[1] - committed.slip[1]];
                 call.slip = committed.inelastic_slip;
-                call.pressure = [place[NORMAL], place[NORMAL] - committed.pressure];
+                call.pressure = [place[NORMAL], given.dpress.unwrap_or(place[NORMAL] - committed.pressure)];
                 call.traction_mut().copy_from_slice(&committed.shear[..self.directions]);
                 call.statev_mut().copy_from_slice(&committed.statev);
                 call.energies = [committed.energies[0], committed.energies[1]];
-                call.dtime = time_increment;
-                call.time = [self.arguments.step_time + trial.step_time, trial.total_time];
+                call.dtime = given.dtime.unwrap_or(time_increment);
+                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
                 let outcome = call.call();
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];
@@ -348,13 +366,14 @@ impl<'p> Runner<'p> {
         slip: [f64; 2],
         pressure: f64,
         dtime: f64,
+        is_first: bool,
         statistics: &mut Statistics,
     ) -> Result<u32, Trouble> {
         let tolerance = STRESS_TOLERANCE * pressure.abs().max(1.0);
         let mut penetration = -self.committed.gap;
         let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
         for iteration in 1..=self.max_iterations {
-            self.evaluate([slip[0], slip[1], penetration], dtime, statistics)?;
+            self.evaluate([slip[0], slip[1], penetration], dtime, is_first && iteration == 1, statistics)?;
             let residual = self.trial.pressure - pressure;
             if residual.abs() <= tolerance {
                 return Ok(iteration);
@@ -394,19 +413,24 @@ impl Divisible for Runner<'_> {
         self.trial.step_time = at(to);
         self.trial.total_time = goal.time_of_step + at(to);
         self.set_fields(from, to);
+        let is_first = std::mem::take(&mut self.is_first_attempt);
+        if is_first {
+            let ContactArguments { dtemp, dpred, .. } = self.arguments;
+            self.surface_fields().set_increments(*dtemp, dpred.as_deref());
+        }
         let start = [self.committed.step_time, self.committed.total_time];
         self.clock = Clock { time: start, time_increment, ..self.clock };
         self.databases.increment_starts(self.clock);
         let iterations = match (goal.normal, &self.call) {
             (NormalControl::Pressure, Call::Uinter(_)) => {
-                self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, statistics)?
+                self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, is_first, statistics)?
             }
             (NormalControl::Gap, Call::Uinter(_)) => {
-                self.evaluate([place[0], place[1], -place[NORMAL]], time_increment, statistics)?;
+                self.evaluate([place[0], place[1], -place[NORMAL]], time_increment, is_first, statistics)?;
                 1
             }
             (_, Call::Fric(_)) => {
-                self.evaluate(place, time_increment, statistics)?;
+                self.evaluate(place, time_increment, is_first, statistics)?;
                 1
             }
         };
@@ -442,8 +466,14 @@ impl Divisible for Runner<'_> {
         values[energies..energies + 5].copy_from_slice(&state.energies);
     }
 
-    fn replay(&self, program: &Program) -> serde_json::Value {
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
         let Clock { step, increment, .. } = self.clock;
-        replay::interface(program, &self.committed, &self.goal, &self.fields[1], [step, increment, 1])
+        let mut goal = self.goal;
+        goal.end = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));
+        goal.step_time.1 = lerp(goal.step_time.0, goal.step_time.1, to);
+        let [start, end] = &self.fields;
+        let mut fields_at_end = end.clone();
+        fields_at_end.set_between(start, end, to);
+        replay::interface(program, &self.committed, &goal, &fields_at_end, [step, increment, 1])
     }
 }

@@ -133,6 +133,8 @@ struct Runner<'p> {
     tangent: Option<[[f64; 6]; 6]>,
     goal: Goal,
     trial: Trial,
+    /// Nothing has been attempted yet.
+    is_first_attempt: bool,
 }
 
 /// The end of the last attempt.
@@ -213,6 +215,7 @@ impl<'p> Runner<'p> {
             committed,
             tangent: None,
             goal,
+            is_first_attempt: true,
         })
     }
 
@@ -257,7 +260,8 @@ impl<'p> Runner<'p> {
             let increment = to_u32(index + 1);
             [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, increment);
             plan.set_goal(index, self);
-            if index == 0 {
+            // the first call of a replay is not to depend on another before it
+            if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
                 self.unloading_tangent(statistics);
             }
             let place = Place { step: number, increment, last: index + 1 == count };
@@ -356,10 +360,43 @@ impl<'p> Runner<'p> {
         }
     }
 
+    /// Replaces the increments by those that the case tells of the first call: sums and differences round.
+    fn hand_over(&mut self) {
+        let UmatArguments { dtime, dtemp, dpred, .. } = self.arguments;
+        self.call.dtime = dtime.unwrap_or(self.call.dtime);
+        self.call.dtemp = dtemp.unwrap_or(self.call.dtemp);
+        if let Some(dpred) = dpred {
+            self.call.dpred.clone_from(dpred);
+        }
+    }
+
+    /// What the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
+    fn first_increment<'r>(&self, to: f64, relations: &'r mut Vec<Constraint>) -> (Targets<'r>, [f64; 6]) {
+        let controls = self.targets_at(to, relations);
+        let targets = Targets { components: self.components, controls, constraints: relations, strain: *self.strain() };
+        let mut increment = [0.0; 6];
+        for &i in self.components {
+            if let Control::Strain(end) = controls[i] {
+                increment[i] = end - targets.strain[i];
+            }
+        }
+        if !targets.strain_only()
+            && let Some(tangent) = &self.tangent
+        {
+            targets.first_guess(&mut increment, self.stress(), tangent);
+        }
+        (targets, increment)
+    }
+
+    /// F at a fraction of the increment.
+    fn gradient_at(&self, to: f64) -> Option<Matrix3<f64>> {
+        let (start, end) = self.goal.deformation_gradient?;
+        Some(if to == 1.0 { end } else { start + (end - start) * to })
+    }
+
     /// Goes to F at a fraction of the increment.
     fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
-        let Some((start, end)) = self.goal.deformation_gradient else { return Ok(0) };
-        let end = if to == 1.0 { end } else { start + (end - start) * to };
+        let Some(end) = self.gradient_at(to) else { return Ok(0) };
         let mut point = self.point(statistics);
         let Some(finite) = point.finite.as_mut() else { return Ok(0) };
         let strain = finite.strain_of_case(&end);
@@ -475,24 +512,20 @@ fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
 impl Divisible for Runner<'_> {
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
         self.prepare_call(from, to);
+        let is_first = std::mem::take(&mut self.is_first_attempt);
+        if is_first {
+            self.hand_over();
+        }
         self.databases.increment_starts(clock(&self.call, self.call.time));
         if self.goal.deformation_gradient.is_some() {
             return self.attempt_deformation(to, statistics);
         }
         let mut relations = Vec::new();
-        let controls = self.targets_at(to, &mut relations);
-        let targets =
-            Targets { components: self.components, controls, constraints: &relations, strain: *self.strain() };
-        let mut increment = [0.0; 6];
-        for &i in self.components {
-            if let Control::Strain(end) = controls[i] {
-                increment[i] = end - targets.strain[i];
-            }
+        let (targets, mut increment) = self.first_increment(to, &mut relations);
+        if is_first && let Some(dstran) = &self.arguments.dstran {
+            self.components.iter().zip(dstran).for_each(|(&i, value)| increment[i] = *value);
         }
         let strain_only = targets.strain_only();
-        if !strain_only && let Some(tangent) = &self.tangent {
-            targets.first_guess(&mut increment, self.stress(), tangent);
-        }
         let ddsdde = self.arguments.ddsdde || self.call.tangent_source() == TangentSource::Compared;
         let max_iterations = self.max_iterations;
         let mut point = self.point(statistics);
@@ -574,8 +607,23 @@ impl Divisible for Runner<'_> {
         values[next..next + 3].copy_from_slice(&state.energies);
     }
 
-    fn replay(&self, program: &Program) -> serde_json::Value {
-        replay::point(program, &self.committed, &self.goal, &self.call)
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
+        let mut goal = self.goal.clone();
+        let (targets, increment) = self.first_increment(to, &mut goal.relations);
+        goal.controls = targets.controls;
+        goal.step_time.1 = lerp(goal.step_time.0, goal.step_time.1, to);
+        let [start, end] = &self.goal.fields;
+        goal.fields[1].set_between(start, end, to);
+        let strain_only = targets.strain_only();
+        let state = &self.committed;
+        goal.deformation_gradient = match (self.gradient_at(to), &self.finite) {
+            (None, Some(finite)) if strain_only => finite.end_of(state, &targets.end(&increment)),
+            (end, _) => end,
+        }
+        .map(|end| (state.deformation_gradient, end));
+        let is_found = self.finite.is_none() && !strain_only;
+        let guess = is_found.then(|| self.components.iter().map(|&i| increment[i]).collect());
+        replay::point(program, state, &goal, &self.call, guess)
     }
 }
 

@@ -1,10 +1,12 @@
 //! The replay case: the state before a failed increment, and the increment, as a case file.
 //!
-//! It begins at the same bits. Under strains, F, slips and gaps its first call is the original's. Strains that stresses
-//! determine are found by iterations, which begin with another tangent than those of an increment that followed others: they
-//! agree within the tolerance of the stresses. (A call that ended the process is repeated as it was, with its strains.)
+//! Its first call is to the bit that of the first attempt from the state before. Only where an increment at finite strain
+//! is given stresses the strain of that call is another, as it begins without the tangent of the increment before. (A call that
+//! ended the process is repeated as it was.)
 
-use super::program::{Control, FieldValues, InterfaceEntry, Kind, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES};
+use super::program::{
+    Control, FieldValues, InterfaceEntry, Kind, Mode, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES,
+};
 use super::{interface, point};
 use crate::case::job_folder;
 use serde_json::{Map, Value, json};
@@ -66,13 +68,25 @@ fn frame(program: &Program) -> Map<String, Value> {
     case
 }
 
-/// Replays an increment of a material point.
-pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::Goal, call: &UmatCall) -> Value {
+/// Replays an attempt of a material point. `first_strain_increment`: DSTRAN of its first call if stresses determine it.
+pub(super) fn point(
+    program: &Program,
+    state: &point::Committed,
+    goal: &point::Goal,
+    call: &UmatCall,
+    first_strain_increment: Option<Vec<f64>>,
+) -> Value {
     let Kind::Point(point) = &program.kind else { return Value::Null };
     let mut case = frame(program);
+    if point.mode != Mode::ThreeD && program.plugin.law.is_none() {
+        // what probing found out at the start of the run
+        case["material"]["as"] = json!(if call.is_through_solid() { "3d" } else { "plane" });
+    }
     let components = point.mode.stress_state().components();
+    // what the program finds of plane stress it goes on from
+    let strains = if call.is_through_solid() && components.len() == 3 { &[0, 1, 2, 3] } else { components };
     let mut initial = json!({
-        "strain": named(&STRAIN_NAMES, components, &state.strain),
+        "strain": named(&STRAIN_NAMES, strains, &state.strain),
         "stress": named(&STRESS_NAMES, components, &state.stress),
         "statev": state.statev,
         "time": state.total_time,
@@ -118,6 +132,14 @@ pub(super) fn point(program: &Program, state: &point::Committed, goal: &point::G
     arguments["step_time"] = json!(point.arguments.step_time + state.step_time);
     arguments["jstep"] = json!(call.jstep);
     arguments["kinc"] = json!(call.kinc);
+    if let Some(arguments) = arguments.as_object_mut() {
+        for key in ["dstran", "dtime", "dtemp", "dpred"] {
+            arguments.remove(key);
+        }
+    }
+    if let Some(increment) = first_strain_increment {
+        arguments["dstran"] = json!(increment);
+    }
     case
 }
 
@@ -173,6 +195,12 @@ pub(super) fn interface(
         }
     }
     arguments["step_time"] = json!(interface.arguments.step_time + state.step_time);
+    if let Some(arguments) = arguments.as_object_mut() {
+        for key in ["dtime", "drdisp", "dpress", "dtemp", "dpred"] {
+            arguments.remove(key);
+        }
+    }
+    arguments["time"] = json!([interface.arguments.step_time + goal.step_time.1, goal.time_of_step + goal.step_time.1]);
     [arguments["kstep"], arguments["kinc"], _] = counters.map(|counter| json!(counter));
     case
 }

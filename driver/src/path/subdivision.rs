@@ -42,7 +42,11 @@ impl Trouble {
 
 /// Between two values; exact at both ends.
 pub(super) fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
-    if fraction == 1.0 { to } else { from + fraction * (to - from) }
+    match fraction {
+        0.0 => from,
+        1.0 => to,
+        _ => from + fraction * (to - from),
+    }
 }
 
 /// A point that can go from one fraction of an increment to another.
@@ -57,8 +61,8 @@ pub(super) trait Divisible {
     /// The history's columns from `time` to before `iterations`, at the committed state.
     fn fill(&self, values: &mut [f64]);
 
-    /// A case that repeats the present increment from the committed state.
-    fn replay(&self, program: &Program) -> serde_json::Value;
+    /// A case that repeats the attempt from the committed state to a fraction of the present increment.
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value;
 }
 
 /// Takes one increment of a program and records it.
@@ -75,10 +79,10 @@ pub(super) fn take_increment(
             statistics.increments += 1;
             Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
         }
-        Err(reason) => {
+        Err(GivenUp { reason, first }) => {
             let Place { step, increment, .. } = place;
             let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
-            Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program) }))
+            Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program, first) }))
         }
     }
 }
@@ -90,6 +94,13 @@ const SMALLEST_CUT: f64 = 0.05;
 /// PNEWDT close to 1 must still shorten the piece.
 const LARGEST_CUT: f64 = 0.75;
 
+/// An increment that no piece was small enough for.
+struct GivenUp {
+    reason: String,
+    /// Where the first attempt from the committed state led, as a fraction of the increment.
+    first: f64,
+}
+
 /// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
 /// committed is the state after the last successful piece.
 fn advance(
@@ -97,14 +108,17 @@ fn advance(
     controls: Controls,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
-) -> Result<u32, String> {
+) -> Result<u32, GivenUp> {
     let mut done = 0.0;
     let mut piece = 1.0;
+    let mut first = None;
     let mut cutbacks = 0;
     let mut iterations = 0;
     let smallest = 0.5_f64.powi(i32::try_from(controls.max_cutbacks).unwrap_or(i32::MAX));
     loop {
         let to = if done + piece >= 1.0 - 0.5 * smallest { 1.0 } else { done + piece };
+        let first_to = *first.get_or_insert(to);
+        let given_up = |reason| GivenUp { reason, first: first_to };
         match point.attempt(done, to, statistics) {
             Ok(count) => {
                 point.commit(observer);
@@ -115,14 +129,15 @@ fn advance(
                 piece = (to - done) * GROWTH;
                 done = to;
                 cutbacks = 0;
+                first = None;
             }
-            Err(Trouble::Fatal(message)) => return Err(message),
+            Err(Trouble::Fatal(message)) => return Err(given_up(message)),
             Err(Trouble::CutBack { fraction, reason }) => {
                 statistics.cutbacks += 1;
                 cutbacks += 1;
                 piece = (to - done) * fraction.clamp(SMALLEST_CUT, LARGEST_CUT);
                 if cutbacks > controls.max_cutbacks || piece < smallest {
-                    return Err(format!("{reason} (given up after {cutbacks} cut-backs in a row)"));
+                    return Err(given_up(format!("{reason} (given up after {cutbacks} cut-backs in a row)")));
                 }
             }
         }

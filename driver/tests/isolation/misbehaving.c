@@ -2,7 +2,8 @@
  *
  * PROPS: E, the fault (below), and the step and increment in which it is made; with the environment variable
  * FAULT_AT_LOADING, its number is the fault that is made when the library is loaded.
- * With the fault "print" every argument is printed before the process is aborted. */
+ * With the fault "print" every argument is printed before the process is aborted. With a fifth property every call is
+ * printed, and those that end later than this time return NaN. */
 #define _GNU_SOURCE
 #include <fcntl.h>
 #include <fenv.h>
@@ -244,6 +245,16 @@ __attribute__((constructor)) static void load(void)
         misbehave((enum fault)atoi(fault), NULL);
 }
 
+static int prints(enum fault fault, int nprops)
+{
+    return fault == PRINT || nprops > 4;
+}
+
+static enum fault result(enum fault fault, const double *props, int nprops, double end)
+{
+    return nprops > 4 && end > props[4] ? NAN_STRESS : fault;
+}
+
 static enum fault fault_now(const double *props, int step, int increment)
 {
     return step == (int)props[2] && increment == (int)props[3] ? (enum fault)props[1] : NONE;
@@ -260,7 +271,7 @@ void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *
 {
     const int n = *ntens;
     const enum fault fault = fault_now(props, jstep[0], *kinc);
-    if (fault == PRINT) {
+    if (prints(fault, *nprops)) {
         print("CALL", NULL, 0);
         print("stress", stress, n), print("statev", statev, *nstatv), print("ddsdde", ddsdde, n * n);
         print("sse", sse, 1), print("spd", spd, 1), print("scd", scd, 1);
@@ -285,7 +296,7 @@ void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *
         statev[i] += i + 1.0;
     const struct arguments all = { stress, ddsdde, statev, sse, pnewdt, NULL, n, ntens, nstatv, nprops, noel, kinc,
                                    stran, dstran, props, time, dtime, coords, temp, cmname };
-    misbehave(fault, &all);
+    misbehave(result(fault, props, *nprops, time[1] + *dtime), &all);
 }
 
 void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructural, double *flux, double *ddfddt,
@@ -301,7 +312,7 @@ void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructur
 {
     const int n = *ndir;
     const enum fault fault = fault_now(props, *kstep, *kinc);
-    if (fault == PRINT) {
+    if (prints(fault, *nprops)) {
         print("CALL", NULL, 0);
         print("stress", stress, n), print("ddsddr", ddsddr, n * n), print("statev", statev, *nstatv);
         print("sed", sed, 1), print("sfd", sfd, 1), print("spd", spd, 1), print("svd", svd, 1), print("scd", scd, 1);
@@ -327,7 +338,7 @@ void uinter_(double *stress, double *ddsddr, double *dviscous, double *dstructur
         statev[i] += i + 1.0;
     const struct arguments all = { stress, ddsddr, statev, sed, pnewdt, NULL, n, ndir, nstatv, nprops, node, kinc,
                                    rdisp, drdisp, props, time, dtime, coords, temp, ciname };
-    misbehave(fault, &all);
+    misbehave(result(fault, props, *nprops, time[1]), &all);
 }
 
 void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dslip, double *sed, double *sfd,
@@ -342,7 +353,7 @@ void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dsl
 {
     const int n = *nfdir;
     const enum fault fault = fault_now(props, *kstep, *kinc);
-    if (fault == PRINT) {
+    if (prints(fault, *nprops)) {
         print("CALL", NULL, 0);
         print_integers("lm", lm, 1), print("tau", tau, n), print("ddtddg", ddtddg, n * n);
         print("ddtddp", ddtddp, n), print("dslip", dslip, n), print("sed", sed, 1), print("sfd", sfd, 1);
@@ -365,5 +376,5 @@ void fric_(int32_t *lm, double *tau, double *ddtddg, double *ddtddp, double *dsl
         statev[i] += i + 1.0;
     const struct arguments all = { tau, ddtddg, statev, sed, pnewdt, lm, n, nfdir, nstatv, nprops, node, kinc,
                                    slip, dgam, props, time, dtime, coords, temp, ciname };
-    misbehave(fault, &all);
+    misbehave(result(fault, props, *nprops, time[1]), &all);
 }

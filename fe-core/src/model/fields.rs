@@ -15,7 +15,11 @@ pub struct FieldValues {
 impl FieldValues {
     /// Makes it the values between two, of as many variables; exact at both ends.
     pub fn set_between(&mut self, start: &Self, end: &Self, fraction: f64) {
-        let at = |a: f64, b: f64| if fraction == 1.0 { b } else { a + fraction * (b - a) };
+        let at = |a: f64, b: f64| match fraction {
+            0.0 => a,
+            1.0 => b,
+            _ => a + fraction * (b - a),
+        };
         self.temperature = at(start.temperature, end.temperature);
         self.variables.clear();
         self.variables.extend(start.variables.iter().zip(&end.variables).map(|(a, b)| at(*a, *b)));

@@ -180,6 +180,18 @@ impl SurfaceFields {
         (self.temperature, self.temperature_increment) = ([end; 2], [end - start; 2]);
     }
 
+    /// Replaces increments that are known better than the difference of the ends, which rounds.
+    ///
+    /// # Panics
+    /// If there are not as many variables.
+    pub fn set_increments(&mut self, temperature: Option<f64>, variables: Option<&[f64]>) {
+        self.temperature_increment = temperature.map_or(self.temperature_increment, |increment| [increment; 2]);
+        if let Some(variables) = variables {
+            assert_eq!(variables.len(), self.variables.len(), "as many field variables as before");
+            self.variable_increments = variables.iter().map(|increment| [*increment; 2]).collect();
+        }
+    }
+
     /// TEMP and DTEMP.
     pub fn temperature(&self) -> [f64; 2] {
         [self.temperature[0], self.temperature_increment[0]]

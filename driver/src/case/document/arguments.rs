@@ -30,6 +30,14 @@ pub struct UmatArguments {
     pub kinc: Option<i32>,
     /// Whether DDSDDE is wanted where the path does not need it (default false).
     pub ddsdde: Option<bool>,
+    /// DSTRAN of the first call, NTENS values, in steps without F; default: end minus start of its increment, which rounds.
+    pub dstran: Option<Vec<f64>>,
+    /// DTIME of the first call, s.
+    pub dtime: Option<f64>,
+    /// DTEMP of the first call.
+    pub dtemp: Option<f64>,
+    /// DPRED of the first call, of each field variable.
+    pub dpred: Option<Vec<f64>>,
 }
 
 /// Arguments of UINTER or FRIC that the path leaves open, as a replay of a recorded call gives them.
@@ -64,4 +72,16 @@ pub struct ContactArguments {
     pub kinc: Option<i32>,
     /// KIT (default 1).
     pub kit: Option<i32>,
+    /// TIME of the first call, s; default, as of the increments below: what its ends tell, which rounds.
+    pub time: Option<[f64; 2]>,
+    /// DTIME of the first call, s.
+    pub dtime: Option<f64>,
+    /// DRDISP of UINTER's first call, mm: of the penetration, then of the slips.
+    pub drdisp: Option<[f64; 3]>,
+    /// DPRESS of FRIC's first call, MPa.
+    pub dpress: Option<f64>,
+    /// DTEMP of the first call.
+    pub dtemp: Option<f64>,
+    /// DPRED of the first call, of each field variable.
+    pub dpred: Option<Vec<f64>>,
 }
