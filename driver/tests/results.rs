@@ -2,6 +2,7 @@
 
 mod program;
 
+use end_to_end_tests::{Tool, find};
 use program::{Desk, Table, command, json};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
@@ -467,6 +468,37 @@ fn a_file_that_cannot_grow_fails_the_run_at_its_step() {
     desk.write("file", "");
     let stderr = desk.pullout(["run", "case.json", "--out", "file"]).expect(1).stderr;
     assert!(stderr.starts_with("file: "), "{stderr}");
+}
+
+/// A library that the program does not know runs in another process, which shares a file with this one.
+#[test]
+fn a_limit_of_the_size_of_files_is_not_the_plugins_fault() {
+    let desk = Desk::new();
+    if find(Tool::C).is_none() {
+        return;
+    }
+    let umat = "void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl, \
+                double *ddsddt, double *drplde, double *drpldt, double *stran, double *dstran)\n{ for (int i = 0; i < 6; i++) \
+                { stress[i] += 1e3 * dstran[i]; ddsdde[7 * i] = 1e3; } }\n";
+    desk.write("mine.c", umat);
+    desk.pullout(["plugin", "build", "mine.c", "-o", "libmine.so"]).expect(0);
+    let material = json!({ "plugin": "./libmine.so", "props": [], "nstatv": 0 });
+    let steps = |increments: u32| json!([ { "increments": increments, "target": { "e11": 0.001 } } ]);
+    desk.case("short.json", &point(material.clone(), steps(10)));
+    // 512 KiB or 1 MiB, by the shell's block
+    let output = limited(&desk, "-f 1024", "run --out short short.json");
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    desk.case("long.json", &point(material, steps(100_000)));
+    let output = limited(&desk, "-f 1024", "run --out long long.json");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("step 1, increment ") && stderr.contains("history.csv: File too large"), "{stderr}");
+    assert!(!stderr.contains("plugin"), "{stderr}");
+    // no room for what the processes share
+    let output = limited(&desk, "-f 8", "run --out none short.json");
+    let stderr = String::from_utf8(output.stderr).expect("UTF-8");
+    assert_eq!(output.status.code(), Some(1), "{stderr}");
+    assert!(stderr.contains("ulimit -f") && !stderr.contains("--in-process"), "{stderr}");
 }
 
 #[test]

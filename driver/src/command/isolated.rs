@@ -171,8 +171,16 @@ fn fail(file: &Path, failure: &Failure, message: &str) -> u8 {
 }
 
 fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
-    let advice = "--in-process calls the plugin in this process";
-    complain(format!("{}: no process can be started for it: {error}; {advice}", file.display()));
+    let file = file.display();
+    complain(match error.kind() {
+        io::ErrorKind::FileTooLarge => format!(
+            "{file}: the system's limit of the size of files (ulimit -f) leaves no room for what two processes share: raise \
+             it, as results may need more as well"
+        ),
+        _ => {
+            format!("{file}: no process can be started for it: {error}; --in-process calls the plugin in this process")
+        }
+    });
     FAILED
 }
 

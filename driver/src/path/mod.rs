@@ -14,6 +14,7 @@ mod subdivision;
 mod test;
 
 pub use arguments::{ContactArguments, UmatArguments};
+use fe_core::assembly::GREATEST_COUNT;
 pub use interface::Committed as ContactPoint;
 pub use point::Committed as MaterialPoint;
 use program::{Kind, Program, Until};
@@ -90,7 +91,7 @@ impl Statistics {
     /// Whether a run can count on from there.
     pub fn counts_on(&self) -> bool {
         let Self { increments, iterations, plugin_calls, cutbacks } = *self;
-        [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < 1 << 60)
+        [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < GREATEST_COUNT)
     }
 }
 

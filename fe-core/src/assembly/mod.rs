@@ -17,6 +17,9 @@ pub use solids::{Solids, SolidsError};
 pub use system::{Condensation, ElementStiffness, System};
 pub use trouble::{Place, Trouble};
 
+/// No run counts calls, evaluations or factorisations so far: with more, counters could overflow.
+pub const GREATEST_COUNT: u64 = 1 << 60;
+
 /// The increment over which points are asked to advance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct IncrementContext {

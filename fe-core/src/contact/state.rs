@@ -2,6 +2,7 @@
 
 use super::Contact;
 use super::history::History;
+use crate::assembly::GREATEST_COUNT;
 use serde::{Deserialize, Serialize};
 
 /// The committed history of all pairs.
@@ -22,7 +23,7 @@ impl Contact {
     #[must_use]
     pub fn set_state(&mut self, state: &ContactState) -> bool {
         let fits = self.pairs.len() == state.histories.len()
-            && state.law_calls < 1 << 60
+            && state.law_calls < GREATEST_COUNT
             && self.pairs.iter().zip(&state.histories).all(|(pair, history)| pair.committed.fits(history));
         if fits {
             for (pair, history) in self.pairs.iter_mut().zip(&state.histories) {

@@ -12,7 +12,7 @@ use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
 
-/// No run counts so far: with more, counters could overflow.
+/// No run counts increments and attempts so far: with more, counters of 32 bits could overflow.
 pub(super) const MOST_COUNTED: u64 = 1 << 31;
 
 /// What the rest of a run depends on, at the end of an increment.

@@ -22,7 +22,7 @@ pub use snapshot::Snapshot;
 pub use times::Times;
 
 use crate::assembly::solids::{PartAccount, SolidEnergies};
-use crate::assembly::{Equations, IncrementContext, Solids, Trouble};
+use crate::assembly::{Equations, GREATEST_COUNT, IncrementContext, Solids, Trouble};
 use crate::model::{Model, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -85,7 +85,7 @@ impl Present {
             solutions,
         } = *statistics;
         let counts = [increments, iterations, cutbacks, settlements, expansions, evaluations, factorisations];
-        let counts_on = counts.into_iter().chain([block_factorisations, solutions]).all(|count| count < 1 << 60);
+        let counts_on = counts.into_iter().chain([block_factorisations, solutions]).all(|count| count < GREATEST_COUNT);
         counts_on
             && committed.fits(model)
             && [energies, datum].into_iter().all(Energies::is_finite)

@@ -8,6 +8,7 @@ use crate::output::summary::PeakRecorder;
 use crate::path::{Observer, Row, Statistics};
 use crate::pullout::checkpoint::Saved;
 use crate::signals;
+use fe_core::assembly::GREATEST_COUNT;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::io;
@@ -49,7 +50,8 @@ impl Kept {
     pub(super) fn of(saved: &Saved, columns: &[String]) -> Option<Self> {
         let kept: Self = postcard::from_bytes(&saved.observer).ok()?;
         let Self { peaks, done, times_s, .. } = &kept;
-        let is_sound = peaks.fits(columns) && *done < 1 << 60 && times_s.iter().all(|time| (0.0..1e12).contains(time));
+        let is_sound =
+            peaks.fits(columns) && *done < GREATEST_COUNT && times_s.iter().all(|time| (0.0..1e12).contains(time));
         is_sound.then_some(kept)
     }
 }

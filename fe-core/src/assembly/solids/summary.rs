@@ -4,6 +4,7 @@ use super::Solids;
 use super::points::{Points, States};
 use super::record::Body;
 use super::trust::work_of;
+use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
 use crate::model::FieldValues;
 use umat_abi::host::recorder::UmatRecord;
@@ -64,7 +65,7 @@ impl Counters {
     /// Whether a run can count on from there.
     pub(super) fn counts_on(&self) -> bool {
         let Self { umat_calls, evaluations, skipped_evaluations, stiffness_builds } = *self;
-        [umat_calls, evaluations, skipped_evaluations, stiffness_builds].into_iter().all(|count| count < 1 << 60)
+        [umat_calls, evaluations, skipped_evaluations, stiffness_builds].into_iter().all(|count| count < GREATEST_COUNT)
     }
 }
 

@@ -7,6 +7,8 @@ use std::sync::atomic::AtomicU64;
 
 /// Room of a recorder. The file is sparse: only pages that were written take memory.
 pub(super) const CAPACITY: usize = 1 << 28;
+/// The least room, where the system limits the size of files: some slots.
+pub(super) const LEAST_CAPACITY: usize = 1 << 17;
 /// The first word of a prepared file: "pullout", version 1.
 pub(super) const MAGIC: u64 = 0x0170_756c_6c6f_7574;
 /// Bytes of a word.
@@ -37,7 +39,7 @@ pub(super) mod word {
     pub(in super::super) const PATH: usize = ARGUMENT + LONGEST_ARGUMENT;
 }
 
-/// A file of [`CAPACITY`] bytes, shared with another process.
+/// A file of up to [`CAPACITY`] bytes, shared with another process.
 #[derive(Debug)]
 pub(super) struct Map {
     raw: MmapRaw,
@@ -46,10 +48,16 @@ pub(super) struct Map {
 impl Map {
     /// Maps a file.
     pub(super) fn open(file: &File) -> io::Result<Self> {
-        if file.metadata()?.len() != CAPACITY as u64 {
+        let length = usize::try_from(file.metadata()?.len()).unwrap_or(usize::MAX);
+        if !(LEAST_CAPACITY..=CAPACITY).contains(&length) {
             return Err(io::Error::other("the file of a recorder has another size"));
         }
-        Ok(Self { raw: MmapOptions::new().len(CAPACITY).map_raw(file)? })
+        Ok(Self { raw: MmapOptions::new().len(length).map_raw(file)? })
+    }
+
+    /// Bytes of the file.
+    pub(super) fn capacity(&self) -> usize {
+        self.raw.len()
     }
 
     /// The word at an offset.
@@ -57,14 +65,14 @@ impl Map {
     /// # Panics
     /// If there is none.
     pub(super) fn word(&self, offset: usize) -> &AtomicU64 {
-        assert!(offset.is_multiple_of(WORD) && offset < CAPACITY, "no word at {offset}");
+        assert!(offset.is_multiple_of(WORD) && offset < self.capacity(), "no word at {offset}");
         // SAFETY: within the mapping, which begins on a page; all access to this word is atomic.
         unsafe { AtomicU64::from_ptr(self.raw.as_mut_ptr().add(offset).cast()) }
     }
 
     /// Copies bytes to an offset; says whether there is room.
     pub(super) fn write(&self, offset: usize, bytes: &[u8]) -> bool {
-        let fits = offset.checked_add(bytes.len()).is_some_and(|end| end <= CAPACITY);
+        let fits = offset.checked_add(bytes.len()).is_some_and(|end| end <= self.capacity());
         if fits {
             // SAFETY: within the mapping. Rust never refers to these bytes, and only the owner of a slot (or of the
             // path, which one thread writes at a time) writes there.
@@ -75,7 +83,7 @@ impl Map {
 
     /// Bytes at an offset; `None` if they are not in the file. While the worker writes there they are any bytes.
     pub(super) fn read(&self, offset: usize, length: usize) -> Option<Vec<u8>> {
-        offset.checked_add(length).filter(|end| *end <= CAPACITY)?;
+        offset.checked_add(length).filter(|end| *end <= self.capacity())?;
         let mut bytes = vec![0; length];
         // SAFETY: within the mapping; any bytes are valid.
         unsafe { std::ptr::copy(self.raw.as_ptr().add(offset), bytes.as_mut_ptr(), length) };
@@ -84,7 +92,7 @@ impl Map {
 
     /// Where doubles may be written: the address of a word, and how many words follow before `end`.
     pub(super) fn doubles(&self, offset: usize, end: usize) -> (*mut f64, usize) {
-        assert!(offset.is_multiple_of(WORD) && offset <= end && end <= CAPACITY, "no room at {offset}");
+        assert!(offset.is_multiple_of(WORD) && offset <= end && end <= self.capacity(), "no room at {offset}");
         // SAFETY: within the mapping or one behind its end.
         (unsafe { self.raw.as_mut_ptr().add(offset).cast() }, (end - offset) / WORD)
     }

@@ -5,7 +5,7 @@
 use super::super::memory::Trespass;
 use super::NOTES;
 use super::arguments::Arguments;
-use super::map::{CAPACITY, HEADER, LONGEST_PATH, MAGIC, Map, WORD, word};
+use super::map::{CAPACITY, HEADER, LEAST_CAPACITY, LONGEST_PATH, MAGIC, Map, WORD, word};
 use super::slot::{SEQUENCE, TEXTS};
 use std::borrow::Cow;
 use std::fs::File;
@@ -46,12 +46,18 @@ pub struct CallRecord {
 }
 
 impl Recording {
-    /// Prepares an empty file for a worker's [`super::install`].
+    /// Prepares an empty file for a worker's [`super::install`]: as large as the system lets it be.
     ///
     /// # Errors
     /// The file cannot grow or be mapped.
     pub fn create(file: &File) -> io::Result<Self> {
-        file.set_len(CAPACITY as u64)?;
+        let mut room = CAPACITY;
+        while let Err(error) = file.set_len(room as u64) {
+            if error.kind() != io::ErrorKind::FileTooLarge || room == LEAST_CAPACITY {
+                return Err(error);
+            }
+            room /= 2;
+        }
         let map = Map::open(file)?;
         map.word(word::END).store(HEADER as u64, Ordering::Release);
         map.word(word::MAGIC).store(MAGIC, Ordering::Release);
@@ -128,7 +134,8 @@ impl Recording {
 
     /// Offsets and sequences of all slots.
     fn slots(&self) -> impl Iterator<Item = (usize, u64)> {
-        let end = usize::try_from(self.map.word(word::END).load(Ordering::Acquire)).unwrap_or(CAPACITY).min(CAPACITY);
+        let end = usize::try_from(self.map.word(word::END).load(Ordering::Acquire)).unwrap_or(usize::MAX);
+        let end = end.min(self.map.capacity());
         let mut next = HEADER;
         std::iter::from_fn(move || {
             let slot = next;

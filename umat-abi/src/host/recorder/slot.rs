@@ -1,6 +1,6 @@
 //! The worker's side: a call object's slot, and what is written into it.
 
-use super::map::{CAPACITY, LONGEST_PATH, WORD, word};
+use super::map::{LONGEST_PATH, WORD, word};
 use super::{Recorder, installed, returned};
 use crate::host::Library;
 use std::path::Path;
@@ -101,7 +101,7 @@ impl Slot {
         let size = before + room * WORD;
         let end = map.word(word::END);
         let slot = end.fetch_update(Ordering::AcqRel, Ordering::Acquire, |end| {
-            Some(end + size as u64).filter(|end| *end <= CAPACITY as u64)
+            Some(end + size as u64).filter(|end| *end <= map.capacity() as u64)
         });
         let slot = usize::try_from(slot.ok()?).ok()?;
         map.write(slot + TEXTS, &self.texts);
