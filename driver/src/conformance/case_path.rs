@@ -8,7 +8,7 @@ use crate::isolation::worker;
 use crate::path::program::{InterfaceEntry, Kind, Program};
 use crate::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
 use std::io;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
 
 const CHECK: &str = "case's path";
@@ -49,7 +49,7 @@ impl CasePath {
         let entry = entry(&program);
         let longest = options.longest_path.unwrap_or(u64::MAX);
         let time_limit = TIME_LIMIT.min(options.share_of_time());
-        let end = Instant::now() + time_limit;
+        let end = super::processor_time() + time_limit;
         let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest };
         let (statistics, result) = path::run_within(&program, databases, &mut keeper);
         let failure = match result {
@@ -97,13 +97,14 @@ struct Keeper {
     increments: Vec<Increment>,
     stride: usize,
     count: usize,
-    end: Instant,
+    /// By [`super::processor_time`].
+    end: Duration,
     longest: u64,
 }
 
 impl Observer for Keeper {
     fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
-        if Instant::now() > self.end || self.count as u64 >= self.longest {
+        if super::processor_time() > self.end || self.count as u64 >= self.longest {
             Err(io::ErrorKind::TimedOut.into())
         } else {
             Ok(())

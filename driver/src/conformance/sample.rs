@@ -6,7 +6,6 @@ use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::subject::{Committed, Entry, Subject, Trouble, largest};
 use std::fmt;
-use std::time::Instant;
 
 /// One state of the sample.
 #[derive(Clone, Debug)]
@@ -84,10 +83,11 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     let mut first_failure = String::new();
     let path = subject.path.clone().filter(|path| !path.increments.is_empty());
     ledger.begin("answers");
-    let (start, calls) = (Instant::now(), subject.calls);
+    let (start, calls) = (super::processor_time(), subject.calls);
+    let elapsed = || super::processor_time() - start;
     let mut left_out = 0;
     for number in (0..options.states).filter(|number| !options.skipped.contains(number)) {
-        if sample.len() >= FEWEST && start.elapsed() > options.share_of_time() {
+        if sample.len() >= FEWEST && elapsed() > options.share_of_time() {
             left_out += 1;
             continue;
         }
@@ -110,7 +110,7 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
             }
         }
     }
-    subject.call_time = start.elapsed().as_secs_f64() / (subject.calls - calls).max(1) as f64;
+    subject.call_time = elapsed().as_secs_f64() / (subject.calls - calls).max(1) as f64;
     // the rest of the time is for the checks, which call the plugin so many times for each state
     const CALLS: usize = 40;
     const PART: f64 = 0.5;
