@@ -50,6 +50,7 @@ struct KeptFields {
     pairs: Vec<String>,
     contact: Vec<ContactPoint>,
     activities: Vec<Activity>,
+    behind: Vec<usize>,
 }
 
 impl KeptFields {
@@ -66,6 +67,7 @@ impl KeptFields {
             pairs: self.pairs,
             contact: self.contact,
             activities: self.activities,
+            behind: self.behind,
         }
     }
 }
@@ -98,6 +100,7 @@ impl<'p> PeakKeeper<'p> {
             pairs: fields.pairs,
             contact: fields.contact,
             activities: fields.activities,
+            behind: fields.behind,
         });
         KeptPeak { peak: self.peak, fields }
     }

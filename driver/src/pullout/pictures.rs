@@ -119,7 +119,10 @@ impl<'a> Album<'a> {
             mesh,
             recovery: Recovery::new(mesh),
             fibre,
-            matrix: slaves.map(|edge| mesh.elements()[edge.element].part()).collect(),
+            matrix: slaves
+                .map(|edge| mesh.elements()[edge.element].part())
+                .chain(program.model.parts_behind())
+                .collect(),
             greatest_stress: 0.0,
             pictures: Vec::new(),
         }

@@ -53,13 +53,14 @@ struct SlaveEdge {
 
 impl SlaveEdge {
     fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64, index: usize) -> Self {
-        let part = &mesh.parts()[mesh.elements()[edge.element].part()];
+        let element = mesh.elements()[edge.element];
+        let model = mesh.parts()[element.part()].model;
         let edge = mesh.edge_nodes(edge);
         let mut reference = [[0.0; 2]; 3];
         for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
             *position = mesh.nodes()[node];
         }
-        Self { edge, reference, model: part.model, width, thickness: part.thickness, start, index }
+        Self { edge, reference, model, width, thickness: element.thickness(), start, index }
     }
 
     fn kind(&self) -> EdgeKind {

@@ -227,14 +227,14 @@ fn penalty(mesh: &Mesh, pair: &ContactPair, moduli: &[f64], points: &[ContactPoi
     let mut least = f64::INFINITY;
     for &edge in pair.slave.iter().chain(&pair.master) {
         let element = mesh.elements()[edge.element];
-        let part = &mesh.parts()[element.part()];
+        let model = mesh.parts()[element.part()].model;
         let ends = mesh.edge_nodes(edge);
         let [start, end] = [0, 1].map(|k| mesh.nodes()[ends.nodes()[k]]);
         let length = (end[0] - start[0]).hypot(end[1] - start[1]);
         // A triangle is twice as high as its mean height.
         let shape = if element.kind().corner_count() == 3 { 2.0 } else { 1.0 };
         let height = shape * mesh.element_area(edge.element) / length;
-        let depth = part.model.depth(0.5 * (start[0] + end[0]), part.thickness);
+        let depth = model.depth(0.5 * (start[0] + end[0]), element.thickness());
         least = least.min(moduli[element.part()] * depth / height);
     }
     pair.penalty_factor * least / width

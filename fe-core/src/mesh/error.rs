@@ -36,6 +36,9 @@ pub enum MeshError {
     /// Not a positive number.
     #[error("part '{part}': its thickness is {thickness}, it must be positive")]
     Thickness { part: String, thickness: f64 },
+    /// Not a positive number, or of no element.
+    #[error("element {}: its thickness is {thickness}, it must be positive, of one of the {count} elements", element + 1)]
+    ElementThickness { element: usize, thickness: f64, count: usize },
     /// Not as many nodes as the kind has.
     #[error("element {} ({kind}): it has {found} nodes, {kind} needs {}", element + 1, kind.node_count())]
     NodeCount { element: usize, kind: ElementKind, found: usize },

@@ -8,6 +8,7 @@
 //!   part's rule and of the full rule, and large enough to trust ([`SMALLEST_RELATIVE_DETERMINANT`]);
 //! - connections: an edge belongs to one element or to two that lie on either side of it and have the same middle node;
 //! - parts: a name of their own, a positive thickness, an integration that their elements have;
+//! - thicknesses of single elements: positive, of elements that exist;
 //! - sets: not empty, in range, without repetition.
 //!
 //! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] tells them.
@@ -59,7 +60,7 @@ pub struct Part {
     pub name: String,
     /// What it assumes about the third direction.
     pub model: PlaneModel,
-    /// Reference thickness, mm; unused in axial symmetry.
+    /// Reference thickness of its elements, but for those with one of their own, mm; unused in axial symmetry.
     pub thickness: f64,
     /// The integration of all its elements; `None`: each kind's default.
     pub integration: Option<Integration>,
@@ -101,6 +102,8 @@ pub struct MeshDefinition {
     pub parts: Vec<Part>,
     /// Elements.
     pub elements: Vec<ElementDefinition>,
+    /// Thicknesses of the elements that do not have their part's, mm.
+    pub thicknesses: BTreeMap<usize, f64>,
     /// Named sets of nodes.
     pub node_sets: BTreeMap<String, Vec<usize>>,
     /// Named sets of element edges.
@@ -114,6 +117,7 @@ pub struct Element {
     part: usize,
     nodes: [usize; MAX_NODES],
     area: f64,
+    thickness: f64,
 }
 
 impl Element {
@@ -130,6 +134,11 @@ impl Element {
     /// Indices of its nodes, in the order of [`crate::element`].
     pub fn nodes(&self) -> &[usize] {
         &self.nodes[..self.kind.node_count()]
+    }
+
+    /// Its reference thickness, mm: its own or its part's; unused in axial symmetry.
+    pub fn thickness(&self) -> f64 {
+        self.thickness
     }
 }
 

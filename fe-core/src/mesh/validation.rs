@@ -34,6 +34,11 @@ pub(super) fn checked_elements(definition: &MeshDefinition) -> Result<Vec<Elemen
     if definition.elements.is_empty() {
         return Err(MeshError::NoElements);
     }
+    let count = definition.elements.len();
+    let is_sound = |own: &(&usize, &f64)| *own.0 < count && *own.1 > 0.0 && own.1.is_finite();
+    if let Some((&element, &thickness)) = definition.thicknesses.iter().find(|own| !is_sound(own)) {
+        return Err(MeshError::ElementThickness { element, thickness, count });
+    }
     (0..definition.elements.len()).map(|element| checked_element(definition, element)).collect()
 }
 
@@ -62,7 +67,8 @@ fn checked_element(definition: &MeshDefinition, element: usize) -> Result<Elemen
     let area = checked_area(definition, element, &positions, kind.full_integration_points())?;
     let mut indices = [0; MAX_NODES];
     indices[..nodes.len()].copy_from_slice(nodes);
-    Ok(Element { kind, part: part_index, nodes: indices, area })
+    let thickness = definition.thicknesses.get(&element).copied().unwrap_or(part.thickness);
+    Ok(Element { kind, part: part_index, nodes: indices, area, thickness })
 }
 
 fn check_node_indices(definition: &MeshDefinition, element: usize) -> Result<(), MeshError> {

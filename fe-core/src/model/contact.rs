@@ -94,7 +94,7 @@ pub enum Quadrature {
 pub enum Width {
     /// A given width, mm: πφ/2 on each of the two lines of a round fibre.
     Given(f64),
-    /// The thickness of the slave's part; 2πr in axial symmetry.
+    /// The thickness of the slave's elements; 2πr in axial symmetry.
     OfPart,
 }
 

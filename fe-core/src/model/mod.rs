@@ -200,6 +200,17 @@ impl Model {
         self.laws.iter().any(|law| law.overstress_work().is_some())
     }
 
+    /// The parts across slave edges from those edges' own: what slides there does so in front of them. A cover is one.
+    pub fn parts_behind(&self) -> Vec<usize> {
+        let part_of = |edge: ElementEdge| self.mesh.elements()[edge.element].part();
+        let slaves = self.contacts.iter().flat_map(|pair| &pair.slave);
+        let across = slaves.filter_map(|&edge| {
+            let other = part_of(self.mesh.neighbour(edge)?);
+            (other != part_of(edge)).then_some(other)
+        });
+        std::collections::BTreeSet::from_iter(across).into_iter().collect()
+    }
+
     /// The libraries of its laws, parts first; some may be named several times.
     pub fn libraries(&self) -> impl Iterator<Item = &Library> {
         let of_contact = self.contacts.iter().map(|pair| match &pair.law {

@@ -33,8 +33,7 @@ pub fn axial_stress(
                 continue;
             };
             let [x, y] = turned(fields, element.nodes(), &mapped, direction);
-            let part = &fields.mesh.parts()[part];
-            let depth = part.model.depth(mapped.position[0], part.thickness);
+            let depth = fields.mesh.parts()[part].model.depth(mapped.position[0], element.thickness());
             let weight = point.weight * mapped.determinant * depth;
             let section = (arc / length * sections as f64) as usize;
             if let Some(sum) = sums.get_mut(section.min(sections.saturating_sub(1))) {

@@ -27,6 +27,8 @@ pub struct Fields<'a> {
     pub state_names: Vec<Vec<String>>,
     /// What each element does.
     pub activities: Vec<Activity>,
+    /// Parts in front of which others slide ([`crate::model::Model::parts_behind`]).
+    pub behind: Vec<usize>,
     /// Names of the contact pairs.
     pub pairs: Vec<String>,
     /// The contact points of all pairs.

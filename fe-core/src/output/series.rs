@@ -1,6 +1,6 @@
 //! A run as a series of VTK files.
 
-use super::fields::{Fields, FieldsError};
+use super::fields::{ContactPoint, Fields, FieldsError};
 use super::principal::{Principal, von_mises};
 use super::recovery::Recovery;
 use super::vtu::{Array, Cells, Data, Grid, VERTEX, cell_type};
@@ -17,10 +17,11 @@ const STRAIN: [&str; 4] = ["e11", "e22", "e33", "g12"];
 
 /// Writes increments to `fields/000000.vtu`, … and lists them in `fields.pvd`.
 ///
-/// The first file of an increment holds the solids on their reference positions. Where parts share a node the file has
+/// The first file of an increment holds the solids on their reference positions; parts in front of which others slide lie half
+/// of their thickness behind the plane. Where parts share a node the file has
 /// a point for each of them. Point data: `node`, `displacement`, `reaction`, `stress`, `principal_stress_max`, `_mid`,
 /// `_min`, `principal_direction`, `von_mises`, `strain`, and each state variable by its name (NaN in parts without
-/// it). Cell data: `part` and `element`. Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1 of the
+/// it). Cell data: `part`, `element` and `thickness` (without meaning in axial symmetry). Numbers count from 1; field data tell them by name (`part fibre`). The second file, `contact_000000.vtu`, part 1 of the
 /// series, holds the contact points where they are now: `pair`, `arc`, `gap`, `pressure`, `slip`, `bond_traction`,
 /// `open`, `weight`. A model without contact pairs has none.
 ///
@@ -205,12 +206,19 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
     Ok(Grid {
         time: fields.time,
         numbers: numbers("part", mesh.parts().iter().map(|part| part.name.as_str())),
-        points: places.nodes().iter().map(|&node| mesh.nodes()[node]).collect(),
+        points: std::iter::zip(places.nodes(), places.parts())
+            .map(|(&node, part)| {
+                let [x, y] = mesh.nodes()[node];
+                let is_behind = fields.behind.contains(part);
+                [x, y, if is_behind { -0.5 * mesh.parts()[*part].thickness } else { 0.0 }]
+            })
+            .collect(),
         cells,
         point_data,
         cell_data: vec![
             Array::integers("part", counted(elements.iter().map(|element| element.part()))),
             Array::integers("element", counted(0..elements.len())),
+            Array::scalars("thickness", elements.iter().map(|element| element.thickness()).collect()),
         ],
     })
 }
@@ -219,12 +227,11 @@ fn solids<'a>(fields: &'a Fields<'_>, recovery: &Recovery) -> Result<Grid<'a>, F
 fn contact<'a>(fields: &'a Fields<'_>) -> Grid<'a> {
     let points = &fields.contact;
     let count = points.len() as i64;
-    let scalars =
-        |name, value: fn(&super::ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
+    let scalars = |name, value: fn(&ContactPoint) -> f64| Array::scalars(name, points.iter().map(value).collect());
     Grid {
         time: fields.time,
         numbers: numbers("pair", fields.pairs.iter().map(String::as_str)),
-        points: points.iter().map(|point| point.position).collect(),
+        points: points.iter().map(|&ContactPoint { position: [x, y], .. }| [x, y, 0.0]).collect(),
         cells: Cells {
             connectivity: (0..count).collect(),
             offsets: (1..=count).collect(),

@@ -42,6 +42,7 @@ impl<'a> Fields<'a> {
             states,
             state_names: model.laws.iter().map(PluginLaw::state_names).collect(),
             activities: (0..mesh.elements().len()).map(|element| activity(solids, element)).collect(),
+            behind: model.parts_behind(),
             pairs: model.contacts.iter().map(|pair| pair.name.clone()).collect(),
             contact: contact_points(snapshot),
         }

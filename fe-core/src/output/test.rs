@@ -240,6 +240,7 @@ impl Snapshot {
             states: states.concat(),
             state_names: self.names.clone(),
             activities: vec![Activity::Elastic; mesh.elements().len()],
+            behind: Vec::new(),
             pairs: self.pairs.clone(),
             contact: (0..3).map(point).collect(),
         }
@@ -432,6 +433,7 @@ fn the_axial_stress_follows_the_axis_as_it_turns() {
             states: Vec::new(),
             state_names: vec![vec![]],
             activities: vec![Activity::Elastic; mesh.elements().len()],
+            behind: Vec::new(),
             pairs: Vec::new(),
             contact: Vec::new(),
         };

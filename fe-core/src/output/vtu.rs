@@ -36,8 +36,8 @@ pub(super) struct Grid<'a> {
     pub time: f64,
     /// Numbers that the arrays refer to, by name: field data, for not every reader takes text.
     pub numbers: Vec<(String, i32)>,
-    /// (x, y, 0) point by point.
-    pub points: Vec<[f64; 2]>,
+    /// (x, y, z) point by point.
+    pub points: Vec<[f64; 3]>,
     pub cells: Cells,
     pub point_data: Vec<Array<'a>>,
     pub cell_data: Vec<Array<'a>>,
@@ -106,8 +106,7 @@ impl Grid<'_> {
         xml.push_str("</PointData>\n<CellData>\n");
         self.cell_data.iter().for_each(|array| array.write(&mut xml));
         xml.push_str("</CellData>\n<Points>\n");
-        let positions: Vec<u8> =
-            self.points.iter().flat_map(|&[x, y]| [x, y, 0.0]).flat_map(f64::to_le_bytes).collect();
+        let positions: Vec<u8> = self.points.iter().flatten().copied().flat_map(f64::to_le_bytes).collect();
         data_array(&mut xml, "Float64", "Points", "NumberOfComponents=\"3\"", &positions);
         xml.push_str("</Points>\n<Cells>\n");
         for (name, numbers) in [("connectivity", &self.cells.connectivity), ("offsets", &self.cells.offsets)] {

@@ -11,6 +11,7 @@ use crate::model::{Controls, Load, LoadKind, Measured, PluginLaw, Skipping, Step
 use crate::output::Fields;
 use std::io;
 
+mod cover;
 mod patch;
 mod snap_back;
 mod spin;

@@ -8,8 +8,8 @@ use super::super::problem::{Place, hint};
 use super::mesh::DefaultPair;
 use super::parts::plugin_law;
 use super::{Scene, chain};
-use fe_core::mesh::ElementEdge;
 use fe_core::mesh::specimen::SurfaceRole;
+use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
@@ -215,12 +215,39 @@ fn surfaces(
     let master =
         surface(reader, pair.master.as_deref(), default.map(|pair| pair.master.as_str()), scene, &place.key("master"));
     let (slave, master) = slave.zip(master)?;
+    let slave = facing(scene.mesh?, slave, &master);
     if let Some(edge) = slave.iter().find(|edge| master.contains(edge)) {
         let message = format!("it has an edge of element {} that the slave has as well", edge.element + 1);
         reader.problem(&place.key("master"), message);
         return None;
     }
     Some((slave, master))
+}
+
+/// Slave edges between two bodies, a block and the cover in its slot, as the one has them that the master lies against:
+/// the master's nearest edge goes the other way. A file's curves may be on either.
+fn facing(mesh: &Mesh, slave: Vec<ElementEdge>, master: &[ElementEdge]) -> Vec<ElementEdge> {
+    let ends = |edge: ElementEdge| [0, 1].map(|k| mesh.nodes()[mesh.edge_nodes(edge).nodes()[k]]);
+    let middle = |[a, b]: [[f64; 2]; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let along = |[a, b]: [[f64; 2]; 2]| [b[0] - a[0], b[1] - a[1]];
+    let is_turned = |edge: ElementEdge| {
+        let [x, y] = middle(ends(edge));
+        let distance = |other: ElementEdge| {
+            let [u, v] = middle(ends(other));
+            (u - x).hypot(v - y)
+        };
+        let nearest = master.iter().min_by(|a, b| distance(**a).total_cmp(&distance(**b)));
+        nearest.is_some_and(|&nearest| {
+            let (this, that) = (along(ends(edge)), along(ends(nearest)));
+            this[0] * that[0] + this[1] * that[1] > 0.0
+        })
+    };
+    let other_side = |&edge: &ElementEdge| mesh.neighbour(edge).filter(|_| is_turned(edge));
+    match slave.iter().map(other_side).collect::<Option<Vec<_>>>() {
+        // a chain that goes the other way
+        Some(turned) => turned.into_iter().rev().collect(),
+        None => slave,
+    }
 }
 
 fn surface(

@@ -2,17 +2,17 @@
 
 use super::super::document::Positive;
 use super::super::document::pullout::{
-    self as document, ElementName, Elements, FibreShape, SeparationLength, SeparationRule,
+    self as document, ElementName, Elements, FibreShape, SeparationLength, SeparationRule, Thickness,
 };
 use super::boundary::BOTH;
-use super::mesh::{DefaultPair, DefaultSupports, Defaults};
+use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{
     self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
-    FibreMesh, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre, PlateWithHole, SpecimenError,
-    SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+    FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre, PlateWithHole,
+    SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
 };
 use fe_core::model::Width;
 
@@ -33,14 +33,14 @@ pub struct Generated {
     pub notes: Vec<String>,
 }
 
-/// Makes the mesh of a specimen.
+/// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block.
 ///
 /// # Errors
 /// Parameters that cannot be.
-pub fn generate(given: &document::Specimen) -> Result<Generated, SpecimenError> {
+pub fn generate(given: &document::Specimen, matrix: Option<Thickness>) -> Result<Generated, SpecimenError> {
     match given {
-        document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given),
-        document::Specimen::InclinedFibre(given) => inclined_fibre(given),
+        document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given, matrix),
+        document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix),
         document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
             width: length(given.width, 10.0),
             height: length(given.height, 10.0),
@@ -69,9 +69,13 @@ pub fn generate(given: &document::Specimen) -> Result<Generated, SpecimenError> 
     }
 }
 
-fn perpendicular_fibre(given: &document::PerpendicularFibre) -> Result<Generated, SpecimenError> {
+fn perpendicular_fibre(
+    given: &document::PerpendicularFibre,
+    matrix: Option<Thickness>,
+) -> Result<Generated, SpecimenError> {
     let axisymmetric = given.axisymmetric.unwrap_or(false);
     let default = PerpendicularFibre::default();
+    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
     let sizes = FibreMesh::default();
     let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
     let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
@@ -83,8 +87,14 @@ fn perpendicular_fibre(given: &document::PerpendicularFibre) -> Result<Generated
         },
         width: length(given.width, default.width),
         depth: length(given.depth, default.depth),
-        matrix_thickness: length(given.matrix_thickness, default.matrix_thickness),
-        fibre_diameter: length(given.fibre_diameter, default.fibre_diameter),
+        matrix_thickness: match axisymmetric {
+            // the outer radius follows from the specimen's own
+            true => length(given.matrix_thickness, default.matrix_thickness),
+            false => matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
+        },
+        cover: given.cover.unwrap_or(default.cover),
+        graded_thickness: given.graded_thickness.map(graded),
+        fibre_diameter,
         embedded_length: length(given.embedded_length, default.embedded_length),
         free_length: length(given.free_length, default.free_length),
         tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
@@ -107,7 +117,7 @@ fn perpendicular_fibre(given: &document::PerpendicularFibre) -> Result<Generated
     Ok(pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also))
 }
 
-fn inclined_fibre(given: &document::InclinedFibre) -> Result<Generated, SpecimenError> {
+fn inclined_fibre(given: &document::InclinedFibre, matrix: Option<Thickness>) -> Result<Generated, SpecimenError> {
     let default = InclinedFibre::default();
     let sizes = InclinedMesh::default();
     let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
@@ -130,7 +140,9 @@ fn inclined_fibre(given: &document::InclinedFibre) -> Result<Generated, Specimen
         outside,
         width: length(given.width, default.width),
         depth: length(given.depth, default.depth),
-        matrix_thickness: length(given.matrix_thickness, default.matrix_thickness),
+        matrix_thickness: matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
+        cover: given.cover.unwrap_or(default.cover),
+        graded_thickness: given.graded_thickness.map(graded),
         fibre_diameter,
         embedded_length: length(given.embedded_length, default.embedded_length),
         exit_radius: given.exit_radius.map(|radius| radius.0),
@@ -156,6 +168,16 @@ fn inclined_fibre(given: &document::InclinedFibre) -> Result<Generated, Specimen
 fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
     let tangent = angle.tan();
     if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
+}
+
+/// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
+fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
+    let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
+    of_part.unwrap_or(length(given, default))
+}
+
+fn graded(given: document::GradedThickness) -> GradedThickness {
+    GradedThickness { slope: given.slope, extent: given.extent.map(|extent| extent.0) }
 }
 
 /// A specimen that is held by one of some node sets, and by what holds it in any case.

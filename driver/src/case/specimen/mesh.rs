@@ -15,6 +15,11 @@ use fe_core::model::Width;
 use std::collections::{BTreeMap, BTreeSet};
 use std::f64::consts::PI;
 
+/// The part around a fibre.
+pub const MATRIX: &str = "matrix";
+/// The part of a specimen that is of the same matter in front of and behind the fibre.
+pub const COVER: &str = "cover";
+
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
 pub struct Ground {
     pub definition: MeshDefinition,
@@ -69,7 +74,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
     match reader.piece(&case.mesh, &place)? {
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
-            match generate(reader.piece(&source.specimen, &place)?) {
+            let specimen = reader.piece(&source.specimen, &place)?;
+            match generate(specimen, thickness_of_matrix(case)) {
                 Ok(Generated { name, mut definition, defaults, diameter, notes }) => {
                     adapt_parts(reader, case, &mut definition, diameter);
                     reader.warnings.extend(notes);
@@ -166,7 +172,7 @@ fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<S
 }
 
 /// The thickness of a part, mm; `Err` if it refers to a fibre that the mesh does not have.
-fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &'static str> {
+pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &'static str> {
     let section = match given {
         document::Thickness::Value(value) => return Ok(value.0),
         document::Thickness::Section(section) => section,
@@ -176,6 +182,12 @@ fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &
         document::Section::EqualArea => PI * diameter / 4.0,
         document::Section::EqualInertia => 3.0 * PI * diameter / 16.0,
     })
+}
+
+/// The thickness that the case gives the part around a specimen's fibre.
+fn thickness_of_matrix(case: &PulloutCase) -> Option<document::Thickness> {
+    let part = case.parts.0.as_ref().ok()?.get(MATRIX)?.0.as_ref().ok()?;
+    part.thickness.as_ref()?.0.as_ref().ok().copied()
 }
 
 /// The parts of a file: plane strain of thickness 1 unless the case says otherwise.
@@ -203,7 +215,16 @@ fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut Mes
     for name in listed.iter().filter(|name| !names.contains(name)) {
         reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &names)));
     }
+    if listed.iter().any(|name| *name == COVER) && names.iter().any(|name| name == COVER) {
+        reader.problem(&root.key(COVER), format!("is what the part '{MATRIX}' is: leave it out"));
+    }
     for part in &mut definition.parts {
+        if part.name == COVER {
+            let matrix = given.get(MATRIX);
+            part.model = matrix.and_then(|matrix| matrix.model).unwrap_or(part.model);
+            part.integration = matrix.and_then(|matrix| matrix.integration).or(part.integration);
+            continue;
+        }
         if !listed.contains(&&part.name) {
             reader.problem(&root.key(&part.name), "is missing: the specimen has this part, which needs a material");
         }

@@ -7,6 +7,7 @@ use super::super::plugin::{self, Length, Subject, Use};
 use super::super::point::{check_count, components};
 use super::super::problem::Place;
 use super::Scene;
+use super::mesh::{COVER, MATRIX};
 use crate::path::program::{Mode, Plugin, STRESS_NAMES};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
@@ -35,8 +36,14 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
         resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
     }
-    let count = scene.mesh?.parts().len();
-    let of_part = |part: usize| resolved.iter().find(|(index, ..)| *index == Some(part));
+    let parts = scene.mesh?.parts();
+    let count = parts.len();
+    // a specimen's cover is of its matrix
+    let leads = |part: usize| match parts[part].name == COVER && !given.contains_key(COVER) {
+        true => parts.iter().position(|part| part.name == MATRIX),
+        false => Some(part),
+    };
+    let of_part = |part: usize| resolved.iter().find(|(index, ..)| index.is_some() && *index == leads(part));
     let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
     Some(Parts {
         laws: laws?,

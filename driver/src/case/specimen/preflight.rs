@@ -2,8 +2,8 @@
 
 use super::super::Reader;
 use super::super::problem::Place;
-use fe_core::mesh::Mesh;
-use fe_core::mesh::preflight::{self, Body};
+use fe_core::mesh::preflight::{self, Body, Finding};
+use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{Coupling, Model};
 use std::collections::BTreeSet;
 
@@ -11,11 +11,21 @@ use std::collections::BTreeSet;
 pub fn check(reader: &mut Reader<'_>, model: &Model) {
     let joints = joints(model);
     let exempt: Vec<usize> = joints.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let behind = model.parts_behind();
     for finding in preflight::findings(&model.mesh, &exempt) {
-        if finding.is_fault() {
+        if finding.is_fault() && !is_end_of_cover(&model.mesh, &behind, &finding) {
             reader.problem(&Place::root().key("mesh"), finding.to_string());
         } else {
             reader.warnings.push(format!("mesh: {finding}"));
+        }
+    }
+    for support in &model.supports {
+        let is_graded = |element: &&Element| element.thickness() < model.mesh.parts()[element.part()].thickness;
+        let mut graded = model.mesh.elements().iter().filter(is_graded).flat_map(Element::nodes);
+        if graded.any(|node| support.nodes.contains(node)) {
+            let message =
+                "holds elements of graded thickness: they are thinner than what it stands on; give a smaller extent";
+            reader.warnings.push(format!("support '{}' {message}", support.name));
         }
     }
     let held: Vec<(usize, [f64; 2])> =
@@ -33,6 +43,15 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.problem(&Place::root().key("supports"), message);
         }
     }
+}
+
+/// Whether a node hangs where the end of a cover meets the end of its hole, not joined to it: the slot there is as short as
+/// the fibre is thick, and the walls hold both.
+fn is_end_of_cover(mesh: &Mesh, behind: &[usize], finding: &Finding) -> bool {
+    let Finding::HangingNode { node, element, .. } = *finding else { return false };
+    let is_behind = |element: &Element| behind.contains(&element.part());
+    let mut with_node = mesh.elements().iter().filter(|element| element.nodes().contains(&node));
+    is_behind(&mesh.elements()[element]) || with_node.all(is_behind)
 }
 
 /// Sets of nodes that contact or a coupling joins.

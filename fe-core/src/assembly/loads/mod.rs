@@ -3,7 +3,7 @@
 //! ```text
 //! traction    f_i = ∫ N_i t dA                        dA = |∂X/∂s| ds · depth, reference
 //! pressure    f_i = −p ∫ N_i n dA                     n dA = (∂y/∂s, −∂x/∂s) ds · depth, outward
-//! depth       the part's thickness, or 2πr
+//! depth       the element's thickness, or 2πr
 //! ```
 //!
 //! Under large displacements a pressure acts on the present edge, with the present radius; the thickness of a plane part
@@ -80,7 +80,8 @@ struct LoadedEdge {
 impl LoadedEdge {
     /// At its reference position, or displaced.
     fn new(mesh: &Mesh, edge: ElementEdge, displacements: Option<&[f64]>) -> Self {
-        let part = &mesh.parts()[mesh.elements()[edge.element].part()];
+        let element = mesh.elements()[edge.element];
+        let model = mesh.parts()[element.part()].model;
         let edge = mesh.edge_nodes(edge);
         let mut positions = [[0.0; 2]; 3];
         for (position, &node) in positions.iter_mut().zip(edge.nodes()) {
@@ -91,7 +92,7 @@ impl LoadedEdge {
                 }
             }
         }
-        Self { edge, positions, model: part.model, thickness: part.thickness }
+        Self { edge, positions, model, thickness: element.thickness() }
     }
 
     fn depth(&self, point: &EdgePoint) -> f64 {

@@ -118,14 +118,14 @@ impl Body {
     }
 
     fn add_points(&mut self, mesh: &Mesh, element: usize) {
-        let kind = mesh.elements()[element].kind();
-        let part = &mesh.parts()[self.index];
+        let (kind, thickness) = (mesh.elements()[element].kind(), mesh.elements()[element].thickness());
+        let model = mesh.parts()[self.index].model;
         let (positions, count) = mesh.element_positions(element);
         for point in mesh.integration_points(element) {
             let mapped = MappedPoint::new(kind, &positions[..count], point.coordinates)
                 .expect("checked: a mesh has no inverted element");
             self.gradients.extend_from_slice(mapped.shape.derivatives());
-            let depth = part.model.depth(mapped.position[0], part.thickness);
+            let depth = model.depth(mapped.position[0], thickness);
             self.volumes.push(depth * mapped.determinant * point.weight);
             self.positions.push(mapped.position);
         }

@@ -25,13 +25,29 @@ pub(super) fn hanging_nodes(mesh: &Mesh, bodies: &[Body], exempt: &[usize]) -> V
         for &(node, node_part) in nodes[start..].iter().take_while(|&&(node, _)| mesh.nodes()[node][0] <= high) {
             let position = mesh.nodes()[node];
             let related = node_part == part || body_of_node[node] == body;
-            if related && !edge_nodes.nodes().contains(&node) && line.has_inside(position) {
+            let is_inside = || related && !edge_nodes.nodes().contains(&node) && line.has_inside(position);
+            if is_inside() && !lies_upon(mesh, node_part, node, &line) {
                 let ElementEdge { element, edge } = edge;
                 findings.push(Finding::HangingNode { node, position, element, edge });
             }
         }
     }
     findings
+}
+
+/// Whether a part with a node on an edge lies on the same side of it as the edge's own element: then it passes in front of
+/// that element, as a fibre does before its cover, and does not end there.
+fn lies_upon(mesh: &Mesh, part: usize, node: usize, line: &EdgeLine) -> bool {
+    let [start, end, _] = line.nodes;
+    let (along, position) = (minus(end, start), mesh.nodes()[node]);
+    // the body of an edge is on its left
+    let inwards = [-along[1], along[0]];
+    let elements = mesh.elements().iter().filter(|element| element.part() == part && element.nodes().contains(&node));
+    let mut depths = elements.map(|element| {
+        let corners = &element.nodes()[..element.kind().corner_count()];
+        corners.iter().map(|&corner| dot(minus(mesh.nodes()[corner], position), inwards)).sum::<f64>()
+    });
+    depths.any(|depth| depth > RELATIVE_DISTANCE * dot(along, along))
 }
 
 /// Middle nodes of boundary edges that other elements have too.

@@ -83,6 +83,30 @@ fn nodes_on_curved_edges_are_found() {
     assert!(matches!(hanging(&definition)[..], [Finding::Pieces { .. }]));
 }
 
+/// A fibre of two columns of Q4, −¼ ≤ x ≤ ¼, that is glued to the block in the middle of its lower end, passes in front of a
+/// cover, −½ ≤ x ≤ ½, on the same block. The cover ends at y = 1, where the fibre has nodes.
+#[test]
+fn nodes_of_what_passes_in_front_do_not_hang() {
+    let mut mesh = StructuredMesh::default();
+    for name in ["block", "cover", "fibre"] {
+        mesh.add_part(part(name));
+    }
+    let below = mesh.block(&Block::new(0, Q4, &[-0.5, 0.0, 0.5], &[-1.0, 0.0])).unwrap().side_nodes(Side::Top);
+    mesh.glued_block(&Block::new(1, Q4, &[-0.5, 0.5], &[0.0, 1.0]), &below).unwrap();
+    mesh.glued_block(&Block::new(2, Q4, &[-0.25, 0.0, 0.25], &[0.0, 1.0, 2.0]), &below).unwrap();
+    let found = findings(&Mesh::new(mesh.definition()).unwrap(), &[]);
+    let hanging: Vec<[f64; 2]> = found
+        .iter()
+        .filter_map(|finding| match finding {
+            Finding::HangingNode { position, .. } => Some(*position),
+            _ => None,
+        })
+        .collect();
+    // not the three nodes of the fibre at y = 1; but the cover does not have the block's node in the middle of its end
+    assert!(hanging.iter().all(|position| position[1] == 0.0), "{found:?}");
+    assert!(hanging.contains(&[0.0, 0.0]), "{found:?}");
+}
+
 #[test]
 fn quadratic_edges_must_meet_edges() {
     // The right column's node at y = ½ is the middle of the left one's edge.

@@ -10,6 +10,7 @@ mod inclined_fibre;
 mod one_body;
 mod perpendicular_fibre;
 mod requirement;
+mod thickness;
 
 #[cfg(test)]
 mod test;
@@ -26,6 +27,7 @@ pub use perpendicular_fibre::{
     perpendicular_fibre,
 };
 pub use requirement::{ParameterProblem, SpecimenError};
+pub use thickness::GradedThickness;
 
 use super::{MeshDefinition, Part};
 use crate::element::{ElementKind, Integration};

@@ -311,6 +311,7 @@ fn specimens_are_sound_over_a_range_of_parameters() {
         let embedded = random(2.0, 30.0);
         let gap = if trial % 3 == 0 { random(0.0, 0.5) } else { 0.0 };
         let width = random(3.0 * diameter, 40.0);
+        let matrix_thickness = random(0.3, 5.0);
         let parameters = PerpendicularFibre {
             configuration: if trial % 2 == 0 {
                 Configuration::PLANE
@@ -319,7 +320,9 @@ fn specimens_are_sound_over_a_range_of_parameters() {
             },
             width,
             depth: embedded + gap + random(0.05, 10.0),
-            matrix_thickness: random(0.3, 5.0),
+            matrix_thickness,
+            cover: trial % 4 == 0 && matrix_thickness > 1.1 * diameter,
+            graded_thickness: None,
             fibre_diameter: diameter,
             embedded_length: embedded,
             free_length: random(0.1, 6.0),

@@ -88,6 +88,12 @@ pub struct PerpendicularFibre {
     pub depth: Option<Positive>,
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
+    /// Concrete of the matrix in front of and behind the fibre, which joins both halves of the block: part cover (default
+    /// false; plane only).
+    pub cover: Option<bool>,
+    /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
+    /// depth), as a cone around the fibre would be (default: the same thickness everywhere; plane only).
+    pub graded_thickness: Option<GradedThickness>,
     /// Diameter of the fibre (default 0.406).
     pub fibre_diameter: Option<Positive>,
     /// Embedded length (default 12.2).
@@ -139,6 +145,12 @@ pub struct InclinedFibre {
     pub depth: Option<Positive>,
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
+    /// Concrete of the matrix in front of and behind the fibre, which joins both halves of the block: part cover (default
+    /// false).
+    pub cover: Option<bool>,
+    /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
+    /// depth), as a cone around the fibre would be (default: the same thickness everywhere).
+    pub graded_thickness: Option<GradedThickness>,
     /// Diameter of the fibre (default 0.406).
     pub fibre_diameter: Option<Positive>,
     /// Embedded length along the fibre (default 12.2).
@@ -166,6 +178,17 @@ pub struct InclinedFibre {
     pub growth_rate: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
+}
+
+/// A thickness that grows with the depth below the exit face.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct GradedThickness {
+    /// How far the cone spreads to each side, over its depth.
+    #[schemars(range(min = 0.1))]
+    pub slope: f64,
+    /// How far it reaches along the face on both sides of the fibre's axis (default 2 φ + (t − φ)/2 · (1 + tan θ/slope)).
+    pub extent: Option<Positive>,
 }
 
 /// What an inclined fibre does outside of the block.

@@ -46,7 +46,9 @@ pub fn crosses(
         return Err(PictureError::Nothing);
     }
     let drawn = positions.as_slice();
-    let candidates = seen.iter().flat_map(|&index| {
+    // what lies behind is hidden, or else too small for a cross
+    let shown = seen.iter().filter(|&&index| !mesh.behind.contains(&mesh.elements[index].part));
+    let candidates = shown.flat_map(|&index| {
         let element = &mesh.elements[index];
         places_in(element, drawn, &view).map(move |weights| Place::new(element, &weights, drawn, stresses))
     });

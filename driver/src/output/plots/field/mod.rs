@@ -14,6 +14,7 @@
 //!     displacements: vec![[0.0, 0.0]; 4],
 //!     elements: vec![PictureElement { kind: ElementKind::Q4, part: 0, nodes: vec![0, 1, 2, 3] }],
 //!     parts: vec!["matrix".into()],
+//!     behind: vec![],
 //! };
 //! let stress = Quantity { name: "σ_{max}".into(), unit: "MPa".into() };
 //! let svg = contour(&FieldPicture::new("Tension", &mesh), &[0.0, 1.0, 3.0, 2.0], &stress, None)?;
@@ -59,6 +60,8 @@ pub struct PictureMesh {
     pub elements: Vec<PictureElement>,
     /// Names of the parts.
     pub parts: Vec<String>,
+    /// Parts that are drawn first, so that others hide them.
+    pub behind: Vec<usize>,
 }
 
 /// An element.
@@ -147,6 +150,7 @@ impl PictureMesh {
             displacements: places.nodes().iter().map(displacement).collect(),
             elements: elements.map(element).collect(),
             parts: fields.mesh.parts().iter().map(|part| part.name.clone()).collect(),
+            behind: fields.behind.clone(),
         }
     }
 
@@ -242,12 +246,14 @@ pub fn deformed_mesh(picture: &FieldPicture<'_>) -> Result<String, PictureError>
     let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Names(&names))?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
-    for part in parts {
-        push_fill(&mut body, &hexadecimal(part_color(part)), &surface.area(|_, element| element.part == part));
+    for layer in surface.layers() {
+        for &part in &parts {
+            push_fill(&mut body, &hexadecimal(part_color(part)), &layer.area(|_, element| element.part == part));
+        }
+        let [inner, boundary] = layer.edges(canvas.view());
+        push_line(&mut body, "#222222", (0.05 * layer.element_size).clamp(0.15, 0.6), &inner, "");
+        push_line(&mut body, "#222222", 1.0, &boundary, "");
     }
-    let [inner, boundary] = surface.edges(canvas.view());
-    push_line(&mut body, "#222222", (0.05 * surface.element_size).clamp(0.15, 0.6), &inner, "");
-    push_line(&mut body, "#222222", 1.0, &boundary, "");
     if picture.is_deformed() {
         let [_, outline] = Surface::new(mesh, picture.positions(0.0), canvas.view()).edges(canvas.view());
         push_line(&mut body, "#888888", 0.8, &outline, " stroke-dasharray=\"80 60\"");
@@ -296,22 +302,21 @@ pub fn contour(
     let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &side)?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
-    push_fill(&mut body, canvas::NO_VALUE, &surface.area(|_, element| !has_value(element)));
-    if let Some(levels) = &levels {
-        push_fill(
-            &mut body,
-            &hexadecimal(band_color(0, levels.count())),
-            &surface.area(|_, element| has_value(element)),
-        );
-        for (k, &level) in levels.between.iter().enumerate() {
-            push_fill(&mut body, &hexadecimal(band_color(k + 1, levels.count())), &surface.area_above(values, level));
+    for layer in surface.layers() {
+        push_fill(&mut body, canvas::NO_VALUE, &layer.area(|_, element| !has_value(element)));
+        if let Some(levels) = &levels {
+            let color = |band: usize| hexadecimal(band_color(band, levels.count()));
+            push_fill(&mut body, &color(0), &layer.area(|_, element| has_value(element)));
+            for (k, &level) in levels.between.iter().enumerate() {
+                push_fill(&mut body, &color(k + 1), &layer.area_above(values, level));
+            }
         }
+        let [inner, boundary] = layer.edges(canvas.view());
+        if layer.element_size > LEAST_MESH {
+            push_line(&mut body, "#ffffff", 0.3, &inner, " stroke-opacity=\"0.35\"");
+        }
+        push_line(&mut body, "#222222", 0.8, &boundary, "");
     }
-    let [inner, boundary] = surface.edges(canvas.view());
-    if surface.element_size > LEAST_MESH {
-        push_line(&mut body, "#ffffff", 0.3, &inner, " stroke-opacity=\"0.35\"");
-    }
-    push_line(&mut body, "#222222", 0.8, &boundary, "");
     Ok(canvas.finish(&body))
 }
 

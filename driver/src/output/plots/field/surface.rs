@@ -21,9 +21,12 @@ pub(super) struct Surface<'a> {
     patches: Vec<(usize, Vec<Place>)>,
     /// Mean size of an element, px.
     pub element_size: f64,
+    /// Whether it holds only what lies behind, or only what does not.
+    behind: Option<bool>,
 }
 
 /// How a kind of element is subdivided.
+#[derive(Clone)]
 struct Lattice {
     /// Shape functions at each lattice point.
     weights: Vec<Vec<f64>>,
@@ -50,7 +53,25 @@ impl<'a> Surface<'a> {
             (index, lattices[element.kind as usize].weights.iter().map(place).collect())
         };
         let patches = seen.into_iter().map(patch).collect();
-        Self { mesh, positions, lattices, patches, element_size }
+        Self { mesh, positions, lattices, patches, element_size, behind: None }
+    }
+
+    /// The same in layers, each to be drawn upon the one before it: what lies behind, and the rest.
+    pub fn layers(self) -> Vec<Self> {
+        if self.mesh.behind.is_empty() {
+            return vec![self];
+        }
+        let layer = |behind: bool| {
+            let is_in = |(index, _): &&(usize, Vec<Place>)| self.is_behind(&self.mesh.elements[*index]) == behind;
+            let (positions, lattices) = (self.positions.clone(), self.lattices.clone());
+            let patches = self.patches.iter().filter(is_in).cloned().collect();
+            Self { positions, lattices, patches, behind: Some(behind), ..self }
+        };
+        vec![layer(true), layer(false)]
+    }
+
+    fn is_behind(&self, element: &PictureElement) -> bool {
+        self.mesh.behind.contains(&element.part)
     }
 
     /// The elements that are seen.
@@ -105,7 +126,8 @@ impl<'a> Surface<'a> {
     /// The edges of the elements, each once: those inside a part, and those on its boundary.
     pub fn edges(&self, view: &View) -> [String; 2] {
         let mut counts: BTreeMap<[usize; 2], (usize, [usize; 3], EdgeKind)> = BTreeMap::new();
-        for element in self.mesh.elements.iter() {
+        let is_in = |element: &&PictureElement| self.behind.is_none_or(|behind| self.is_behind(element) == behind);
+        for element in self.mesh.elements.iter().filter(is_in) {
             for edge in 0..element.kind.corner_count() {
                 let (local, count) = element.kind.edge_nodes(edge);
                 let node = |k: usize| element.nodes[local[if k < count { k } else { 0 }]];

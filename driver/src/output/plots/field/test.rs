@@ -13,6 +13,7 @@ fn ring(count: usize, rows: usize) -> PictureMesh {
         displacements: Vec::new(),
         elements: Vec::new(),
         parts: vec!["fibre".into(), "matrix".into()],
+        behind: Vec::new(),
     };
     for (part, radii) in [[1.0, 2.0], [2.0, 6.0]].into_iter().enumerate() {
         let first = mesh.nodes.len();
@@ -295,6 +296,7 @@ fn pictures_and_profiles_come_from_computed_fields() {
         states: Vec::new(),
         state_names: vec![vec![], vec![]],
         activities: vec![Activity::Elastic; 2],
+        behind: vec![1],
         pairs: vec!["upper".to_string(), "lower".to_string()],
         contact: vec![point(1, 0.5, 1.0), point(0, 0.7, 1.0), point(0, 0.2, 0.4), point(0, 0.9, 0.0)],
     };
@@ -387,4 +389,27 @@ fn zones_have_a_colour_for_each_class_that_is_there() {
     assert!(is_filled("#010203") && is_filled("#070809") && !is_filled("#040506"));
     assert!(svg.contains("calm") && svg.contains("moving") && !svg.contains("never"));
     assert!(zones(&FieldPicture::new("Zones", &mesh), &of[1..], &classes).is_err());
+}
+
+/// What lies behind is drawn first, with its edges: the later part hides it.
+#[test]
+fn what_lies_behind_is_hidden_by_what_lies_before_it() {
+    let square =
+        |part: usize| PictureElement { kind: ElementKind::Q4, part, nodes: (4 * part..4 * part + 4).collect() };
+    let mesh = PictureMesh {
+        nodes: [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]].repeat(2),
+        displacements: vec![[0.0, 0.0]; 8],
+        elements: vec![square(0), square(1)],
+        parts: vec!["fibre".into(), "cover".into()],
+        behind: vec![1],
+    };
+    let picture = FieldPicture::new("", &mesh);
+    let svg = deformed_mesh(&picture).unwrap();
+    let [fibre, cover] = [0, 1].map(|part| {
+        let fill = format!("<path fill=\"{}\"", hexadecimal(part_color(part)));
+        svg.rfind(&fill).expect("a path of this colour")
+    });
+    assert!(cover < fibre && svg[cover..fibre].contains("stroke=\"#222222\""), "{svg}");
+    let svg = contour(&picture, &[[1.0; 4], [0.0; 4]].concat(), &stress(), None).unwrap();
+    assert!(svg.find("stroke=\"#222222\"") < svg.rfind("<path fill=\"#"), "the cover's edges are under the fibre");
 }

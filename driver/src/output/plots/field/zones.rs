@@ -28,12 +28,14 @@ pub fn zones(picture: &FieldPicture<'_>, of: &[usize], classes: &[Class]) -> Res
     let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Names(&names))?;
     let surface = Surface::new(mesh, positions, canvas.view());
     let mut body = String::new();
-    for (class, (color, _)) in classes.iter().enumerate() {
-        push_fill(&mut body, &hexadecimal(*color), &surface.area(|index, _| of[index] == class));
+    for layer in surface.layers() {
+        for (class, (color, _)) in classes.iter().enumerate() {
+            push_fill(&mut body, &hexadecimal(*color), &layer.area(|index, _| of[index] == class));
+        }
+        let [inner, boundary] = layer.edges(canvas.view());
+        let width = if layer.element_size > LEAST_MESH { 0.4 } else { 0.15 };
+        push_line(&mut body, "#222222", width, &inner, " stroke-opacity=\"0.5\"");
+        push_line(&mut body, "#222222", 0.8, &boundary, "");
     }
-    let [inner, boundary] = surface.edges(canvas.view());
-    let width = if surface.element_size > LEAST_MESH { 0.4 } else { 0.15 };
-    push_line(&mut body, "#222222", width, &inner, " stroke-opacity=\"0.5\"");
-    push_line(&mut body, "#222222", 0.8, &boundary, "");
     Ok(canvas.finish(&body))
 }

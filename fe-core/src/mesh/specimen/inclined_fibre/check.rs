@@ -39,6 +39,7 @@ impl InclinedFibre {
             required.that(fits, name, value, requirement);
         }
         self.check_outside(&mut required);
+        self.thickness().check(self.cover, &mut required);
         self.check_room(&mut required);
         required.count("elements_across", mesh.elements_across);
         let middle = self.fibre.kind.edge_kind() == EdgeKind::Quadratic || mesh.elements_across.is_multiple_of(2);

@@ -11,6 +11,7 @@ mod test;
 use std::f64::consts::PI;
 
 use super::perpendicular_fibre::{FibreSection, PartMesh, section_notes};
+use super::thickness::{GradedThickness, Thickness};
 use super::{Specimen, SpecimenError};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
@@ -40,6 +41,10 @@ pub struct InclinedFibre {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
+    /// Whether there is concrete in front of and behind the fibre, no.
+    pub cover: bool,
+    /// How the thickness grows around the exit, not at all.
+    pub graded_thickness: Option<GradedThickness>,
     /// Diameter φ of the fibre, 0.406 mm.
     pub fibre_diameter: f64,
     /// Embedded length along the fibre's axis, 12.2 mm.
@@ -117,6 +122,8 @@ impl Default for InclinedFibre {
             width: 25.4,
             depth: 12.7,
             matrix_thickness: 3.26,
+            cover: false,
+            graded_thickness: None,
             fibre_diameter: 0.406,
             embedded_length: 12.2,
             exit_radius: None,
@@ -153,9 +160,25 @@ pub fn inclined_fibre(parameters: &InclinedFibre) -> Result<Specimen, SpecimenEr
     mesh.node_set("fibre_axis", (0..divisions.along.len()).map(on_axis));
     sets::name_fibre_sets(&mut mesh, &fibre);
     let mut definition = mesh.definition();
-    let edges = outline.fill(&mut definition, matrix_part, parameters.matrix.kind, parameters.largest_area())?;
+    let (kind, largest_area) = (parameters.matrix.kind, parameters.largest_area());
+    // each piece of the outline is an edge of a triangle
+    let outer = outline.fill(&mut definition, matrix_part, kind, largest_area, &|_| true)?;
+    let outer: Vec<_> = outer.into_iter().flatten().collect();
+    let edges = outline.surfaces(&outer);
     let contact_pairs = sets::name_surfaces(&mut definition, &edges);
+    let thickness = parameters.thickness();
+    let cover_part = parameters.cover.then(|| {
+        definition.parts.push(parameters.cover_part());
+        definition.parts.len() - 1
+    });
+    if let Some(part) = cover_part {
+        let channel = outline.channel(parameters, &definition, &outer)?;
+        let is_there = |corners: &[[f64; 2]]| !thickness.is_bare(thickness.mean(ElementKind::T3, corners));
+        channel.fill(&mut definition, part, kind, largest_area, &is_there)?;
+    }
+    thickness.assign(&mut definition, matrix_part, cover_part);
     let mut notes = section_notes(parameters.section, parameters.fibre_diameter, parameters.matrix_thickness);
+    notes.extend(thickness.notes(parameters.cover));
     notes.extend(sets::name_supports(&mut definition, parameters, &edges));
     let couplings = match parameters.outside {
         // nothing holds the end of the fibre but its own section: it may turn
@@ -236,6 +259,17 @@ impl InclinedFibre {
                 ..Part::new("matrix", self.matrix_model, self.matrix_thickness)
             },
         ]
+    }
+
+    /// In front of and behind the fibre, of the matrix.
+    fn cover_part(&self) -> Part {
+        let [_, matrix] = self.parts();
+        Part { name: "cover".to_owned(), thickness: self.thickness().of_cover(), ..matrix }
+    }
+
+    fn thickness(&self) -> Thickness {
+        let Self { matrix_thickness, fibre_diameter, angle, graded_thickness, .. } = *self;
+        Thickness { full: matrix_thickness, diameter: fibre_diameter, angle, graded: graded_thickness }
     }
 
     /// Positions across the fibre, from its right to its left side.

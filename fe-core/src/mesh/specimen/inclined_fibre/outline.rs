@@ -40,6 +40,8 @@ struct Piece {
     start: [f64; 2],
     middle: [f64; 2],
     surface: Surface,
+    /// The nodes at its start and in its middle that are there already.
+    nodes: [Option<usize>; 2],
 }
 
 /// The edges around the block, the block on their left.
@@ -94,7 +96,7 @@ impl Outline {
     }
 
     fn add(&mut self, start: [f64; 2], middle: [f64; 2], surface: Surface) {
-        self.pieces.push(Piece { start, middle, surface });
+        self.pieces.push(Piece { start, middle, surface, nodes: [None; 2] });
     }
 
     /// A straight line without its end.
@@ -184,31 +186,76 @@ impl Outline {
         Ok(())
     }
 
-    /// Fills the outline with elements of a part; returns the element edges of each surface.
+    /// The outline of the channel that the fibre cuts into the block, which has been filled with these outer edges: along
+    /// the nodes of its walls, from one edge of the face to the other, and back over the face.
+    pub(super) fn channel(
+        &self,
+        parameters: &InclinedFibre,
+        block: &MeshDefinition,
+        outer: &[ElementEdge],
+    ) -> Result<Self, SpecimenError> {
+        let mut channel = Self::default();
+        let walls = std::iter::zip(&self.pieces, outer)
+            .filter(|(piece, _)| !matches!(piece.surface, Surface::Bottom | Surface::Sides | Surface::Face));
+        let mut mouth = None;
+        for (piece, edge) in walls.rev() {
+            let element = &block.elements[edge.element];
+            let (local, count) = element.kind.edge_nodes(edge.edge);
+            let [start, end] = [0, 1].map(|k| element.nodes[local[k]]);
+            let middle = (count == 3).then(|| element.nodes[local[2]]);
+            let nodes = [Some(end), middle];
+            channel.pieces.push(Piece { start: block.nodes[end], middle: piece.middle, surface: piece.surface, nodes });
+            mouth = Some(start);
+        }
+        if let (Some(from), Some(to)) = (mouth, channel.pieces.first().map(|piece| piece.start)) {
+            let first = channel.pieces.len();
+            channel.line(parameters, block.nodes[from], to, Surface::Face)?;
+            channel.pieces[first].nodes[0] = mouth;
+        }
+        Ok(channel)
+    }
+
+    /// Fills the outline with elements of a part, those whose corners `is_wanted`; returns the element edge of each piece of
+    /// the outline, if its element was wanted.
     pub(super) fn fill(
         &self,
         definition: &mut MeshDefinition,
         part: usize,
         kind: ElementKind,
         largest_area: f64,
-    ) -> Result<SurfaceEdges, SpecimenError> {
+        is_wanted: &dyn Fn(&[[f64; 2]]) -> bool,
+    ) -> Result<Vec<Option<ElementEdge>>, SpecimenError> {
         let corners: Vec<[f64; 2]> = self.pieces.iter().map(|piece| piece.start).collect();
         let made = triangulate(&corners, largest_area)?;
-        let first = definition.nodes.len();
-        definition.nodes.extend(&made.points);
+        let wanted = made.triangles.iter().filter(|corners| is_wanted(&corners.map(|corner| made.points[corner])));
+        let wanted: Vec<&[usize; 3]> = wanted.collect();
+        let mut is_used = vec![false; made.points.len()];
+        wanted.iter().copied().flatten().for_each(|&corner| is_used[corner] = true);
+        let mut node_at = Vec::with_capacity(made.points.len());
+        for (point, is_used) in is_used.into_iter().enumerate() {
+            let known = self.pieces.get(point).and_then(|piece| piece.nodes[0]);
+            node_at.push(known.unwrap_or(definition.nodes.len()));
+            if known.is_none() && is_used {
+                definition.nodes.push(made.points[point]);
+            }
+        }
         let mut middles = HashMap::new();
-        let mut outer_edges = HashMap::new();
-        for corners in &made.triangles {
+        let mut outer_edges = vec![None; self.pieces.len()];
+        for corners in wanted {
             let element = definition.elements.len();
-            let mut nodes: Vec<usize> = corners.iter().map(|corner| first + corner).collect();
+            let mut nodes: Vec<usize> = corners.iter().map(|&corner| node_at[corner]).collect();
             for edge in 0..3 {
                 let (start, end) = (corners[edge], corners[(edge + 1) % 3]);
                 let is_outer = start < self.pieces.len() && end == (start + 1) % self.pieces.len();
                 if is_outer {
-                    outer_edges.insert(start, ElementEdge { element, edge });
+                    outer_edges[start] = Some(ElementEdge { element, edge });
                 }
                 if kind == ElementKind::T6 {
+                    let known = if is_outer { self.pieces[start].nodes[1] } else { None };
                     let middle = *middles.entry((start.min(end), start.max(end))).or_insert_with(|| {
+                        if let Some(known) = known {
+                            return known;
+                        }
                         let ([a_x, a_y], [b_x, b_y]) = (made.points[start], made.points[end]);
                         let straight = [0.5 * (a_x + b_x), 0.5 * (a_y + b_y)];
                         definition.nodes.push(if is_outer { self.pieces[start].middle } else { straight });
@@ -219,11 +266,16 @@ impl Outline {
             }
             definition.elements.push(ElementDefinition { kind, part, nodes });
         }
+        Ok(outer_edges)
+    }
+
+    /// The element edges of each surface, in the order of the outline.
+    pub(super) fn surfaces(&self, outer: &[ElementEdge]) -> SurfaceEdges {
         let mut surfaces = SurfaceEdges::new();
-        for (index, piece) in self.pieces.iter().enumerate() {
-            surfaces.entry(piece.surface).or_default().push(outer_edges[&index]);
+        for (piece, &edge) in std::iter::zip(&self.pieces, outer) {
+            surfaces.entry(piece.surface).or_default().push(edge);
         }
-        Ok(surfaces)
+        surfaces
     }
 }
 

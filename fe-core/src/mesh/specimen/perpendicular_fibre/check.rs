@@ -37,6 +37,10 @@ impl PerpendicularFibre {
             format!("more than half of the fibre_diameter, {}", 0.5 * self.fibre_diameter),
         );
         self.check_configuration(&mut required);
+        self.thickness().check(self.cover, &mut required);
+        for (name, asked) in [("cover", self.cover), ("graded_thickness", self.graded_thickness.is_some())] {
+            required.that(!asked || !self.is_axisymmetric(), name, "given", "left out of a body of revolution");
+        }
         let mesh = &self.mesh;
         required.count("mesh.embedded_elements", mesh.embedded_elements);
         required.count("mesh.elements_across", mesh.elements_across);

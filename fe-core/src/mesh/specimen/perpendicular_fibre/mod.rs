@@ -6,11 +6,12 @@ mod sets;
 
 use std::f64::consts::PI;
 
+use super::thickness::{GradedThickness, Thickness};
 use super::{Specimen, SpecimenError};
 use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 use crate::mesh::Part;
-use crate::mesh::structured::{Block, Diagonal, StructuredMesh};
+use crate::mesh::structured::{Block, Diagonal, Grid, StructuredMesh};
 use lines::Lines;
 
 /// Support (b) begins so many diameters beside the fibre.
@@ -31,6 +32,10 @@ pub struct PerpendicularFibre {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
+    /// Whether there is concrete in front of and behind the fibre, no; plane only.
+    pub cover: bool,
+    /// How the thickness grows around the exit, not at all; plane only.
+    pub graded_thickness: Option<GradedThickness>,
     /// Diameter φ of the fibre, 0.406 mm.
     pub fibre_diameter: f64,
     /// Embedded length, 12.2 mm.
@@ -152,6 +157,8 @@ impl Default for PerpendicularFibre {
             width: 25.4,
             depth: 12.7,
             matrix_thickness: 3.26,
+            cover: false,
+            graded_thickness: None,
             fibre_diameter: 0.406,
             embedded_length: 12.2,
             free_length: 3.0,
@@ -186,6 +193,12 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
             .cut(&|column, _| mirrored(&lines.matrix_x, column)),
     )?;
 
+    let thickness = parameters.thickness();
+    let cover_part = parameters.cover.then(|| mesh.add_part(parameters.cover_part()));
+    if let Some(part) = cover_part {
+        parameters.fill_hole(&mut mesh, part, &lines, &matrix)?;
+    }
+
     // `check` has ruled out kinds without a node on the axis.
     let axis_place = if parameters.is_axisymmetric() { 0 } else { fibre.columns() };
     let on_axis = |row: usize| fibre.node(axis_place, 2 * row).expect("the fibre has nodes on its axis");
@@ -196,9 +209,12 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     let contact_pairs = sets::name_surfaces(&mut mesh, parameters, &fibre, &matrix, &lines);
     let mut notes = parameters.notes();
     notes.extend(sets::name_supports_of_face(&mut mesh, parameters, &matrix));
+    notes.extend(thickness.notes(parameters.cover));
+    let mut definition = mesh.definition();
+    thickness.assign(&mut definition, matrix_part, cover_part);
     let contact_width = (!parameters.is_axisymmetric()).then_some(PI / 2.0 * parameters.fibre_diameter);
     Ok(Specimen {
-        definition: mesh.definition(),
+        definition,
         pull_direction: [0.0, 1.0],
         fibre_direction: [0.0, 1.0],
         contact_pairs,
@@ -260,6 +276,39 @@ impl PerpendicularFibre {
         ]
     }
 
+    /// In front of and behind the fibre, of the matrix.
+    fn cover_part(&self) -> Part {
+        let [_, matrix] = self.parts();
+        Part { name: "cover".to_owned(), thickness: self.thickness().of_cover(), ..matrix }
+    }
+
+    fn thickness(&self) -> Thickness {
+        let Self { matrix_thickness, fibre_diameter, graded_thickness, .. } = *self;
+        Thickness { full: matrix_thickness, diameter: fibre_diameter, angle: 0.0, graded: graded_thickness }
+    }
+
+    /// Adds the cover: the cells of the block that the hole leaves out, on the nodes of its walls and its end.
+    fn fill_hole(
+        &self,
+        mesh: &mut StructuredMesh,
+        part: usize,
+        lines: &Lines,
+        matrix: &Grid,
+    ) -> Result<(), SpecimenError> {
+        let columns = &lines.middle_columns;
+        let (x, y) = (&lines.matrix_x[columns.start..=columns.end], &lines.matrix_y[lines.ligament_rows..]);
+        let thickness = self.thickness();
+        let is_there = |column: usize, row: usize| {
+            let [left, right, low, high] = [x[column], x[column + 1], y[row], y[row + 1]];
+            let corners = [[left, low], [right, low], [right, high], [left, high]];
+            !thickness.is_bare(thickness.mean(ElementKind::Q4, &corners))
+        };
+        let block = Block::new(part, self.matrix.kind, x, y).keeping(&is_there);
+        let nodes: Vec<usize> = matrix.nodes().collect();
+        mesh.glued_block(&block.cut(&|column, _| mirrored(x, column)), &nodes)?;
+        Ok(())
+    }
+
     fn notes(&self) -> Vec<String> {
         let phi = self.fibre_diameter;
         match self.configuration {
@@ -275,12 +324,13 @@ impl PerpendicularFibre {
             .map(|limit| (limit > radius && limit < half).then_some(limit))
     }
 
-    /// Where the divisions across the block stop: the hole, the supports' limits, the side.
+    /// Where the divisions across the block stop: the hole, the supports' limits, the end of a graded thickness, the side.
     fn stops(&self) -> Vec<f64> {
         /// Limits closer to each other than this fraction of the half width are one: cells would be slivers.
         const MERGED: f64 = 1e-4;
         let (radius, half) = (0.5 * self.fibre_diameter, self.half_width());
         let mut limits: Vec<f64> = self.support_limits().into_iter().flatten().collect();
+        limits.extend(self.thickness().extent().filter(|extent| *extent > radius && *extent < half));
         limits.sort_by(f64::total_cmp);
         let mut stops = vec![radius];
         for limit in limits {

@@ -1,0 +1,225 @@
+//! Concrete in front of and behind a fibre, from the case to the curve.
+
+mod program;
+
+use fe_core::element::ElementKind;
+use fe_core::mesh::specimen::{FibreMesh, PerpendicularFibre, perpendicular_fibre};
+use fe_core::mesh::{ElementDefinition, MeshDefinition};
+use program::{Desk, Run};
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+
+/// A fibre in elastic concrete, whose bond bears 3 MPa across it.
+fn fibre(specimen: Value, slip: f64) -> Value {
+    let steel =
+        json!({ "plugin": "j2_plasticity", "props": { "E": 210e3, "nu": 0.3, "hardening": [[347, 0], [2447, 1]] } });
+    let concrete = json!({ "plugin": "linear_elastic", "props": { "E": 23.7e3, "nu": 0.15 } });
+    let bond = json!({ "normal_law": "hard", "p_0": 3, "delta_N": 0.004, "k_e": 400, "a_1": 3.44, "b_1": 0.13865,
+                       "a_2": 1, "b_2": -0.1772, "tau_res": 0, "k_u": 0, "mu": 0.1 });
+    json!({
+        "kind": "pullout",
+        "mesh": { "specimen": specimen },
+        "parts": { "fibre": { "material": steel }, "matrix": { "material": concrete, "nlgeom": false } },
+        "contact": { "law": { "plugin": "bond_slip", "props": bond } },
+        "nlgeom": true,
+        "steps": [ { "slip": slip, "increments": { "initial": 0.001, "maximum": 0.05 } } ],
+        "output": { "vtu": false, "plots": false },
+    })
+}
+
+fn run(desk: &Desk, name: &str, case: &Value) -> Run {
+    desk.run(&desk.case(&format!("{name}.json"), case), &[], name, 0)
+}
+
+fn peak(run: &Run) -> f64 {
+    run.history.column("load").iter().copied().fold(0.0, f64::max)
+}
+
+fn perpendicular(cover: bool) -> PerpendicularFibre {
+    let mesh = FibreMesh { embedded_elements: 10, exit_size: None, interface_size: 0.4, ..FibreMesh::default() };
+    PerpendicularFibre { cover, mesh, ..PerpendicularFibre::default() }
+}
+
+/// A Gmsh file of a mesh: each part and edge set a physical group; curves go as their elements have them, or `turned`.
+fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
+    let node_sets = ["grip", "sides", "exit", "tail"].map(|name| (name, &definition.node_sets[name]));
+    let names = definition.parts.iter().map(|part| (2, part.name.as_str()));
+    let names = names.chain(definition.edge_sets.keys().map(|name| (1, name.as_str())));
+    let names: Vec<(usize, &str)> = names.chain(node_sets.map(|(name, _)| (0, name))).collect();
+    let tag = |name: &str| names.iter().position(|(_, other)| *other == name).unwrap() + 1;
+    let mut lines: Vec<(usize, usize, Vec<usize>)> = Vec::new();
+    for element in &definition.elements {
+        let kind = match element.kind {
+            ElementKind::T3 => 2,
+            ElementKind::Q4 => 3,
+            ElementKind::T6 => 9,
+            ElementKind::Q8 => 16,
+        };
+        lines.push((kind, tag(&definition.parts[element.part].name), element.nodes.clone()));
+    }
+    for (name, edges) in &definition.edge_sets {
+        for edge in edges {
+            let element = &definition.elements[edge.element];
+            let (local, count) = element.kind.edge_nodes(edge.edge);
+            let mut nodes: Vec<usize> = local[..count].iter().map(|&k| element.nodes[k]).collect();
+            if turned {
+                nodes.swap(0, 1);
+            }
+            lines.push((if count == 3 { 8 } else { 1 }, tag(name), nodes));
+        }
+    }
+    for (name, nodes) in node_sets {
+        lines.extend(nodes.iter().map(|&node| (15, tag(name), vec![node])));
+    }
+    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", names.len());
+    for (dimension, name) in &names {
+        text.push_str(&format!("{dimension} {} \"{name}\"\n", tag(name)));
+    }
+    text.push_str(&format!("$EndPhysicalNames\n$Nodes\n{}\n", definition.nodes.len()));
+    for (node, [x, y]) in definition.nodes.iter().enumerate() {
+        text.push_str(&format!("{} {x} {y} 0\n", node + 1));
+    }
+    text.push_str(&format!("$EndNodes\n$Elements\n{}\n", lines.len()));
+    for (number, (kind, tag, nodes)) in lines.iter().enumerate() {
+        let nodes: Vec<String> = nodes.iter().map(|node| (node + 1).to_string()).collect();
+        text.push_str(&format!("{} {kind} 2 {tag} {tag} {}\n", number + 1, nodes.join(" ")));
+    }
+    text + "$EndElements\n"
+}
+
+/// The same fibre as a file.
+fn from_file(mut case: Value) -> Value {
+    case["mesh"] = json!({ "file": "fibre.msh" });
+    case["parts"]["fibre"]["model"] = json!("plane_stress");
+    case["parts"]["fibre"]["thickness"] = json!(std::f64::consts::FRAC_PI_4 * 0.406);
+    case["parts"]["matrix"]["thickness"] = json!(3.26);
+    case["parts"]["cover"] = case["parts"]["matrix"].clone();
+    case["parts"]["cover"]["thickness"] = json!(3.26 - 0.406);
+    let law = case["contact"]["law"].clone();
+    let pair = |side: &str| {
+        json!({ "name": side, "slave": format!("hole_{side}"), "master": format!("fibre_{side}"), "law": law,
+                "width": std::f64::consts::FRAC_PI_2 * 0.406 })
+    };
+    case["contact"] = json!([pair("left"), pair("right")]);
+    case["grip"] = json!({ "nodes": "grip", "direction": "y" });
+    case["supports"] = json!({ "sides": {} });
+    case["measure"] = json!({ "exit": "exit", "tail": "tail" });
+    case
+}
+
+#[test]
+fn a_cover_is_of_the_matrix_and_joins_the_halves() {
+    let desk = Desk::new();
+    let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 45, "mesh_size": 2 }), 0.1);
+    case["output"] = json!({ "vtu": 1000 });
+    let specimen = |name: &str, more: Value| {
+        let mut case = case.clone();
+        let given = case["mesh"]["specimen"].as_object_mut().unwrap();
+        given.extend(more.as_object().unwrap().clone());
+        run(&desk, name, &case)
+    };
+    let without = specimen("without", json!({}));
+    let with = specimen("with", json!({ "cover": true }));
+    let graded = specimen("graded", json!({ "cover": true, "graded_thickness": { "slope": 1.0 } }));
+    // the halves no longer come apart where the bond opens, and a thinner block is softer
+    assert!(peak(&with) > 1.05 * peak(&without), "{} and {} N", peak(&with), peak(&without));
+    assert!(peak(&graded) < peak(&with), "{} and {} N", peak(&graded), peak(&with));
+    for run in [&with, &graded] {
+        let worst = run.history.column("energy_error").iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
+        assert!(worst < 1e-3, "{worst:e}");
+        let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
+        assert!(report.contains("plane strain, thickness 2.854 mm"), "the part 'cover' is told");
+        let picture = std::fs::read_to_string(run.folder.join("plots/deformed_mesh.svg")).expect("a picture");
+        assert!(picture.contains("cover"));
+        let fields = std::fs::read_to_string(run.folder.join("fields/000000.vtu")).expect("fields");
+        assert!(fields.contains("part cover") && fields.contains("\"thickness\""));
+    }
+}
+
+#[test]
+fn a_file_may_have_a_cover() {
+    let desk = Desk::new();
+    let generated = json!({ "type": "perpendicular_fibre", "cover": true, "embedded_elements": 10, "equal_sizes": true,
+                            "interface_size": 0.4 });
+    let expected = run(&desk, "generated", &fibre(generated, 0.05));
+    let definition = perpendicular_fibre(&perpendicular(true)).unwrap().definition;
+    // whichever side of the walls the curves are on
+    for turned in [false, true] {
+        desk.write("fibre.msh", &gmsh(&definition, turned));
+        let found = run(&desk, &format!("file-{turned}"), &from_file(fibre(json!({}), 0.05)));
+        let (expected, found) = (expected.history.column("load"), found.history.column("load"));
+        let scale = expected.iter().copied().fold(0.0, f64::max);
+        let rows = expected.len();
+        assert!((found[rows - 1] / expected[rows - 1] - 1.0).abs() < 1e-6, "{expected:?} {found:?}");
+        assert!(scale > 20.0);
+    }
+}
+
+/// One Q8 from wall to wall, with a middle node of its own in the middle of the hole: its lower end lies on two edges of the
+/// hole's end and on the fibre's tail.
+#[test]
+fn a_cover_may_end_beside_the_nodes_of_the_hole() {
+    let desk = Desk::new();
+    let mut definition = perpendicular_fibre(&perpendicular(false)).unwrap().definition;
+    definition.parts.push(fe_core::mesh::Part::new("cover", fe_core::kinematics::PlaneModel::PlaneStrain, 1.0));
+    let walls = ["hole_left", "hole_right"].map(|wall| {
+        let nodes = definition.edge_sets[wall].iter().flat_map(|edge| {
+            let element = &definition.elements[edge.element];
+            let (local, _) = element.kind.edge_nodes(edge.edge);
+            local.map(|k| element.nodes[k])
+        });
+        let mut nodes: Vec<usize> = BTreeSet::from_iter(nodes).into_iter().collect();
+        nodes.sort_by(|&a, &b| definition.nodes[a][1].total_cmp(&definition.nodes[b][1]));
+        nodes
+    });
+    let mut across = |row: usize| {
+        let [[x, y], [u, v]] = [walls[0][row], walls[1][row]].map(|node| definition.nodes[node]);
+        definition.nodes.push([0.5 * (x + u), 0.5 * (y + v)]);
+        definition.nodes.len() - 1
+    };
+    let middles: Vec<usize> = (0..walls[0].len()).step_by(2).map(&mut across).collect();
+    let [left, right] = &walls;
+    for (cell, ends) in middles.windows(2).enumerate() {
+        let [low, middle, high] = [2 * cell, 2 * cell + 1, 2 * cell + 2];
+        let corners = [left[low], right[low], right[high], left[high]];
+        let nodes = [corners, [ends[0], right[middle], ends[1], left[middle]]].concat();
+        definition.elements.push(ElementDefinition { kind: ElementKind::Q8, part: 2, nodes });
+    }
+    desk.write("fibre.msh", &gmsh(&definition, false));
+    let found = run(&desk, "across", &from_file(fibre(json!({}), 0.05)));
+    assert!((29.0..31.2).contains(&peak(&found)), "{} N", peak(&found));
+    assert!(found.outcome.stderr.contains("hangs on edge"), "{}", found.outcome.stderr);
+}
+
+#[test]
+fn what_a_cover_cannot_be_is_told() {
+    let desk = Desk::new();
+    let refused = |specimen: Value, part: Option<&str>, words: &str| {
+        let mut case = fibre(specimen, 0.1);
+        if let Some(part) = part {
+            case["parts"][part] = case["parts"]["matrix"].clone();
+        }
+        let outcome = desk.pullout(
+            [desk.path("").as_os_str(), "check".as_ref()]
+                .into_iter()
+                .skip(1)
+                .chain([desk.case("refused.json", &case).as_os_str()]),
+        );
+        let outcome = outcome.expect(2);
+        assert!(outcome.stderr.contains(words), "{}", outcome.stderr);
+    };
+    let inclined = |more: Value| {
+        let mut specimen = json!({ "type": "inclined_fibre", "mesh_size": 2 });
+        specimen.as_object_mut().unwrap().extend(more.as_object().unwrap().clone());
+        specimen
+    };
+    refused(inclined(json!({ "cover": true })), Some("cover"), "parts.cover");
+    refused(inclined(json!({ "cover": true, "matrix_thickness": 0.4 })), None, "matrix_thickness");
+    refused(inclined(json!({ "graded_thickness": { "slope": 0 } })), None, "slope");
+    refused(json!({ "type": "perpendicular_fibre", "axisymmetric": true, "cover": true }), None, "mesh.specimen.cover");
+    let mut case = fibre(inclined(json!({ "graded_thickness": { "slope": 1.0 } })), 0.1);
+    case["supports"] = json!("face_near");
+    let path = desk.case("held.json", &case);
+    let outcome = desk.pullout(["check".as_ref(), path.as_os_str()]).expect(0);
+    assert!(outcome.stderr.contains("graded thickness"), "{} {}", outcome.stdout, outcome.stderr);
+}

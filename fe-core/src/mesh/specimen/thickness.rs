@@ -1,0 +1,147 @@
+//! How thick the concrete around a fibre is.
+
+use super::requirement::Requirements;
+use crate::element::{ElementKind, MappedPoint};
+use crate::mesh::MeshDefinition;
+
+#[cfg(test)]
+mod test;
+
+/// An element is cut into so many pieces along each side where its mean thickness is taken.
+const PIECES: usize = 8;
+
+/// Elements of the cover thinner than this share of the block are left out.
+const THINNEST: f64 = 0.02;
+
+/// A thickness of the block that grows with the depth ξ below the exit face around the exit, as a cone around the fibre
+/// does in space:
+///
+/// ```text
+/// t(ξ) = min(t, φ + 2 m ξ)    within `extent` of the exit, along the face;    t beyond
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GradedThickness {
+    /// m: how far the cone spreads to each side, over its depth.
+    pub slope: f64,
+    /// How far it reaches along the face on both sides of the fibre's axis, mm; `None`: 2 φ and what a cone of this slope
+    /// needs that starts from the fibre where the full thickness is reached, 2 φ + (t − φ)/2 · (1 + tan θ/m).
+    pub extent: Option<f64>,
+}
+
+/// The thickness of the block and of its cover at each place.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Thickness {
+    /// t, mm.
+    pub full: f64,
+    /// φ, mm.
+    pub diameter: f64,
+    /// θ, rad.
+    pub angle: f64,
+    /// `None`: the same everywhere.
+    pub graded: Option<GradedThickness>,
+}
+
+impl Thickness {
+    /// What must hold with a cover, and with a graded thickness.
+    pub(super) fn check(&self, has_cover: bool, required: &mut Requirements) {
+        if has_cover || self.graded.is_some() {
+            let least = self.diameter / (1.0 - THINNEST);
+            let requirement = format!("more than {least:.4}: in front of and behind the fibre there must be something");
+            required.that(self.full.is_nan() || self.full > least, "matrix_thickness", self.full, requirement);
+        }
+        if let Some(GradedThickness { slope, extent }) = self.graded {
+            required.that(slope >= 0.1 && slope.is_finite(), "graded_thickness.slope", slope, "at least 0.1");
+            if let Some(extent) = extent {
+                required.positive("graded_thickness.extent", extent);
+            }
+        }
+    }
+
+    /// Of the cover where nothing is graded, mm.
+    pub(super) fn of_cover(&self) -> f64 {
+        self.full - self.diameter
+    }
+
+    /// How far the graded thickness reaches from the axis along the face, mm.
+    pub(super) fn extent(&self) -> Option<f64> {
+        let GradedThickness { slope, extent } = self.graded?;
+        Some(extent.unwrap_or(2.0 * self.diameter + 0.5 * self.of_cover() * (1.0 + self.angle.tan() / slope)))
+    }
+
+    /// The depth from which on the block has its full thickness, mm.
+    pub(super) fn graded_depth(&self) -> Option<f64> {
+        Some(0.5 * self.of_cover() / self.graded?.slope)
+    }
+
+    /// Of the block at a place, mm.
+    fn at(&self, [x, y]: [f64; 2]) -> f64 {
+        match (self.graded, self.extent()) {
+            (Some(graded), Some(extent)) if x.abs() <= extent => {
+                self.full.min(self.diameter + 2.0 * graded.slope * (-y).max(0.0))
+            }
+            _ => self.full,
+        }
+    }
+
+    /// The mean over an element of the block, mm.
+    pub(super) fn mean(&self, kind: ElementKind, positions: &[[f64; 2]]) -> f64 {
+        let (mut volume, mut area) = (0.0, 0.0);
+        for coordinates in middles(kind) {
+            let Ok(mapped) = MappedPoint::new(kind, positions, coordinates) else { continue };
+            area += mapped.determinant;
+            volume += mapped.determinant * self.at(mapped.position);
+        }
+        // an element that cannot be is told later
+        if area > 0.0 { volume / area } else { self.full }
+    }
+
+    /// Whether the cover is left out where the block has this thickness.
+    pub(super) fn is_bare(&self, thickness: f64) -> bool {
+        thickness - self.diameter < THINNEST * self.full
+    }
+
+    /// Gives the elements of block and cover thicknesses of their own where they are graded.
+    pub(super) fn assign(&self, definition: &mut MeshDefinition, matrix: usize, cover: Option<usize>) {
+        for (index, element) in definition.elements.iter().enumerate() {
+            let is_cover = Some(element.part) == cover;
+            if self.graded.is_none() || !(is_cover || element.part == matrix) {
+                continue;
+            }
+            let positions: Vec<[f64; 2]> = element.nodes.iter().map(|&node| definition.nodes[node]).collect();
+            let mean = self.mean(element.kind, &positions);
+            if mean < self.full {
+                definition.thicknesses.insert(index, if is_cover { mean - self.diameter } else { mean });
+            }
+        }
+    }
+
+    /// What a report must say.
+    pub(super) fn notes(&self, has_cover: bool) -> Vec<String> {
+        let mut notes = Vec::new();
+        if has_cover {
+            notes.push(format!(
+                "cover: concrete of the matrix, {:.4} mm thick, in front of and behind the fibre joins both halves of the block",
+                self.of_cover()
+            ));
+        }
+        if let (Some(graded), Some(extent), Some(depth)) = (self.graded, self.extent(), self.graded_depth()) {
+            notes.push(format!(
+                "thickness of the matrix: from {} mm at the exit face to {} mm at a depth of {depth:.3} mm (slope {}), within {extent:.3} mm of the exit",
+                self.diameter, self.full, graded.slope
+            ));
+        }
+        notes
+    }
+}
+
+/// The middles of the equal pieces of a reference element.
+fn middles(kind: ElementKind) -> Vec<[f64; 2]> {
+    let cells = (0..PIECES).flat_map(|row| (0..PIECES).map(move |column| [column as f64, row as f64]));
+    let size = 1.0 / PIECES as f64;
+    if kind.corner_count() == 4 {
+        return cells.map(|cell| cell.map(|index| 2.0 * size * (index + 0.5) - 1.0)).collect();
+    }
+    // two triangles in each cell, but for the cells on the slope, which have one
+    let triangles = cells.flat_map(|cell| [1.0, 2.0].map(|thirds| cell.map(|index| size * (index + thirds / 3.0))));
+    triangles.filter(|[xi, eta]| xi + eta < 1.0).collect()
+}
