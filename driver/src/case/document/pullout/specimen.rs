@@ -184,9 +184,10 @@ pub struct InclinedFibre {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GradedThickness {
-    /// How far the cone spreads to each side, over its depth.
+    /// How far the cone spreads to each side, over its depth (default 1, with which the fibre is about as stiff in its block
+    /// as in space).
     #[schemars(range(min = 0.1))]
-    pub slope: f64,
+    pub slope: Option<f64>,
     /// How far it reaches along the face on both sides of the fibre's axis (default 2 φ + (t − φ)/2 · (1 + tan θ/slope)).
     pub extent: Option<Positive>,
 }
