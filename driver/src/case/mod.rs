@@ -38,6 +38,7 @@ pub(crate) use document::{Piece, Positive};
 pub(crate) use problem::hint;
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind};
 pub use props::props_from_json;
+use structure::Structure;
 pub use structure::schema;
 pub(crate) use table::CsvFile;
 
@@ -193,12 +194,14 @@ impl<'a> Reader<'a> {
     }
 
     /// Puts problems of structure before those of meaning, found since there were `before`, and drops what they explain.
-    fn add_structural(&mut self, structural: Vec<Problem>, before: usize) {
+    fn add_structural(&mut self, structure: Structure, before: usize) {
         let meaning = self.problems.split_off(before);
-        let places: BTreeSet<&Place> = structural.iter().filter_map(|problem| problem.place.as_ref()).collect();
-        let explained = |problem: &Problem| problem.place.as_ref().is_some_and(|place| place.contains_one_of(&places));
+        let places: BTreeSet<&Place> = structure.problems.iter().filter_map(|problem| problem.place.as_ref()).collect();
+        let explained = |problem: &Problem| {
+            problem.place.as_ref().is_some_and(|place| place.contains_one_of(&places)) || structure.explains(problem)
+        };
         let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
-        self.problems.extend(structural);
+        self.problems.extend(structure.problems);
         self.problems.extend(meaning);
     }
 

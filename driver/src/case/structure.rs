@@ -4,7 +4,7 @@
 //! so that "neither this nor that nor that" does not reach the user.
 
 use super::document::{InterfaceCase, PointCase, PulloutCase};
-use super::problem::{MOST_SHOWN, Place, Problem, hint, shown};
+use super::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown};
 use crate::study::document::StudyFile;
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
@@ -93,20 +93,27 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
 /// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
 /// something else (serde would read their elements as members), so that the rest of the document can be read and
 /// checked as well.
-pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
+pub fn check(kind: &str, document: &mut Value) -> Structure {
     let (schema, validator) = match checker(kind) {
-        None => return Vec::new(),
+        None => return Structure::default(),
         Some(Ok((schema, validator))) => (schema, validator),
         Some(Err(error)) => {
-            return vec![Problem::new(Place::root(), format!("the schema itself is invalid: {error}"))];
+            let problem = Problem::new(Place::root(), format!("the schema itself is invalid: {error}"));
+            return Structure { problems: vec![problem], ..Structure::default() };
         }
     };
-    let mut findings =
-        Findings { schema, problems: Vec::new(), unknown: BTreeMap::new(), missing: Vec::new(), no_arrays: Vec::new() };
+    let mut findings = Findings {
+        schema,
+        problems: Vec::new(),
+        unknown: BTreeMap::new(),
+        meant: BTreeSet::new(),
+        missing: Vec::new(),
+        no_arrays: Vec::new(),
+    };
     for error in validator.iter_errors(document) {
         findings.describe(&error);
     }
-    let Findings { problems, unknown, missing, no_arrays, .. } = findings;
+    let Findings { problems, unknown, meant, missing, no_arrays, .. } = findings;
     for pointer in no_arrays {
         if let Some(value) = document.pointer_mut(&pointer) {
             *value = Value::Null;
@@ -122,7 +129,25 @@ pub fn check(kind: &str, document: &mut Value) -> Vec<Problem> {
             members.insert(key, Value::Null);
         }
     }
-    problems
+    let mut structure = Structure { problems, meant };
+    let problems = std::mem::take(&mut structure.problems);
+    structure.problems = problems.into_iter().filter(|problem| !structure.explains(problem)).collect();
+    structure
+}
+
+/// What is wrong with the structure of a document.
+#[derive(Debug, Default)]
+pub struct Structure {
+    pub problems: Vec<Problem>,
+    /// Keys that are not there, and that unknown ones are nearest to.
+    meant: BTreeSet<Place>,
+}
+
+impl Structure {
+    /// Whether something is missing because its key is misspelt.
+    pub fn explains(&self, problem: &Problem) -> bool {
+        problem.place.as_ref().is_some_and(|place| self.meant.contains(place))
+    }
 }
 
 struct Findings<'s> {
@@ -130,6 +155,8 @@ struct Findings<'s> {
     problems: Vec<Problem>,
     /// By JSON pointer of an object, keys in it.
     unknown: BTreeMap<String, BTreeSet<String>>,
+    /// Keys that are not there, and that these are nearest to.
+    meant: BTreeSet<Place>,
     /// JSON pointer of an object, and a key that it lacks.
     missing: Vec<(String, String)>,
     /// JSON pointers of arrays where there should be none.
@@ -146,7 +173,11 @@ impl Findings<'_> {
                 let valid = self.property_names(error.schema_path());
                 for key in unexpected {
                     // to look for a similar name takes longer than all else
-                    let hint = if self.problems.len() < MOST_SHOWN { hint(key, &valid) } else { String::new() };
+                    let is_shown = self.problems.len() < MOST_SHOWN;
+                    let hint = if is_shown { hint(key, &valid) } else { String::new() };
+                    let nearest = if is_shown { nearest(key, &valid) } else { None };
+                    let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
+                    self.meant.extend(meant.map(|nearest| place.key(nearest)));
                     self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
                 }
                 self.unknown.entry(pointer).or_default().extend(unexpected.iter().cloned());

@@ -104,6 +104,8 @@ pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
         ("plastic_energy", energies.plastic),
         ("damage_energy", energies.damage),
         ("interface_energy", energies.interface),
+        ("interface_stored_energy", energies.interface_stored),
+        ("interface_dissipation", energies.interface_dissipation()),
         ("opening_energy", energies.opening),
         ("stabilisation_energy", energies.stabilisation),
     ];

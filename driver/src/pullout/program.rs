@@ -6,7 +6,7 @@ use fe_core::threads::Threads;
 use std::path::PathBuf;
 
 /// The history's columns, in the order of the CSV. Lengths mm, forces N, energies N·mm, pressure MPa.
-pub const COLUMNS: [&str; 29] = [
+pub const COLUMNS: [&str; 31] = [
     "step",
     "increment",
     "time",
@@ -22,6 +22,8 @@ pub const COLUMNS: [&str; 29] = [
     "plastic_energy",
     "damage_energy",
     "interface_energy",
+    "interface_stored_energy",
+    "interface_dissipation",
     "opening_energy",
     "stabilisation_energy",
     "energy_error",

@@ -388,6 +388,8 @@ fn values(record: &Record) -> [f64; VALUES] {
         energies.plastic,
         energies.damage,
         energies.interface,
+        energies.interface_stored,
+        energies.interface_dissipation(),
         energies.opening,
         energies.stabilisation,
         record.energy_error,

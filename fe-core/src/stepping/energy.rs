@@ -28,6 +28,8 @@ pub struct Energies {
     pub unaccounted: f64,
     /// Work of the interfaces: stored and dissipated.
     pub interface: f64,
+    /// The part of it that laws and penalties say can be had back.
+    pub interface_stored: f64,
     /// Spent on opening bonded interfaces and lost where contact fades at an end.
     pub opening: f64,
     /// Spent on what helps over instabilities: viscous stress, and the overstress of laws that extrapolate.
@@ -35,6 +37,11 @@ pub struct Energies {
 }
 
 impl Energies {
+    /// What the interfaces have dissipated.
+    pub fn interface_dissipation(&self) -> f64 {
+        self.interface - self.interface_stored
+    }
+
     /// External work less all that it went into.
     pub fn imbalance(&self) -> f64 {
         self.external_work
@@ -44,9 +51,10 @@ impl Energies {
 
     /// Whether all are numbers.
     pub fn is_finite(&self) -> bool {
-        let Self { external_work, elastic, plastic, damage, unaccounted, interface, opening, stabilisation } = *self;
-        let all = [external_work, elastic, plastic, damage, unaccounted, interface, opening, stabilisation];
-        all.into_iter().all(f64::is_finite)
+        let Self { external_work, elastic, plastic, damage, unaccounted, .. } = *self;
+        let Self { interface, interface_stored, opening, stabilisation, .. } = *self;
+        let solids = [external_work, elastic, plastic, damage, unaccounted];
+        solids.into_iter().chain([interface, interface_stored, opening, stabilisation]).all(f64::is_finite)
     }
 
     /// What was added since a datum.
@@ -58,6 +66,7 @@ impl Energies {
             damage: self.damage - datum.damage,
             unaccounted: self.unaccounted - datum.unaccounted,
             interface: self.interface - datum.interface,
+            interface_stored: self.interface_stored - datum.interface_stored,
             opening: self.opening - datum.opening,
             stabilisation: self.stabilisation - datum.stabilisation,
         }

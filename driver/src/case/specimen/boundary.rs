@@ -86,6 +86,11 @@ impl Boundary {
         let place = Place::root().key(GRIP);
         let default = scene.ground.and_then(|ground| ground.defaults.grip);
         if case.grip.is_none() && default.is_none() {
+            if scene.ground.is_none() {
+                // the specimen that could not be read may have one
+                self.drives.followed(SLIP, &place);
+                self.drives.moved(SLIP);
+            }
             return;
         }
         // known even where the rest is not: steps may name it

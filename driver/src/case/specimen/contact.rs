@@ -258,6 +258,8 @@ fn surface(
     place: &Place,
 ) -> Option<Vec<ElementEdge>> {
     let Some(name) = given.or(default) else {
+        // a specimen that could not be read may have pairs of its own
+        scene.ground?;
         let names: Vec<&str> = scene.mesh.into_iter().flat_map(|mesh| mesh.edge_set_names()).collect();
         reader.problem(place, format!("is missing: name an edge set{}", hint("", &names)));
         return None;

@@ -3,7 +3,7 @@
 use super::super::Reader;
 use super::super::document::PulloutCase;
 use super::super::document::pullout as document;
-use super::super::problem::{Place, hint};
+use super::super::problem::{Place, hint, nearest};
 use super::generated::{Generated, generate};
 use crate::input::{self, Input};
 use fe_core::element::Integration;
@@ -109,7 +109,14 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                 }
             };
             match gmsh::read(&file, &bytes, &properties) {
-                Ok(definition) => {
+                Ok((definition, turned)) => {
+                    if let Some(first) = turned.first() {
+                        let which = match turned.len() {
+                            1 => format!("element {first} has"),
+                            count => format!("{count} elements (the first is {first}) have"),
+                        };
+                        reader.warnings.push(format!("{}: {which} clockwise nodes: turned round", file.display()));
+                    }
                     let words = format!("file {}", source.file);
                     Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
                 }
@@ -212,7 +219,8 @@ fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut Mes
     let root = Place::root().key("parts");
     let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
     let listed = case.parts.0.as_ref().map(|parts| parts.keys().collect::<Vec<_>>()).unwrap_or_default();
-    for name in listed.iter().filter(|name| !names.contains(name)) {
+    let unknown: Vec<&String> = listed.iter().copied().filter(|name| !names.contains(name)).collect();
+    for name in &unknown {
         reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &names)));
     }
     if listed.iter().any(|name| *name == COVER) && names.iter().any(|name| name == COVER) {
@@ -225,7 +233,8 @@ fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut Mes
             part.integration = matrix.and_then(|matrix| matrix.integration).or(part.integration);
             continue;
         }
-        if !listed.contains(&&part.name) {
+        let is_meant = |name: &&String| nearest(name, &names) == Some(part.name.as_str());
+        if !listed.contains(&&part.name) && !unknown.iter().any(is_meant) {
             reader.problem(&root.key(&part.name), "is missing: the specimen has this part, which needs a material");
         }
         let Some(given) = given.get(&part.name) else { continue };

@@ -184,7 +184,7 @@ fn mutated_documents_are_refused_in_plain_words_or_read() {
                     assert!(!text.contains(noise), "{document}:\n{text}");
                 }
                 let structural = structure::kind_of(&document)
-                    .map_or(true, |kind| !structure::check(kind, &mut document.clone()).is_empty());
+                    .map_or(true, |kind| !structure::check(kind, &mut document.clone()).problems.is_empty());
                 assert_eq!(structural, !fits, "{document}:\n{text}");
             }
         }

@@ -641,6 +641,70 @@ fn without_a_grip_nothing_slips() {
 }
 
 #[test]
+fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
+    let bench = Bench::new();
+    let text = two_bodies();
+    assert!(program(&[]).warnings.is_empty());
+    // a quadrilateral of the matrix the other way round
+    let line = text.lines().find(|line| line.starts_with("2 3 2 ")).expect("an element");
+    let words: Vec<&str> = line.split(' ').collect();
+    let turned = [&words[..5], &[words[8], words[7], words[6], words[5]]].concat().join(" ");
+    std::fs::write(bench.0.path().join("turned.msh"), text.replace(line, &turned)).expect("a mesh");
+    let Ok(Case::Pullout(program)) = bench.read(&pullout_case(), &["mesh.file=turned.msh"]) else { panic!("a case") };
+    let [warning] = program.warnings.as_slice() else { panic!("{:?}", program.warnings) };
+    assert!(warning.ends_with("turned.msh: element 2 has clockwise nodes: turned round"), "{warning}");
+    let areas = |mesh: &fe_core::mesh::Mesh| (0..12).map(|element| mesh.element_area(element)).sum::<f64>();
+    assert!((areas(&program.model.mesh) - 2.8).abs() < 1e-12);
+}
+
+/// What follows from a mesh that cannot be made, or from a misspelt key, is not told.
+#[test]
+fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
+    let mut case = pullout_case();
+    for key in ["grip", "supports", "measure"] {
+        case.as_object_mut().expect("an object").remove(key);
+    }
+    let specimen = json!({ "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0 });
+    case["mesh"] = json!({ "specimen": specimen });
+    case["contact"] = json!({ "law": case["contact"]["law"] });
+    case["steps"] = json!([{ "slip": 0.001, "increments": 2 }]);
+    let problems = |case: &Value| {
+        let errors = Bench::new().read(case, &[]).expect_err("malformed");
+        errors.problems.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let renamed = |place: &str, key: &str, other: &str| {
+        let mut case = case.clone();
+        let members = case.pointer_mut(place).and_then(Value::as_object_mut).expect("an object");
+        let value = members.remove(key).expect("a member");
+        members.insert(other.into(), value);
+        problems(&case)
+    };
+    for (key, value, place) in [
+        ("embedded_elements", json!(-1), "$.mesh.specimen.embedded_elements: must be >= 1"),
+        ("embedded_length", json!(-1), "$.mesh.specimen.embedded_length: must be > 0"),
+        ("type", json!("perpendicular_fibr"), "$.mesh.specimen.type: there is no 'perpendicular_fibr'"),
+        ("interface_size", json!("x"), "$.mesh.specimen.interface_size: expected a number"),
+    ] {
+        let mut case = case.clone();
+        case["mesh"]["specimen"][key] = value;
+        let problems = problems(&case);
+        assert!(problems.len() == 1 && problems[0].starts_with(place), "{problems:?}");
+    }
+    for (place, key, other, expected) in [
+        ("/mesh/specimen", "type", "typ", "$.mesh.specimen.typ: unknown key"),
+        ("/mesh", "specimen", "speciment", "$.mesh.speciment: unknown key"),
+        ("", "mesh", "mes", "$.mes: unknown key"),
+        ("", "parts", "part", "$.part: unknown key"),
+        ("", "contact", "contac", "$.contac: unknown key"),
+        ("/contact", "law", "lw", "$.contact.lw: unknown key"),
+        ("/parts", "fibre", "fibr", "$.parts.fibr: the specimen has no part 'fibr'"),
+    ] {
+        let problems = renamed(place, key, other);
+        assert!(problems.len() == 1 && problems[0].starts_with(expected), "{problems:?}");
+    }
+}
+
+#[test]
 fn all_problems_of_a_specimen_are_reported_at_once() {
     let overrides = [
         "grip.nodes=nowhere",

@@ -42,7 +42,9 @@ impl Sort {
             _ if is_damage(column) => Self::Damage,
             _ if matches!(column, "slip_exit" | "slip_tail") => Self::Slip,
             _ if column == "load" || column.starts_with("load_") => Self::Load,
-            _ if column == "external_work" || column.ends_with("_energy") => Self::Energy,
+            _ if matches!(column, "external_work" | "interface_dissipation") || column.ends_with("_energy") => {
+                Self::Energy
+            }
             _ if column.ends_with("_points") => Self::Count,
             _ => Self::Other,
         }

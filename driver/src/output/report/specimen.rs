@@ -48,7 +48,8 @@ pub fn findings(findings: &Findings) -> Markup {
 fn energies(findings: &Findings) -> Markup {
     let work = findings.energies.get(WORK).copied().unwrap_or(0.0);
     let parts = || findings.energies.iter().filter(|(name, _)| name.as_str() != WORK);
-    let sum: f64 = parts().map(|(_, energy)| energy).sum();
+    let sum: f64 =
+        parts().filter(|(name, _)| !OF_THE_INTERFACE.contains(&name.as_str())).map(|(_, energy)| energy).sum();
     let share = |energy: f64| {
         if work == 0.0 { "–".to_owned() } else { format!("{} %", significant(100.0 * energy / work, 3)) }
     };
@@ -67,6 +68,8 @@ fn energies(findings: &Findings) -> Markup {
 }
 
 const WORK: &str = "external_work";
+/// What the interface energy consists of.
+const OF_THE_INTERFACE: [&str; 2] = ["interface_stored_energy", "interface_dissipation"];
 
 /// `damage_energy` → Damage energy.
 fn words(name: &str) -> String {
@@ -79,7 +82,8 @@ mod test {
 
     #[test]
     fn energies_are_told_with_their_shares_and_what_is_missing() {
-        let energies = [("external_work", 8.0), ("elastic_energy", 2.0), ("interface_energy", 5.0)];
+        let interface = [("interface_energy", 5.0), ("interface_stored_energy", 1.0), ("interface_dissipation", 4.0)];
+        let energies = [("external_work", 8.0), ("elastic_energy", 2.0)].into_iter().chain(interface);
         let mut found = Findings { energy_error_max: 0.125, ..Findings::default() };
         found.energies = energies.into_iter().map(|(name, energy)| (name.to_owned(), energy)).collect();
         found.statistics.insert("umat_calls".into(), 1234);
@@ -89,6 +93,7 @@ mod test {
         let number = |text: &str| format!("<td class=\"number\">{text}</td>");
         for expected in [
             row("Interface energy", &[number("5"), number("62.5 %")].concat()),
+            row("Interface dissipation", &[number("4"), number("50 %")].concat()),
             row("Work less energies", &[number("1"), number("12.5 %")].concat()),
             row("Umat calls", &number("1234")),
             "0.125".into(),

@@ -21,7 +21,7 @@ type Trouble = (Option<usize>, GmshFault);
 pub(super) fn mesh_definition(
     file: &File,
     properties: &BTreeMap<String, PartProperties>,
-) -> Result<MeshDefinition, Trouble> {
+) -> Result<(MeshDefinition, Vec<u64>), Trouble> {
     let surfaces = surface_elements(file)?;
     check_part_names(&surfaces, properties)?;
     let mut conversion = Conversion::new(file);
@@ -32,7 +32,7 @@ pub(super) fn mesh_definition(
     }
     conversion.add_sets()?;
     conversion.check_plane()?;
-    Ok(conversion.definition)
+    Ok((conversion.definition, conversion.turned))
 }
 
 /// A surface element with its kind and the name of its group.
@@ -109,6 +109,8 @@ struct Conversion<'a> {
     file_index: Vec<usize>,
     /// The edges between two corners, by the direction in which their elements have them.
     edge_with: HashMap<[usize; 2], ElementEdge>,
+    /// Tags of the elements that went clockwise.
+    turned: Vec<u64>,
 }
 
 impl<'a> Conversion<'a> {
@@ -119,6 +121,7 @@ impl<'a> Conversion<'a> {
             node_index: vec![None; file.nodes.len()],
             file_index: Vec::new(),
             edge_with: HashMap::new(),
+            turned: Vec::new(),
         }
     }
 
@@ -151,6 +154,7 @@ impl<'a> Conversion<'a> {
             nodes[..kind.corner_count()].iter().map(|&node| self.definition.nodes[node]).collect();
         if signed_area(&corners) < 0.0 {
             turn_round(kind, &mut nodes);
+            self.turned.push(element.tag);
         }
         let positions: Vec<[f64; 2]> = nodes.iter().map(|&node| self.definition.nodes[node]).collect();
         area(kind, &positions)

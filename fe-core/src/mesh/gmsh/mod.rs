@@ -30,11 +30,16 @@ pub struct PartProperties {
 }
 
 /// Reads the bytes of a mesh file, which messages call `path`; `parts` has the properties of each physical surface by its name.
+/// Beside the mesh: the file's tags of the elements that went clockwise there and are turned round.
 ///
 /// # Errors
 ///
 /// The first fault of the file with its place; all names that the file or `parts` lacks at once.
-pub fn read(path: &Path, bytes: &[u8], parts: &BTreeMap<String, PartProperties>) -> Result<MeshDefinition, GmshError> {
+pub fn read(
+    path: &Path,
+    bytes: &[u8],
+    parts: &BTreeMap<String, PartProperties>,
+) -> Result<(MeshDefinition, Vec<u64>), GmshError> {
     let mut source = source::Source::new(bytes);
     let file = file::File::read(&mut source).map_err(|trouble| source.error(path, trouble))?;
     conversion::mesh_definition(&file, parts).map_err(|(place, fault)| match place {

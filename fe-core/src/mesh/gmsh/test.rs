@@ -117,7 +117,7 @@ fn parts() -> BTreeMap<String, PartProperties> {
 }
 
 fn read_text(text: &str) -> Result<MeshDefinition, GmshError> {
-    read(Path::new("case.msh"), text.as_bytes(), &parts())
+    read(Path::new("case.msh"), text.as_bytes(), &parts()).map(|(definition, _)| definition)
 }
 
 fn edge(element: usize, edge: usize) -> ElementEdge {
@@ -159,7 +159,7 @@ fn a_seam_belongs_to_the_element_on_its_left() {
 fn groups_without_names_have_their_number() {
     let (head, tail) = (VERSION_2.find("$PhysicalNames").unwrap(), VERSION_2.find("$Nodes").unwrap());
     let text = format!("{}{}", &VERSION_2[..head], &VERSION_2[tail..]);
-    let definition = read(Path::new("case.msh"), text.as_bytes(), &properties(&["4", "5"])).unwrap();
+    let (definition, _) = read(Path::new("case.msh"), text.as_bytes(), &properties(&["4", "5"])).unwrap();
     assert_eq!(definition.node_sets.keys().collect::<Vec<_>>(), ["1", "2", "3"]);
 }
 
@@ -200,7 +200,8 @@ fn quadratic_elements_keep_their_middles_between_their_corners() {
     for kind in [T6, Q8] {
         for clockwise in [false, true] {
             let text = quadratic(kind, clockwise);
-            let definition = read(Path::new("q.msh"), text.as_bytes(), &properties(&["3"])).unwrap();
+            let (definition, turned) = read(Path::new("q.msh"), text.as_bytes(), &properties(&["3"])).unwrap();
+            assert_eq!(turned.len(), if clockwise { definition.elements.len() } else { 0 });
             let mesh = Mesh::new(definition).unwrap();
             let area: f64 = (0..mesh.elements().len()).map(|element| mesh.element_area(element)).sum();
             approx::assert_abs_diff_eq!(area, 1.0, epsilon = 1e-15);
@@ -285,7 +286,7 @@ fn binary_4() -> Vec<u8> {
 fn binary_files_give_the_mesh_of_their_text() {
     let expected = read_text(VERSION_2).unwrap();
     for bytes in [binary_2(), binary_4()] {
-        assert_eq!(read(Path::new("b.msh"), &bytes, &parts()).unwrap(), expected);
+        assert_eq!(read(Path::new("b.msh"), &bytes, &parts()).unwrap().0, expected);
     }
 }
 
@@ -482,7 +483,7 @@ fn truncated_files_are_refused() {
         let end = bytes.windows(12).position(|window| window == b"$EndElements").unwrap() + 12;
         for length in 0..bytes.len() {
             match read(Path::new("t.msh"), &bytes[..length], &parts()) {
-                Ok(definition) => assert!(length >= end && definition == expected, "{length}"),
+                Ok((definition, _)) => assert!(length >= end && definition == expected, "{length}"),
                 // What is cut off after the mesh may start a section.
                 Err(error) => assert!(length < end || bytes[end..length].contains(&b'$'), "{error}"),
             }
@@ -503,7 +504,7 @@ fn a_name_is_held_once() {
         "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n2 1 \"{name}\"\n$EndPhysicalNames\n$Nodes\n{}\n{nodes}$EndNodes\n$Elements\n{triangles}\n{elements}$EndElements\n",
         2 * triangles + 2
     );
-    let definition = read(Path::new("n.msh"), text.as_bytes(), &properties(&[&name])).unwrap();
+    let (definition, _) = read(Path::new("n.msh"), text.as_bytes(), &properties(&[&name])).unwrap();
     assert_eq!((definition.elements.len(), definition.parts.len()), (triangles, 1));
 }
 
@@ -521,7 +522,7 @@ const FILES: [(&str, &[u8]); 6] = [
 #[test]
 fn files_of_gmsh_are_read() {
     for (name, bytes) in FILES {
-        let definition = read(Path::new(name), bytes, &properties(&["matrix", "the fibre"])).unwrap();
+        let (definition, _) = read(Path::new(name), bytes, &properties(&["matrix", "the fibre"])).unwrap();
         let mesh = Mesh::new(definition).unwrap();
         let kind = if name.starts_with("quadrilaterals") { Q8 } else { T6 };
         assert!(mesh.elements().iter().all(|element| element.kind() == kind), "{name}");

@@ -461,6 +461,7 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         damage: solids.damage,
         unaccounted: solids.unaccounted,
         interface: contact.work + contact.leaning - opening,
+        interface_stored: contact.plugin_stored + contact.normal_stored,
         opening,
         stabilisation: solids.viscous + solids.overstress,
     }

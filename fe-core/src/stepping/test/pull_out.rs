@@ -156,6 +156,28 @@ fn a_fibre_is_pulled_out_to_the_last_and_its_energy_is_accounted_for() {
     }
 }
 
+/// A bond that sticks gives back what it took; one that slid keeps it.
+#[test]
+fn the_energy_of_interfaces_is_what_can_be_had_back_and_what_cannot() {
+    let mut model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.0), 1e-4, AUTOMATIC);
+    let (records, _) = run(&model);
+    let last = records.last().unwrap().energies;
+    assert!(last.interface > 0.0 && (last.interface_stored / last.interface - 1.0).abs() < 1e-6, "{last:?}");
+    model.steps[0].targets = vec![Some(3.2)];
+    let (records, _) = run(&model);
+    let mut before = 0.0;
+    for record in &records {
+        let energies = record.energies;
+        let dissipation = energies.interface_dissipation();
+        // the work by trapezoids is as exact as increments are asked to be
+        assert!(dissipation >= before - 1e-3 * energies.external_work, "{record:?}");
+        before = before.max(dissipation);
+    }
+    let last = records.last().unwrap().energies;
+    assert!(last.interface_stored.abs() < 1e-6 * last.interface, "{last:?}");
+    assert!((last.interface_dissipation() / last.external_work - 1.0).abs() < 1e-2, "{last:?}");
+}
+
 /// K δ against central differences of the residual, of the whole system, where points stick, harden, soften, rub.
 #[test]
 fn the_system_s_tangent_is_the_derivative_of_its_forces() {

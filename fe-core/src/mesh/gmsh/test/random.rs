@@ -14,7 +14,7 @@ use proptest::sample::{Index, select};
 /// Reads, and where the mesh stands the check, looks at all that the driver looks at.
 fn read_and_look(bytes: &[u8], names: &[&str]) {
     match read(Path::new("d.msh"), bytes, &properties(names)) {
-        Ok(definition) => {
+        Ok((definition, _)) => {
             assert!(definition.nodes.len() <= bytes.len() && definition.elements.len() <= bytes.len());
             look(definition);
         }
