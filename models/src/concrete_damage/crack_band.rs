@@ -107,26 +107,42 @@ impl CrackBand {
     }
 
     /// Refuses a length beyond which the strain of a softening element would run backwards.
-    ///
-    /// dε/dx > 0 on the whole tail, with ε = x̃ − κ(x̃ − σ/E), asks for
-    /// r − 1 > −(1 + m s)/(1 − s), m = κ(1 − b)/(1 − κ), at the steepest s = σ'/E.
-    #[inline(never)]
     pub fn check(&self, curve: &Uniaxial, parameter: &'static str) -> Result<(), ConfigurationError> {
         let peak = peak(curve);
-        let peak_work = curve.work(peak.energy, peak.eta);
-        let s = steepest_slope(curve, &peak);
-        let b = self.inelastic_fraction;
-        let recovered = curve.recovery * (1.0 - b) / (1.0 - curve.recovery);
-        let least_factor = 1.0 - (1.0 + recovered * s) / (1.0 - s);
-        let least_work = total_work(curve) + (least_factor - 1.0) * stretchable_work(curve, &peak, peak_work);
-        let elastic = curve.youngs_modulus / curve.modulus * curve.law.threshold;
-        // wanted work = least work at h = limit
-        let limit = (1.0 - b) * self.fracture_energy / ((1.0 - curve.recovery) * (least_work - b * elastic));
-        if self.length < limit || limit < 0.0 {
+        let limit = self.limit(curve, &peak, curve.work(peak.energy, peak.eta));
+        if self.is_below(limit) {
             Ok(())
         } else {
             Err(ConfigurationError::CharacteristicLengthTooLarge { parameter, length: self.length, limit })
         }
+    }
+
+    /// Whether [`Self::check`] lets the length pass, told from its stretch; what is far below the limit is told at once.
+    pub fn allows(&self, curve: &Uniaxial, stretch: &Stretch) -> bool {
+        let bound = curve.slope_bound(&stretch.peak);
+        stretch.factor > self.least_factor(curve, bound)
+            || self.is_below(self.limit(curve, &stretch.peak, stretch.peak_work))
+    }
+
+    fn is_below(&self, limit: f64) -> bool {
+        self.length < limit || limit < 0.0
+    }
+
+    /// The length at which the wanted work is the least one.
+    #[inline(never)]
+    fn limit(&self, curve: &Uniaxial, peak: &Point, peak_work: f64) -> f64 {
+        let least_factor = self.least_factor(curve, steepest_slope(curve, peak));
+        let least_work = total_work(curve) + (least_factor - 1.0) * stretchable_work(curve, peak, peak_work);
+        let b = self.inelastic_fraction;
+        let elastic = curve.youngs_modulus / curve.modulus * curve.law.threshold;
+        (1.0 - b) * self.fracture_energy / ((1.0 - curve.recovery) * (least_work - b * elastic))
+    }
+
+    /// dε/dx > 0 on the whole tail, with ε = x̃ − κ(x̃ − σ/E), asks for
+    /// r − 1 > −(1 + m s)/(1 − s), m = κ(1 − b)/(1 − κ), at the steepest s = σ'/E.
+    fn least_factor(&self, curve: &Uniaxial, steepest: f64) -> f64 {
+        let recovered = curve.recovery * (1.0 - self.inelastic_fraction) / (1.0 - curve.recovery);
+        1.0 - (1.0 + recovered * steepest) / (1.0 - steepest)
     }
 }
 
@@ -163,11 +179,6 @@ fn steepest_slope(curve: &Uniaxial, peak: &Point) -> f64 {
 }
 
 impl Stretch {
-    /// r > 0; [`CrackBand::check`] asks for more.
-    pub fn is_possible(&self) -> bool {
-        self.factor > 0.0
-    }
-
     /// The state at an energy release rate; `None` before the peak, where the curve itself holds. A state
     /// nearby shortens the search.
     pub fn at(&self, curve: &Uniaxial, energy: f64, nearby: Option<&Stretched>) -> Option<Stretched> {

@@ -40,7 +40,7 @@ impl Softening {
             // before the peak the curve itself holds, and its slope tells without knowing the peak
             if self.curve.slope(energy, eta, rate) < 0.0 {
                 let stretch = band.stretch(&self.curve);
-                if !stretch.is_possible() {
+                if !band.allows(&self.curve, &stretch) {
                     // CELENT grew beyond the limit after the first call: the update reports it
                     return Damage { eta: f64::NAN, rate: f64::NAN, stretched: None };
                 }

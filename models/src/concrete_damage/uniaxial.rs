@@ -96,6 +96,14 @@ impl Uniaxial {
         self.stiffness_ratio(eta) - 2.0 * energy * rate * self.stiffness_loss(eta, eta)
     }
 
+    /// What σ'/E stays above beyond the peak: f > 0, D(1 − D) ≤ 1/4, Y/(Y − Y₀) falls, and w/[(1 − ρ) + ρw]² ≤ 1/[4ρ(1 − ρ)]
+    /// with w = 1 − D, in σ'/E = f − 2B Y/(Y − Y₀) D(1 − D)(−f').
+    #[inline]
+    pub fn slope_bound(&self, peak: &Point) -> f64 {
+        let loss = 0.25 * (self.beta + (self.rho - self.beta).max(0.0) / self.rho) / self.rho;
+        -2.0 * self.law.b * peak.energy / peak.excess * loss
+    }
+
     /// ∫₀^D Y (−f') dD: E/E* of it is dissipated in uniaxial stress.
     pub fn dissipation(&self, eta: f64) -> f64 {
         let [dissipation] = self.dissipations([eta], [eta.powf(1.0 / self.law.b)]);

@@ -118,6 +118,54 @@ fn a_length_that_grows_too_large_is_refused() {
     ));
 }
 
+/// A softening point refuses what a first call refuses, to the limit; what the limit is told from is a bound.
+#[test]
+fn a_softening_point_refuses_every_length_above_the_limit() {
+    let cases: [(&[(&str, f64)], &str, [f64; 2]); 4] = [
+        (&[("G_f", 0.1)], "G_f", [1e-5, 4e-4]),
+        (&[("G_f", 0.1), ("nu", 0.0), ("B_t", 1.5), ("b_t", 0.3)], "G_f", [1e-5, 1e-3]),
+        (&[("G_c", 20.0), ("B_c", 1.5)], "G_c", [-1e-5, -8e-3]),
+        (&[("G_c", 20.0), ("B_c", 1.3), ("beta", 0.9)], "G_c", [-1e-5, -8e-3]),
+    ];
+    for (changes, parameter, [first, last]) in cases {
+        let props = with(defaults(), changes);
+        let parameters = ConcreteDamage::parameters(&props).expect("consistent");
+        let Err(ConfigurationError::CharacteristicLengthTooLarge { limit, .. }) =
+            ConcreteDamage::check_characteristic_length(&parameters, 1e9)
+        else {
+            panic!("a limit")
+        };
+        for (softening, point) in parameters.softening(Some(limit)).iter().map(|softening| {
+            let peak = super::super::crack_band::peak(&softening.curve);
+            (softening, peak)
+        }) {
+            let steepest = (0..2000).map(|k| softening.curve.point(point.eta.ln() + 0.01 * f64::from(k)).slope);
+            assert!(steepest.fold(0.0, f64::min) > softening.curve.slope_bound(&point), "{changes:?}");
+        }
+        for (length, accepted) in [(0.2, true), (0.999, true), (1.001, false), (1.5, false), (100.0, false)] {
+            let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+            point.characteristic_length = Some(0.5 * limit);
+            point.advance(&[first, 0.0, 0.0, 0.0, 0.0, 0.0]);
+            let increment = Increment {
+                stress_state: StressState::ThreeD,
+                strain: [last, 0.0, 0.0, 0.0, 0.0, 0.0],
+                strain_increment: [last - first, 0.0, 0.0, 0.0, 0.0, 0.0],
+                stress: point.stress,
+                characteristic_length: Some(length * limit),
+                time_increment: 1.0,
+            };
+            match ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress) {
+                Ok(_) => assert!(accepted, "{changes:?}: {length}"),
+                Err(Failure::Configuration(ConfigurationError::CharacteristicLengthTooLarge {
+                    parameter: named,
+                    ..
+                })) => assert!(!accepted && named == parameter, "{changes:?}: {length}, {named}"),
+                Err(other) => panic!("{changes:?}, {length}: {other:?}"),
+            }
+        }
+    }
+}
+
 /// Without a length the law would be another one: it does not go on, at whichever increment.
 #[test]
 fn a_fracture_energy_asks_for_a_length_in_every_increment() {
