@@ -142,6 +142,11 @@ impl PluginLaw {
         self.law.as_ref()?.state_index(OVERSTRESS_WORK)
     }
 
+    /// Which of its states is the strain 33 of plane stress, if it says so.
+    pub fn strain_33(&self) -> Option<usize> {
+        self.law.as_ref()?.state_index(c"strain_33")
+    }
+
     /// Names of its state variables, by metadata or `sdv1`…, followed by those of its derived outputs.
     pub fn state_names(&self) -> Vec<String> {
         let described = self.law.iter().flat_map(|law| &law.states).map(|state| state.name.clone());

@@ -239,7 +239,7 @@ pub(super) fn stiffness_finite<const N: usize>(
         average.start(shape, motions, form, points);
     }
     for point in shape.points() {
-        let (stress, moduli) = (&points.acting[first + point], &points.moduli[first + point]);
+        let (stress, moduli) = (&points.acting[first + point], &points.acting_moduli(first + point, form));
         let (at, volume) = (shape.at(point), shape.volumes[point]);
         let tangent = match (&mut average, form) {
             (None, TangentForm::Exact) => nominal_tangent(&motions[point], stress, moduli),

@@ -2,7 +2,9 @@
 
 use super::TangentChoice;
 use super::error::SolidsError;
-use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
+use crate::kinematics::finite::{
+    Components, FiniteIncrement, Gradient, IDENTITY, Moduli, TangentForm, columns, rotated,
+};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
@@ -83,6 +85,22 @@ pub(super) struct PointIncrement<'a> {
     pub(super) motion: Option<(&'a FiniteIncrement, &'a Gradient, &'a Gradient)>,
 }
 
+/// The thickness of plane stress under large displacements, as of the last evaluation.
+#[derive(Clone, Copy, Debug)]
+struct Thickness {
+    /// λ = exp ε₃₃: present per reference thickness.
+    ratio: f64,
+    /// ∂ε₃₃/∂ε, of the last evaluation that asked for tangents.
+    rate: Components,
+}
+
+impl Thickness {
+    const OF_REFERENCE: Self = Self { ratio: 1.0, rate: [0.0; MAX_COMPONENTS] };
+}
+
+/// Step of strains for ∂ε₃₃/∂ε: rounding of a strain of 0.1 makes 1e-9 of it, and the yield strain of metals is 1e5 steps.
+const THICKNESS_STEP: f64 = 1e-8;
+
 /// The material points of one block.
 #[derive(Debug)]
 pub(super) struct Points {
@@ -90,6 +108,10 @@ pub(super) struct Points {
     /// Which of the four components the UMAT has.
     components: &'static [usize],
     nstatv: usize,
+    /// Which state is the strain 33 of plane stress, if the law says so.
+    strain_33: Option<usize>,
+    /// Of each point in plane stress; others have none.
+    thickness: Vec<Thickness>,
     pub(super) committed: States,
     pub(super) trial: States,
     /// Relaxation time per time increment, η/Δt: the viscous stress is η/Δt C Δε with the virgin moduli C.
@@ -115,6 +137,8 @@ impl Points {
             call,
             components,
             nstatv: law.nstatv,
+            strain_33: law.strain_33(),
+            thickness: if model == PlaneModel::PlaneStress { vec![Thickness::OF_REFERENCE; count] } else { Vec::new() },
             committed: states.clone(),
             trial: states,
             viscosity: 0.0,
@@ -246,15 +270,26 @@ impl Points {
             self.trial.stress[point][target] = *source;
         }
         self.trial.statev[statev].copy_from_slice(self.call.statev());
-        self.book_energies(point, increment.motion.map(|(motion, ..)| motion));
+        // J at the end and half-way
+        let [thickness, middle_thickness] = self.thickness_ratios(point, increment);
+        let volume_ratios = increment
+            .motion
+            .map(|(motion, ..)| [motion.volume_ratio * thickness, motion.middle_volume_ratio * middle_thickness]);
+        self.book_energies(point, volume_ratios);
         self.acting[point] = self.trial.stress[point];
-        let volume_ratio = increment.motion.map_or(1.0, |(motion, ..)| motion.middle_volume_ratio);
+        let volume_ratio = volume_ratios.map_or(1.0, |[_, middle]| middle);
         if let Some(work) = self.trial.work.get_mut(point) {
             let spent = 0.5 * (dot(&stress, &increment.strain) + dot(&self.trial.stress[point], &increment.strain));
             *work = self.committed.work[point] + volume_ratio * spent;
         }
         if self.viscosity > 0.0 {
             self.add_viscous_stress(point, &increment.strain, volume_ratio);
+        }
+        if thickness != 1.0 {
+            self.acting[point] = self.acting[point].map(|stress| thickness * stress);
+        }
+        if let Some(own) = self.thickness.get_mut(point) {
+            own.ratio = thickness;
         }
         if request == Request::Stress {
             return Ok(false);
@@ -270,19 +305,97 @@ impl Points {
         }
         let changed = !same_bits(self.moduli[point].as_flattened(), moduli.as_flattened());
         self.moduli[point] = moduli;
+        if self.follows_thickness(increment) {
+            // what makes the stiffness safer leaves it out
+            let is_consistent = choice == TangentChoice::Consistent;
+            let rate = if is_consistent { self.thickness_rate(point, &stress, &strain, increment) } else { None };
+            self.thickness[point].rate = rate.unwrap_or_default();
+        }
         Ok(changed)
     }
 
-    /// A UMAT's energies are per present volume.
-    fn book_energies(&mut self, point: usize, motion: Option<&FiniteIncrement>) {
+    /// Whether somebody knows the strain 33 of plane stress.
+    pub(super) fn knows_thickness(&self) -> bool {
+        self.strain_33.is_some() || self.call.is_through_solid()
+    }
+
+    /// Whether the thickness changes over an increment.
+    fn follows_thickness(&self, increment: &PointIncrement<'_>) -> bool {
+        increment.motion.is_some() && !self.thickness.is_empty() && self.knows_thickness()
+    }
+
+    /// ε₃₃ of a point in plane stress, whose logarithmic strain it is; 0 where nobody knows it.
+    fn thickness_strain(&self, point: usize, states: &States) -> f64 {
+        if self.call.is_through_solid() {
+            states.strain[point][2]
+        } else {
+            self.strain_33.map_or(0.0, |state| states.statev[point * self.nstatv + state])
+        }
+    }
+
+    /// λ at the end of an increment that the law has answered, and half-way.
+    fn thickness_ratios(&self, point: usize, increment: &PointIncrement<'_>) -> [f64; 2] {
+        if !self.follows_thickness(increment) {
+            return [1.0; 2];
+        }
+        let [start, end] = [&self.committed, &self.trial].map(|states| self.thickness_strain(point, states));
+        [end.exp(), (0.5 * (start + end)).exp()]
+    }
+
+    /// ∂ε₃₃/∂ε of an increment from a turned state, by differences: no UMAT of plane stress tells it. `None` if the law does
+    /// not answer nearby.
+    fn thickness_rate(
+        &mut self,
+        point: usize,
+        stress: &Components,
+        strain: &Components,
+        increment: &PointIncrement<'_>,
+    ) -> Option<Components> {
+        let end = self.thickness_strain(point, &self.trial);
+        let statev = self.statev(point);
+        let mut rate = [0.0; MAX_COMPONENTS];
+        let mut is_known = true;
+        for &component in self.components {
+            let mut shifted = increment.strain;
+            shifted[component] += THICKNESS_STEP;
+            self.set_state(stress, strain, &shifted);
+            self.call.statev_mut().copy_from_slice(&self.committed.statev[statev.clone()]);
+            self.call.energies = self.committed.energies[point];
+            is_known &= self.run(Request::Stress).is_ok();
+            let nearby = match self.strain_33 {
+                Some(state) if !self.call.is_through_solid() => self.call.statev()[state],
+                _ => self.call.strain_33,
+            };
+            rate[component] = (nearby - end) / (shifted[component] - increment.strain[component]);
+        }
+        // the call tells of the increment itself again
+        self.set_state(stress, strain, &increment.strain);
+        self.call.statev_mut().copy_from_slice(&self.trial.statev[statev]);
+        self.call.energies = self.trial.energies[point];
+        (is_known && rate.iter().all(|rate| rate.is_finite())).then_some(rate)
+    }
+
+    /// The derivative of the acting stress, λ σ: λ C + λ σ ⊗ ∂ε₃₃/∂ε, the second only in the exact form.
+    pub(super) fn acting_moduli(&self, point: usize, form: TangentForm) -> Moduli {
+        let moduli = &self.moduli[point];
+        let Some(Thickness { ratio, rate }) = self.thickness.get(point) else { return *moduli };
+        let acting = &self.acting[point];
+        let of_thickness = if form == TangentForm::Exact { rate } else { &Thickness::OF_REFERENCE.rate };
+        std::array::from_fn(|row| {
+            std::array::from_fn(|column| ratio * moduli[row][column] + acting[row] * of_thickness[column])
+        })
+    }
+
+    /// A UMAT's energies are per present volume; `volume_ratios`: J at the end of a motion and half-way.
+    fn book_energies(&mut self, point: usize, volume_ratios: Option<[f64; 2]>) {
         let energies = self.call.energies;
         self.trial.energies[point] = energies;
-        self.trial.reference_energies[point] = match motion {
+        self.trial.reference_energies[point] = match volume_ratios {
             None => energies,
-            Some(motion) => {
+            Some([end, middle]) => {
                 let (start, sums) = (&self.committed.energies[point], &self.committed.reference_energies[point]);
-                let spent = |k: usize| sums[k] + motion.middle_volume_ratio * (energies[k] - start[k]);
-                [motion.volume_ratio * energies[0], spent(1), spent(2)]
+                let spent = |k: usize| sums[k] + middle * (energies[k] - start[k]);
+                [end * energies[0], spent(1), spent(2)]
             }
         };
     }

@@ -180,6 +180,13 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
             first.points.call.celent = mesh.characteristic_length(element);
         }
         notes.extend(first.points.prepare(law, &shared[part].name)?);
+        if nlgeom[part] && parts[part].model == PlaneModel::PlaneStress && !first.points.knows_thickness() {
+            notes.push(format!(
+                "part '{}': {} does not tell its strain 33 in plane stress: its thickness stays that of the reference \
+                 (\"as\": \"3d\" finds it)",
+                shared[part].name, law.name
+            ));
+        }
         for body in of_part {
             body.points.take_from(law, &first.points, &shared[part].name)?;
         }

@@ -121,7 +121,8 @@ fn a_length_that_grows_too_large_is_refused() {
 /// A softening point refuses what a first call refuses, to the limit; what the limit is told from is a bound.
 #[test]
 fn a_softening_point_refuses_every_length_above_the_limit() {
-    let cases: [(&[(&str, f64)], &str, [f64; 2]); 4] = [
+    type Case = (&'static [(&'static str, f64)], &'static str, [f64; 2]);
+    let cases: [Case; 4] = [
         (&[("G_f", 0.1)], "G_f", [1e-5, 4e-4]),
         (&[("G_f", 0.1), ("nu", 0.0), ("B_t", 1.5), ("b_t", 0.3)], "G_f", [1e-5, 1e-3]),
         (&[("G_c", 20.0), ("B_c", 1.5)], "G_c", [-1e-5, -8e-3]),

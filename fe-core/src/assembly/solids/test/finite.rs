@@ -93,6 +93,32 @@ fn strain_of_a_stretch_converges_to_the_logarithm() {
     assert!((strain[0] - 2.0_f64.ln()).abs() < 1e-5 && largest(&strain[1..]) < 1e-14, "{strain:?}");
 }
 
+/// Uniaxial stress in plane stress: σ = E ln λ acts on the present section, A₀ λ^(−2ν).
+#[test]
+fn a_plate_that_is_stretched_becomes_thinner() {
+    let (modulus, poisson, stretch) = (1000.0, 0.3, 1.2_f64);
+    let [length, width] = [2.0, 1.0];
+    let corners = vec![[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]];
+    let element = ElementDefinition { kind: ElementKind::Q4, part: 0, nodes: vec![0, 1, 2, 3] };
+    let mesh = mesh(corners, Variant::new(ElementKind::Q4), PlaneModel::PlaneStress, vec![element]);
+    let errors = [50, 100].map(|increments| {
+        let mut solids = Solids::new(&model(mesh.clone(), &linear_elastic(), false, true)).unwrap();
+        let mut force = Vec::new();
+        for increment in 1..=increments {
+            let along = stretch.powf(f64::from(increment) / f64::from(increments));
+            let across = along.powf(-poisson);
+            let end = moved(&mesh, |[x, y]| [along * x, across * y]);
+            force = forces(&mut solids, &end, Request::Stress);
+            solids.commit(&end);
+        }
+        let section = mesh.parts()[0].thickness * width;
+        let expected = modulus * stretch.ln() * section * stretch.powf(-2.0 * poisson);
+        // the nodes of the right edge
+        ((force[2] + force[4]) / expected - 1.0).abs()
+    });
+    assert!(errors[1] < 1e-4 && (errors[0] / errors[1] - 4.0).abs() < 0.2, "{errors:?}");
+}
+
 /// Small displacements of an unstressed body: both kinematics agree to first order.
 #[test]
 fn tends_to_small_strains() {
