@@ -177,3 +177,33 @@ fn fields_of_a_killed_run_can_be_opened() {
     child.wait().expect("an end");
     assert!(series(&desk.path("out")).len() > 3);
 }
+
+/// Increments that the program chooses keep the energies within 0.1 % of the work, also where a law for small strains stores
+/// them at large ones; of equal ones that do not the summary says so, with the figure.
+#[test]
+fn energies_balance_or_the_summary_says_so() {
+    let desk = Desk::new();
+    let j2 =
+        json!({ "plugin": "j2_plasticity", "props": { "E": 200e3, "nu": 0.3, "hardening": [[300, 0], [500, 0.1]] } });
+    let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 2000, "nu": 0.3 } });
+    for (material, end, bound) in [(j2, 0.05, 1.0), (elastic, 2.0, 1e-3)] {
+        for model in ["plane_strain", "plane_stress"] {
+            let mut case = plate(material.clone(), end, 10);
+            case["nlgeom"] = json!(true);
+            case["parts"]["plate"]["model"] = json!(model);
+            case["output"]["plots"] = json!(false);
+            let told = |run: &Run| {
+                let error = run.summary["energy_error_max"].as_f64().expect("a figure");
+                let warnings = run.summary["warnings"].as_array().expect("warnings").clone();
+                let is_told =
+                    warnings.iter().filter_map(Value::as_str).any(|warning| warning.contains("miss the work"));
+                (error, is_told, warnings)
+            };
+            let (error, is_told, warnings) = told(&desk.run(&desk.case("case.json", &case), &[], "equal", 0));
+            assert!(error < bound && is_told == (error > 1e-3), "{model}: {error:e}, {warnings:?}");
+            case["steps"][0]["increments"] = json!({});
+            let (error, is_told, warnings) = told(&desk.run(&desk.case("case.json", &case), &[], "chosen", 0));
+            assert!(error < 1e-3 && !is_told, "{model}: {error:e}, {warnings:?}");
+        }
+    }
+}

@@ -5,10 +5,14 @@ use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings};
 use super::peak::{KeptPeak, PeakKeeper};
 use super::{COLUMNS, Program, replay};
+use crate::output::number::significant;
 use crate::path::program::Until;
 use crate::path::{self, Failure, Row, Statistics, Stop};
+use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
-use fe_core::stepping::{Analysis, Checkpoint, Directive, Energies, Observer, Record, RunError, Snapshot};
+use fe_core::stepping::{
+    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, Snapshot,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
@@ -108,7 +112,9 @@ pub fn run<'p>(
         RunError::Write(error) => Stop::Write(error),
     });
     let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
-    analysis.remarks().into_iter().for_each(|remark| recorder.observer.warn(remark));
+    analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
+        recorder.observer.warn(remark);
+    });
     let elapsed = start.elapsed();
     let done = analysis.statistics();
     let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;
@@ -136,6 +142,26 @@ pub fn run<'p>(
         peak: peak.into_state().filter(goes_on),
         end: program.output.plots.then(end),
     }
+}
+
+/// What users should know of energies that miss the work by more than increments are chosen for.
+fn imbalance(model: &Model, error: f64) -> Option<String> {
+    // what temperature and fields do is no work of the drives
+    if error <= ENERGY_BUDGET || model.fields.change() {
+        return None;
+    }
+    let is_equal = |step: &Step| matches!(step.control, StepControl::Fixed { .. });
+    let advice = if model.steps.iter().any(is_equal) {
+        "; the work of equal increments is a sum of trapezoids, which more of them, or increments that the program chooses \
+         (no number), make exact"
+    } else {
+        ""
+    };
+    Some(format!(
+        "the energies miss the work of the drives by up to {} % of it, more than {} %{advice}",
+        significant(100.0 * error, 2),
+        100.0 * ENERGY_BUDGET
+    ))
 }
 
 fn failure(step: u32, increment: u32, message: String, replay: Value) -> Stop {

@@ -19,9 +19,9 @@ use serde::{Deserialize, Serialize};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
-/// What all increments have added may come to so much of it (fe.md §5): an increment that adds to it may add less, the
-/// less is left.
-const ENERGY_BUDGET: f64 = 1e-3;
+/// What all increments have added may come to so much of the work (fe.md §5): an increment that adds to it may add less, the
+/// less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
+pub const ENERGY_BUDGET: f64 = 1e-3;
 /// but not less than this part of its usual share.
 const LEAST_SHARE: f64 = 0.05;
 /// It is repeated with the root of what is left of its error, not more than this part of it, so many times.

@@ -14,6 +14,7 @@ mod times;
 mod zone;
 
 pub use checkpoint::Checkpoint;
+pub use control::ENERGY_BUDGET;
 pub use energy::Energies;
 pub use error::{ModelError, RunError};
 pub use newton::Iteration;

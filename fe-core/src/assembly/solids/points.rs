@@ -33,7 +33,7 @@ pub(super) struct States {
     pub(super) statev: Vec<f64>,
     /// SSE, SPD, SCD.
     pub(super) energies: Vec<[f64; 3]>,
-    /// The same per reference volume: J SSE, ∫J dSPD, ∫J dSCD.
+    /// The same per reference volume: ∫J dSSE of laws for small strains, J SSE of others; ∫J dSPD, ∫J dSCD.
     pub(super) reference_energies: Vec<[f64; 3]>,
     /// Of the stabilisation.
     viscous_stress: Vec<Components>,
@@ -110,6 +110,9 @@ pub(super) struct Points {
     nstatv: usize,
     /// Which state is the strain 33 of plane stress, if the law says so.
     strain_33: Option<usize>,
+    /// A law for small strains, whose SSE grows by σ : Δε per present volume, as its metadata let us know. What others say is
+    /// stored is a potential.
+    is_incremental: bool,
     /// Of each point in plane stress; others have none.
     thickness: Vec<Thickness>,
     pub(super) committed: States,
@@ -138,6 +141,7 @@ impl Points {
             components,
             nstatv: law.nstatv,
             strain_33: law.strain_33(),
+            is_incremental: law.law.is_some(),
             thickness: if model == PlaneModel::PlaneStress { vec![Thickness::OF_REFERENCE; count] } else { Vec::new() },
             committed: states.clone(),
             trial: states,
@@ -395,7 +399,7 @@ impl Points {
             Some([end, middle]) => {
                 let (start, sums) = (&self.committed.energies[point], &self.committed.reference_energies[point]);
                 let spent = |k: usize| sums[k] + middle * (energies[k] - start[k]);
-                [end * energies[0], spent(1), spent(2)]
+                [if self.is_incremental { spent(0) } else { end * energies[0] }, spent(1), spent(2)]
             }
         };
     }
