@@ -186,7 +186,7 @@ fn energies_balance_or_the_summary_says_so() {
     let j2 =
         json!({ "plugin": "j2_plasticity", "props": { "E": 200e3, "nu": 0.3, "hardening": [[300, 0], [500, 0.1]] } });
     let elastic = json!({ "plugin": "linear_elastic", "props": { "E": 2000, "nu": 0.3 } });
-    for (material, end, bound) in [(j2, 0.05, 1.0), (elastic, 2.0, 1e-3)] {
+    for (material, end, bound) in [(j2, 0.05, 1.0), (elastic, 2.0, 1e-2)] {
         for model in ["plane_strain", "plane_stress"] {
             let mut case = plate(material.clone(), end, 10);
             case["nlgeom"] = json!(true);
