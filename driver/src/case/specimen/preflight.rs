@@ -19,10 +19,12 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
             reader.warnings.push(format!("mesh: {finding}"));
         }
     }
+    let mut told: Vec<&str> = Vec::new();
     for support in &model.supports {
         let is_graded = |element: &&Element| element.thickness() < model.mesh.parts()[element.part()].thickness;
         let mut graded = model.mesh.elements().iter().filter(is_graded).flat_map(Element::nodes);
-        if graded.any(|node| support.nodes.contains(node)) {
+        if !told.contains(&support.name.as_str()) && graded.any(|node| support.nodes.contains(node)) {
+            told.push(&support.name);
             let message =
                 "holds elements of graded thickness: they are thinner than what it stands on; give a smaller extent";
             reader.warnings.push(format!("support '{}' {message}", support.name));

@@ -10,6 +10,9 @@ mod test;
 /// An element is cut into so many pieces along each side where its mean thickness is taken.
 const PIECES: usize = 8;
 
+/// A mean that differs from the full thickness by less is the full one.
+const ROUNDING: f64 = 1e-9;
+
 /// Elements of the cover thinner than this share of the block are left out.
 const THINNEST: f64 = 0.02;
 
@@ -109,7 +112,7 @@ impl Thickness {
             }
             let positions: Vec<[f64; 2]> = element.nodes.iter().map(|&node| definition.nodes[node]).collect();
             let mean = self.mean(element.kind, &positions);
-            if mean < self.full {
+            if mean < (1.0 - ROUNDING) * self.full {
                 definition.thicknesses.insert(index, if is_cover { mean - self.diameter } else { mean });
             }
         }

@@ -104,6 +104,9 @@ fn graded_volumes_are_those_of_the_closed_form() {
             let allowed = if name.starts_with("perpendicular") { 2e-3 } else { 2e-2 };
             assert!(off.abs() < allowed, "{name}, slope {slope}: {off:e} of what is missing");
             for (index, element) in mesh.elements().iter().enumerate() {
+                let beyond = element.nodes().iter().all(|&node| mesh.nodes()[node][0].abs() > extent);
+                let full = mesh.parts()[element.part()].thickness;
+                assert!(!beyond || element.thickness() == full, "{name}: element {index} beside the graded part");
                 let thickness = element.thickness();
                 if element.part() == part(&mesh, "fibre") {
                     assert!((thickness - std::f64::consts::FRAC_PI_4 * DIAMETER).abs() < 1e-12);
