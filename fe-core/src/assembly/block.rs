@@ -2,7 +2,7 @@
 
 /// Blocks of an unsymmetric stiffness: block k couples rows and columns `rows(k)`. One arena, refilled at every
 /// evaluation without allocating.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Blocks {
     rows: Vec<usize>,
     values: Vec<f64>,
@@ -28,6 +28,21 @@ impl Blocks {
         self.rows.extend_from_slice(rows);
         self.values.extend_from_slice(values);
         self.ends.push((self.rows.len(), self.values.len()));
+    }
+
+    /// Whether its parts belong together, all rows are among so many, and all values are numbers.
+    pub(crate) fn is_sound(&self, rows: usize) -> bool {
+        let mut start = (0, 0);
+        let follow = self.ends.iter().all(|&end| {
+            let count = end.0.checked_sub(start.0);
+            let entries = end.1.checked_sub(start.1);
+            start = end;
+            count.is_some_and(|count| count.checked_mul(count) == entries)
+        });
+        follow
+            && start == (self.rows.len(), self.values.len())
+            && self.rows.iter().all(|&row| row < rows)
+            && self.values.iter().all(|value| value.is_finite())
     }
 
     /// How many there are.

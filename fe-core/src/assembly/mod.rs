@@ -14,7 +14,7 @@ pub use equations::{ConstraintError, Equations};
 pub use far_field::{may_be_condensed, touching};
 pub use loads::loaded_freedoms;
 pub use solids::{Solids, SolidsError};
-pub use system::{Condensation, ElementStiffness, System};
+pub use system::{Condensation, ElementStiffness, System, SystemState};
 pub use trouble::{Place, Trouble};
 
 /// No run counts calls, evaluations or factorisations so far: with more, counters could overflow.

@@ -9,6 +9,7 @@ use crate::mesh::Mesh;
 use crate::model::Freedom;
 use crate::solver::{FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
 use crate::threads::Threads;
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -64,6 +65,15 @@ pub struct System {
     far_field: Option<FarField>,
     /// Values of the far field in the matrix: places of its stiffness.
     far_places: Vec<u32>,
+}
+
+/// What a system remembers: its matrix may be that of an earlier increment.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct SystemState {
+    values: Vec<f64>,
+    contact: Blocks,
+    blocks: Blocks,
+    solver: (Option<Symmetry>, Option<Pattern>),
 }
 
 /// Which elements a system condenses.
@@ -257,6 +267,33 @@ impl System {
     /// It is singular or not finite.
     pub fn factorise_blocks(&mut self) -> Result<FactorisationReport, SolverError> {
         self.solver.factorise_contact(&self.matrix)
+    }
+
+    /// The matrix and what its factor depends on, as they are kept between runs.
+    pub fn state(&self) -> SystemState {
+        let SystemMatrix { values, contact, .. } = &self.matrix;
+        SystemState {
+            values: values.clone(),
+            contact: contact.clone(),
+            blocks: self.blocks.clone(),
+            solver: self.solver.memory(),
+        }
+    }
+
+    /// Takes over a matrix and makes its factor; `false` if it is of another system.
+    #[must_use]
+    pub fn set_state(&mut self, state: &SystemState) -> bool {
+        let SystemState { values, contact, blocks, solver } = state;
+        let fits = values.len() == self.matrix.values.len()
+            && values.iter().all(|value| value.is_finite())
+            && contact.is_sound(self.row_count())
+            && blocks.is_sound(self.equations.freedom_count());
+        if fits {
+            self.matrix.values.clone_from(values);
+            self.matrix.contact.clone_from(contact);
+            self.blocks.clone_from(blocks);
+        }
+        fits && self.solver.take_memory(solver, &self.matrix).is_ok()
     }
 
     /// Solves in place with the last factor.

@@ -1,6 +1,7 @@
 //! Gap and slip of a contact point with their first and second derivatives by the nodes' positions.
 
 use super::chain::{Chain, Foot, MAX_SHAPE_NODES, Shape};
+use serde::{Deserialize, Serialize};
 
 /// Nodes of a contact point: at most three of a slave edge, three of a master edge and two of each of its neighbours.
 pub(super) const MAX_NODES: usize = 3 + MAX_SHAPE_NODES;
@@ -40,7 +41,7 @@ pub(super) enum NoGap {
 
 /// Gap g and arc length s of one point, their gradients, and what their second derivatives are made of; the module's
 /// page has the equations. Freedoms are ordered node by node, slave nodes first.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Kinematics {
     count: usize,
     nodes: [usize; MAX_NODES],
@@ -68,7 +69,7 @@ pub(super) struct Kinematics {
 }
 
 /// Ingredients of the second derivatives.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Second {
     /// A and B: ∂d/∂x and ∂m/∂x at fixed ξ, per node.
     arm: [f64; MAX_NODES],
@@ -119,6 +120,19 @@ fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Kinematics {
+    /// Whether its nodes are among so many, and what the host computes with are numbers.
+    pub fn is_sound(&self, nodes: usize) -> bool {
+        let Self { position, foot, tangent, normal, pull, gap_gradient, slip_gradient, second, .. } = self;
+        let Second { arm, turn, a, b, b_edge, c, coordinate, pull: of_pull, slip } = second;
+        let scalars = [self.gap, self.arc_length, self.lean];
+        let vectors = [position, foot, tangent, normal, slip].into_iter().flatten();
+        let gradients = [pull, gap_gradient, slip_gradient, a, b, b_edge, c, coordinate].into_iter().flatten();
+        let others = [arm, turn].into_iter().flatten().chain(of_pull).chain(&scalars);
+        self.count <= MAX_NODES
+            && self.nodes[..self.count].iter().all(|&node| node < nodes)
+            && vectors.chain(gradients).chain(others).all(|number| number.is_finite())
+    }
+
     /// Of a slave point over its foot.
     ///
     /// # Errors

@@ -2,35 +2,85 @@
 
 use super::Contact;
 use super::history::History;
+use super::kinematics::Kinematics;
+use super::law::Tangent;
+use super::pair::Pair;
 use crate::assembly::GREATEST_COUNT;
 use serde::{Deserialize, Serialize};
 
-/// The committed history of all pairs.
+/// The history of all pairs, and what their last evaluation left.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct ContactState {
-    histories: Vec<History>,
+    pairs: Vec<PairState>,
     law_calls: u64,
 }
 
-impl Contact {
-    /// The committed history.
-    pub fn state(&self) -> ContactState {
-        let histories = self.pairs.iter().map(|pair| pair.committed.clone()).collect();
-        ContactState { histories, law_calls: self.law_calls() }
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct PairState {
+    committed: History,
+    trial: History,
+    kinematics: Vec<Option<Kinematics>>,
+    tangents: Vec<Tangent>,
+    weight_slopes: Vec<f64>,
+    shear_stiffness: Vec<f64>,
+    symmetric: bool,
+}
+
+impl PairState {
+    fn of(pair: &Pair) -> Self {
+        Self {
+            committed: pair.committed.clone(),
+            trial: pair.trial.clone(),
+            kinematics: pair.kinematics.clone(),
+            tangents: pair.tangents.clone(),
+            weight_slopes: pair.weight_slopes.clone(),
+            shear_stiffness: pair.shear_stiffness.clone(),
+            symmetric: pair.symmetric,
+        }
     }
 
-    /// Takes over a committed history; `false`, and nothing done, if it is of other pairs.
+    fn fits(&self, pair: &Pair, nodes: usize) -> bool {
+        let Self { committed, trial, kinematics, tangents, weight_slopes, shear_stiffness, symmetric: _ } = self;
+        let mut numbers = tangents.as_flattened().as_flattened().iter().chain(weight_slopes).chain(shear_stiffness);
+        pair.committed.fits(committed)
+            && pair.trial.fits(trial)
+            && kinematics.len() == pair.kinematics.len()
+            && tangents.len() == pair.tangents.len()
+            && weight_slopes.len() == pair.weight_slopes.len()
+            && shear_stiffness.len() == pair.shear_stiffness.len()
+            && kinematics.iter().flatten().all(|kinematics| kinematics.is_sound(nodes))
+            && numbers.all(|number| number.is_finite())
+    }
+
+    fn give_to(&self, pair: &mut Pair) {
+        pair.committed.copy_from(&self.committed);
+        pair.trial.copy_from(&self.trial);
+        pair.kinematics.clone_from(&self.kinematics);
+        pair.tangents.clone_from(&self.tangents);
+        pair.weight_slopes.clone_from(&self.weight_slopes);
+        pair.shear_stiffness.clone_from(&self.shear_stiffness);
+        pair.symmetric = self.symmetric;
+    }
+}
+
+impl Contact {
+    /// The history, and what the last evaluation left.
+    pub fn state(&self) -> ContactState {
+        ContactState { pairs: self.pairs.iter().map(PairState::of).collect(), law_calls: self.law_calls() }
+    }
+
+    /// Takes over a history and what the last evaluation left; `false`, and nothing done, if it is of other pairs.
     #[must_use]
     pub fn set_state(&mut self, state: &ContactState) -> bool {
-        let fits = self.pairs.len() == state.histories.len()
+        let nodes = self.reference.len();
+        let fits = self.pairs.len() == state.pairs.len()
             && state.law_calls < GREATEST_COUNT
-            && self.pairs.iter().zip(&state.histories).all(|(pair, history)| pair.committed.fits(history));
+            && self.pairs.iter().zip(&state.pairs).all(|(pair, state)| state.fits(pair, nodes));
         if fits {
-            for (pair, history) in self.pairs.iter_mut().zip(&state.histories) {
-                pair.committed.copy_from(history);
-            }
-            self.restore();
-            self.earlier_calls += state.law_calls;
+            self.pairs.iter_mut().zip(&state.pairs).for_each(|(pair, state)| state.give_to(pair));
+            // calls that were made to get here have been counted before
+            let own: u64 = self.pairs.iter().map(|pair| pair.law.calls()).sum();
+            self.earlier_calls = state.law_calls.saturating_sub(own);
         }
         fits
     }

@@ -129,6 +129,32 @@ impl LinearSolver {
         }
     }
 
+    /// What the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
+    /// pattern of the whole if there is one.
+    pub fn memory(&self) -> (Option<Symmetry>, Option<Pattern>) {
+        let symmetry = self.factor.and(self.solids).map(|(symmetry, _)| symmetry);
+        (symmetry, self.whole.as_ref().map(|whole| whole.pattern().clone()))
+    }
+
+    /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix.
+    ///
+    /// # Errors
+    ///
+    /// Those of [`Self::factorise`], and a pattern of another system.
+    pub fn take_memory(
+        &mut self,
+        (symmetry, pattern): &(Option<Symmetry>, Option<Pattern>),
+        matrix: &SystemMatrix,
+    ) -> Result<(), SolverError> {
+        if let Some(pattern) = pattern {
+            if !pattern.is_superset_of(&self.pattern) {
+                return Err(SolverError::Pattern);
+            }
+            self.whole = Some(Whole::over(pattern.clone(), &self.pattern));
+        }
+        symmetry.map_or(Ok(()), |symmetry| self.factorise(matrix, symmetry).map(|_| ()))
+    }
+
     /// Solves K x = `right_side` in place with the last factor, which must be that of `matrix`.
     ///
     /// # Errors

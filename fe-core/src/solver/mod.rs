@@ -58,7 +58,7 @@ const LARGEST_GROWTH: f64 = 1.0 / SINGULAR_PIVOT;
 const SYMMETRIC_BLOCK: f64 = 1e-13;
 
 /// Whether the values of the solids are symmetric. Told by whoever computed them, for each factorisation.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Symmetry {
     /// They are, but for rounding: one triangle is read.
     Symmetric,

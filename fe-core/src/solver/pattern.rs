@@ -6,7 +6,7 @@ use super::SolverError;
 use crate::assembly::Blocks;
 
 /// Symmetric pattern of a square matrix, compressed by columns: both triangles, rows ascending, diagonal always there.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Pattern {
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -81,6 +81,20 @@ impl Pattern {
             starts.push(rows.len());
         }
         Self { starts, rows }
+    }
+
+    /// Whether it is a pattern of its kind, and has all entries of another one.
+    pub(super) fn is_superset_of(&self, other: &Self) -> bool {
+        let Self { starts, rows } = self;
+        let is_of_columns = starts.len() == other.starts.len()
+            && starts.first() == Some(&0)
+            && starts.last() == Some(&rows.len())
+            && starts.is_sorted();
+        let columns = || (0..other.size()).map(|column| (column, self.column(column)));
+        is_of_columns
+            && columns().all(|(_, rows)| rows.is_sorted_by(|a, b| a < b) && rows.iter().all(|&row| row < other.size()))
+            && columns().all(|(column, rows)| rows.iter().all(|&row| self.index(column, row).is_some()))
+            && columns().all(|(column, _)| other.column(column).iter().all(|&row| self.index(row, column).is_some()))
     }
 
     /// How many equations.

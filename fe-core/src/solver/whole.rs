@@ -79,7 +79,12 @@ impl Whole {
         Self::over(matrix.pattern().with_blocks(&matrix.contact), matrix.pattern())
     }
 
-    fn over(pattern: Pattern, solids: &Pattern) -> Self {
+    /// The pattern, which remembers where contact was.
+    pub(super) fn pattern(&self) -> &Pattern {
+        &self.pattern
+    }
+
+    pub(super) fn over(pattern: Pattern, solids: &Pattern) -> Self {
         let mut places = Vec::with_capacity(solids.entries());
         for column in 0..solids.size() {
             places.extend(solids.column(column).iter().filter_map(|&row| pattern.index(row, column)));

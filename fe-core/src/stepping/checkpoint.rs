@@ -6,8 +6,8 @@
 
 use super::control::StepRun;
 use super::newton::{Equilibrium, EquilibriumState, foreign_state};
-use super::{Analysis, ModelError, Present, RunError, clock};
-use crate::assembly::{IncrementContext, Place, Trouble};
+use super::{Analysis, ModelError, Present, clock};
+use crate::assembly::IncrementContext;
 use crate::model::Model;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
@@ -96,17 +96,9 @@ impl<'m> Analysis<'m> {
         done > self.last_checkpoint && self.checkpoint_every.is_some_and(|every| done.is_multiple_of(every))
     }
 
-    /// What the rest of the run depends on; the run goes on with no more than that.
-    pub(super) fn checkpoint(&mut self, position: Position) -> Result<Checkpoint, RunError> {
-        let checkpoint = Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() };
+    /// What the rest of the run depends on.
+    pub(super) fn checkpoint(&mut self, position: Position) -> Checkpoint {
         self.last_checkpoint = self.present.statistics.increments;
-        let threads = self.equilibrium.threads().clone();
-        self.equilibrium = Equilibrium::with_state(self.model, &checkpoint.equilibrium).map_err(|error| {
-            let Position { step, increment, ref run, .. } = checkpoint.position;
-            let trouble = Trouble { place: Place::System, reason: error.to_string(), fraction: None };
-            RunError::Failed { step, increment: increment + 1, progress: run.progress(), trouble }
-        })?;
-        self.equilibrium.set_threads(threads);
-        Ok(checkpoint)
+        Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() }
     }
 }

@@ -256,7 +256,7 @@ impl<'m> Analysis<'m> {
         let mut cutbacks = 0;
         while !run.is_done() {
             if cutbacks == 0 && self.is_checkpoint_due() {
-                let checkpoint = self.checkpoint(Position { step: number, run: run.clone(), increment, step_time })?;
+                let checkpoint = self.checkpoint(Position { step: number, run: run.clone(), increment, step_time });
                 observer.checkpoint(&checkpoint)?;
             }
             let target = run.target();

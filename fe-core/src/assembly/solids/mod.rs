@@ -68,7 +68,7 @@ mod test;
 pub const LEAST_VOLUME_RATIO: f64 = 0.2;
 
 /// Which tangent of its points an element's stiffness is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum TangentChoice {
     /// DDSDDE of the increment: Newton's method converges quadratically.
     #[default]

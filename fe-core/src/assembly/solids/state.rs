@@ -2,14 +2,19 @@
 
 use super::block::Block;
 use super::points::States;
+use super::record::Record;
 use super::trust::Trust;
-use super::{Counters, Solids};
+use super::{Counters, Solids, TangentChoice};
+use crate::assembly::GREATEST_COUNT;
+use crate::kinematics::finite::Moduli;
 use serde::{Deserialize, Serialize};
 
-/// The committed states of all points, and the displacements that they belong to.
+/// The committed states of all points with the displacements that they belong to, and the stiffnesses, which may be those
+/// of an earlier increment.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct SolidsState {
     blocks: Vec<BlockState>,
+    version: u64,
     counters: Counters,
     trust: Vec<Trust>,
 }
@@ -17,45 +22,97 @@ pub struct SolidsState {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct BlockState {
     points: States,
+    trial: States,
+    moduli: Vec<Moduli>,
     displacements: Vec<[f64; 2]>,
+    stiffnesses: Vec<f64>,
+    built: Vec<Built>,
+}
+
+/// How the stiffness of an element was built.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Built {
+    choice: TangentChoice,
+    moduli_changed: bool,
+    is_unsymmetric: bool,
+    version: u64,
+}
+
+impl Built {
+    fn of(record: &Record) -> Self {
+        let Record { choice, moduli_changed, is_unsymmetric, version, .. } = *record;
+        Self { choice, moduli_changed, is_unsymmetric, version }
+    }
 }
 
 impl BlockState {
     fn of(block: &Block) -> Self {
-        Self { points: block.body.points.committed.clone(), displacements: block.committed.clone() }
+        let points = &block.body.points;
+        Self {
+            points: points.committed.clone(),
+            trial: points.trial.clone(),
+            moduli: points.moduli.clone(),
+            displacements: block.committed.clone(),
+            stiffnesses: block.stiffnesses.clone(),
+            built: block.records.iter().map(Built::of).collect(),
+        }
     }
 
-    fn fits(&self, block: &Block) -> bool {
-        self.displacements.len() == block.committed.len()
-            && self.displacements.iter().flatten().all(|number| number.is_finite())
-            && self.points.fits(&block.body.points.committed)
+    fn fits(&self, block: &Block, version: u64) -> bool {
+        let Self { points, trial, moduli, displacements, stiffnesses, built } = self;
+        let mut numbers =
+            moduli.as_flattened().as_flattened().iter().chain(stiffnesses).chain(displacements.as_flattened());
+        displacements.len() == block.committed.len()
+            && moduli.len() == block.body.points.moduli.len()
+            && stiffnesses.len() == block.stiffnesses.len()
+            && built.len() == block.records.len()
+            && built.iter().all(|built| built.version <= version)
+            && numbers.all(|number| number.is_finite())
+            && points.fits(&block.body.points.committed)
+            && trial.fits(&block.body.points.trial)
+    }
+
+    fn give_to(&self, block: &mut Block) {
+        block.body.points.committed.clone_from(&self.points);
+        block.body.points.trial.clone_from(&self.trial);
+        block.body.points.moduli.clone_from(&self.moduli);
+        block.committed.copy_from_slice(&self.displacements);
+        block.stiffnesses.copy_from_slice(&self.stiffnesses);
+        for (record, built) in block.records.iter_mut().zip(&self.built) {
+            let Built { choice, moduli_changed, is_unsymmetric, version } = *built;
+            (record.choice, record.moduli_changed) = (choice, moduli_changed);
+            (record.is_unsymmetric, record.version) = (is_unsymmetric, version);
+        }
+        block.unsymmetric = self.built.iter().filter(|built| built.is_unsymmetric).count();
+        (block.counters, block.body.points.calls) = (Counters::default(), 0);
+        block.forget();
     }
 }
 
 impl Solids {
-    /// The committed states.
+    /// The committed states and the stiffnesses.
     pub fn state(&self) -> SolidsState {
         let blocks = self.blocks.iter().map(BlockState::of).collect();
-        SolidsState { blocks, counters: self.counters(), trust: self.present_trust() }
+        SolidsState { blocks, version: self.version, counters: self.counters(), trust: self.present_trust() }
     }
 
-    /// Takes over committed states; `false`, and nothing done, if they are of other solids. Stiffnesses stay until the
-    /// next evaluation.
+    /// Takes over committed states and stiffnesses; `false`, and nothing done, if they are of other solids.
     #[must_use]
     pub fn set_state(&mut self, state: &SolidsState) -> bool {
+        let state_version = state.version;
         let mut pairs = self.blocks.iter().zip(&state.blocks);
         let fits = self.blocks.len() == state.blocks.len()
-            && pairs.all(|(block, state)| state.fits(block))
+            && pairs.all(|(block, state)| state.fits(block, state_version))
+            && state_version < GREATEST_COUNT
             && state.counters.counts_on()
             && self.may_trust(&state.trust);
         if fits {
             for (block, state) in self.blocks.iter_mut().zip(&state.blocks) {
-                block.body.points.committed.clone_from(&state.points);
-                block.body.points.trial.clone_from(&state.points);
-                block.committed.copy_from_slice(&state.displacements);
-                block.forget();
+                state.give_to(block);
             }
-            self.earlier += state.counters;
+            self.version = state_version;
+            // what was done to get here has been counted before
+            self.earlier = state.counters;
             self.take_trust(&state.trust);
         }
         fits

@@ -194,10 +194,6 @@ impl<'m> Equilibrium<'m> {
         self.threads = threads;
     }
 
-    pub(super) fn threads(&self) -> &Threads {
-        &self.threads
-    }
-
     /// Finds equilibrium for a target from the committed state.
     pub(super) fn attempt(
         &mut self,
