@@ -268,6 +268,26 @@ fn read(path: &Path) -> String {
     std::fs::read_to_string(path).unwrap()
 }
 
+/// Half of their thickness behind the plane, so that what slides in front of them is seen; cells tell their thickness.
+#[test]
+fn parts_behind_others_lie_behind_the_plane() {
+    let folder = tempfile::tempdir().unwrap();
+    let mesh = two_parts(ElementKind::T6, Integration::Full);
+    let snapshot = Snapshot::new(&mesh);
+    let fields = Fields { behind: vec![1], ..snapshot.fields(&mesh, 0.0) };
+    let mut series = Series::create(folder.path(), &mesh).unwrap();
+    series.write(&fields).unwrap();
+    let text = read(&folder.path().join("fields/000000.vtu"));
+    let document = roxmltree::Document::parse(&text).unwrap();
+    let points = reals(&document, "Points");
+    for (place, &part) in series.recovery().nodes().parts().iter().enumerate() {
+        let expected = if part == 1 { -0.5 * mesh.parts()[1].thickness } else { 0.0 };
+        assert_eq!(points[3 * place + 2], expected);
+    }
+    let thicknesses: Vec<f64> = mesh.elements().iter().map(|element| element.thickness()).collect();
+    assert_eq!(reals(&document, "thickness"), thicknesses);
+}
+
 #[test]
 fn a_written_increment_reads_back() {
     let folder = tempfile::tempdir().unwrap();
