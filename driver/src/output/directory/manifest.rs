@@ -71,8 +71,9 @@ impl Manifest {
         match input::read(&path, Input::Result) {
             Ok(text) => {
                 let manifest: Option<Self> = serde_json::from_slice(&text).ok();
-                // whoever can write into the folder can write a manifest: what it names lies in the folder
-                let ours = manifest.filter(|manifest| manifest.names().all(names::lies_within));
+                // whoever can write into the folder can write a manifest: what it names lies in the folder, and is called as
+                // results are
+                let ours = manifest.filter(Self::names_results);
                 ours.map(Some).ok_or_else(|| super::super::malformed(&path, "not ours"))
             }
             Err(error) if error.kind() == io::ErrorKind::NotFound => {
@@ -90,10 +91,11 @@ impl Manifest {
         write_whole(&path, format!("{}\n", serde_json::to_string_pretty(self)?).as_bytes())
     }
 
-    /// Everything that it names: files, and folders of earlier results with theirs.
-    fn names(&self) -> impl Iterator<Item = &str> {
-        let earlier = self.earlier.iter().flat_map(|(folder, files)| std::iter::once(folder).chain(files));
-        self.files.keys().chain(earlier).map(String::as_str)
+    /// Whether everything that it names is called as results are: files, and folders of earlier results with theirs.
+    fn names_results(&self) -> bool {
+        let mut names = self.files.keys().chain(self.earlier.values().flatten());
+        names.all(|name| names::lies_within(name) && names::is_of_results(name))
+            && self.earlier.keys().all(|folder| names::is_aside(folder))
     }
 
     /// Folders that files of results lie in, but for the directory itself.

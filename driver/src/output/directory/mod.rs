@@ -251,7 +251,7 @@ impl ResultDirectory {
 
     /// A name for a folder of earlier results.
     fn free_name(&self) -> String {
-        let candidates = std::iter::once("previous".to_owned()).chain((2..).map(|k| format!("previous-{k}")));
+        let candidates = std::iter::once(names::ASIDE.to_owned()).chain((2..).map(|k| format!("previous-{k}")));
         let is_free = |name: &String| fs::symlink_metadata(self.path.join(name)).is_err();
         candidates.into_iter().find(is_free).unwrap_or_default()
     }

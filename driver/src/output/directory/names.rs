@@ -57,6 +57,23 @@ const FIT: [&str; 10] = [
     "plots/*.svg",
 ];
 
+/// What pictures leave, beside results or in a directory of their own.
+const PICTURES: [&str; 5] = ["*.svg", "*.png", "plots/*.svg", "plots/*.png", "spec.json"];
+
+/// Whether results of any kind may have this name, or are claimed by it as a pattern.
+pub(super) fn is_of_results(name: &str) -> bool {
+    let patterns = [&GROWING[..], &RUN, &MEMBER, &STUDY, &FIT, &PICTURES, &[super::MANIFEST]].concat();
+    patterns.into_iter().any(|pattern| pattern == name || fits(pattern, name))
+}
+
+/// A folder of earlier results.
+pub(super) fn is_aside(folder: &str) -> bool {
+    folder == ASIDE || fits("previous-#", folder)
+}
+
+/// The first of these folders.
+pub(super) const ASIDE: &str = "previous";
+
 impl Kind {
     /// What is claimed when results begin; other files when they are written.
     pub(super) fn claims(self) -> &'static [&'static str] {

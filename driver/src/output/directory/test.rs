@@ -274,6 +274,30 @@ fn a_forged_manifest_names_nothing_outside() {
     assert_eq!(names(&elsewhere).len(), 4);
 }
 
+/// Nor anything in it that no result is called.
+#[test]
+fn a_forged_manifest_claims_no_file_of_the_users() {
+    for name in ["thesis.tex", "data/history.csv", "plots/data.csv", "fields/notes.txt", "case.json"] {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path();
+        fs::create_dir_all(path.join(name).parent().unwrap()).unwrap();
+        fs::write(path.join(name), "mine").unwrap();
+        for text in [
+            format!("{{\"files\": {{{name:?}: null}}, \"earlier\": {{}}"),
+            format!("{{\"files\": {{}}, \"earlier\": {{\"previous\": [{name:?}]}}"),
+            "{\"files\": {}, \"earlier\": {\"data\": [\"history.csv\"]}".to_owned(),
+        ] {
+            fs::write(path.join(MANIFEST), text + ", \"pullout\": \"0.1.0\", \"kind\": \"run\"}").unwrap();
+            assert!(refused(path, Kind::Run, Access::default()).contains(MANIFEST));
+            let mut directory = opened(path, Access { overwrite: true, ..Access::default() });
+            directory.begin(&[]).unwrap();
+            directory.remove_earlier().unwrap();
+            directory.finish().unwrap();
+            assert_eq!(fs::read_to_string(path.join(name)).unwrap(), "mine");
+        }
+    }
+}
+
 #[test]
 fn nothing_is_written_or_removed_through_a_link() {
     for link in ["plots", "fields", "previous", ".pullout.lock", ".pullout.partial", "history.csv", "manifest.json"] {
