@@ -160,6 +160,7 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
         line_search: given.line_search.unwrap_or(default.line_search),
         locate_peak: given.locate_peak.unwrap_or(default.locate_peak),
         relaxation_time: given.relaxation_time.unwrap_or(default.relaxation_time),
+        max_stabilisation_share: given.max_stabilisation_share.map_or(default.max_stabilisation_share, |share| share.0),
     }
 }
 

@@ -48,6 +48,9 @@ pub(super) enum Note {
     Calls,
 }
 
+/// Increments between two looks after the plugins.
+const LOOK_EVERY: u64 = 64;
+
 /// Calls of the present check.
 static CALLS: AtomicU64 = AtomicU64::new(0);
 
@@ -129,15 +132,25 @@ pub fn let_calls_come_back() {
     }
 }
 
-/// An increment is done. A plugin that closed a standard stream ends the worker here: the next file to be opened would take
-/// its number, and what is printed would go into it.
+/// An increment is done.
 pub fn note_increment(so_far: &Statistics) {
     let Some(recorder) = recorder::installed() else { return };
     recorder.note(Note::Increments as usize, so_far.increments);
     recorder.note(Note::Iterations as usize, so_far.iterations);
     recorder.note(Note::Cutbacks as usize, so_far.cutbacks);
-    restore_mode_of_files();
-    end_if_a_stream_is_closed();
+    // system calls, which cost as much as the increment of a point
+    if so_far.increments < LOOK_EVERY || so_far.increments.is_multiple_of(LOOK_EVERY) {
+        look_after_plugins();
+    }
+}
+
+/// Undoes what plugins did to this process, before a file is opened and now and then. One that closed a standard stream ends
+/// the worker here: the next file to be opened would take its number, and what is printed would go into it.
+pub fn look_after_plugins() {
+    if is_this_process() {
+        restore_mode_of_files();
+        end_if_a_stream_is_closed();
+    }
 }
 
 fn end_if_a_stream_is_closed() {

@@ -10,6 +10,7 @@
 use super::Program;
 use super::recorder::RecorderState;
 use crate::input::{self, Input};
+use crate::isolation::worker;
 use fe_core::model::{ContactLaw, ContactPair, Model, PluginLaw};
 use fe_core::stepping::Checkpoint;
 use serde::{Deserialize, Serialize};
@@ -111,6 +112,7 @@ impl Checkpoints {
         let header = postcard::to_stdvec(&header).map_err(io::Error::other)?;
         let path = folder.join(FILE);
         let partial = folder.join(PARTIAL);
+        worker::look_after_plugins();
         let write = || {
             let mut file = File::create(&partial)?;
             [MAGIC, &header, &state].into_iter().try_for_each(|piece| file.write_all(piece))?;

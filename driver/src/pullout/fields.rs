@@ -1,5 +1,6 @@
 //! Fields of a run for ParaView.
 
+use crate::isolation::worker;
 use crate::output::history::digest_of;
 use fe_core::model::Model;
 use fe_core::output::{Fields, Series, SeriesFiles};
@@ -80,6 +81,7 @@ impl FieldWriter {
     /// A file cannot be written.
     pub fn write(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         let start = Instant::now();
+        worker::look_after_plugins();
         self.series.write(&Fields::of(snapshot)).map_err(io::Error::other)?;
         if let Some((folder, sha256)) = &mut self.hashed {
             let new = self.series.files().names().skip(sha256.len());

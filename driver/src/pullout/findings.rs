@@ -15,6 +15,9 @@ pub struct Findings {
     pub peak_load: Option<PeakLoad>,
     /// The greatest imbalance of the energies, relative as in the history.
     pub energy_error_max: f64,
+    /// What part of the work stabilisation took, and the overstress of laws that extrapolate.
+    #[serde(default)]
+    pub stabilisation_share: f64,
     /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that
     /// can be believed, has no column.
     pub energies: IndexMap<String, f64>,

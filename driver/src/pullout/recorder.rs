@@ -115,6 +115,14 @@ pub fn run<'p>(
     analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
         recorder.observer.warn(remark);
     });
+    findings.stabilisation_share = analysis.stabilisation_share();
+    if findings.stabilisation_share > LARGE_STABILISATION {
+        recorder.observer.warn(format!(
+            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result (a shorter relaxation_time or smaller \
+             increments take less)",
+            100.0 * findings.stabilisation_share
+        ));
+    }
     let elapsed = start.elapsed();
     let done = analysis.statistics();
     let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;
@@ -180,6 +188,9 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
         RunError::Write(_) => None,
     }
 }
+
+/// A part of the work that stabilisation may take without a warning.
+const LARGE_STABILISATION: f64 = 0.01;
 
 /// Which increments are written, and when a step or the run ends early.
 struct Recorder<'p, 'o> {

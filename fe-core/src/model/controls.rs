@@ -49,6 +49,9 @@ pub struct Controls {
     /// η/Δt C Δε, with the virgin moduli C, the time increment Δt and this relaxation time η, s. Elements that fail at
     /// once do so within a few η. 0: none.
     pub relaxation_time: f64,
+    /// The largest part of the work that stabilisation and overstress may have taken when a run ends: beyond it the run
+    /// has failed.
+    pub max_stabilisation_share: f64,
 }
 
 impl Default for Controls {
@@ -61,6 +64,7 @@ impl Default for Controls {
             line_search: true,
             locate_peak: true,
             relaxation_time: 0.0,
+            max_stabilisation_share: f64::INFINITY,
         }
     }
 }

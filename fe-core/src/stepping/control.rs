@@ -17,6 +17,9 @@ use crate::assembly::{Place, Trouble};
 use crate::model::{Model, Step};
 use serde::{Deserialize, Serialize};
 
+#[cfg(test)]
+mod test;
+
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
 /// What all increments have added may come to so much of the work (fe.md §5): an increment that adds to it may add less, the
@@ -27,6 +30,8 @@ const LEAST_SHARE: f64 = 0.05;
 /// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
+/// Overstress cuts increments to this part of the greatest.
+const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
 /// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
 const MAX_ENERGY_LOOKS: u32 = 3;
 const LOOK: f64 = 0.3;
@@ -123,7 +128,7 @@ impl LoadHistory {
 }
 
 /// What an increment that converged is judged by.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Findings {
     /// |load| at its end.
     pub(super) load: f64,
@@ -136,15 +141,15 @@ pub(super) struct Findings {
     pub(super) energy_error_before: f64,
     /// The work of the overstress of laws that extrapolate in the increment, likewise.
     pub(super) overstress: f64,
+    /// Whether the drives took energy back that was stored: elastic unloading.
+    pub(super) gives_back: bool,
 }
 
 impl Findings {
-    /// How much the increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it
-    /// may.
+    /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
     fn energy_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
-        let imbalance = self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0));
-        imbalance.max(self.overstress / ENERGY_TOLERANCE)
+        self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
     }
 }
 
@@ -338,6 +343,11 @@ impl StepRun {
                 return Err(failed("the drives leave the path of the last increments"));
             }
         }
+        if matches!(self.lead, Lead::Other(_)) && findings.gives_back {
+            return Err(failed(
+                "the drives turn back, and what they take back was stored: the specimen unloads elastically",
+            ));
+        }
         let fall = (load.last - findings.load) / load.greatest;
         let jumps = match self.lead {
             Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
@@ -349,7 +359,7 @@ impl StepRun {
         }
         if self.refuses_energies(&findings).is_some() {
             self.energy_refused += 1;
-            let fraction = findings.energy_excess().recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+            let fraction = self.energy_excess(&findings).recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
             return Err(repeat("the energies of the increment do not balance", fraction));
         }
         if !self.locates_peak || load.peaked || self.is_least() {
@@ -376,7 +386,15 @@ impl StepRun {
 
     /// Whether an increment under the drives adds more to the imbalance of the energies than it may.
     fn misses_energies(&self, findings: &Findings) -> bool {
-        matches!(self.lead, Lead::Drives) && findings.energy_excess() > 1.0
+        matches!(self.lead, Lead::Drives) && self.energy_excess(findings) > 1.0
+    }
+
+    /// How much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
+    /// What snaps back costs its overstress in increments of any size: it cuts them to some size only.
+    fn energy_excess(&self, findings: &Findings) -> f64 {
+        let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
+        let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
+        findings.energy_excess().max(overstress)
     }
 
     /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for

@@ -44,9 +44,15 @@ impl Energies {
 
     /// External work less all that it went into.
     pub fn imbalance(&self) -> f64 {
-        self.external_work
-            - (self.elastic + self.plastic + self.damage + self.unaccounted)
-            - (self.interface + self.opening + self.stabilisation)
+        self.external_work - (self.elastic + self.interface_stored) - self.spent()
+    }
+
+    /// What cannot be had back.
+    pub(super) fn spent(&self) -> f64 {
+        self.plastic
+            + self.damage
+            + self.unaccounted
+            + (self.interface_dissipation() + self.opening + self.stabilisation)
     }
 
     /// Whether all are numbers.

@@ -23,7 +23,7 @@ pub use snapshot::Snapshot;
 pub use times::Times;
 
 use crate::assembly::solids::{PartAccount, SolidEnergies};
-use crate::assembly::{Equations, GREATEST_COUNT, IncrementContext, Solids, Trouble};
+use crate::assembly::{Equations, GREATEST_COUNT, IncrementContext, Place, Solids, Trouble};
 use crate::model::{Model, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
@@ -207,6 +207,27 @@ impl<'m> Analysis<'m> {
         Ok(())
     }
 
+    /// The part of the work that stabilisation and the overstress of laws that extrapolate have taken so far.
+    pub fn stabilisation_share(&self) -> f64 {
+        let Present { energies, greatest_work, .. } = &self.present;
+        if energies.stabilisation == 0.0 { 0.0 } else { energies.stabilisation.abs() / greatest_work }
+    }
+
+    /// Refuses the end of a step that what helps over instabilities has governed.
+    fn check_stabilisation(&self, step: u32, increment: u32, progress: f64) -> Result<(), RunError> {
+        let (share, limit) = (self.stabilisation_share(), self.model.controls.max_stabilisation_share);
+        if share <= limit {
+            return Ok(());
+        }
+        let reason = format!(
+            "stabilisation took {:.3} % of the work, more than the {:.3} % of max_stabilisation_share",
+            100.0 * share,
+            100.0 * limit
+        );
+        let trouble = Trouble { place: Place::System, reason, fraction: None };
+        Err(RunError::Failed { step, increment, progress, trouble })
+    }
+
     /// The start of a step.
     fn beginning(&self, step: &Step, number: u32) -> Position {
         let run = StepRun::new(step, &self.present.committed.drives, self.model);
@@ -299,7 +320,10 @@ impl<'m> Analysis<'m> {
                     cutbacks = 0;
                     match observer.increment(&record, &self.snapshot())? {
                         Directive::GoOn => {}
-                        end => return Ok(end),
+                        end => {
+                            self.check_stabilisation(number, increment, run.progress())?;
+                            return Ok(end);
+                        }
                     }
                 }
                 Err(Judgement { trouble, has_failed }) => {
@@ -314,6 +338,7 @@ impl<'m> Analysis<'m> {
                 }
             }
         }
+        self.check_stabilisation(number, increment, run.progress())?;
         Ok(Directive::GoOn)
     }
 
@@ -347,8 +372,9 @@ impl<'m> Analysis<'m> {
         let is_driven_alone = !self.model.fields.change();
         let [energy_error_before, energy_error] =
             if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
+        let external_work = self.external_work_at(&converged.end);
         let overstress = if self.model.extrapolates() {
-            let reference = self.work_reference(self.external_work_at(&converged.end), &converged.end);
+            let reference = self.work_reference(external_work, &converged.end);
             let spent = solids.trial_energies().overstress - solids.energies().overstress;
             if reference > 0.0 { spent / reference } else { 0.0 }
         } else {
@@ -361,7 +387,15 @@ impl<'m> Analysis<'m> {
             energy_error,
             energy_error_before,
             overstress,
+            gives_back: is_driven_alone && self.gives_back(external_work - self.present.energies.external_work),
         }
+    }
+
+    /// Whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
+    /// increment.
+    fn gives_back(&self, work: f64) -> bool {
+        let spent = self.equilibrium.trial_energies().since(&self.equilibrium.energies()).spent();
+        work < 0.0 && spent < LEAST_DISSIPATION * -work
     }
 
     /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
@@ -489,5 +523,7 @@ fn clock(context: &IncrementContext, passed: f64) -> Clock {
     }
 }
 
+/// Where the drives take energy back, at least this part of it is dissipated: less is elastic unloading.
+const LEAST_DISSIPATION: f64 = 1e-2;
 /// The energy error is relative to at least this part of the greatest work so far.
 const LEAST_RELATIVE_WORK: f64 = 1e-3;

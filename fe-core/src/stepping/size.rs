@@ -96,6 +96,11 @@ impl IncrementSize {
         self.minimum
     }
 
+    /// The greatest increment.
+    pub(super) fn maximum(&self) -> f64 {
+        self.maximum
+    }
+
     /// Starts again from a size.
     pub(super) fn restart(&mut self, size: f64) {
         self.size = size.clamp(self.minimum, self.maximum);

@@ -29,7 +29,7 @@ impl Observer for Keeper {
 }
 
 /// A strip 4 × 1 of eight Q8, held at x = 0 along x and at its corner along y, pulled along x at the other end.
-fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> Model {
+pub(super) fn strip(law: PluginLaw, model: PlaneModel, end: f64, control: StepControl) -> Model {
     chain(vec![law], model, end, control)
 }
 

@@ -8,7 +8,7 @@ use super::{
 };
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::work;
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response};
+use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, StateVariable, flags};
 
 /// The law.
@@ -16,8 +16,12 @@ pub struct ConcreteDamageImplex;
 
 /// η of D = 1 − 10⁻⁶, beyond which nothing is extrapolated.
 const LARGEST_EXTRAPOLATED_ETA: f64 = 999_999.0;
+/// How fast τ falls where increments are shorter.
+const FADING: f64 = 0.5;
+/// R: of the virgin stiffness of a crack against its opening.
+const RESISTANCE: f64 = 2e-5;
 
-const STATES: [StateVariable; 11] = [
+const STATES: [StateVariable; 14] = [
     HISTORY_STATES[0],
     HISTORY_STATES[1],
     HISTORY_STATES[2],
@@ -25,7 +29,10 @@ const STATES: [StateVariable; 11] = [
     HISTORY_STATES[4],
     StateVariable::new(c"eta_t_rate", c"1/s", c"rate of eta_t in the last increment"),
     StateVariable::new(c"eta_c_rate", c"1/s", c"rate of eta_c in the last increment"),
-    StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"energy stored at the extrapolated damage"),
+    StateVariable::new(c"eta_t_applied", c"-", c"eta_t that the stress was computed with"),
+    StateVariable::new(c"eta_c_applied", c"-", c"eta_c that the stress was computed with"),
+    StateVariable::new(c"lag_time", c"s", c"time in which the applied damage follows"),
+    StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"energy stored at the applied damage"),
     StateVariable::new(
         OVERSTRESS_WORK,
         c"N*mm/mm^3",
@@ -36,10 +43,12 @@ const STATES: [StateVariable; 11] = [
 ];
 
 const RATE: [usize; 2] = [5, 6];
-const STORED_ENERGY: usize = 7;
-const OVERSTRESS: usize = 8;
+const APPLIED: [usize; 2] = [7, 8];
+const LAG_TIME: usize = 9;
+const STORED_ENERGY: usize = 10;
+const OVERSTRESS: usize = 11;
 /// Where STRAIN_33 and DISSIPATED_ENERGY stand here, and in the implicit law.
-const LAST: [(usize, usize); 2] = [(9, STRAIN_33_STATE), (10, DISSIPATED_ENERGY_STATE)];
+const LAST: [(usize, usize); 2] = [(12, STRAIN_33_STATE), (13, DISSIPATED_ENERGY_STATE)];
 
 /// The states of the implicit law; it has no inelastic strain here.
 #[inline(always)]
@@ -127,23 +136,36 @@ impl Law for ConcreteDamageImplex {
             return Ok(response);
         }
         let history = History::of(&implicit);
-        let extrapolated = [
-            extrapolated(history.tension.eta, state[RATE[0]], increment.time_increment),
-            extrapolated(history.compression.eta, state[RATE[1]], increment.time_increment),
-        ];
+        let lag_time = increment.time_increment.max(state[LAG_TIME] - FADING * increment.time_increment);
+        let share = increment.time_increment / lag_time;
+        let reached = [history.tension.eta, history.compression.eta];
+        let extrapolated: [f64; 2] = std::array::from_fn(|i| {
+            let eta = extrapolated(reached[i], state[RATE[i]], increment.time_increment);
+            if share < 1.0 { approached(state[APPLIED[i]], eta, share) } else { eta }
+        });
         let softening = parameters.softening(increment.characteristic_length);
         let evolve =
             |strain: &[f64; 3]| Evolution::at_given_damage(parameters, &softening, &history, extrapolated, strain);
         let trial = trial_strain(increment, &implicit);
         let point = solve_point(parameters, evolve, &history, increment, &implicit, trial)?;
-        let stress = point.stress(parameters);
+        let resistance = resistance(parameters, increment.stress_state, extrapolated[0], share);
+        let resisting = times_strain(&resistance, &increment.strain_increment);
+        let stress: [f64; 6] = {
+            let stress = point.stress(parameters);
+            std::array::from_fn(|i| stress[i] + resisting[i])
+        };
         let energy = point.evolution.solid.energy();
         let mean = std::array::from_fn(|i| 0.5 * (increment.stress[i] + stress[i]));
         let dissipation = work(&mean, &increment.strain_increment) - (energy - state[STORED_ENERGY]);
         if !point.is_finite(energy, dissipation, &stress) {
             return Err(overflow(parameters, increment));
         }
-        let tangent = if request.wants_tangent() { point.tangent(parameters) } else { [[0.0; 6]; 6] };
+        let tangent = if request.wants_tangent() {
+            let tangent = point.tangent(parameters);
+            std::array::from_fn(|i| std::array::from_fn(|j| tangent[i][j] + resistance[i][j]))
+        } else {
+            [[0.0; 6]; 6]
+        };
         let History { tension, compression } = point.evolution.history;
         let end = Degraded::new(parameters, tension.eta, compression.eta, &point.axes.values);
         let overstress: [f64; 6] = {
@@ -153,16 +175,43 @@ impl Law for ConcreteDamageImplex {
         point.commit(&mut implicit, dissipation);
         implicit[CRACK_BAND] = crack_band(parameters);
         put_implicit_states(&implicit, energy, state);
-        state[RATE[0]] = (tension.eta - history.tension.eta) / increment.time_increment;
-        state[RATE[1]] = (compression.eta - history.compression.eta) / increment.time_increment;
+        for (i, end) in [tension.eta, compression.eta].into_iter().enumerate() {
+            state[RATE[i]] = (end - reached[i]) / increment.time_increment;
+            state[APPLIED[i]] = extrapolated[i];
+        }
+        state[LAG_TIME] = lag_time;
         state[OVERSTRESS] += work(&overstress, &increment.strain_increment).abs();
         let dissipated_energy = implicit[DISSIPATED_ENERGY_STATE];
         Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)
     }
 }
 
-/// η̃ = η_n + (Δt/Δt_n)(η_n − η_{n−1}), which the rate of the last increment tells.
+/// η_n + (Δt/Δt_n)(η_n − η_{n−1}), which the rate of the last increment tells.
 #[inline(always)]
 fn extrapolated(eta_reached: f64, rate: f64, time_increment: f64) -> f64 {
     (eta_reached + rate * time_increment).min(eta_reached.max(LARGEST_EXTRAPOLATED_ETA))
+}
+
+/// The η whose integrity 1/(1 + η) is a share of the way from one to another.
+#[inline(always)]
+fn approached(from: f64, to: f64, share: f64) -> f64 {
+    let [from, to] = [from, to].map(|eta| 1.0 / (1.0 + eta));
+    (1.0 / (from + share * (to - from)) - 1.0).max(0.0)
+}
+
+/// What resists the strain increment: R D̃_t τ/Δt C.
+#[inline(always)]
+fn resistance(parameters: &Parameters, stress_state: StressState, eta_t: f64, share: f64) -> [[f64; 6]; 6] {
+    let elasticity = &parameters.elasticity;
+    let stiffness = if stress_state == StressState::PlaneStress {
+        elasticity.plane_stress_stiffness()
+    } else {
+        elasticity.stiffness()
+    };
+    let factor = RESISTANCE / share * eta_t / (1.0 + eta_t);
+    stiffness.map(|row| row.map(|c| factor * c))
+}
+
+fn times_strain(stiffness: &[[f64; 6]; 6], strain: &[f64; 6]) -> [f64; 6] {
+    stiffness.map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum())
 }

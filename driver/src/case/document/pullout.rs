@@ -241,6 +241,8 @@ pub struct PulloutControls {
     /// Viscous stabilisation of the parts whose law may soften or has an unsymmetric tangent: relaxation time, s (default 0: none).
     #[schemars(range(min = 0.0))]
     pub relaxation_time: Option<f64>,
+    /// The largest part of the work that stabilisation may have taken: beyond it the run fails at its end (default: none; a warning from 1 % on).
+    pub max_stabilisation_share: Option<Fraction>,
 }
 
 /// What is skipped: everything, nothing, or everything but what is set to false.

@@ -6,7 +6,9 @@ use approx::assert_relative_eq;
 
 /// A crack that opens while it is sheared, the sides pressed: 3 times the strain of the peak.
 const PATH: [f64; 6] = [3e-4, -8e-5, -4e-5, 1.2e-4, 0.0, 0.0];
-const OVERSTRESS_WORK: usize = 8;
+const OVERSTRESS_WORK: usize = 11;
+const ETA_T_APPLIED: usize = 7;
+const RESISTANCE: f64 = 2e-5;
 
 fn banded() -> [f64; 14] {
     with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)])
@@ -29,8 +31,8 @@ fn along(stress_state: StressState, mut path: [f64; 6]) -> [f64; 6] {
     path
 }
 
-/// The greatest deviation from the implicit law along the softening half of a path of `count` increments, and the work of
-/// the overstress from the virgin state.
+/// The greatest deviation from the implicit law along the softening half of a path of `count` increments, but for what
+/// resists the opening of cracks, and the work of the overstress from the virgin state.
 fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
     let props = banded();
     let path = along(stress_state, PATH);
@@ -42,8 +44,12 @@ fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
         let strain = part(&path, f64::from(i) / f64::from(count));
         let (found, expected) = (point.advance(&strain).stress, implicit.advance(&strain).stress);
         if 2 * i > count {
-            let error = found.iter().zip(&expected).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
-            greatest = greatest.max(error);
+            // that of an undamaged point is elastic
+            let mut elastic = virgin(&props, stress_state);
+            let elastic = elastic.advance(&part(&path, 1.0 / f64::from(count))).stress;
+            let damage = point.state[ETA_T_APPLIED] / (1.0 + point.state[ETA_T_APPLIED]);
+            let error = |i: usize| (found[i] - expected[i] - RESISTANCE * damage * elastic[i]).abs();
+            greatest = greatest.max((0..6).map(error).fold(0.0, f64::max));
         }
     }
     [greatest, point.state[OVERSTRESS_WORK]]
@@ -53,10 +59,9 @@ fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
 fn deviates_from_the_implicit_law_by_second_order() {
     for stress_state in STRESS_STATES {
         let [coarse, fine] = [400, 800].map(|count| deviation(stress_state, count));
-        for (coarse, fine) in coarse.into_iter().zip(fine) {
-            let order = (coarse / fine).log2();
-            assert!(fine > 0.0 && (1.7..2.3).contains(&order), "{stress_state:?}: order {order}");
-        }
+        let [deviation, work] = [0, 1].map(|i| (coarse[i] / fine[i]).log2());
+        assert!(fine[0] > 0.0 && (1.7..2.3).contains(&deviation), "{stress_state:?}: order {deviation}");
+        assert!(fine[1] > 0.0 && (0.95..2.3).contains(&work), "{stress_state:?}: order {work}");
     }
 }
 
@@ -140,6 +145,41 @@ fn the_time_increment_tells_how_far_to_extrapolate() {
     };
     let (told, untold) = (lag([1.0, 4.0]), lag([1.0, 1.0]));
     assert!(told < 0.5 * untold, "{told:e} {untold:e}");
+}
+
+/// After a point has failed at one blow, which the stress has not heard of yet: what is left to release comes as slowly as
+/// increments are short, and all of it in the end.
+#[test]
+fn a_lag_is_made_up_in_as_small_parts_as_increments_are_short() {
+    let props = banded();
+    let failed = part(&PATH, 20.0);
+    let lagging = || {
+        let mut point = virgin(&props, StressState::ThreeD);
+        point.advance(&part(&PATH, 0.2));
+        point.advance(&failed);
+        point
+    };
+    let size = |stress: [f64; 6]| stress.iter().fold(0.0_f64, |m, s| m.max(s.abs()));
+    let change = |time: f64| {
+        let mut point = lagging();
+        point.time_increment = time;
+        let before = point.stress;
+        let after = point.advance(&failed).stress;
+        size(std::array::from_fn(|i| after[i] - before[i])) / size(before)
+    };
+    assert!(change(1.0) > 0.5, "{}", change(1.0));
+    for time in [0.1, 1e-3, 1e-6] {
+        assert!(change(time) <= 2.0 * time, "{time}: {}", change(time));
+    }
+    let mut implicit = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);
+    implicit.characteristic_length = Some(20.0);
+    let settled = implicit.advance(&failed).stress;
+    let mut point = lagging();
+    point.time_increment = 0.1;
+    (0..40).for_each(|_| _ = point.advance(&failed));
+    for (found, expected) in point.stress.iter().zip(&settled) {
+        assert_relative_eq!(*found, *expected, max_relative = 1e-9, epsilon = 1e-9);
+    }
 }
 
 #[test]
