@@ -140,7 +140,8 @@ fn hardening_is_followed_under_stress_control_to_the_plateau_and_refused_beyond(
     assert!(failure.message.contains("control e11 by strain"), "{}", failure.message);
     assert_eq!(observed.0.len() as u64, statistics.increments + 1);
     assert_eq!(failure.increment as u64, statistics.increments + 1);
-    assert_eq!(failure.replay["steps"][0]["target"]["s11"], 420.0);
+    let attempted = failure.replay["steps"][0]["target"]["s11"].as_f64().expect("the end of the last attempt");
+    assert!((400.0..420.0).contains(&attempted), "{attempted}");
 }
 
 #[test]
