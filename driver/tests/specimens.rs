@@ -207,3 +207,50 @@ fn energies_balance_or_the_summary_says_so() {
         }
     }
 }
+
+/// Two elements one above the other with 0.1 mm between them, without a contact pair.
+const TWO_BLOCKS: &str = "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n4\n2 1 \"lower\"\n2 2 \"upper\"\n1 3 \"held\"\n1 4 \"pushed\"\n\
+    $EndPhysicalNames\n$Nodes\n8\n1 0 0 0\n2 2 0 0\n3 2 1 0\n4 0 1 0\n5 0.5 1.1 0\n6 1.5 1.1 0\n7 1.5 2.1 0\n8 0.5 2.1 0\n$EndNodes\n\
+    $Elements\n6\n1 3 2 1 1 1 2 3 4\n2 3 2 2 2 5 6 7 8\n3 1 2 3 3 1 2\n4 1 2 3 3 3 4\n5 1 2 4 4 5 6\n6 1 2 4 4 7 8\n$EndElements\n";
+
+#[test]
+fn bodies_that_no_contact_pair_keeps_apart_are_found_in_each_other() {
+    let desk = Desk::new();
+    desk.write("blocks.msh", TWO_BLOCKS);
+    let part = json!({ "model": "plane_strain", "thickness": 1, "material": { "plugin": "linear_elastic" } });
+    let case = json!({
+        "kind": "pullout",
+        "mesh": { "file": "blocks.msh" },
+        "parts": { "lower": part, "upper": part },
+        "grip": { "nodes": "pushed", "direction": [0, -1] },
+        "supports": { "held": {} },
+        "steps": [ { "slip": 0.05, "increments": 1 } ],
+        "output": { "vtu": false, "plots": false },
+    });
+    let case = desk.case("case.json", &case);
+    let apart = desk.run(&case, &[], "apart", 0);
+    assert_eq!(apart.summary["overlap_max"], json!(0.0));
+    let pushed = desk.run(&case, &["steps.0.slip=0.35"], "pushed", 0);
+    let depth = pushed.summary["overlap_max"].as_f64().expect("a depth");
+    assert!((depth - 0.25).abs() < 1e-12, "{depth}");
+    // the shortest outer edge is 1 mm long
+    assert_eq!(pushed.summary["overlap_relative"].as_f64(), Some(depth));
+    let there = &pushed.summary["overlaps"]["end"];
+    assert_eq!((&there["part"], &there["inside"]), (&json!("upper"), &json!("lower")));
+    let warning = "part 'upper' lies in part 'lower' by 0.25 mm, 25 % of the shortest outer edge";
+    assert!(pushed.summary["warnings"].to_string().contains(warning), "{}", pushed.summary["warnings"]);
+    let report = std::fs::read_to_string(pushed.folder.join("report.html")).expect("a report");
+    assert!(report.contains("Overlap of deformed bodies at the end: 0.25 mm, upper in lower"), "{report}");
+}
+
+/// The penetration of a penalty is p/ε_N everywhere.
+#[test]
+fn blocks_in_contact_overlap_by_what_their_penalty_lets_through() {
+    let desk = Desk::new();
+    let case = program::cases().join("verification/contact-patch.json");
+    let run = desk.run(&case, &["contact.enforcement=penalty", "output.plots=false"], "out", 0);
+    let penalties = run.summary["penalties"].as_object().expect("penalties");
+    let penalty = penalties.values().next().and_then(Value::as_f64).expect("one pair");
+    let depth = run.summary["overlap_max"].as_f64().expect("a depth");
+    assert!((depth * penalty / 10.0 - 1.0).abs() < 1e-6, "{depth} with {penalty}");
+}

@@ -94,6 +94,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
         description: description.unwrap_or_default(),
         mesh: ground.words,
+        fibre_diameter: ground.diameter,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
         until,

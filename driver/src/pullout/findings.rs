@@ -1,5 +1,6 @@
 //! What a run of a specimen says besides its history.
 
+use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use fe_core::assembly;
 use fe_core::stepping::{Analysis, Energies, Times};
@@ -18,6 +19,16 @@ pub struct Findings {
     /// What part of the work stabilisation took, and the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
+    /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
+    #[serde(default)]
+    pub overlap_max: f64,
+    /// The same over the fibre's diameter; without a fibre over the shortest edge in contact, without contact over the
+    /// shortest outer edge.
+    #[serde(default)]
+    pub overlap_relative: f64,
+    /// Where bodies overlap at the greatest load, `peak`, and at the `end`, as far as they do.
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub overlaps: IndexMap<String, Overlap>,
     /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that
     /// can be believed, has no column.
     pub energies: IndexMap<String, f64>,

@@ -5,6 +5,7 @@ pub mod checkpoint;
 pub(crate) mod fibre;
 mod fields;
 mod findings;
+mod overlap;
 mod peak;
 pub mod pictures;
 mod program;
@@ -12,6 +13,7 @@ mod recorder;
 mod replay;
 
 pub use findings::{Failure, Findings, Place};
+pub use overlap::Overlap;
 pub use peak::PeakLoad;
 pub use program::{COLUMNS, Output, Program};
 pub use recorder::{Outcome, State, run};

@@ -22,12 +22,13 @@ pub struct PeakLoad {
     pub time: f64,
 }
 
-/// Keeps the greatest load, and the fields there if pictures are wanted.
+/// Keeps the greatest load with the displacements there, and the fields if pictures are wanted.
 #[derive(Debug)]
 pub struct PeakKeeper<'p> {
     /// `None`: nobody wants the fields.
     mesh: Option<&'p Mesh>,
     peak: Option<PeakLoad>,
+    displacements: Vec<f64>,
     fields: Option<Fields<'p>>,
 }
 
@@ -35,6 +36,7 @@ pub struct PeakKeeper<'p> {
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct KeptPeak {
     peak: Option<PeakLoad>,
+    displacements: Vec<f64>,
     fields: Option<KeptFields>,
 }
 
@@ -75,7 +77,10 @@ impl KeptFields {
 impl KeptPeak {
     /// Whether a run on this mesh can have come to it.
     pub fn fits(&self, mesh: &Mesh) -> bool {
+        let count = if self.peak.is_some() { 2 * mesh.nodes().len() } else { 0 };
         self.peak.is_none_or(|peak| [peak.load, peak.slip, peak.time].into_iter().all(f64::is_finite))
+            && self.displacements.len() == count
+            && self.displacements.iter().all(|displacement| displacement.is_finite())
             && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
     }
 }
@@ -84,7 +89,7 @@ impl<'p> PeakKeeper<'p> {
     /// Goes on from a peak so far.
     pub fn resumed(mesh: Option<&'p Mesh>, kept: KeptPeak) -> Self {
         let fields = mesh.zip(kept.fields).map(|(mesh, fields)| fields.on(mesh));
-        Self { mesh, peak: kept.peak, fields }
+        Self { mesh, peak: kept.peak, displacements: kept.displacements, fields }
     }
 
     /// The peak so far.
@@ -102,17 +107,19 @@ impl<'p> PeakKeeper<'p> {
             activities: fields.activities,
             behind: fields.behind,
         });
-        KeptPeak { peak: self.peak, fields }
+        KeptPeak { peak: self.peak, displacements: self.displacements.clone(), fields }
     }
 
     /// With a mesh, fields are kept as well.
     pub fn new(mesh: Option<&'p Mesh>) -> Self {
-        Self { mesh, peak: None, fields: None }
+        Self { mesh, peak: None, displacements: Vec::new(), fields: None }
     }
 
     /// Takes an increment into account; the first of equal ones is the peak.
     pub fn observe(&mut self, record: &Record, snapshot: &Snapshot<'_>) {
         if self.rises(record) {
+            self.displacements.clear();
+            self.displacements.extend_from_slice(snapshot.displacements());
             self.fields = self.mesh.map(|mesh| Fields::of(snapshot).kept(mesh));
         }
     }
@@ -132,6 +139,11 @@ impl<'p> PeakKeeper<'p> {
     /// The greatest load; `None`: there was none.
     pub fn peak(&self) -> Option<PeakLoad> {
         self.peak
+    }
+
+    /// The displacements there.
+    pub fn displacements(&self) -> Option<&[f64]> {
+        self.peak.is_some().then_some(&self.displacements)
     }
 
     /// The state there.

@@ -51,6 +51,8 @@ pub struct Program {
     pub description: String,
     /// What the mesh is: "specimen perpendicular_fibre" or "file block.msh".
     pub mesh: String,
+    /// Diameter of the round fibre of a specimen that has one, mm.
+    pub fibre_diameter: Option<f64>,
     /// What is computed.
     pub model: Model,
     /// What ends each step of the model early.

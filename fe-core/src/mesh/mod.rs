@@ -14,7 +14,7 @@
 //! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] tells them.
 //!
 //! Definitions come from [`gmsh`] files, from [`structured`] blocks and [`triangulation`]s or from the parameters of a [`specimen`];
-//! [`preflight`] finds in a checked mesh what no single element shows.
+//! [`preflight`] finds in a checked mesh what no single element shows, [`Mesh::overlap`] where deformed bodies lie in each other.
 //!
 //! # Example
 //!
@@ -34,6 +34,7 @@
 
 mod error;
 pub mod gmsh;
+mod overlap;
 pub mod preflight;
 pub mod specimen;
 pub mod structured;
@@ -42,6 +43,7 @@ pub mod triangulation;
 mod validation;
 
 pub use error::{MeshError, SetKind};
+pub use overlap::Overlap;
 pub use validation::SMALLEST_RELATIVE_DETERMINANT;
 
 use std::collections::BTreeMap;

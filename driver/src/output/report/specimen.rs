@@ -1,7 +1,7 @@
 //! What only the run of a specimen has to tell.
 
 use crate::output::number::{rounded, significant};
-use crate::pullout::{Findings, PeakLoad};
+use crate::pullout::{Findings, Overlap, PeakLoad};
 use maud::{Markup, html};
 
 /// What came out, in a line.
@@ -14,6 +14,13 @@ pub fn load(findings: &Findings) -> Markup {
                     ", increment " (increment) ")."
                 },
                 None => "No load was measured.",
+            }
+        }
+        @for (when, Overlap { depth, position: [x, y], part, inside }) in &findings.overlaps {
+            p {
+                "Overlap of deformed bodies at the " (if when == "peak" { "greatest load" } else { "end" }) ": "
+                (significant(*depth, 3)) " mm, " (part) " in " (inside) ", at ("
+                (significant(*x, 4)) ", " (significant(*y, 4)) ")."
             }
         }
     }
@@ -104,5 +111,11 @@ mod test {
         found.peak_load = Some(PeakLoad { load: 31.25, slip: 0.0625, step: 1, increment: 7, time: 0.1 });
         let page = load(&found).into_string();
         assert!(page.contains("Greatest load 31.25 N at a slip of 0.0625 mm (step 1, increment 7)"), "{page}");
+        assert!(!page.contains("Overlap"), "{page}");
+        let (part, inside) = ("fibre".to_owned(), "matrix".to_owned());
+        found.overlaps.insert("end".into(), Overlap { depth: 0.0703125, position: [0.25, -0.5], part, inside });
+        let page = load(&found).into_string();
+        let expected = "Overlap of deformed bodies at the end: 0.0703 mm, fibre in matrix, at (0.25, −0.5).";
+        assert!(page.contains(expected), "{page}");
     }
 }

@@ -22,6 +22,7 @@ fn program(every: usize) -> Program {
         title: String::new(),
         description: String::new(),
         mesh: String::new(),
+        fibre_diameter: None,
         model: Model {
             fields: fe_core::model::Fields::default(),
             mesh: mesh.expect("a mesh"),
