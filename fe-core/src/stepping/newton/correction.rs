@@ -15,6 +15,9 @@ const WORK_REDUCTION: f64 = 0.8;
 const MINIMUM_REACHED: f64 = 0.2;
 /// which is sought so often.
 const MAX_SECANTS: usize = 10;
+/// A secant ends not nearer to the shorter correction than this part of the bracket: beyond a kink the work may be 10⁵ times
+/// as large.
+const LEAST_OF_BRACKET: f64 = 0.1;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
 /// Derivatives of the dissipation are differences over this part of the last increment.
@@ -237,7 +240,7 @@ impl Equilibrium<'_> {
             if high.1 * work_before >= 0.0 || high.1.abs() <= MINIMUM_REACHED * work_before.abs() {
                 break;
             }
-            length = low.0 + (high.0 - low.0) * low.1 / (low.1 - high.1);
+            length = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).max(LEAST_OF_BRACKET);
             direction.place(from, length, trial);
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let work = self.work_along(direction);
