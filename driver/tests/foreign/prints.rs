@@ -54,30 +54,33 @@ fn tables_lie_beside_the_case_and_prints_are_kept_with_the_results() {
     }
 }
 
-/// With jemalloc in place of malloc, as clusters have it, Fortran's runtime frees what it took.
+/// With another malloc in place of the C library's, as clusters have it, Fortran's runtime frees what it took.
 #[test]
 fn another_malloc_does_not_disturb_a_law_that_prints() {
-    const MALLOC: &str = "libjemalloc.so.2";
+    ["libjemalloc.so.2", "libtcmalloc_minimal.so.4"].into_iter().for_each(prints_with);
+}
+
+fn prints_with(malloc: &str) {
     let desk = Desk::new();
     let with_it = |arguments: &[&str]| {
         let mut process = command();
-        let output = process.current_dir(desk.path("")).env("LD_PRELOAD", MALLOC).args(arguments).output();
+        let output = process.current_dir(desk.path("")).env("LD_PRELOAD", malloc).args(arguments).output();
         let output = output.expect("the program starts");
         let text = |bytes: &[u8]| String::from_utf8_lossy(bytes).into_owned();
         (output.status.code(), text(&output.stdout), text(&output.stderr))
     };
     if with_it(&["--version"]).2.contains("cannot be preloaded") {
-        return notice("libjemalloc.so.2 is not installed");
+        return notice(&format!("{malloc} is not installed"));
     }
     let Some(case) = prepared(&desk, 0) else { return };
     desk.case("job/case.json", &case);
     let (code, _, stderr) = with_it(&["run", "--quiet", "--out", "out", "job/case.json"]);
-    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    assert_eq!((code, stderr.as_str()), (Some(0), ""), "{malloc}");
     let log = std::fs::read_to_string(desk.path("out/umat.log")).expect("a log");
-    assert_eq!(increments(&log, "UNIT SIX"), [1, 2, 3], "{log}");
+    assert_eq!(increments(&log, "UNIT SIX"), [1, 2, 3], "{malloc}: {log}");
     let library = case["material"]["plugin"].as_str().expect("a path");
     let (code, info, _) = with_it(&["plugin", "info", library]);
-    assert!(code == Some(0) && info.contains("Memory: not the C library's"), "{info}");
+    assert!(code == Some(0) && info.contains("Memory: not the C library's"), "{malloc}: {info}");
     assert!(!desk.pullout(["plugin", "info", library]).expect(0).stdout.contains("Memory:"));
 }
 
