@@ -1,5 +1,7 @@
 //! Inclined fibres from the case to the curve.
 
+#[path = "inclined/cover.rs"]
+mod cover;
 mod program;
 
 use program::{Desk, Run};

@@ -1,34 +1,20 @@
 //! Concrete in front of and behind a fibre, from the case to the curve.
 
-mod program;
-
+use super::program::{Desk, Run, Table};
+use super::run;
 use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use fe_core::mesh::{ElementDefinition, MeshDefinition};
-use program::{Desk, Run};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
 /// A fibre in elastic concrete, whose bond bears 3 MPa across it.
 fn fibre(specimen: Value, slip: f64) -> Value {
-    let steel =
-        json!({ "plugin": "j2_plasticity", "props": { "E": 210e3, "nu": 0.3, "hardening": [[347, 0], [2447, 1]] } });
-    let concrete = json!({ "plugin": "linear_elastic", "props": { "E": 23.7e3, "nu": 0.15 } });
-    let bond = json!({ "normal_law": "hard", "p_0": 3, "delta_N": 0.004, "k_e": 400, "a_1": 3.44, "b_1": 0.13865,
-                       "a_2": 1, "b_2": -0.1772, "tau_res": 0, "k_u": 0, "mu": 0.1 });
-    json!({
-        "kind": "pullout",
-        "mesh": { "specimen": specimen },
-        "parts": { "fibre": { "material": steel }, "matrix": { "material": concrete, "nlgeom": false } },
-        "contact": { "law": { "plugin": "bond_slip", "props": bond } },
-        "nlgeom": true,
-        "steps": [ { "slip": slip, "increments": { "initial": 0.001, "maximum": 0.05 } } ],
-        "output": { "vtu": false, "plots": false },
-    })
-}
-
-fn run(desk: &Desk, name: &str, case: &Value) -> Run {
-    desk.run(&desk.case(&format!("{name}.json"), case), &[], name, 0)
+    let mut case = super::fibre(specimen, slip);
+    case["contact"]["law"]["props"]["p_0"] = json!(3);
+    case["contact"]["law"]["props"]["mu"] = json!(0.1);
+    case["steps"][0]["increments"]["maximum"] = json!(0.05);
+    case
 }
 
 fn peak(run: &Run) -> f64 {
@@ -249,7 +235,7 @@ fn stiffness(desk: &Desk, degrees: f64, thickness: f64, lateral: bool, more: Val
 fn with_cover_and_graded_thickness_a_fibre_is_as_stiff_as_in_space() {
     let desk = Desk::new();
     let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/../tests/reference/inclined_fibre/solid.csv");
-    let solid = program::Table::read(std::path::Path::new(reference));
+    let solid = Table::read(std::path::Path::new(reference));
     let finest = solid.rows.iter().filter(|row| row[2] == 3.0);
     for row in finest {
         for (lateral, expected) in [(false, row[4]), (true, row[5])] {
