@@ -36,6 +36,9 @@ pub(super) struct PointState {
     /// p and τ, MPa.
     pub pressure: f64,
     pub shear: f64,
+    /// Pressure by the point's own gap, which its patch's does not tell, MPa, and what it stores, N/mm.
+    pub own_pressure: f64,
+    pub own_energy: f64,
     pub normal: NormalState,
     pub status: PointStatus,
     /// Whether the penalty of a hard law holds it: what Uzawa updates.
@@ -70,6 +73,8 @@ impl PointState {
             weight,
             pressure: 0.0,
             shear: 0.0,
+            own_pressure: 0.0,
+            own_energy: 0.0,
             normal: NormalState::default(),
             status: PointStatus::Sticking,
             held: false,
@@ -92,11 +97,21 @@ impl PointState {
         const MOST_EDGES: u64 = 1 << 40;
         let Self { foot, gap, slip, lean, largest_slip, weight, pressure, shear, normal, .. } = *self;
         let Self {
-            inelastic_slip, plugin_energies, normal_energy, work, leaning, dissipated, opening, released, ..
+            inelastic_slip,
+            plugin_energies,
+            normal_energy,
+            work,
+            leaning,
+            dissipated,
+            opening,
+            released,
+            own_pressure,
+            own_energy,
+            ..
         } = *self;
         let place = [foot.coordinate, gap, slip, lean, largest_slip, weight, pressure, shear, normal.multiplier];
         let sums = [normal.opening, inelastic_slip, normal_energy, work, leaning, dissipated, opening, released];
-        let mut numbers = place.into_iter().chain(sums).chain(plugin_energies);
+        let mut numbers = place.into_iter().chain(sums).chain(plugin_energies).chain([own_pressure, own_energy]);
         numbers.all(f64::is_finite) && foot.edge.unsigned_abs() < MOST_EDGES
     }
 
@@ -108,9 +123,9 @@ impl PointState {
         let pressing = mean(start.weight * start.pressure, self.weight * self.pressure) * penetration;
         let sliding = mean(start.weight * start.shear, self.weight * self.shear) * (self.slip - start.slip);
         // a point under a normal that leans against its edge moves along the normal when it slides: v·du = dg + (n·dx/ds₀) ds₀
-        let leaning = |state: &Self| -state.weight * state.pressure * state.lean;
+        let leaning = |state: &Self| -state.weight * (state.pressure + state.own_pressure) * state.lean;
         self.leaning += area * mean(leaning(start), leaning(self)) * (self.slip - start.slip);
-        self.work += area * (pressing + sliding);
+        self.work += area * (pressing + sliding + weight * (self.own_energy - start.own_energy));
         let spent = |state: &Self| state.plugin_energies[1..].iter().sum::<f64>();
         self.dissipated += area * weight * (spent(self) - spent(start));
         let stored = mean(start.stored(), self.stored());
@@ -121,9 +136,9 @@ impl PointState {
         }
     }
 
-    /// Stored energy per area, plugin and normal law, N/mm.
+    /// Stored energy per area, plugin, normal law and the point's own gap, N/mm.
     pub fn stored(&self) -> f64 {
-        self.plugin_energies[0] + self.normal_energy
+        self.plugin_energies[0] + self.normal_energy + self.own_energy
     }
 }
 

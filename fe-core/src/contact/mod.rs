@@ -68,7 +68,7 @@ pub struct Energies {
     pub plugin_stored: f64,
     /// What the plugins say is dissipated (SFD, SPD, SVD, SCD).
     pub plugin_dissipated: f64,
-    /// Stored in the host's normal law.
+    /// Stored in the host's normal law, and by points that lie deeper than the edge they share a gap with.
     pub normal_stored: f64,
     /// Lost by opening under the host's normal law.
     pub opening: f64,
@@ -315,7 +315,7 @@ impl Contact {
                 sum.leaning += state.leaning;
                 sum.plugin_stored += point.area * state.weight * state.plugin_energies[0];
                 sum.plugin_dissipated += state.dissipated;
-                sum.normal_stored += point.area * state.weight * state.normal_energy;
+                sum.normal_stored += point.area * state.weight * (state.normal_energy + state.own_energy);
                 sum.opening += state.opening;
                 sum.released += state.released;
             }
@@ -333,7 +333,7 @@ impl Contact {
                 position: pair.kinematics[index].map(|kinematics| kinematics.position),
                 coordinate: point.coordinate,
                 gap: state.gap,
-                pressure: state.pressure,
+                pressure: state.pressure + state.own_pressure,
                 slip: state.slip,
                 shear: state.shear,
                 area: point.area,

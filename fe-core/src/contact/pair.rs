@@ -117,6 +117,9 @@ impl Pair {
                 evaluation.searches += usize::from(self.find_foot(index, position)?);
             }
             let gap = self.mean_gap(patch.clone());
+            if patch.len() > 1 {
+                patch.clone().for_each(|index| self.press_alone(index, gap));
+            }
             for index in patch.clone() {
                 let Some(kinematics) = self.kinematics[index] else { continue };
                 evaluation.points += 1;
@@ -201,6 +204,7 @@ impl Pair {
         let (start_statev, statev) = (&committed.statev[states.clone()], &mut trial.statev[states]);
         if end.weight == 0.0 {
             (end.pressure, end.shear, end.held, end.status) = (0.0, 0.0, false, PointStatus::Released);
+            (end.own_pressure, end.own_energy) = (0.0, start.own_energy);
             (end.plugin_energies, end.normal_energy) = (start.plugin_energies, start.normal_energy);
             statev.copy_from_slice(start_statev);
             tangents[index] = [[0.0; 2]; 2];
