@@ -149,7 +149,7 @@ impl Law for ConcreteDamageImplex {
         let trial = trial_strain(increment, &implicit);
         let point = solve_point(parameters, evolve, &history, increment, &implicit, trial)?;
         let resistance = resistance(parameters, increment.stress_state, extrapolated[0], share);
-        let resisting = times_strain(&resistance, &increment.strain_increment);
+        let resisting = resistance.map(|row| work(&row, &increment.strain_increment));
         let stress: [f64; 6] = {
             let stress = point.stress(parameters);
             std::array::from_fn(|i| stress[i] + resisting[i])
@@ -202,16 +202,8 @@ fn approached(from: f64, to: f64, share: f64) -> f64 {
 /// What resists the strain increment: R D̃_t τ/Δt C.
 #[inline(always)]
 fn resistance(parameters: &Parameters, stress_state: StressState, eta_t: f64, share: f64) -> [[f64; 6]; 6] {
-    let elasticity = &parameters.elasticity;
-    let stiffness = if stress_state == StressState::PlaneStress {
-        elasticity.plane_stress_stiffness()
-    } else {
-        elasticity.stiffness()
-    };
+    let is_plane_stress = stress_state == StressState::PlaneStress;
+    let stiffness = parameters.elasticity.tangent(is_plane_stress, Request::StressAndTangent);
     let factor = RESISTANCE / share * eta_t / (1.0 + eta_t);
     stiffness.map(|row| row.map(|c| factor * c))
-}
-
-fn times_strain(stiffness: &[[f64; 6]; 6], strain: &[f64; 6]) -> [f64; 6] {
-    stiffness.map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum())
 }
