@@ -56,8 +56,8 @@ pub fn measure(program: &Program, peak: Option<&[f64]>, end: &[f64], findings: &
     };
     let when = if when == "peak" { "greatest load" } else { "end" };
     Some(format!(
-        "bodies overlap: at the {when} {what} by {} mm, {} % of {whose}, at ({}, {}): what meets there is no contact pair, \
-         or slid off one",
+        "bodies overlap: at the {when} {what} by {} mm, {} % of {whose}, at ({}, {}): no contact pair keeps them apart \
+         there, or an edge of one turned",
         significant(*depth, 3),
         significant(100.0 * findings.overlap_relative, 3),
         significant(*x, 4),
