@@ -59,7 +59,7 @@ pub const LAWS: &[Sample] = &[
     Sample {
         name: "concrete_damage_implex",
         props: &[31800.0, 0.18, 5000.0, 1.3, 1.905_077e-4, 31.47479, 1.05, 3e-4, 0.17227, 0.0, 0.0, 0.0, 0.0, 0.0],
-        states: 11,
+        states: 14,
         strain: 4e-4,
         inadmissible: (11, 0.3),
     },
