@@ -199,7 +199,11 @@ fn a_host_may_pass_no_character_length() {
 #[test]
 fn a_zero_increment_keeps_the_stress_and_calls_can_be_repeated() {
     for_each_law(|loaded, stress_state| {
-        let (point, _) = loaded.loaded_point(stress_state);
+        let (mut point, _) = loaded.loaded_point(stress_state);
+        if loaded.law.name == "concrete_damage_implex" {
+            // what it lags behind, and what resists the opening of cracks, settles in an increment of zero
+            point.advance(loaded.umat, &[0.0; 6]);
+        }
         let mut resting = point.clone();
         resting.dstran = [0.0; 6];
         resting.call(loaded.umat);
