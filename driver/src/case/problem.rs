@@ -147,9 +147,14 @@ impl std::error::Error for CaseErrors {}
 
 /// "; nearest valid name: 'e11'", or the list of valid names if none is near and the list is short.
 pub fn hint<S: AsRef<str>>(name: &str, valid: impl IntoIterator<Item = S>) -> String {
-    const MOST_LISTED: usize = 24;
     let valid: Vec<S> = valid.into_iter().collect();
-    if let Some(nearest) = nearest(name, &valid) {
+    suggestion(nearest(name, &valid), &valid)
+}
+
+/// The same with the [`nearest`] name of the list.
+pub fn suggestion<S: AsRef<str>>(nearest: Option<&str>, valid: &[S]) -> String {
+    const MOST_LISTED: usize = 24;
+    if let Some(nearest) = nearest {
         return format!("; nearest valid name: '{nearest}'");
     }
     let names: Vec<&str> = valid.iter().map(AsRef::as_ref).collect();

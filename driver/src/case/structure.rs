@@ -4,7 +4,7 @@
 //! so that "neither this nor that nor that" does not reach the user.
 
 use super::document::{InterfaceCase, PointCase, PulloutCase};
-use super::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown};
+use super::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
 use crate::study::document::StudyFile;
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
 use jsonschema::paths::{Location, LocationSegment};
@@ -129,8 +129,7 @@ pub fn check(kind: &str, document: &mut Value) -> Structure {
             members.insert(key, Value::Null);
         }
     }
-    let mut structure = Structure { problems, meant };
-    let problems = std::mem::take(&mut structure.problems);
+    let mut structure = Structure { problems: Vec::new(), meant };
     structure.problems = problems.into_iter().filter(|problem| !structure.explains(problem)).collect();
     structure
 }
@@ -174,8 +173,8 @@ impl Findings<'_> {
                 for key in unexpected {
                     // to look for a similar name takes longer than all else
                     let is_shown = self.problems.len() < MOST_SHOWN;
-                    let hint = if is_shown { hint(key, &valid) } else { String::new() };
                     let nearest = if is_shown { nearest(key, &valid) } else { None };
+                    let hint = if is_shown { suggestion(nearest, &valid) } else { String::new() };
                     let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
                     self.meant.extend(meant.map(|nearest| place.key(nearest)));
                     self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));

@@ -147,7 +147,7 @@ pub(super) struct Findings {
 
 impl Findings {
     /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
-    fn energy_excess(&self) -> f64 {
+    fn imbalance_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
         self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
     }
@@ -394,7 +394,7 @@ impl StepRun {
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
         let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
-        findings.energy_excess().max(overstress)
+        findings.imbalance_excess().max(overstress)
     }
 
     /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for

@@ -394,8 +394,9 @@ impl<'m> Analysis<'m> {
     /// Whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
     /// increment.
     fn gives_back(&self, work: f64) -> bool {
-        let spent = self.equilibrium.trial_energies().since(&self.equilibrium.energies()).spent();
-        work < 0.0 && spent < LEAST_DISSIPATION * -work
+        // sums over all points
+        let spent = || self.equilibrium.trial_energies().since(&self.equilibrium.energies()).spent();
+        work < 0.0 && spent() < LEAST_DISSIPATION * -work
     }
 
     /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:

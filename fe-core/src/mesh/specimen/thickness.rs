@@ -2,7 +2,7 @@
 
 use super::requirement::Requirements;
 use crate::element::{ElementKind, MappedPoint};
-use crate::mesh::MeshDefinition;
+use crate::mesh::{MeshDefinition, Part};
 
 #[cfg(test)]
 mod test;
@@ -60,8 +60,13 @@ impl Thickness {
         }
     }
 
+    /// The part in front of and behind the fibre, of the matrix.
+    pub(super) fn cover(&self, matrix: Part) -> Part {
+        Part { name: "cover".to_owned(), thickness: self.of_cover(), ..matrix }
+    }
+
     /// Of the cover where nothing is graded, mm.
-    pub(super) fn of_cover(&self) -> f64 {
+    fn of_cover(&self) -> f64 {
         self.full - self.diameter
     }
 

@@ -1,5 +1,6 @@
 //! Blocks with a cover in front of and behind their fibre.
 
+use super::pull_out::bond_with;
 use super::{Analysis, Keeper, Record, run};
 use crate::mesh::specimen::{
     FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, PerpendicularFibre, Specimen, SurfaceRole, inclined_fibre,
@@ -38,23 +39,8 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         support("sides along", sides, [0.0, 1.0], None),
     ];
     let bond = |friction_only: bool| {
-        let law = if friction_only { 2.0 } else { 0.0 };
-        let parameters = [
-            ("law", law),
-            ("form", 0.0),
-            ("normal_law", 0.0),
-            ("p_0", if friction_only { 0.0 } else { tension }),
-            ("delta_N", 0.004),
-            ("k_e", 400.0),
-            ("a_1", 3.44),
-            ("b_1", 0.13865),
-            ("a_2", 1.0),
-            ("b_2", -0.1772),
-            ("tau_res", 0.0),
-            ("k_u", 0.0),
-            ("mu", 0.0),
-        ];
-        ContactLaw::Uinter(PluginLaw::shipped("bond_slip", &parameters))
+        let others = if friction_only { [("law", 2.0), ("p_0", 0.0)] } else { [("law", 0.0), ("p_0", tension)] };
+        ContactLaw::Uinter(bond_with(&others))
     };
     let mut model = model(specimen.definition.clone(), supports, 1);
     let edges = |name: &str| model.mesh.edge_set(name).unwrap().to_vec();

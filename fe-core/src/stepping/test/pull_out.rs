@@ -16,6 +16,11 @@ use umat_abi::law::Request;
 
 /// The bond of chapter 6 with friction.
 fn bond(friction: f64) -> PluginLaw {
+    bond_with(&[("mu", friction)])
+}
+
+/// The bond of chapter 6 without friction, but for some parameters.
+pub(super) fn bond_with(others: &[(&str, f64)]) -> PluginLaw {
     let parameters = [
         ("law", 0.0),
         ("form", 0.0),
@@ -29,9 +34,11 @@ fn bond(friction: f64) -> PluginLaw {
         ("b_2", -0.1772),
         ("tau_res", 0.0),
         ("k_u", 0.0),
-        ("mu", friction),
+        ("mu", 0.0),
     ];
-    PluginLaw::shipped("bond_slip", &parameters)
+    let value =
+        |(name, value)| (name, others.iter().find(|(other, _)| *other == name).map_or(value, |(_, other)| *other));
+    PluginLaw::shipped("bond_slip", &parameters.map(value))
 }
 
 fn elastic(modulus: f64, poisson: f64) -> PluginLaw {

@@ -168,7 +168,8 @@ pub fn inclined_fibre(parameters: &InclinedFibre) -> Result<Specimen, SpecimenEr
     let contact_pairs = sets::name_surfaces(&mut definition, &edges);
     let thickness = parameters.thickness();
     let cover_part = parameters.cover.then(|| {
-        definition.parts.push(parameters.cover_part());
+        let [_, matrix] = parameters.parts();
+        definition.parts.push(thickness.cover(matrix));
         definition.parts.len() - 1
     });
     if let Some(part) = cover_part {
@@ -259,12 +260,6 @@ impl InclinedFibre {
                 ..Part::new("matrix", self.matrix_model, self.matrix_thickness)
             },
         ]
-    }
-
-    /// In front of and behind the fibre, of the matrix.
-    fn cover_part(&self) -> Part {
-        let [_, matrix] = self.parts();
-        Part { name: "cover".to_owned(), thickness: self.thickness().of_cover(), ..matrix }
     }
 
     fn thickness(&self) -> Thickness {

@@ -194,7 +194,10 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     )?;
 
     let thickness = parameters.thickness();
-    let cover_part = parameters.cover.then(|| mesh.add_part(parameters.cover_part()));
+    let cover_part = parameters.cover.then(|| {
+        let [_, matrix] = parameters.parts();
+        mesh.add_part(thickness.cover(matrix))
+    });
     if let Some(part) = cover_part {
         parameters.fill_hole(&mut mesh, part, &lines, &matrix)?;
     }
@@ -274,12 +277,6 @@ impl PerpendicularFibre {
             Part { integration: self.fibre.integration, ..Part::new("fibre", models[0], fibre_thickness) },
             Part { integration: self.matrix.integration, ..Part::new("matrix", models[1], self.matrix_thickness) },
         ]
-    }
-
-    /// In front of and behind the fibre, of the matrix.
-    fn cover_part(&self) -> Part {
-        let [_, matrix] = self.parts();
-        Part { name: "cover".to_owned(), thickness: self.thickness().of_cover(), ..matrix }
     }
 
     fn thickness(&self) -> Thickness {
