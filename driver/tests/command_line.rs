@@ -1,4 +1,4 @@
-//! The command line's contract with scripts: exit codes, messages, files (cli-and-cases.md).
+//! The command line's contract with scripts: exit codes, messages, files (docs/reference/command-line.md).
 
 mod program;
 

@@ -5,7 +5,7 @@ mod program;
 use program::{Desk, cases, json};
 use serde_json::{Value, json};
 
-/// Of `examples/crack-band-50mm.json`.
+/// Of `cases/examples/crack-band-50mm.json`.
 const FRACTURE_ENERGY: f64 = 0.1;
 /// B_t of the default parameters.
 const EXPONENT: f64 = 1.3;

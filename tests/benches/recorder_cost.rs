@@ -14,7 +14,7 @@ use umat_abi::law::{Request, StressState};
 const CALLS: usize = 10_000_000;
 /// So many that each takes less than a time slice.
 const REPEATS: usize = 1000;
-/// Largest accepted surcharge (abi.md §4).
+/// Largest accepted surcharge (docs/reference/abi.md).
 const ACCEPTED_NANOSECONDS: f64 = 300.0;
 /// States of a large law.
 const MANY_STATES: usize = 200;

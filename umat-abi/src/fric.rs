@@ -1,4 +1,4 @@
-//! FRIC: the tangential law of a contact point. 39 pointers and three CHARACTER lengths (abi.md §1).
+//! FRIC: the tangential law of a contact point. 39 pointers and three CHARACTER lengths (docs/reference/abi.md).
 
 use crate::umat::entry_point;
 use std::ffi::c_char;

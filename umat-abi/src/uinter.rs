@@ -1,4 +1,4 @@
-//! UINTER: the full law of a contact point. 47 pointers and three CHARACTER lengths (abi.md §1).
+//! UINTER: the full law of a contact point. 47 pointers and three CHARACTER lengths (docs/reference/abi.md).
 //!
 //! Unlike UMAT, STRESS(1) > 0 is compression, RDISP(1) > 0 is penetration, and RDISP, TIME and TEMP
 //! are values at the end of the increment.

@@ -1,4 +1,4 @@
-//! UMAT: a material point. 37 pointers and one trailing CHARACTER length (abi.md §1).
+//! UMAT: a material point. 37 pointers and one trailing CHARACTER length (docs/reference/abi.md).
 
 use std::ffi::c_char;
 

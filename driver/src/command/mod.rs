@@ -1,4 +1,4 @@
-//! The command line (cli-and-cases.md): what each command does, and the exit codes.
+//! The command line (docs/reference/command-line.md): what each command does, and the exit codes.
 
 mod bench;
 mod fit;

@@ -45,7 +45,7 @@ fn any_coordinates_make_a_law() {
     }
 }
 
-/// An elastic fibre in an elastic bond: P = EA β tanh(βL) u (fe.md §7).
+/// An elastic fibre in an elastic bond: P = EA β tanh(βL) u (docs/theory/verification.md).
 #[test]
 fn the_elastic_stiffness_is_that_of_a_fibre_that_stretches() {
     let fibre = fibre();

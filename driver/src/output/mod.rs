@@ -1,4 +1,4 @@
-//! What a run leaves behind (cli-and-cases.md, "Result directory").
+//! What a run leaves behind (docs/reference/result-folder.md).
 //!
 //! [`history`] is written while the run goes on, one system call a line; [`progress`] tells a person how far it is.
 //! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it,

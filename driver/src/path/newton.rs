@@ -7,7 +7,7 @@
 use super::program::{Constraint, Control};
 use nalgebra::{SMatrix, SVector};
 
-/// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of cli-and-cases.md.
+/// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
 /// The same for relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;

@@ -471,7 +471,7 @@ pub struct Compare {
     pub label: String,
 }
 
-/// The history's columns of a material point, in the order of the CSV (cli-and-cases.md, "Result directory").
+/// The history's columns of a material point, in the order of the CSV (docs/reference/result-folder.md).
 pub fn point_columns(nlgeom: bool, plugin: &Plugin) -> Vec<String> {
     let mut columns: Vec<String> = ["step", "increment", "time"].map(String::from).to_vec();
     columns.extend(STRAIN_NAMES.iter().chain(&STRESS_NAMES).map(ToString::to_string));

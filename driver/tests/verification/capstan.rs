@@ -75,7 +75,7 @@ fn friction_multiplies_a_constant_bond_as_well() {
                 "tau {bond} MPa, mu {friction}: {error:.2e}, {of_the_middle:.2e} with the force in the fibre's \
                  middle; against e^(mu theta) P0 {amplified:.2e}"
             );
-            // fe.md §7 asks for 3 %; what is known of the rest is the fibre's height
+            // docs/theory/verification.md asks for 3 %; what is known of the rest is the fibre's height
             assert!(error.abs() < 1e-2, "{error:.2e}");
             assert!(of_the_middle.abs() < 5e-3, "{of_the_middle:.2e}");
             assert!(bond > 0.05 || amplified.abs() < 3e-2, "{amplified:.2e}");

@@ -2,7 +2,7 @@
 
 use super::{model_of, run_to_end};
 
-/// fe.md §7: the loads differ by less than this part of the peak.
+/// docs/theory/verification.md: the loads differ by less than this part of the peak.
 const AGREEMENT: f64 = 3e-2;
 
 /// Slip and load of each increment.

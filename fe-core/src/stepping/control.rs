@@ -22,7 +22,7 @@ mod test;
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
-/// What all increments have added may come to so much of the work (fe.md §5): an increment that adds to it may add less, the
+/// What all increments have added may come to so much of the work (doc.md): an increment that adds to it may add less, the
 /// less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
 pub const ENERGY_BUDGET: f64 = 1e-3;
 /// but not less than this part of its usual share.

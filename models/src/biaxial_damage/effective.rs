@@ -1,5 +1,5 @@
 //! The direction of the stress as a function of one scalar: principal σ_i = (1 − D) q_i(m),
-//! q_i = 2μ e_i + m k θ, m = (1 − Dβ)/(1 − D) (models.md §6.3), and the energies a, b along it.
+//! q_i = 2μ e_i + m k θ, m = (1 − Dβ)/(1 − D) (doc.md), and the energies a, b along it.
 
 use crate::tensor::{Elasticity, Spectral, trace};
 use umat_abi::law::StressState;
@@ -242,7 +242,7 @@ impl EffectiveStress {
     }
 
     /// The gradient of a function of q with partial derivatives φ_i: 2μ dev(Σ φ_i N_i) + m k (Σ φ_i) I,
-    /// and k θ Σ φ_i for m (§6.5). In plane stress q_3 stays 0: its φ does not count.
+    /// and k θ Σ φ_i for m (doc.md). In plane stress q_3 stays 0: its φ does not count.
     pub fn lift(&self, mut partial: [f64; 3], m: f64) -> Gradient {
         if let Some(i) = self.out_of_plane {
             partial[i] = 0.0;

@@ -1,4 +1,4 @@
-//! The least root m ≥ 1 of M(m) − m (models.md §6.3): M is continuous but neither monotone nor smooth,
+//! The least root m ≥ 1 of M(m) − m (doc.md): M is continuous but neither monotone nor smooth,
 //! so the pieces between its kinks are scanned for the first change of sign.
 
 /// Cells of each piece, equal in ln m.

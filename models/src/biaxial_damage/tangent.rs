@@ -1,4 +1,4 @@
-//! The consistent tangent (models.md §6.5), with ε33 eliminated exactly in plane stress.
+//! The consistent tangent (doc.md), with ε33 eliminated exactly in plane stress.
 
 use super::Parameters;
 use super::effective::{EffectiveStress, Gradient};

@@ -92,7 +92,7 @@ fn damage_and_maxima_never_decrease_and_a_committed_strain_met_again_changes_not
     }
 }
 
-/// §13 of models.md: peaks, strains at the peak, and the law at many points of each path.
+/// docs/theory/peaks.md: peaks, strains at the peak, and the law at many points of each path.
 #[test]
 fn peaks_and_proportional_paths_are_the_closed_form_ones() {
     for (direction, mode, peak, strain) in [
@@ -104,7 +104,7 @@ fn peaks_and_proportional_paths_are_the_closed_form_ones() {
         ([1.0, 0.55, 0.0], BIAXIAL, 4.5174, 1.280e-4),
         ([-1.0, 0.1, 0.0], UNIAXIAL, -23.98, -1.628e-3),
         ([-1.0, 0.1, 0.0], BIAXIAL, -24.13, -1.592e-3),
-        // §13 gives 8.294 for shear, which these equations pass at γ = 1.488e-3, still rising
+        // docs/theory/peaks.md gives 8.294 for shear, which these equations pass at γ = 1.488e-3, still rising
         ([1.0, -1.0, 0.0], UNIAXIAL, 10.889, 1.694e-3),
     ] {
         let props = props(mode, IMPLICIT);

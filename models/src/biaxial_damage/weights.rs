@@ -1,5 +1,5 @@
 //! The weights that the stress direction gives: r_t of tensile damage (thesis eq. 5.29) and β of the
-//! hydrostatic part (eqs 5.30, 5.31 as repaired in models.md §6.2).
+//! hydrostatic part (eqs 5.30, 5.31 as repaired in doc.md).
 
 use super::effective::{EffectiveStress, Gradient, Kinks};
 
@@ -201,7 +201,7 @@ impl HydrostaticWeight {
         )
     }
 
-    /// Derivatives of the weights at m (models.md §6.5); zero for zero stress.
+    /// Derivatives of the weights at m (doc.md); zero for zero stress.
     pub(super) fn gradients(&self, effective: &EffectiveStress, m: f64, weights: &Weights) -> WeightGradients {
         let q = effective.principal(m);
         if !has_direction(&q) {

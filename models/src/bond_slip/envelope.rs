@@ -1,4 +1,4 @@
-//! The bond envelope τ(s): largest bond traction after the largest slip s (models.md §9.2; thesis 6.23, 6.24).
+//! The bond envelope τ(s): largest bond traction after the largest slip s (doc.md; thesis 6.23, 6.24).
 
 use umat_abi::law::ConfigurationError;
 

@@ -1,5 +1,5 @@
 //! Coulomb friction of a point as a spring with a slider: traction k_f (g − g_s), at most μ⟨p − p_ref⟩
-//! (models.md §9.3 "snubbing", law 2), and the return to a disc that all tangential laws share.
+//! (doc.md "snubbing", law 2), and the return to a disc that all tangential laws share.
 
 use super::tangential::{Contribution, Matrix, Slip, Vector, difference, dot, norm, scaled, scaled_identity};
 

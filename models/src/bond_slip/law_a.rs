@@ -1,4 +1,4 @@
-//! Law A: the thesis's bond with consistent, pinched unloading (models.md §9.3), a plasticity whose
+//! Law A: the thesis's bond with consistent, pinched unloading (doc.md), a plasticity whose
 //! admissible tractions are a disc of residual friction, stretched towards the side of first debonding.
 
 use super::State;

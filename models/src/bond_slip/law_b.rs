@@ -1,4 +1,4 @@
-//! Law B: interfacial damage with friction on the damaged part, Alfano–Sacco type (models.md §9.4).
+//! Law B: interfacial damage with friction on the damaged part, Alfano–Sacco type (doc.md).
 
 use super::State;
 use super::envelope::Envelope;

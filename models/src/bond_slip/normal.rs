@@ -1,5 +1,5 @@
 //! The normal part: hard contact with a tension cap that fades, or the soft exponential law
-//! (models.md §9.1, fe.md §3; thesis 6.19, 6.20 corrected), and what an opening leaves of the bond.
+//! (doc.md; thesis 6.19, 6.20 corrected), and what an opening leaves of the bond.
 
 use super::State;
 use std::f64::consts::E;

@@ -1,4 +1,4 @@
-//! Parameters from what a test report states: E, ν, f_t, f_c (models.md §8.5).
+//! Parameters from what a test report states: E, ν, f_t, f_c (docs/theory/calibration.md).
 //!
 //! Scaling is exact: with A ~ E/f² and Y₀ ~ f²/E stresses scale with f and strains with f/E. Tension is the
 //! default set scaled. In compression A_c and β follow from two strengths, uniaxial f_c and 1.160 f_c at

@@ -1,4 +1,4 @@
-//! The crack band: post-peak strain stretched so that h ∫ σ dε is the fracture energy (models.md §10 b).
+//! The crack band: post-peak strain stretched so that h ∫ σ dε is the fracture energy (docs/theory/crack-band.md).
 //!
 //! Beyond the peak x_p of the uniaxial curve the law at x is reached only at
 //! x̃ = x + (r − 1)(x_in(x) − x_in(x_p)), x_in = x − σ/E, which adds (r − 1)(g − W_p + σ_p²/2E) to

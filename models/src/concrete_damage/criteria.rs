@@ -1,4 +1,4 @@
-//! The two damage energy release rates, explicit in strain (models.md §8.1), and their gradients.
+//! The two damage energy release rates, explicit in strain (doc.md), and their gradients.
 
 use super::Parameters;
 use super::no_tension::{Split, principal_stress};

@@ -1,4 +1,4 @@
-//! Stress, energy and forces at given damage (models.md §§8.1, 8.4): the hyperelastic part.
+//! Stress, energy and forces at given damage (doc.md): the hyperelastic part.
 
 use super::Parameters;
 use super::criteria::{degradable_energy, times};

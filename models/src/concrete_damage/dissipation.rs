@@ -1,4 +1,4 @@
-//! What one increment dissipates: damage and inelastic strain (models.md §§8.4, 8.6).
+//! What one increment dissipates: damage and inelastic strain (doc.md).
 
 use super::criteria::Criteria;
 use super::degraded::Degraded;

@@ -1,4 +1,4 @@
-//! One update in principal strains: inelastic strain, damage, stress, tangent (models.md §§8.1–8.3).
+//! One update in principal strains: inelastic strain, damage, stress, tangent (doc.md).
 //!
 //! Everything is coaxial with the trial strain, so the whole law is an isotropic function of its three
 //! principal values.

@@ -1,4 +1,4 @@
-//! IV-HP: inelastic strain (models.md §8.6). While a criterion grows, the fraction b of the growth of
+//! IV-HP: inelastic strain (doc.md). While a criterion grows, the fraction b of the growth of
 //! its part of the strain stays behind: cracks that do not close fully, compaction that does not
 //! recover.
 

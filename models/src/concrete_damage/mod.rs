@@ -207,7 +207,7 @@ impl Law for ConcreteDamage {
             fracture_energy: props[12],
             crushing_energy: props[13],
         };
-        // ∫ σ dε of the curve itself is infinite for B ≤ 1 (models.md §10)
+        // ∫ σ dε of the curve itself is infinite for B ≤ 1 (docs/theory/crack-band.md)
         if parameters.fracture_energy > 0.0 && parameters.tension.b <= 1.0 {
             let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
             return Err(ConfigurationError::Inconsistent { rule, value: parameters.tension.b });

@@ -1,4 +1,4 @@
-//! The no-tension split in principal strains (models.md §8.2).
+//! The no-tension split in principal strains (doc.md).
 //!
 //! ε⁻ = ε − ε⁺ minimises ½ (ε − ε⁺) : K : (ε − ε⁺) over ε⁺ ≥ 0: what is left when cracks open freely.
 //! Four regions by how many principal directions are open; the stress K : ε⁻ ≤ 0 does no work on ε⁺.

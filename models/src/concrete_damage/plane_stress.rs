@@ -1,4 +1,4 @@
-//! Plane stress: the ε33 that makes σ33 = 0 (models.md §11).
+//! Plane stress: the ε33 that makes σ33 = 0 (doc.md).
 //!
 //! Direction 3 is principal and stays so, hence the search needs one in-plane decomposition only.
 

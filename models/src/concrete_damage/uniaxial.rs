@@ -3,7 +3,7 @@
 //! With x = √(2Y/E*) the stress is σ = E f(D) x, f = E_c/E = (1 − D)(1 − βD)/(1 − ρD):
 //! - compression: E* = E [2(1+ν) + β(1−2ν)]/3, ρ = [2(1+ν) β + 1 − 2ν]/3, and x is the axial strain;
 //! - tension: E* = E, β = ρ = 1, so f = 1 − D. The axial strain is x (1 − κD), κ = 2ν²/(1−ν), because the
-//!   cracked sides recover their contraction (models.md §8.4 neglects this).
+//!   cracked sides recover their contraction (usually neglected).
 
 use super::Branch;
 use crate::damage_law::{DamageLaw, damage, excess_integrals, integrity};

@@ -1,4 +1,4 @@
-//! The damage function shared by models I–IV (models.md §1.2; thesis eqs 4.10, 4.23–4.25).
+//! The damage function shared by models I–IV (docs/theory/common.md; thesis eqs 4.10, 4.23–4.25).
 //!
 //! D̂(Y) = 0 for Y ≤ Y₀, else x^B/(1 + x^B), x = A (Y − Y₀).
 //!
@@ -110,7 +110,7 @@ impl DamageLaw {
     }
 
     /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
-    /// (models.md §10).
+    /// (docs/theory/crack-band.md).
     pub fn total_dissipation(&self) -> f64 {
         if self.b <= 1.0 {
             return f64::INFINITY;

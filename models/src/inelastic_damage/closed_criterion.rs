@@ -1,4 +1,4 @@
-//! α = 1: the criterion f(η) = c₀ − w(2η + η²) − η^(1/B)/A = 0 (models.md §4.2).
+//! α = 1: the criterion f(η) = c₀ − w(2η + η²) − η^(1/B)/A = 0 (doc.md).
 
 use super::Parameters;
 use crate::damage_law::ETA_MAX;

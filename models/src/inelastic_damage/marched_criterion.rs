@@ -1,5 +1,5 @@
 //! α ≠ 1: Y(ε, ·) need not be monotone; the continuous branch is the smallest root η ≥ η_n of
-//! r(η) = Y(ε, η) − Y₀ − Z(η) (models.md §4.3).
+//! r(η) = Y(ε, η) − Y₀ − Z(η) (doc.md).
 
 use super::Parameters;
 use crate::damage_law::ETA_MAX;

@@ -103,7 +103,7 @@ fn work_is_stored_or_dissipated() {
 
 #[test]
 fn peaks_are_those_of_the_closed_form() {
-    // models.md §13
+    // docs/theory/peaks.md
     let uniaxial: &[usize] = &[1, 2];
     for (props, free, end, stress, strain) in [
         (S45T, uniaxial, 0.3, 1255.71, 0.0901),

@@ -61,7 +61,7 @@ fn work_is_stored_or_dissipated() {
 
 #[test]
 fn peaks_are_those_of_the_closed_form() {
-    // models.md §13
+    // docs/theory/peaks.md
     for (props, end, stress, strain) in
         [(T51T, 4e-4, 3.5826, 1.143e-4), (T51C, -4e-3, -27.675, -1.648e-3), (S45T, 0.3, 2021.94, 0.1090)]
     {

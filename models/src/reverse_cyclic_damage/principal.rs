@@ -1,4 +1,4 @@
-//! Energy, stress and stiffness as functions of the principal strains (models.md §5).
+//! Energy, stress and stiffness as functions of the principal strains (doc.md).
 
 use crate::damage_law::{DamageLaw, damage, integrity};
 use crate::tensor::{Elasticity, Spectral};

@@ -73,7 +73,7 @@ fn work_is_stored_or_dissipated() {
 
 #[test]
 fn peaks_are_those_of_the_closed_form() {
-    // models.md §13
+    // docs/theory/peaks.md
     let uniaxial: &[usize] = &[1, 2];
     use StressState::{PlaneStress, ThreeD};
     for (props, stress_state, free, end, stress, strain) in [

@@ -1,4 +1,4 @@
-//! Isotropic linear elasticity (models.md §1.1).
+//! Isotropic linear elasticity (docs/theory/common.md).
 
 use super::isotropic::stiffness_of;
 use super::{strain_norm_squared, trace};
@@ -52,7 +52,7 @@ impl Elasticity {
         }
     }
 
-    /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (models.md §4.1).
+    /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (docs/theory/common.md).
     #[inline(always)]
     pub fn bulk_modulus_in(&self, dimension: f64) -> f64 {
         self.youngs_modulus / (dimension * (1.0 - (dimension - 1.0) * self.poisson_ratio))

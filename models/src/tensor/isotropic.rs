@@ -1,4 +1,4 @@
-//! Isotropic linear relations in n normal directions (models.md §4.1): n = 3, or n = 2 in plane
+//! Isotropic linear relations in n normal directions (docs/theory/common.md): n = 3, or n = 2 in plane
 //! stress, where the law of the plane is as simple as that of space once σ33 = 0 is built in.
 
 use super::{deviator, trace};

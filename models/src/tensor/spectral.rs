@@ -132,7 +132,7 @@ impl Spectral {
         strain
     }
 
-    /// The tangent of an isotropic function with principal values s_i(e_1, e_2, e_3) (models.md §5.3):
+    /// The tangent of an isotropic function with principal values s_i(e_1, e_2, e_3) (docs/theory/common.md):
     ///
     /// C = Σ_ij H_ij N_i ⊗ N_j + Σ_{i<j} 2 d_ij T_ij ⊗ T_ij,
     ///

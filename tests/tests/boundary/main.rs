@@ -1,4 +1,4 @@
-//! What a plugin must stand (abi.md §3), tried through the dynamic loader on every shipped law.
+//! What a plugin must stand (docs/reference/abi.md), tried through the dynamic loader on every shipped law.
 
 mod calculix;
 mod floating_point;

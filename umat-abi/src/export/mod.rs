@@ -1,6 +1,6 @@
 //! From a pure law to the symbols of a shared library.
 //!
-//! The boundary stands what real hosts do (abi.md §3): NULL for what the law does not need, PNEWDT and
+//! The boundary stands what real hosts do (docs/reference/abi.md): NULL for what the law does not need, PNEWDT and
 //! DDSDDE full of garbage, missing CHARACTER lengths, wrong counts, NaN. It validates, embeds the
 //! components, rotates tensor states by DROT, runs the law on a copy of STATEV, and only then writes.
 //! Configuration errors fill STRESS and DDSDDE with NaN (hosts that ignore PNEWDT would go on with

@@ -1,5 +1,5 @@
 //! Calls that a careless host makes: NULL for arguments that a plugin may not need, and wrong counts
-//! (abi.md §3). For tests of plugins; the memory stays the host's own, whatever the plugin does within
+//! (docs/reference/abi.md). For tests of plugins; the memory stays the host's own, whatever the plugin does within
 //! the counts it is told.
 
 use super::call::{CallOutcome, UmatCall};
@@ -28,7 +28,7 @@ pub enum Alteration<'a> {
 macro_rules! nullable {
     ($call:ident, $arguments:ident, $tangent:ident, $($name:ident)+) => {
         impl $call {
-            /// Arguments that a plugin with metadata does not need (abi.md §3).
+            /// Arguments that a plugin with metadata does not need (docs/reference/abi.md).
             pub const OPTIONAL_ARGUMENTS: &'static [&'static str] = &[$(stringify!($name)),+];
             /// The tangent's name: NULL means "stress only" to plugins that say so.
             pub const TANGENT_ARGUMENT: &'static str = stringify!($tangent);

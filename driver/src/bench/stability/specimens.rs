@@ -16,7 +16,7 @@ use std::time::Duration;
 
 const PART: &str = "specimen";
 
-/// Largest imbalance of the energies, relative as in the history (fe.md §8).
+/// Largest imbalance of the energies, relative as in the history (docs/reference/columns.md).
 const ENERGY_ERROR: f64 = 1e-3;
 
 /// When a variation is given up: three times the increments of the finest, and some minutes.

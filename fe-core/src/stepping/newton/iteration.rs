@@ -15,7 +15,7 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 /// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
 /// after many cuts needs no finer ones than the state that it starts from.
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
-/// After how many iterations the stiffness of damaging elements out of balance becomes safer (fe.md §5). That of plastic
+/// After how many iterations the stiffness of damaging elements out of balance becomes safer (doc.md). That of plastic
 /// ones is safe, and the elastic one far too stiff where flow spreads.
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
 /// A residual that falls faster than this needs no safer stiffness.

@@ -85,7 +85,8 @@ fn reverse_cyclic_damage(regular: bool, stress_state: StressState, chunk: u64, s
         samples: Sample::all(&reverse::SETS).into_iter().filter(|s| s.props[8] == variant).collect(),
         corner: if regular { |random| corners::reverse(random, 1.0) } else { |random| corners::reverse(random, 0.0) },
         monotone: BRANCHES,
-        // models.md §5.1: the thesis's stress jumps where a principal strain changes its sign, its energy may be negative
+        // the thesis's stress jumps where a principal strain changes its sign, its energy may be negative
+        // (models/src/reverse_cyclic_damage/doc.md)
         continuous: regular,
         quadratic: regular,
         ..MOST
@@ -99,7 +100,7 @@ fn biaxial_damage(weights: f64, stress_state: StressState, chunk: u64, states: u
         samples: Sample::all(&sets),
         corner: corners::biaxial,
         monotone: BRANCHES,
-        // not hyperelastic, several branches (models.md §6)
+        // not hyperelastic, several branches (models/src/biaxial_damage/doc.md)
         dissipative: false,
         continuous: false,
         path_exact: &[],

@@ -59,7 +59,7 @@ fn closed_form_of_the_total_work_is_the_integral() {
     assert_relative_eq!(energy, closed, max_relative = 1e-6);
 }
 
-/// models.md §10: 109 mm for B_t = 1.1 and 247 mm for B_t = 1.5, in the one-dimensional reading (ν = 0).
+/// docs/theory/crack-band.md: 109 mm for B_t = 1.1 and 247 mm for B_t = 1.5, in the one-dimensional reading (ν = 0).
 #[test]
 fn too_long_an_element_is_refused_with_the_limit() {
     let limit = |props: &[f64; 14]| {

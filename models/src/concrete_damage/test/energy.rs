@@ -1,4 +1,4 @@
-//! Thermodynamics: convexity at frozen damage, dissipation, energy balance (models.md §12).
+//! Thermodynamics: convexity at frozen damage, dissipation, energy balance.
 
 use super::*;
 use crate::tensor::work;

@@ -65,7 +65,7 @@ fn compression_follows_karsan_and_jirsa() {
     assert_abs_diff_eq!(rms, 1.30, epsilon = 0.005);
 }
 
-/// The table of models.md §8.5.
+/// The table of docs/theory/calibration.md.
 #[test]
 fn calibration_reproduces_the_table() {
     let table = [
