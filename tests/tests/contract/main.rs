@@ -1,8 +1,9 @@
-//! The C header and the Fortran module say what the Rust source of the contract says.
+//! The C header and the Fortran module say what the Rust source of the contract says; documents cite what is there.
 //!
-//! Both are generated from `umat-abi/src`; these tests compare the committed files with the source, and
+//! Header and module are generated from `umat-abi/src`; these tests compare the committed files with the source, and
 //! `PULLOUT_REGENERATE=1 cargo test -p end-to-end-tests --test contract` writes them anew.
 
+mod documents;
 mod fortran;
 mod header;
 mod source;

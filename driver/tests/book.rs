@@ -1,0 +1,264 @@
+//! What the README and the tutorials of the book show works as it stands there: their files are written, their commands
+//! run. The UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
+
+mod program;
+
+use end_to_end_tests::{Tool, find, run, workspace};
+use program::{Desk, Run, Table};
+use serde_json::json;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// A page of the tree.
+fn page(name: &str) -> String {
+    std::fs::read_to_string(workspace(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The fenced blocks of a language, in order.
+fn blocks(name: &str, language: &str) -> Vec<String> {
+    let fence = format!("```{language}\n");
+    page(name).split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
+}
+
+/// What a tutorial asks its reader to do.
+enum Action {
+    /// A file of this name and content.
+    Write(String, String),
+    /// A file of the tree, laid beside the others.
+    Copy(String),
+    /// A script.
+    Run(String),
+}
+
+/// The actions of a page: comments `file: NAME` and `run` stand before the fence that they speak of, `copy: PATH` alone.
+fn actions(name: &str) -> Vec<Action> {
+    let text = page(name);
+    let mut found = Vec::new();
+    for piece in text.split("<!-- ").skip(1) {
+        let (what, rest) = piece.split_once(" -->").unwrap_or_else(|| panic!("{name}: a comment without an end"));
+        let fence = || {
+            let opened =
+                rest.trim_start().strip_prefix("```").unwrap_or_else(|| panic!("{name}: no fence after {what}"));
+            let (_, content) = opened.split_once('\n').expect("a line");
+            content.split("```").next().unwrap_or_default().to_owned()
+        };
+        match what.split_once(": ") {
+            Some(("file", file)) => found.push(Action::Write(file.into(), fence())),
+            Some(("copy", path)) => found.push(Action::Copy(path.into())),
+            None if what == "run" => found.push(Action::Run(fence())),
+            _ => {}
+        }
+    }
+    found
+}
+
+/// Does what a page says, with `pullout` on the PATH: every script must end with 0.
+fn follow(name: &str) -> Desk {
+    let desk = Desk::new();
+    let mut folders = vec![PathBuf::from(env!("CARGO_BIN_EXE_pullout")).parent().expect("a folder").to_owned()];
+    folders.extend(std::env::split_paths(&std::env::var_os("PATH").unwrap_or_default()));
+    let path: OsString = std::env::join_paths(folders).expect("a PATH");
+    let mut scripts = 0;
+    for action in actions(name) {
+        match action {
+            Action::Write(file, content) => {
+                desk.write(&file, &content);
+            }
+            Action::Copy(file) => {
+                let to = desk.path(Path::new(&file).file_name().and_then(|name| name.to_str()).expect("a name"));
+                std::fs::copy(workspace(&file), to).unwrap_or_else(|error| panic!("{file}: {error}"));
+            }
+            Action::Run(script) => {
+                scripts += 1;
+                let mut shell = Command::new("sh");
+                shell.env_remove("PULLOUT_PLUGIN_PATH").env("PATH", &path);
+                run(shell.current_dir(desk.path(".")).args(["-ec", &script]));
+            }
+        }
+    }
+    assert!(scripts > 0, "{name} has no commands");
+    desk
+}
+
+/// The columns of a run are those that the book lists, in its order.
+fn columns_are_listed(history: &Table, section: &str) {
+    let text = page("docs/reference/columns.md");
+    let section = text.split("\n## ").find(|part| part.starts_with(section)).expect("a section");
+    let rows = section.lines().filter(|line| line.starts_with("| `"));
+    let listed: Vec<&str> =
+        rows.flat_map(|row| row[2..].split('|').next().unwrap_or_default().split('`').skip(1).step_by(2)).collect();
+    let written: Vec<&str> = history.columns.iter().map(String::as_str).filter(|name| listed.contains(name)).collect();
+    let expected: Vec<&str> = listed.iter().copied().filter(|name| written.contains(name)).collect();
+    assert_eq!(written, expected, "docs/reference/columns.md");
+    if section.starts_with("Specimens") {
+        assert_eq!(written.len(), history.columns.len(), "a column that docs/reference/columns.md does not list");
+    }
+}
+
+/// Largest difference of two runs' stresses and free strains, relative to the largest entry of each column.
+fn difference(a: &Run, b: &Run) -> f64 {
+    let mut worst = 0.0_f64;
+    for name in ["e11", "e22", "e33", "g12", "s11", "s22", "s33", "s12"] {
+        let (a, b) = (a.history.column(name), b.history.column(name));
+        assert_eq!(a.len(), b.len());
+        let scale = a.iter().fold(1e-300_f64, |m, x| m.max(x.abs()));
+        // a component that is free of stress everywhere holds what the iteration left
+        if scale > 1e-7 || name.starts_with(['e', 'g']) {
+            worst = a.iter().zip(&b).fold(worst, |m, (a, b)| m.max((a - b).abs() / scale));
+        }
+    }
+    worst
+}
+
+/// A library that the tutorial of UMATs built, with its case, against `linear_elastic`.
+fn follows_linear_elasticity(desk: &Desk, theirs: &str) {
+    let theirs = Run::read(&desk.path(theirs), desk.pullout(["check", "umat.json"]).expect(0));
+    let case = desk.path("umat.json");
+    let ours = desk.run(&case, &["material={\"plugin\": \"linear_elastic\", \"props\": [31800.0, 0.18]}"], "ours", 0);
+    assert!((theirs.history.last("s11") - 31.8).abs() < 1e-10);
+    assert!(difference(&ours, &theirs) < 1e-12);
+}
+
+/// In Fortran and in C: built, run, and checked by the tutorial's own commands.
+#[test]
+fn the_umat_of_the_tutorial_runs_and_passes_the_check() {
+    if find(Tool::Fortran).is_none() || find(Tool::C).is_none() {
+        return;
+    }
+    let desk = follow("docs/using/umat.md");
+    follows_linear_elasticity(&desk, "out/umat");
+    follows_linear_elasticity(&desk, "out/in-c");
+    let verdict =
+        desk.pullout(["plugin", "check", "./libmy_umat.so", "--case", "umat.json", "--states", "20"]).expect(0);
+    assert!(verdict.stdout.contains("consistent"), "{}", verdict.stdout);
+}
+
+/// The case of the README and of the first page is one; it unloads, and inelastic strain stays.
+#[test]
+fn the_first_case_runs_and_unloads() {
+    assert_eq!(blocks("README.md", "json")[0], blocks("docs/using/first-run.md", "json")[0]);
+    let desk = follow("docs/using/first-run.md");
+    let run = Run::read(&desk.path("out/case"), desk.pullout(["check", "case.json"]).expect(0));
+    assert!(run.peak("s11", "min") < -27.0);
+    assert!(run.history.last("s11").abs() < 1e-7, "unloaded");
+    assert!(run.history.last("e11") < -1e-4, "inelastic strain stays");
+    columns_are_listed(&run.history, "Points");
+}
+
+#[test]
+fn the_rust_law_builds_and_passes_the_check() {
+    let desk = Desk::new();
+    let contract = workspace("umat-abi");
+    let manifest = blocks("docs/using/law.md", "toml")[0].replace("../pullout/umat-abi", &contract.to_string_lossy());
+    desk.write("Cargo.toml", &format!("{manifest}\n[workspace]\n"));
+    desk.write("src/lib.rs", &blocks("docs/using/law.md", "rust")[0]);
+    let cargo = option_env!("CARGO").unwrap_or("cargo");
+    let target = desk.path("target");
+    // the versions that this workspace uses, so that nothing has to be looked up
+    std::fs::copy(workspace("Cargo.lock"), desk.path("Cargo.lock")).expect("Cargo.lock");
+    run(Command::new(cargo).current_dir(desk.path(".")).env("CARGO_TARGET_DIR", &target).args([
+        "build",
+        "--release",
+        "--offline",
+        "--quiet",
+    ]));
+    let library = target.join("release").join("libhyperbolic.so");
+    let check = desk.pullout(["plugin", "check", &library.to_string_lossy()]);
+    let verdict = check.expect(0).stdout;
+    assert!(verdict.contains("none failed"), "{verdict}");
+    assert!(desk.pullout(["plugin", "info", &library.to_string_lossy()]).expect(0).stdout.contains("gamma_r"));
+}
+
+/// A J2 UMAT in another language along strain cycles, against `j2_plasticity`.
+fn plasticity_in(tool: Tool, file: &str) {
+    let Some(mut compiler) = find(tool) else { return };
+    let desk = Desk::new();
+    let library = desk.path("libforeign.so");
+    let source = workspace("tests/umats").join(file);
+    let include = workspace("umat-abi/include");
+    run(compiler.args(["-shared", "-fPIC", "-O2", "-o"]).arg(&library).arg(source).arg("-I").arg(include).arg("-lm"));
+    // all strains given: both libraries see the same path to the last bit
+    let steps = [0.01, -0.01, 0.02].map(|e| {
+        let target =
+            json!({ "e11": e, "e22": -0.4 * e, "e33": -0.3 * e, "g12": 0.5 * e, "g13": 0.2 * e, "g23": "hold" });
+        json!({ "increments": 50, "target": target })
+    });
+    let case = |material: serde_json::Value| json!({ "kind": "point", "title": file, "material": material, "mode": "3d", "steps": steps });
+    let props = [210_000.0, 0.3, 347.0, 2100.0];
+    let theirs = case(json!({ "plugin": library, "props": props, "nstatv": STATES_OF_THE_FOREIGN_UMAT }));
+    let table = [[347.0, 0.0], [347.0 + 2100.0 * 10.0, 10.0]];
+    let ours = case(json!({ "plugin": "j2_plasticity", "props": { "E": 210_000.0, "nu": 0.3, "hardening": table } }));
+    let theirs = desk.run(&desk.case("theirs.json", &theirs), &[], "theirs", 0);
+    let ours = desk.run(&desk.case("ours.json", &ours), &[], "ours", 0);
+    assert!(ours.peak("s11", "max") > 347.0);
+    assert!(difference(&ours, &theirs) < 1e-12, "{file}: {:e}", difference(&ours, &theirs));
+    assert!(Path::new(&theirs.folder).join("report.html").is_file());
+}
+
+/// Equivalent plastic strain and six plastic strains.
+const STATES_OF_THE_FOREIGN_UMAT: usize = 7;
+
+#[test]
+fn plasticity_in_fortran_follows_the_plugin() {
+    plasticity_in(Tool::Fortran, "j2.f90");
+}
+
+#[test]
+fn plasticity_in_c_follows_the_plugin() {
+    plasticity_in(Tool::C, "j2.c");
+}
+
+/// The fibre of the tutorial leaves nothing in the block.
+#[test]
+fn the_fibre_of_the_tutorial_is_pulled_out() {
+    let desk = follow("docs/using/fibre.md");
+    let run = Run::read(&desk.path("out/fibre"), desk.pullout(["check", "fibre.json"]).expect(0));
+    let (load, slip) = (run.history.column("load"), run.history.column("slip"));
+    let peak = load.iter().fold(0.0_f64, |peak, load| peak.max(*load));
+    // πφL times the greatest bond, and what friction adds
+    assert!((29.0..33.0).contains(&peak), "{peak}");
+    assert!(load.last().unwrap().abs() < 1e-6 * peak && *slip.last().unwrap() == 12.5);
+    assert!(run.history.column("energy_error").iter().all(|error| error.abs() < 1e-3));
+    columns_are_listed(&run.history, "Specimens");
+}
+
+/// The study of the tutorial: friction adds to the peak, and twice the length is twice the peak.
+#[test]
+fn the_study_of_the_tutorial_finds_its_claims() {
+    let study = "docs/using/study.md";
+    assert_eq!(blocks(study, "json").len(), 2, "the fibre and the study");
+    assert_eq!(blocks(study, "json")[0], blocks("docs/using/fibre.md", "json")[0]);
+    let desk = follow(study);
+    let study = program::json(&desk.path("out/friction/study.json"));
+    let claims = study["claims"].as_array().expect("claims");
+    assert!(claims.len() == 3 && claims.iter().all(|claim| claim["verdict"] == "found"), "{claims:?}");
+    assert!(desk.path("out/friction/plots/work_normalised.png").is_file());
+}
+
+/// The curve of the tutorial gives its law back, and the case that is written runs.
+#[test]
+fn the_bond_law_of_the_tutorial_is_found() {
+    let desk = follow("docs/using/bond-law.md");
+    let found = program::json(&desk.path("fit/fit.json"));
+    let number = |name: &str, key: &str| found["forms"]["powers"]["parameters"][name][key].as_f64().expect("a number");
+    // the law in the head of the file; its joints are intersections
+    for (name, value) in [
+        ("k_e", 400.0),
+        ("a_2", 1.0),
+        ("b_2", -0.1772),
+        ("g_crit", 0.003_999_6),
+        ("tau_crit", 1.59985),
+        ("g_peak", 0.020_008_9),
+        ("tau_peak", 1.99997),
+    ] {
+        assert!((number(name, "value") / value - 1.0).abs() < 0.05, "{name}: {}", number(name, "value"));
+    }
+    for (name, value) in [("a_1", 3.44), ("b_1", 0.13865)] {
+        assert!((number(name, "value") - value).abs() < 3.0 * number(name, "standard_error"), "{name}");
+    }
+    let run = desk.run(&desk.path("fit/powers-case.json"), &["output.plots=false", "output.vtu=false"], "again", 0);
+    // the noise is what is left
+    let rms = run.summary["compare"][0]["rms"].as_f64().expect("a comparison");
+    assert!((0.015..0.025).contains(&(rms / run.peak("load", "max"))), "{rms}");
+}
