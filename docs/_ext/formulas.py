@@ -222,7 +222,12 @@ def joined(items, display):
         at += 1
     out = ""
     words = []
-    for item in done:
+    for at, item in enumerate(done):
+        # a comma or a colon between words is the words'
+        is_between = words and item.tex in (",", SIGNS[":"]) and done[at + 1 : at + 2] and done[at + 1].kind == "words"
+        if is_between:
+            words[-1].tex += "," if item.tex == "," else ":"
+            continue
         if item.kind == "words":
             words.append(item)
             continue

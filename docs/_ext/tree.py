@@ -16,6 +16,13 @@ LOG = logging.getLogger(__name__)
 ROOT = Path(__file__).parent.parent.parent
 BOOK = ROOT / "docs"
 RUST_ITEM = re.compile(r"\[(`[^`\]]+`)\](?![(\[:])")
+# where the book speaks of what rustdoc links to
+PAGES_OF_ITEMS = {
+    "`crate::damage_law`": "[what the laws share](/theory/common.md)",
+    "`crate::kinematics`": "[small strains](/theory/kinematics.md)",
+    "`super`": "[concrete damage](/theory/laws/concrete_damage.md)",
+    "`calibration`": "[Calibration](/theory/calibration.md)",
+}
 HIDDEN = re.compile(r"^# .*(Ok::|use |fn ).*$\n?", re.MULTILINE)
 INCLUDE = re.compile(r"^```\{include\} (\S+)", re.MULTILINE)
 LINK = re.compile(r"(!?)\[([^\]]*)\]\(([^)\s]+)\)")
@@ -60,8 +67,8 @@ def linked(match, folder, page):
 
 
 def prose(text, folder, page):
-    text = RUST_ITEM.sub(r"\1", text)
     text = LINK.sub(lambda match: linked(match, folder, page), text)
+    text = RUST_ITEM.sub(lambda match: PAGES_OF_ITEMS.get(match[1], match[1]), text)
     pieces = KEPT.split(text)
     pieces[::2] = [INDEXED.sub(r"$\1$", piece) for piece in pieces[::2]]
     return "".join(pieces)
