@@ -15,7 +15,7 @@ exclude_patterns = ["_build", ".venv", "requirements.txt"]
 smartquotes = False
 
 myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
-myst_fence_as_directive = ["math"]
+myst_fence_as_directive = ["formula"]
 myst_heading_anchors = 3
 myst_dmath_double_inline = False
 

@@ -1,7 +1,7 @@
 """Typesets formulas, written as plain text, with KaTeX while the book is built.
 
 The tree has one notation for formulas, in the laws' pages and in the book: Unicode text that reads in an editor and in
-rustdoc, in a fence `math` or between dollars.
+rustdoc, in a fence `formula` (not `math`, which some readers of Markdown take for TeX) or between dollars.
 
     σ = (1 − D) K₀ : ε        (4.15)
 
@@ -20,6 +20,7 @@ from pathlib import Path
 
 from docutils import nodes
 from py_mini_racer import MiniRacer
+from sphinx.directives.patches import MathDirective
 from sphinx.util import logging
 
 LOG = logging.getLogger(__name__)
@@ -317,6 +318,7 @@ def visit_displaymath(self, node):
 
 
 def setup(app):
+    app.add_directive("formula", MathDirective)
     app.add_html_math_renderer("katex", (visit_math, None), (visit_displaymath, None))
     app.add_css_file("katex/katex.min.css")
     return {"parallel_read_safe": True, "parallel_write_safe": False}

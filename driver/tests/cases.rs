@@ -98,7 +98,7 @@ use Gate::{NotReached, Reached};
 /// that tell it (empty: it is told only here).
 type Figure = (&'static str, &'static [&'static str], Measure, f64, Gate, &'static str);
 
-// Gates: shared data, README (Gopalaratnam & Shah 1985; Karsan & Jirsa 1969; Kupfer et al. 1969).
+// Gates: what `cases/data/` says of the tests (Gopalaratnam & Shah 1985; Karsan & Jirsa 1969; Kupfer et al. 1969).
 const F_T: (f64, f64) = (3.5 * 0.97, 3.5 * 1.03);
 const F_C: (f64, f64) = (-27.6 * 1.03, -27.6 * 0.97);
 const BAND_2: (f64, f64) = (1.5, 2.3);
