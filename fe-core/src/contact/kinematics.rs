@@ -278,6 +278,12 @@ impl Kinematics {
         freedoms
     }
 
+    /// The change of what has this gradient along a change of all displacements.
+    pub fn along(&self, gradient: &[f64; MAX_FREEDOMS], change: &[f64]) -> f64 {
+        let freedoms = self.freedoms();
+        (0..self.freedom_count()).map(|i| gradient[i] * change[freedoms[i]]).sum()
+    }
+
     /// `by_pull` ∂v_i/∂x_j + `by_slip` ∂²s/∂x_i∂x_j; the same to the last bit when i and j change places, unless
     /// normals are smoothed.
     pub fn second_derivative(&self, by_pull: f64, by_slip: f64, i: usize, j: usize) -> f64 {

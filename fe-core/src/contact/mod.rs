@@ -2,6 +2,7 @@
 
 mod chain;
 mod error;
+mod foretold;
 mod history;
 mod kinematics;
 mod law;
@@ -264,6 +265,7 @@ impl Contact {
             pair.committed.copy_from(&pair.trial);
         }
         self.updates = 0;
+        self.foretell_nothing();
     }
 
     /// The attempt is given up: back to the committed state.
@@ -272,6 +274,7 @@ impl Contact {
             pair.trial.copy_from(&pair.committed);
         }
         self.updates = 0;
+        self.foretell_nothing();
     }
 
     /// How many points do what after the last evaluation.
@@ -436,6 +439,5 @@ fn sliding_direction(pair: &Pair) -> f64 {
 
 /// The change of a slip along a change of all displacements.
 fn slip_along(kinematics: &Kinematics, change: &[f64]) -> f64 {
-    let freedoms = kinematics.freedoms();
-    (0..kinematics.freedom_count()).map(|i| kinematics.slip_gradient[i] * change[freedoms[i]]).sum()
+    kinematics.along(&kinematics.slip_gradient, change)
 }

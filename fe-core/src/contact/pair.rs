@@ -1,6 +1,7 @@
 //! One contact pair: its points from displacements to forces.
 
 use super::chain::{Chain, Foot};
+use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::{Kinematics, NoGap};
 use super::law::{LawFailure, PointLaw, Situation, Tangent};
@@ -74,6 +75,8 @@ pub(super) struct Pair {
     pub data: Vec<Datum>,
     /// NSTATV.
     pub state_count: usize,
+    /// Where a correction leads the gaps of the patches.
+    pub foretold: Foretold,
 }
 
 impl Pair {
@@ -111,12 +114,15 @@ impl Pair {
     ) -> Result<Evaluation, Trouble> {
         let mut evaluation = Evaluation::default();
         self.symmetric |= output.request.wants_tangent();
-        for patch in 0..self.patches.len() {
-            let patch = self.patches[patch].clone();
+        self.foretold.elsewhere = false;
+        for number in 0..self.patches.len() {
+            let patch = self.patches[number].clone();
             for index in patch.clone() {
                 evaluation.searches += usize::from(self.find_foot(index, position)?);
             }
             let gap = self.mean_gap(patch.clone());
+            let asked_at = self.foretold.gap(number, gap);
+            self.foretold.elsewhere |= asked_at != gap;
             if patch.len() > 1 {
                 patch.clone().for_each(|index| self.press_alone(index, gap));
             }
@@ -124,7 +130,7 @@ impl Pair {
                 let Some(kinematics) = self.kinematics[index] else { continue };
                 evaluation.points += 1;
                 let was_open = self.trial.points[index].status == PointStatus::Open;
-                self.advance(index, &kinematics, gap, context).map_err(|failure| Trouble {
+                self.advance(index, &kinematics, [gap, asked_at], context).map_err(|failure| Trouble {
                     place: self.place(index, kinematics.position),
                     reason: failure.reason,
                     fraction: failure.fraction,
@@ -189,12 +195,13 @@ impl Pair {
         if self.chain.is_closed() { edge + count * (last - edge + count / 2).div_euclid(count) } else { edge }
     }
 
-    /// The law of a point whose foot was found, into its trial state and tangent.
+    /// The law of a point whose foot was found, into its trial state and tangent: asked at one gap, and from there along
+    /// its tangent to the gap that is.
     fn advance(
         &mut self,
         index: usize,
         kinematics: &Kinematics,
-        gap: f64,
+        [gap, asked_at]: [f64; 2],
         context: &IncrementContext,
     ) -> Result<(), LawFailure> {
         let Self { points, law, committed, trial, tangents, state_count, .. } = self;
@@ -210,8 +217,12 @@ impl Pair {
             tangents[index] = [[0.0; 2]; 2];
             return Ok(());
         }
-        let situation = situation(&points[index], kinematics, index, [gap, end.slip], start, start_statev, context);
+        let situation =
+            situation(&points[index], kinematics, index, [asked_at, end.slip], start, start_statev, context);
         tangents[index] = law.advance(&situation, end, statev)?;
+        let [[by_gap, _], [shear_by_gap, _]] = tangents[index];
+        end.pressure += by_gap * (asked_at - gap);
+        end.shear += shear_by_gap * (asked_at - gap);
         Ok(())
     }
 }

@@ -94,7 +94,7 @@ impl Pair {
     }
 
     /// The points of a patch that transmit, or may.
-    fn members(&self, patch: &Range<usize>) -> impl Iterator<Item = (usize, &Kinematics)> {
+    pub(super) fn members(&self, patch: &Range<usize>) -> impl Iterator<Item = (usize, &Kinematics)> {
         let points = patch.clone().filter(|&index| self.trial.points[index].weight > 0.0);
         points.filter_map(|index| Some((index, self.kinematics[index].as_ref()?)))
     }

@@ -2,6 +2,7 @@
 
 use super::chain::Chain;
 use super::error::ContactError;
+use super::foretold::Foretold;
 use super::history::{History, PointState, PointStatus};
 use super::kinematics::Kinematics;
 use super::law::{LawFailure, PointLaw};
@@ -66,6 +67,7 @@ impl Pair {
             walks,
             data: Vec::with_capacity(points.len()),
             state_count,
+            foretold: Foretold::default(),
             points,
         };
         for index in 0..pair_points.points.len() {

@@ -11,8 +11,8 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{
     self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
-    FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre, PlateWithHole,
-    SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+    FINE_DIAMETERS, FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre,
+    PlateWithHole, SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
 };
 use fe_core::model::Width;
 
@@ -37,14 +37,15 @@ pub struct Generated {
     pub notes: Vec<String>,
 }
 
-/// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block.
+/// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block; `slip`: how
+/// far the grip goes, mm.
 ///
 /// # Errors
 /// Parameters that cannot be.
-pub fn generate(given: &document::Specimen, matrix: Option<Thickness>) -> Result<Generated, SpecimenError> {
+pub fn generate(given: &document::Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
     match given {
         document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given, matrix),
-        document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix),
+        document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix, slip),
         document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
             width: length(given.width, 10.0),
             height: length(given.height, 10.0),
@@ -121,7 +122,11 @@ fn perpendicular_fibre(
     Ok(pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also))
 }
 
-fn inclined_fibre(given: &document::InclinedFibre, matrix: Option<Thickness>) -> Result<Generated, SpecimenError> {
+fn inclined_fibre(
+    given: &document::InclinedFibre,
+    matrix: Option<Thickness>,
+    slip: f64,
+) -> Result<Generated, SpecimenError> {
     let default = InclinedFibre::default();
     let sizes = InclinedMesh::default();
     let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
@@ -139,6 +144,9 @@ fn inclined_fibre(given: &document::InclinedFibre, matrix: Option<Thickness>) ->
         Some(SeparationLength::Given(length)) => length,
         Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(fibre_diameter, angle),
     };
+    let embedded_length = length(given.embedded_length, default.embedded_length);
+    // coarse elements that bend over the exit's edge make the load a saw
+    let slides_out = (slip > FINE_DIAMETERS * fibre_diameter).then(|| slip.min(embedded_length));
     let parameters = InclinedFibre {
         angle,
         outside,
@@ -148,7 +156,7 @@ fn inclined_fibre(given: &document::InclinedFibre, matrix: Option<Thickness>) ->
         cover: given.cover.unwrap_or(default.cover),
         graded_thickness: given.graded_thickness.map(graded),
         fibre_diameter,
-        embedded_length: length(given.embedded_length, default.embedded_length),
+        embedded_length,
         exit_radius: given.exit_radius.map(|radius| radius.0),
         separation_length,
         fibre: part(given.fibre_element, ElementName::Q8),
@@ -157,7 +165,7 @@ fn inclined_fibre(given: &document::InclinedFibre, matrix: Option<Thickness>) ->
             size: length(given.mesh_size, sizes.size),
             elements_across: number(given.elements_across, sizes.elements_across),
             exit_size: given.exit_size.map(|size| size.0),
-            fine_length: given.fine_length.map(|length| length.0),
+            fine_length: given.fine_length.map(|length| length.0).or(slides_out),
             largest_fibre_size: length(given.largest_fibre_size, sizes.largest_fibre_size),
             growth_rate: length(given.growth_rate, sizes.growth_rate),
             largest_size: length(given.largest_size, sizes.largest_size),

@@ -75,7 +75,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
         document::MeshSource::Specimen(source) => {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
-            match generate(specimen, thickness_of_matrix(case)) {
+            match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
                 Ok(Generated { name, mut definition, defaults, diameter, notes }) => {
                     adapt_parts(reader, case, &mut definition, diameter);
                     reader.warnings.extend(notes);

@@ -2,7 +2,7 @@
 
 use super::super::document::pullout as document;
 use super::super::document::pullout::PulloutStep as StepDocument;
-use super::super::document::{Cycle, PulloutCase};
+use super::super::document::{Cycle, Cycles, Piece, PulloutCase};
 use super::super::problem::{Place, hint};
 use super::super::steps::{self, Counted};
 use super::super::{Reader, fields as field_values, history};
@@ -61,6 +61,18 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
         reader.warnings.push(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
     }
     steps
+}
+
+/// How far the grip is pulled, mm, as far as steps can be read.
+pub fn greatest_slip(case: &PulloutCase) -> f64 {
+    fn of(steps: &[Piece<StepDocument>]) -> f64 {
+        let slips = steps.iter().filter_map(|step| step.0.as_ref().ok()).map(|step| match step {
+            StepDocument::Ramp(ramp) => ramp.slip.unwrap_or(0.0),
+            StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => of(&cycle.steps),
+        });
+        slips.fold(0.0, f64::max)
+    }
+    case.steps.0.as_ref().map_or(0.0, |steps| of(steps))
 }
 
 /// Temperature and field variables, as far as anything says something of them.

@@ -350,6 +350,28 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
     assert_eq!(model.contacts.len(), 4);
 }
 
+/// Coarse elements that bend over the exit's edge would make the load a saw.
+#[test]
+fn what_the_steps_pull_out_is_meshed_finely() {
+    let longest = |overrides: &[&str], below: f64| {
+        let model = accepted(&inclined_case(), &[&["mesh.specimen.mesh_size=1"], overrides].concat()).model;
+        // elements along the embedded axis from the exit to this depth
+        let axis = Fibre::of(&model).expect("a fibre").axis;
+        let depth = |node: &[f64; 2]| -(node[0] + node[1]) * 0.5_f64.sqrt();
+        let nodes: Vec<f64> = axis.iter().map(depth).filter(|depth| (-1e-9..below).contains(depth)).collect();
+        nodes.windows(2).map(|ends| (ends[1] - ends[0]).abs()).fold(0.0, f64::max)
+    };
+    let usual = longest(&[], 2.0);
+    assert!(usual < 0.115, "{usual}");
+    assert!(longest(&["steps.0.slip=5"], 5.0) <= 1.05 * usual);
+    assert!(longest(&["steps.0.slip=13"], 12.2) <= 1.05 * usual);
+    let cycles = r#"steps=[{"repeat": 2, "steps": [{"slip": 4}, {"slip": 1}]}]"#;
+    assert!(longest(&[cycles], 4.0) <= 1.05 * usual);
+    // what is given stays
+    assert!(longest(&["steps.0.slip=5", "mesh.specimen.fine_length=2"], 5.0) > 3.0 * usual);
+    assert!(longest(&[], 5.0) > 3.0 * usual);
+}
+
 #[test]
 fn a_fibre_loaded_at_its_exit_hangs_on_a_node() {
     let model = accepted(&inclined_case(), &["mesh.specimen.shape=straight"]).model;

@@ -4,7 +4,7 @@ use super::*;
 use crate::assembly::Place;
 use crate::contact::chain::Foot;
 use crate::contact::law::PointLaw;
-use crate::contact::{NormalDrive, PointIndex};
+use crate::contact::{NormalDrive, PointIndex, PointStatus};
 use crate::element::ElementKind::{Q4, Q8};
 
 #[test]
@@ -449,6 +449,79 @@ fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
                 approx::assert_abs_diff_eq!(gaps[1], end.1, epsilon = 1e-12);
             }
             NormalDrive::Pressure(pressure) => assert_eq!((is_uinter, pressure), (false, end.2)),
+        }
+    }
+}
+
+/// A block on a slope that is displaced along a tangent: gaps change by the square of it, and with them pressures by many times
+/// what they are. Laws are asked where the tangent leads, and followed from there.
+#[test]
+fn no_point_opens_because_the_surfaces_turn_under_a_correction() {
+    let law = || uinter(&[("law", 2.0), ("p_0", 0.0), ("mu", 0.3)]);
+    for kind in [Q4, Q8] {
+        let scene = Scene::rows(kind, |x| -parabola(x), PlaneModel::PlaneStrain);
+        let mut contact = scene.contact(scene.pair(law()));
+        let start = scene.moved(1, |_| [0.0, -1e-3]);
+        forces(&mut contact, &start);
+        contact.commit();
+        forces(&mut contact, &start);
+        let before: Vec<[f64; 2]> = contact.points().map(|point| [point.pressure, point.gap]).collect();
+        let end: Vec<f64> = start.iter().zip(scene.moved(1, |_| [0.0, 2e-2])).map(|(a, b)| a + b).collect();
+        let change: Vec<f64> = end.iter().zip(&start).map(|(end, start)| end - start).collect();
+
+        // where the increment starts: closed, and pulled back by what has opened
+        contact.foretell(&change, true);
+        forces(&mut contact, &end);
+        assert!(contact.is_elsewhere());
+        assert_eq!(contact.counts().open, 0, "{kind}");
+        for (point, [pressure, gap]) in contact.points().zip(&before) {
+            assert!(point.gap > 0.0);
+            approx::assert_relative_eq!(point.pressure / pressure, point.gap / gap, max_relative = 1e-9);
+        }
+
+        // what the tangent foretells is what is: open
+        forces(&mut contact, &start);
+        contact.foretell(&change, false);
+        forces(&mut contact, &end);
+        assert_eq!(contact.counts().open, contact.points().count(), "{kind}");
+
+        contact.foretell_nothing();
+        forces(&mut contact, &end);
+        assert!(!contact.is_elsewhere());
+        assert!(contact.points().all(|point| point.pressure == 0.0));
+    }
+}
+
+/// What closes in one iteration is asked where its pressure is one that there was: friction does not hold on to a penetration
+/// that the next iteration takes back.
+#[test]
+fn a_point_that_closes_slides() {
+    for kind in [Q4, Q8] {
+        let scene = Scene::straight(kind);
+        let law = uinter(&[("law", 2.0), ("p_0", 0.0), ("mu", 0.3), ("k_f", 20.0)]);
+        let mut contact = scene.contact(scene.pair(law));
+        // pressed at one end only
+        let tilted = scene.moved(1, |[x, _]| [0.0, -1e-3 + 2e-3 * (x - 1.5)]);
+        forces(&mut contact, &tilted);
+        contact.commit();
+        forces(&mut contact, &tilted);
+        let greatest = contact.points().map(|point| point.pressure).fold(0.0, f64::max);
+        assert!(contact.counts().open > 0 && greatest > 0.0, "{kind}");
+        let change = scene.moved(1, |_| [1e-2, -0.5]);
+        let end: Vec<f64> = tilted.iter().zip(&change).map(|(a, b)| a + b).collect();
+        let was_open: Vec<bool> = contact.points().map(|point| point.status == PointStatus::Open).collect();
+        let statuses = |contact: &mut Contact| {
+            forces(contact, &end);
+            let points = contact.points().zip(&was_open).filter(|(_, was_open)| **was_open);
+            points.map(|(point, _)| point.status).collect::<Vec<_>>()
+        };
+        assert!(statuses(&mut contact).iter().all(|status| *status == PointStatus::Sticking), "{kind}");
+        forces(&mut contact, &tilted);
+        contact.foretell(&change, false);
+        assert!(statuses(&mut contact).iter().all(|status| *status == PointStatus::Slipping), "{kind}");
+        // pressure and shear are those of the whole penetration: on the law's tangent
+        for point in contact.points().zip(&was_open).filter(|(_, was_open)| **was_open).map(|(point, _)| point) {
+            approx::assert_relative_eq!(point.shear.abs(), 0.3 * point.pressure, max_relative = 1e-9);
         }
     }
 }

@@ -244,3 +244,22 @@ fn what_turns_an_edge_is_stored() {
     assert!((energies.work / work - 1.0).abs() < 1e-4, "{energies:?} instead of {work}");
     assert!((energies.normal_stored / work - 1.0).abs() < 1e-4, "{energies:?} instead of {work}");
 }
+
+/// Also where laws are asked elsewhere than at their gaps.
+#[test]
+fn laws_that_are_followed_along_their_tangents() {
+    for scene in scenes() {
+        let law = uinter(&[("law", 2.0), ("p_0", 0.0), ("mu", 0.3)]);
+        let mut contact = scene.contact(scene.pair(law));
+        let start = scene.shaken([0.0, -0.02], 0.002);
+        forces(&mut contact, &start);
+        contact.commit();
+        forces(&mut contact, &start);
+        let end = scene.shaken([0.4, 0.03], 0.002);
+        let change: Vec<f64> = end.iter().zip(&start).map(|(end, start)| end - start).collect();
+        contact.foretell(&change, true);
+        let (error, scale) = tangent_error(&mut contact, &end);
+        assert!(scale > 1.0 && contact.is_elsewhere());
+        assert!(error < 1e-6, "error {error:.2e}");
+    }
+}

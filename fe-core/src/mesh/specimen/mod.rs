@@ -17,7 +17,7 @@ mod test;
 
 pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
 pub use curved_channel::{CurvedChannel, curved_channel};
-pub use inclined_fibre::{InclinedFibre, InclinedMesh, Outside, inclined_fibre};
+pub use inclined_fibre::{FINE_DIAMETERS, InclinedFibre, InclinedMesh, Outside, inclined_fibre};
 pub use one_body::{
     CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
     timoshenko_beam,

@@ -18,6 +18,9 @@ const MAX_SECANTS: usize = 10;
 /// A secant ends not nearer to the shorter correction than this part of the bracket: beyond a kink the work may be 10⁵ times
 /// as large.
 const LEAST_OF_BRACKET: f64 = 0.1;
+/// Up to this iteration a correction with which contact opens or closes is applied in full: the residual of what has closed is
+/// large, and the next correction knows of it. Later ones may go to and fro.
+const BEFORE_HALVING: u32 = 7;
 /// Halvings of a correction.
 const MAX_HALVINGS: usize = 4;
 /// Derivatives of the dissipation are differences over this part of the last increment.
@@ -185,11 +188,13 @@ impl Equilibrium<'_> {
         for (drive, change) in trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
+        self.contact.foretell(&direction.displacements, predicting);
         direction.place(&from, 1.0, trial);
         self.evaluate(trial, context, request, statistics)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.residual);
-        if !self.model.controls.line_search || predicting || moves_drives || full <= before {
+        let contact_changes = self.contact_changes > 0 && context.iteration <= BEFORE_HALVING;
+        if !self.model.controls.line_search || predicting || moves_drives || contact_changes || full <= before {
             return Ok(1.0);
         }
         let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };
@@ -204,7 +209,7 @@ impl Equilibrium<'_> {
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
-            direction.place(&from, length, trial);
+            self.place(direction, &from, length, trial);
             // with tangents: the one that ends the search is where the next iteration starts
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let residual = largest(&self.residual);
@@ -216,10 +221,16 @@ impl Equilibrium<'_> {
             }
         }
         if best.1 != length {
-            direction.place(&from, best.1, trial);
+            self.place(direction, &from, best.1, trial);
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
         }
         Ok(best.1)
+    }
+
+    /// Displaces by a part of a correction.
+    fn place(&mut self, direction: &Direction, from: &[f64], length: f64, trial: &mut Committed) {
+        self.contact.foretell_part(length);
+        direction.place(from, length, trial);
     }
 
     /// Applies as much of a correction as minimises the energy along it, from the full one, which passes the minimum: with
@@ -241,7 +252,7 @@ impl Equilibrium<'_> {
                 break;
             }
             length = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).max(LEAST_OF_BRACKET);
-            direction.place(from, length, trial);
+            self.place(direction, from, length, trial);
             self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
             let work = self.work_along(direction);
             if work.abs() <= MINIMUM_REACHED * work_before.abs() {

@@ -54,7 +54,13 @@ impl Equilibrium<'_> {
             let residual = largest(&self.residual);
             let scale = self.force_scale();
             if !pending && self.is_converged(residual, scale, history.last(), start, trial) {
-                return Ok(history);
+                if !self.contact.is_elsewhere() {
+                    return Ok(history);
+                }
+                // equilibrium with what the laws say elsewhere is none
+                self.contact.foretell_nothing();
+                self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+                continue;
             }
             if history.len() >= controls.max_iterations || growing >= DIVERGENCE {
                 return Err(self.not_converged(residual, scale, history.len()));
@@ -171,10 +177,12 @@ impl Equilibrium<'_> {
         self.factorise(statistics)
     }
 
-    /// Where the last increment was hard an old factor makes the next one harder: cracks turn the stiffness over.
+    /// Where the last increment was hard an old factor makes the next one harder: cracks turn the stiffness over. One of
+    /// contact laws that were asked elsewhere than at their gaps serves once.
     fn may_reuse_factor(&self) -> bool {
         let was_easy = self.last_iterations <= EASY_WITH_OLD_FACTORS;
-        self.model.skipping.factor_reuse && was_easy && self.factorised && self.last_reduction < FAST_REDUCTION
+        let is_known = self.factorised && !self.factor_is_elsewhere;
+        self.model.skipping.factor_reuse && was_easy && is_known && self.last_reduction < FAST_REDUCTION
     }
 
     /// What to ask of the points after a correction: no tangents if an old factor serves the next iteration. The tangents
@@ -224,6 +232,7 @@ impl Equilibrium<'_> {
         };
         self.rounding = POSITION_ROUNDING * self.extent * self.system.largest_diagonal();
         self.factorised = result.is_ok();
+        self.factor_is_elsewhere = self.contact.is_elsewhere();
         result.map(|_| ()).map_err(|error| unsolvable(&error))
     }
 

@@ -110,6 +110,8 @@ pub(super) struct Equilibrium<'m> {
     blocks: Blocks,
     /// Whether a factor of the present pattern exists.
     factorised: bool,
+    /// Whether its tangents are of contact laws that were asked elsewhere than at their gaps.
+    factor_is_elsewhere: bool,
     /// The solids' stiffnesses in the matrix.
     assembled_version: u64,
     /// Whether the last evaluation gave tangents.
@@ -130,6 +132,8 @@ pub(super) struct Equilibrium<'m> {
     rounding: f64,
     /// The largest change of a displacement in the last increment, mm.
     last_move: f64,
+    /// Contact points that opened or closed in the last evaluation.
+    contact_changes: usize,
     /// The contact point that leads, and its slip at the start of the increment.
     leading_point: Option<(PointIndex, f64)>,
     /// A point that broke in this attempt: if the attempt fails it leads the next.
@@ -170,6 +174,7 @@ impl<'m> Equilibrium<'m> {
             residual: Vec::new(),
             blocks: Blocks::default(),
             factorised: false,
+            factor_is_elsewhere: false,
             assembled_version: 0,
             has_tangents: false,
             last_reduction: 1.0,
@@ -180,6 +185,7 @@ impl<'m> Equilibrium<'m> {
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
             rounding: 0.0,
             last_move: 0.0,
+            contact_changes: 0,
             leading_point: None,
             breaking_point: None,
             times: Times::default(),
@@ -209,6 +215,7 @@ impl<'m> Equilibrium<'m> {
         }
         self.at_committed_state = false;
         let mut settlements = 0;
+        self.contact.foretell_nothing();
         loop {
             let round = self.newton(start, &mut trial, target, context, iterations.len(), statistics)?;
             iterations.extend(round);
@@ -355,9 +362,10 @@ impl<'m> Equilibrium<'m> {
             self.contact.set_fields(&start, &end);
         }
         let Self { contact, contact_forces, blocks, times, .. } = self;
-        timed(&mut times.contact, || {
+        let evaluation = timed(&mut times.contact, || {
             contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)
         })?;
+        self.contact_changes = evaluation.changes;
         self.internal.iter_mut().zip(&self.contact_forces).for_each(|(sum, force)| *sum += force);
         self.external.fill(0.0);
         for load in &self.model.loads {

@@ -25,6 +25,7 @@ pub struct EquilibriumState {
     last_reduction: f64,
     assembled_version: u64,
     factorised: bool,
+    factor_is_elsewhere: bool,
     has_tangents: bool,
     at_committed_state: bool,
     fallen_back: Vec<usize>,
@@ -70,6 +71,7 @@ impl<'m> Equilibrium<'m> {
             last_reduction: self.last_reduction,
             assembled_version: self.assembled_version,
             factorised: self.factorised,
+            factor_is_elsewhere: self.factor_is_elsewhere,
             has_tangents: self.has_tangents,
             at_committed_state: self.at_committed_state,
             fallen_back: self.fallen_back.clone(),
@@ -108,6 +110,7 @@ impl<'m> Equilibrium<'m> {
         made.blocks.clone_from(&state.blocks);
         made.fallen_back.clone_from(&state.fallen_back);
         (made.factorised, made.assembled_version) = (state.factorised, state.assembled_version);
+        made.factor_is_elsewhere = state.factor_is_elsewhere;
         (made.has_tangents, made.at_committed_state) = (state.has_tangents, state.at_committed_state);
         made.last_reduction = state.last_reduction;
         made.greatest_scale = state.greatest_scale;

@@ -170,7 +170,7 @@ pub struct InclinedFibre {
     pub elements_across: Option<Elements>,
     /// Size along the fibre where it crosses the exit (default a quarter of the diameter).
     pub exit_size: Option<Positive>,
-    /// So much of the embedded fibre has this size (default 5 diameters).
+    /// So much of the embedded fibre has this size (default 5 diameters, or what the steps pull out if that is more).
     pub fine_length: Option<Positive>,
     /// Largest size along the fibre (default 0.5).
     pub largest_fibre_size: Option<Positive>,

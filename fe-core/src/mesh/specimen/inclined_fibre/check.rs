@@ -33,11 +33,11 @@ impl InclinedFibre {
         let degrees = self.angle.to_degrees();
         let is_angle = (0.0..=LARGEST_ANGLE).contains(&degrees);
         required.that(is_angle, "angle_deg", degrees, format!("between 0 and {LARGEST_ANGLE}"));
-        for (name, value) in [("separation_length", self.separation_length), ("fine_length", self.fine_length())] {
-            let fits = value >= 0.0 && value < self.embedded_length;
-            let requirement = format!("0 or positive, and less than the embedded_length {}", self.embedded_length);
-            required.that(fits, name, value, requirement);
-        }
+        let (separation, fine, embedded) = (self.separation_length, self.fine_length(), self.embedded_length);
+        let requirement = format!("0 or positive, and less than the embedded_length {embedded}");
+        required.that((0.0..embedded).contains(&separation), "separation_length", separation, requirement);
+        let requirement = format!("0 or positive, and not more than the embedded_length {embedded}");
+        required.that((0.0..=embedded).contains(&fine), "fine_length", fine, requirement);
         self.check_outside(&mut required);
         self.thickness().check(self.cover, &mut required);
         self.check_room(&mut required);

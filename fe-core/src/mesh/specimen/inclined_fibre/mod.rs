@@ -21,6 +21,9 @@ use axis::Axis;
 use divisions::Divisions;
 use outline::Outline;
 
+/// So much of the embedded fibre is meshed finely unless a length is given, in diameters.
+pub const FINE_DIAMETERS: f64 = 5.0;
+
 /// A round fibre in a block, at an angle to the normal of its exit face, for [`inclined_fibre`]. The default is the
 /// initially bent fibre of chapter 7 at 45°.
 #[derive(Clone, Debug, PartialEq)]
@@ -87,7 +90,7 @@ pub struct InclinedMesh {
     pub elements_across: usize,
     /// Size along the fibre where it crosses the exit, mm; `None`: φ/4.
     pub exit_size: Option<f64>,
-    /// So much of the fibre inside the block has this size, mm; `None`: 5 φ.
+    /// So much of the fibre inside the block has this size, mm; `None`: [`FINE_DIAMETERS`] φ.
     pub fine_length: Option<f64>,
     /// Largest size along the fibre, 0.5 mm.
     pub largest_fibre_size: f64,
@@ -225,7 +228,7 @@ impl InclinedFibre {
     }
 
     fn fine_length(&self) -> f64 {
-        self.mesh.fine_length.unwrap_or(5.0 * self.fibre_diameter)
+        self.mesh.fine_length.unwrap_or(FINE_DIAMETERS * self.fibre_diameter)
     }
 
     /// Twice an equilateral triangle of the largest size: refinement is asked for where the outline's sizes do not do it.

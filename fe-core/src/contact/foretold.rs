@@ -1,0 +1,97 @@
+//! Gaps that the tangent foretells: where laws are asked while the surfaces still turn under a correction.
+
+use super::Contact;
+use super::history::PointStatus;
+use super::pair::Pair;
+
+/// A gap that turns out otherwise than foretold by no more than what makes this part of the greatest pressure is the one
+/// that its law is asked at.
+const UNNOTICED: f64 = 0.05;
+
+/// Gaps of patches along a correction, to first order.
+#[derive(Debug, Default)]
+pub(super) struct Foretold {
+    /// Empty: nothing is foretold.
+    patches: Vec<Course>,
+    /// Which part of the correction is applied.
+    part: f64,
+    /// The greatest |p| at the start of the increment over ε_N, mm.
+    scale: f64,
+    /// Whether a law was asked elsewhere than at its gap in the last evaluation.
+    pub elsewhere: bool,
+}
+
+/// The gap of a patch along a correction.
+#[derive(Clone, Copy, Debug)]
+struct Course {
+    start: f64,
+    change: f64,
+    was_open: bool,
+}
+
+impl Foretold {
+    /// Where the law of a patch with this gap is to be asked.
+    pub fn gap(&self, patch: usize, gap: f64) -> f64 {
+        let Some(Course { start, change, was_open }) = self.patches.get(patch) else { return gap };
+        let foretold = start + self.part * change;
+        let asked_at = if (gap - foretold).abs() > UNNOTICED * self.scale { foretold } else { gap };
+        // what closes in one iteration has no pressure yet that friction could hold on to
+        if *was_open { asked_at.max(-self.scale) } else { asked_at }
+    }
+}
+
+impl Pair {
+    /// `change`: of all displacements; `predicts`: laws are asked where the increment starts.
+    fn foretell(&mut self, change: &[f64], predicts: bool) {
+        let pressures = self.committed.points.iter().map(|point| point.pressure.abs());
+        let scale = pressures.fold(0.0, f64::max) / self.penalty;
+        // without any pressure there is nothing that could be noticed
+        let count = if scale > 0.0 { self.patches.len() } else { 0 };
+        let course = |number| {
+            let course = self.course(number, change);
+            if predicts { Course { change: 0.0, ..course } } else { course }
+        };
+        let patches = (0..count).map(course).collect();
+        self.foretold = Foretold { patches, part: 1.0, scale, elsewhere: false };
+    }
+
+    fn course(&self, number: usize, change: &[f64]) -> Course {
+        let patch = self.patches[number].clone();
+        let start = self.mean_gap(patch.clone());
+        let (mut sum, mut area, mut was_open) = (0.0, 0.0, true);
+        for (index, kinematics) in self.members(&patch) {
+            let (point, state) = (&self.points[index], &self.trial.points[index]);
+            let own = kinematics.gap - self.data[index].gap;
+            let by_weight =
+                self.weight_slopes[index] * (own - start) * kinematics.along(&kinematics.slip_gradient, change);
+            sum += point.area * (state.weight * kinematics.along(&kinematics.gap_gradient, change) + by_weight);
+            area += point.area * state.weight;
+            was_open &= state.status == PointStatus::Open;
+        }
+        Course { start, change: if area > 0.0 { sum / area } else { 0.0 }, was_open }
+    }
+}
+
+impl Contact {
+    /// Foretells the gaps along a correction of all displacements from the state of the last evaluation. Until
+    /// [`Self::foretell_nothing`] laws whose gaps turn out otherwise are asked where the tangent leads, and followed from
+    /// there along their own tangents; while the drives move (`predicts`), from where the increment starts.
+    pub fn foretell(&mut self, change: &[f64], predicts: bool) {
+        self.pairs.iter_mut().for_each(|pair| pair.foretell(change, predicts));
+    }
+
+    /// Which part of the correction is applied.
+    pub fn foretell_part(&mut self, part: f64) {
+        self.pairs.iter_mut().for_each(|pair| pair.foretold.part = part);
+    }
+
+    /// Laws are asked at the gaps that are.
+    pub fn foretell_nothing(&mut self) {
+        self.pairs.iter_mut().for_each(|pair| pair.foretold = Foretold::default());
+    }
+
+    /// Whether a law was asked elsewhere than at its gap in the last evaluation.
+    pub fn is_elsewhere(&self) -> bool {
+        self.pairs.iter().any(|pair| pair.foretold.elsewhere)
+    }
+}
