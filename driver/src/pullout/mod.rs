@@ -2,6 +2,7 @@
 //! the history.
 
 pub mod checkpoint;
+mod crack_band;
 pub(crate) mod fibre;
 mod fields;
 mod findings;

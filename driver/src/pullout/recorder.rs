@@ -4,7 +4,7 @@ use super::checkpoint::{Checkpoints, Saved};
 use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings};
 use super::peak::{KeptPeak, PeakKeeper};
-use super::{COLUMNS, Program, overlap, replay};
+use super::{COLUMNS, Program, crack_band, overlap, replay};
 use crate::output::number::significant;
 use crate::path::program::Until;
 use crate::path::{self, Failure, Row, Statistics, Stop};
@@ -125,6 +125,9 @@ pub fn run<'p>(
     }
     let (at_peak, at_end) = (recorder.peak.displacements(), snapshot.displacements());
     if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
+        recorder.observer.warn(warning);
+    }
+    for warning in crack_band::warnings(model, snapshot.solids()) {
         recorder.observer.warn(warning);
     }
     let elapsed = start.elapsed();

@@ -84,7 +84,8 @@ pub fn area(kind: ElementKind, nodes: &[[f64; 2]]) -> Result<f64, MappingError> 
 /// a crack band on aligned meshes, by which the energy per volume that the law dissipates becomes energy per crack area.
 ///
 /// A straight band of quadrilaterals, or of pairs of linear triangles, is √A wide, A of the quadrilateral. In a pair of
-/// quadratic triangles a crack opens 4 of the 6 integration points: the band is ⅔ as wide.
+/// quadratic triangles a crack opens 4 of the 6 integration points: the band is ⅔ as wide. In quadratic quadrilaterals it opens
+/// both columns of points by symmetry, else one: the band is then half as wide as told here (`bench/crack-band`).
 pub fn characteristic_length(kind: ElementKind, reference_area: f64) -> f64 {
     match kind {
         ElementKind::T3 => (2.0 * reference_area).sqrt(),
