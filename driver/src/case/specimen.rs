@@ -7,7 +7,7 @@ use super::{Reader, history};
 use crate::pullout::{COLUMNS, Output, Program};
 use boundary::Boundary;
 use fe_core::mesh::Mesh;
-use fe_core::model::{Controls, Model, Skipping};
+use fe_core::model::{Controls, Model, Skipping, Spalling};
 use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
@@ -26,6 +26,9 @@ mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
+/// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
+/// say, mm.
+const USUAL_SLIP: f64 = 0.02;
 
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<Program> {
@@ -153,6 +156,7 @@ fn output(reader: &mut Reader<'_>, case: &PulloutCase) -> Output {
 fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
     let given = reader.optional(case.controls.as_ref(), &Place::root().key("controls")).cloned().unwrap_or_default();
     let default = Controls::default();
+    let spalling = reader.optional(case.spalling.as_ref(), &Place::root().key("spalling"));
     Controls {
         force_tolerance: given.force_tolerance.map_or(default.force_tolerance, |tolerance| tolerance.0),
         displacement_tolerance: given.displacement_tolerance.map_or(default.displacement_tolerance, |t| t.0),
@@ -161,6 +165,12 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
         line_search: given.line_search.unwrap_or(default.line_search),
         locate_peak: given.locate_peak.unwrap_or(default.locate_peak),
         relaxation_time: given.relaxation_time.unwrap_or(default.relaxation_time),
+        spalling: spalling.map(|given| Spalling {
+            opening: given.opening.0,
+            stress: given.stress.0,
+            wait: given.wait.map_or(USUAL_SLIP, |slip| slip.0),
+            fade: given.fade.map_or(USUAL_SLIP, |slip| slip.0),
+        }),
         max_stabilisation_share: given.max_stabilisation_share.map_or(default.max_stabilisation_share, |share| share.0),
     }
 }

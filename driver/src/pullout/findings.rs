@@ -122,6 +122,7 @@ pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
         ("interface_dissipation", energies.interface_dissipation()),
         ("opening_energy", energies.opening),
         ("stabilisation_energy", energies.stabilisation),
+        ("spalled_energy", energies.spalled),
     ];
     let unaccounted = Some(("unaccounted_energy", energies.unaccounted)).filter(|(_, energy)| *energy != 0.0);
     named.into_iter().chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()

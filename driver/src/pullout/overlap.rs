@@ -23,21 +23,30 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// Of a model whose nodes have these displacements; `None` where nothing overlaps.
-    fn of(model: &Model, displacements: &[f64]) -> Option<Self> {
+    /// Of a model whose nodes have these displacements, without what was released; `None` where nothing overlaps.
+    fn of(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Self> {
         let mesh = &model.mesh;
-        let found = mesh.overlap(displacements, &model.parts_behind())?;
+        let behind = model.parts_behind();
+        let is_left_out =
+            |element: usize| behind.contains(&mesh.elements()[element].part()) || spalled.contains(&element);
+        let found = mesh.overlap(displacements, is_left_out)?;
         let name = |part: usize| mesh.parts()[part].name.clone();
         let (part, inside) = (name(found.part), name(found.inside));
         Some(Self { depth: found.depth, position: found.position, part, inside })
     }
 }
 
-/// Measures overlaps at the displacements of the peak, if there was one, and of the end. Returns a warning of a large one.
-pub fn measure(program: &Program, peak: Option<&[f64]>, end: &[f64], findings: &mut Findings) -> Option<String> {
+/// Measures overlaps at the peak, if there was one, and at the end, by displacements and the elements that had been released.
+/// Returns a warning of a large one.
+pub fn measure(
+    program: &Program,
+    peak: Option<(&[f64], &[usize])>,
+    end: (&[f64], &[usize]),
+    findings: &mut Findings,
+) -> Option<String> {
     let states = [("peak", peak), ("end", Some(end))];
-    for (when, displacements) in states {
-        let overlap = displacements.and_then(|displacements| Overlap::of(&program.model, displacements));
+    for (when, state) in states {
+        let overlap = state.and_then(|state| Overlap::of(&program.model, state));
         findings.overlaps.extend(overlap.map(|overlap| (when.to_owned(), overlap)));
     }
     let depth = |(_, overlap): &(&String, &Overlap)| overlap.depth;

@@ -22,13 +22,14 @@ pub struct PeakLoad {
     pub time: f64,
 }
 
-/// Keeps the greatest load with the displacements there, and the fields if pictures are wanted.
+/// Keeps the greatest load with the displacements and the released elements there, and the fields if pictures are wanted.
 #[derive(Debug)]
 pub struct PeakKeeper<'p> {
     /// `None`: nobody wants the fields.
     mesh: Option<&'p Mesh>,
     peak: Option<PeakLoad>,
     displacements: Vec<f64>,
+    spalled: Vec<usize>,
     fields: Option<Fields<'p>>,
 }
 
@@ -37,6 +38,7 @@ pub struct PeakKeeper<'p> {
 pub struct KeptPeak {
     peak: Option<PeakLoad>,
     displacements: Vec<f64>,
+    spalled: Vec<usize>,
     fields: Option<KeptFields>,
 }
 
@@ -81,6 +83,7 @@ impl KeptPeak {
         self.peak.is_none_or(|peak| [peak.load, peak.slip, peak.time].into_iter().all(f64::is_finite))
             && self.displacements.len() == count
             && self.displacements.iter().all(|displacement| displacement.is_finite())
+            && self.spalled.iter().all(|&element| element < mesh.elements().len())
             && self.fields.clone().is_none_or(|fields| fields.on(mesh).check().is_ok())
     }
 }
@@ -88,8 +91,9 @@ impl KeptPeak {
 impl<'p> PeakKeeper<'p> {
     /// Goes on from a peak so far.
     pub fn resumed(mesh: Option<&'p Mesh>, kept: KeptPeak) -> Self {
-        let fields = mesh.zip(kept.fields).map(|(mesh, fields)| fields.on(mesh));
-        Self { mesh, peak: kept.peak, displacements: kept.displacements, fields }
+        let KeptPeak { peak, displacements, spalled, fields } = kept;
+        let fields = mesh.zip(fields).map(|(mesh, fields)| fields.on(mesh));
+        Self { mesh, peak, displacements, spalled, fields }
     }
 
     /// The peak so far.
@@ -107,12 +111,12 @@ impl<'p> PeakKeeper<'p> {
             activities: fields.activities,
             behind: fields.behind,
         });
-        KeptPeak { peak: self.peak, displacements: self.displacements.clone(), fields }
+        KeptPeak { peak: self.peak, displacements: self.displacements.clone(), spalled: self.spalled.clone(), fields }
     }
 
     /// With a mesh, fields are kept as well.
     pub fn new(mesh: Option<&'p Mesh>) -> Self {
-        Self { mesh, peak: None, displacements: Vec::new(), fields: None }
+        Self { mesh, peak: None, displacements: Vec::new(), spalled: Vec::new(), fields: None }
     }
 
     /// Takes an increment into account; the first of equal ones is the peak.
@@ -120,6 +124,7 @@ impl<'p> PeakKeeper<'p> {
         if self.rises(record) {
             self.displacements.clear();
             self.displacements.extend_from_slice(snapshot.displacements());
+            self.spalled = snapshot.solids().spalled();
             self.fields = self.mesh.map(|mesh| Fields::of(snapshot).kept(mesh));
         }
     }
@@ -141,9 +146,9 @@ impl<'p> PeakKeeper<'p> {
         self.peak
     }
 
-    /// The displacements there.
-    pub fn displacements(&self) -> Option<&[f64]> {
-        self.peak.is_some().then_some(&self.displacements)
+    /// The displacements there, and the elements that had been released.
+    pub fn shape(&self) -> Option<(&[f64], &[usize])> {
+        self.peak.is_some().then_some((&self.displacements, &self.spalled))
     }
 
     /// The state there.

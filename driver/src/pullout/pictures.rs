@@ -19,7 +19,7 @@ use crate::output::plots::quantity::{Quantity, Sort};
 use crate::output::plots::{self, Picture};
 use fe_core::mesh::Mesh;
 use fe_core::model::ContactPair;
-use fe_core::output::{FieldsError, Principal, Recovery, axial_stress};
+use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
 use plotters::style::RGBColor;
 use std::collections::BTreeSet;
 use std::io;
@@ -30,7 +30,7 @@ const ZOOM: f64 = 3.0;
 const MOST_SECTIONS: usize = 400;
 /// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
 const ROUNDING: f64 = 1e-9;
-/// What elements do, in the order of [`fe_core::output::Activity`].
+/// What elements do, in the order of [`Activity`]; what was released is not drawn.
 const ACTIVITIES: [Class; 4] = [
     (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
     (RGBColor(0xbf, 0xdd, 0xf0), "elastic"),
@@ -169,7 +169,8 @@ impl<'a> Album<'a> {
             self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
             let mut picture = FieldPicture::new(moment.title("Active zone"), &mesh);
             picture.window = window.clone();
-            let classes: Vec<usize> = fields.activities.iter().map(|activity| *activity as usize).collect();
+            let shown = fields.activities.iter().filter(|activity| **activity != Activity::Spalled);
+            let classes: Vec<usize> = shown.map(|activity| *activity as usize).collect();
             self.keep(&name("active_zone"), zones(&picture, &classes, &ACTIVITIES))?;
             if self.greatest_stress > 0.0 {
                 let mut picture = FieldPicture::new(moment.title("Principal stresses"), &mesh);

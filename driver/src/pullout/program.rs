@@ -6,7 +6,7 @@ use fe_core::threads::Threads;
 use std::path::PathBuf;
 
 /// The history's columns, in the order of the CSV. Lengths mm, forces N, energies N·mm, pressure MPa.
-pub const COLUMNS: [&str; 31] = [
+pub const COLUMNS: [&str; 34] = [
     "step",
     "increment",
     "time",
@@ -26,6 +26,7 @@ pub const COLUMNS: [&str; 31] = [
     "interface_dissipation",
     "opening_energy",
     "stabilisation_energy",
+    "spalled_energy",
     "energy_error",
     "damaged_points",
     "yielding_points",
@@ -34,6 +35,8 @@ pub const COLUMNS: [&str; 31] = [
     "open_points",
     "released_points",
     "damaged_volume",
+    "spalled_volume",
+    "spalled_depth",
     "separation_length",
     "bearing_pressure_max",
     "cutbacks",

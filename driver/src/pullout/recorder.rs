@@ -123,7 +123,8 @@ pub fn run<'p>(
             100.0 * findings.stabilisation_share
         ));
     }
-    let (at_peak, at_end) = (recorder.peak.displacements(), snapshot.displacements());
+    let spalled = snapshot.solids().spalled();
+    let (at_peak, at_end) = (recorder.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
     if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
         recorder.observer.warn(warning);
     }
@@ -436,6 +437,7 @@ fn values(record: &Record) -> [f64; VALUES] {
         energies.interface_dissipation(),
         energies.opening,
         energies.stabilisation,
+        energies.spalled,
         record.energy_error,
         count(record.counts.damaged),
         count(record.counts.yielding),
@@ -444,6 +446,8 @@ fn values(record: &Record) -> [f64; VALUES] {
         count(record.counts.open),
         count(record.counts.released),
         record.damaged_volume,
+        record.spalled_volume,
+        record.spalled_depth,
         record.separation_length,
         record.greatest_bearing_pressure,
         f64::from(record.cutbacks),

@@ -136,6 +136,13 @@ impl PointState {
         }
     }
 
+    /// Ends contact for good where the surface is gone; `area` mm².
+    pub fn release(&mut self, area: f64) {
+        self.released += area * self.weight * self.stored();
+        (self.weight, self.status) = (0.0, PointStatus::Released);
+        (self.pressure, self.shear, self.own_pressure, self.held) = (0.0, 0.0, 0.0, false);
+    }
+
     /// Stored energy per area, plugin, normal law and the point's own gap, N/mm.
     pub fn stored(&self) -> f64 {
         self.plugin_energies[0] + self.normal_energy + self.own_energy

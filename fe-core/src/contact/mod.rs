@@ -268,6 +268,18 @@ impl Contact {
         self.foretell_nothing();
     }
 
+    /// Releases the points on slave edges of elements that are gone, after a commit.
+    pub fn release(&mut self, is_gone: impl Fn(usize) -> bool) {
+        for pair in &mut self.pairs {
+            for (point, state) in pair.points.iter().zip(&mut pair.committed.points) {
+                if point.elements.into_iter().all(&is_gone) {
+                    state.release(point.area);
+                }
+            }
+            pair.trial.copy_from(&pair.committed);
+        }
+    }
+
     /// The attempt is given up: back to the committed state.
     pub fn restore(&mut self) {
         for pair in &mut self.pairs {

@@ -36,6 +36,8 @@ pub(super) struct ContactPoint {
     pub edge_length: f64,
     /// Direction of its slave edge there, unit length.
     pub direction: [f64; 2],
+    /// The elements of its slave edge, or of the two that meet at a node.
+    pub elements: [usize; 2],
     /// Its slave edge, if the points of that share a gap: those inside a quadratic edge.
     pub patch: Option<usize>,
 }
@@ -49,10 +51,12 @@ struct SlaveEdge {
     thickness: f64,
     start: f64,
     index: usize,
+    element: usize,
 }
 
 impl SlaveEdge {
     fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64, index: usize) -> Self {
+        let index_of_element = edge.element;
         let element = mesh.elements()[edge.element];
         let model = mesh.parts()[element.part()].model;
         let edge = mesh.edge_nodes(edge);
@@ -60,7 +64,7 @@ impl SlaveEdge {
         for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
             *position = mesh.nodes()[node];
         }
-        Self { edge, reference, model, width, thickness: element.thickness(), start, index }
+        Self { edge, reference, model, width, thickness: element.thickness(), start, index, element: index_of_element }
     }
 
     fn kind(&self) -> EdgeKind {
@@ -111,6 +115,7 @@ impl SlaveEdge {
                 coordinate: self.start + along,
                 edge_length,
                 direction: self.direction(at),
+                elements: [self.element; 2],
                 patch,
             });
             share_start += length;
@@ -220,6 +225,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                     coordinate: edge.start + edge.length(-1.0, at),
                     edge_length,
                     direction: edge.direction(at),
+                    elements: [edge.element; 2],
                     patch: None,
                 });
                 points.len() - 1
@@ -231,6 +237,7 @@ fn node_points(edges: &[SlaveEdge]) -> Vec<ContactPoint> {
                 length += value * measure[0];
                 area += value * measure[1];
             }
+            points[index].elements[1] = edge.element;
             points[index].length += length;
             points[index].area += area;
             // All of it lies before an end, half of it before a middle.

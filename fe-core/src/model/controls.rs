@@ -52,6 +52,23 @@ pub struct Controls {
     /// The largest part of the work that stabilisation and overstress may have taken when a run ends: beyond it the run
     /// has failed.
     pub max_stabilisation_share: f64,
+    /// What torn matter is released; `None`: none is.
+    pub spalling: Option<Spalling>,
+}
+
+/// When an element of a law with damage is torn matter, which is released: its nodal forces fade and it is no part of its
+/// body any more, and neither is what then holds on to nothing. Under compression cracks close again, and damage alone does
+/// not say that an element bears nothing: both conditions must hold at all its points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spalling {
+    /// Its crack is open by more: greatest principal strain × CELENT, mm; 10 G_f/f_t is where a falling branch has ended.
+    pub opening: f64,
+    /// No principal stress is greater in magnitude, MPa.
+    pub stress: f64,
+    /// For so long: growth of the measured slip, mm.
+    pub wait: f64,
+    /// Its forces then fade linearly over so much slip, mm.
+    pub fade: f64,
 }
 
 impl Default for Controls {
@@ -65,6 +82,7 @@ impl Default for Controls {
             locate_peak: true,
             relaxation_time: 0.0,
             max_stabilisation_share: f64::INFINITY,
+            spalling: None,
         }
     }
 }

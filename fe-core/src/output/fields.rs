@@ -46,6 +46,8 @@ pub enum Activity {
     Damaged,
     /// A point of a law without damage has dissipated.
     Yielded,
+    /// It is torn matter that was released.
+    Spalled,
 }
 
 /// A contact point at one time.

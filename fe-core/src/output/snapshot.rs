@@ -50,11 +50,9 @@ impl<'a> Fields<'a> {
 }
 
 fn activity(solids: &Solids, element: usize) -> Activity {
-    let has_dissipated = |point| {
-        let [_, plastic, creep] = solids.point(element, point).energies;
-        plastic + creep > 0.0
-    };
-    if (0..solids.point_count(element)).any(has_dissipated) {
+    if solids.is_spalled(element) {
+        Activity::Spalled
+    } else if solids.has_failed(element) {
         if solids.damages(element) { Activity::Damaged } else { Activity::Yielded }
     } else if solids.active()[element] {
         Activity::Elastic

@@ -1,7 +1,7 @@
 //! The energy balance of a run.
 //!
 //! ```text
-//! external work = elastic + plastic + damage + unaccounted + interface + opening + stabilisation
+//! external work = elastic + plastic + damage + spalled + unaccounted + interface + opening + stabilisation
 //! ```
 //!
 //! External work is a trapezoidal sum over increments of reactions times the drives and loads times displacements;
@@ -24,6 +24,8 @@ pub struct Energies {
     pub plastic: f64,
     /// Dissipated by laws with damage.
     pub damage: f64,
+    /// Lost with elements that were released: what they stored, and the work of their fading forces.
+    pub spalled: f64,
     /// Work of the stresses of laws whose energies cannot be believed.
     pub unaccounted: f64,
     /// Work of the interfaces: stored and dissipated.
@@ -51,15 +53,16 @@ impl Energies {
     pub(super) fn spent(&self) -> f64 {
         self.plastic
             + self.damage
+            + self.spalled
             + self.unaccounted
             + (self.interface_dissipation() + self.opening + self.stabilisation)
     }
 
     /// Whether all are numbers.
     pub fn is_finite(&self) -> bool {
-        let Self { external_work, elastic, plastic, damage, unaccounted, .. } = *self;
+        let Self { external_work, elastic, plastic, damage, spalled, unaccounted, .. } = *self;
         let Self { interface, interface_stored, opening, stabilisation, .. } = *self;
-        let solids = [external_work, elastic, plastic, damage, unaccounted];
+        let solids = [external_work, elastic, plastic, damage, spalled, unaccounted];
         solids.into_iter().chain([interface, interface_stored, opening, stabilisation]).all(f64::is_finite)
     }
 
@@ -70,6 +73,7 @@ impl Energies {
             elastic: self.elastic - datum.elastic,
             plastic: self.plastic - datum.plastic,
             damage: self.damage - datum.damage,
+            spalled: self.spalled - datum.spalled,
             unaccounted: self.unaccounted - datum.unaccounted,
             interface: self.interface - datum.interface,
             interface_stored: self.interface_stored - datum.interface_stored,

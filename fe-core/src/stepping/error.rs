@@ -55,6 +55,9 @@ pub(super) fn check(model: &Model) -> Result<(), ModelError> {
     if let Some(load) = model.loads.iter().find(|load| load.drive >= drives) {
         return wrong(format!("load '{}' follows a drive that does not exist", load.name));
     }
+    if model.controls.spalling.is_some() && model.measured.slip.is_none() {
+        return wrong("spalling is timed by the slip, and the model measures none".into());
+    }
     for (index, step) in model.steps.iter().enumerate() {
         if step.targets.len() != drives {
             return wrong(format!("step {} has {} targets for {drives} drives", index + 1, step.targets.len()));

@@ -8,6 +8,7 @@ mod newton;
 mod record;
 mod size;
 mod snapshot;
+mod spalling;
 #[cfg(test)]
 mod test;
 mod times;
@@ -68,12 +69,14 @@ struct Present {
     total_time: f64,
     load: LoadHistory,
     greatest_work: f64,
+    spalled: spalling::Spalled,
 }
 
 impl Present {
     /// Whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
     fn fits(&self, model: &Model) -> bool {
-        let Self { committed, energies, datum, datum_accounts, statistics, total_time, load, greatest_work } = self;
+        let Self { committed, energies, datum, datum_accounts, statistics, total_time, load, greatest_work, spalled } =
+            self;
         let Statistics {
             increments,
             iterations,
@@ -95,6 +98,7 @@ impl Present {
             && load.is_finite()
             && total_time.is_finite()
             && greatest_work.is_finite()
+            && spalled.fits(model.mesh.elements().len())
     }
 }
 
@@ -144,6 +148,7 @@ impl<'m> Analysis<'m> {
                 total_time: 0.0,
                 load: LoadHistory::default(),
                 greatest_work: 0.0,
+                spalled: spalling::Spalled::default(),
             },
             checkpoint_every: None,
             last_checkpoint: 0,
@@ -478,6 +483,7 @@ impl<'m> Analysis<'m> {
         self.present.load.last = load;
         self.present.load.noise = self.equilibrium.rounding();
         self.present.statistics.increments += 1;
+        self.spall();
     }
 
     fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
@@ -505,6 +511,8 @@ impl<'m> Analysis<'m> {
             energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
             counts: self.equilibrium.counts(),
             damaged_volume: snapshot.solids().damaged_volume(),
+            spalled_volume: self.present.spalled.volume,
+            spalled_depth: self.present.spalled.depth,
             separation_length: open.fold(0.0, f64::max),
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             cutbacks,

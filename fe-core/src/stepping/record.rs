@@ -34,6 +34,10 @@ pub struct Record {
     pub counts: Counts,
     /// Reference volume of the damaged points, mm³.
     pub damaged_volume: f64,
+    /// Reference volume of torn matter that was released, mm³.
+    pub spalled_volume: f64,
+    /// How far it reaches below the exit node against the pull direction, mm; 0 without such a node.
+    pub spalled_depth: f64,
     /// How much of the line along which most has opened is open, mm ([`crate::model::Measured::interface_lines`]).
     pub separation_length: f64,
     /// The greatest bearing pressure of a contact point, MPa ([`crate::model::Measured::bearing_factor`]).

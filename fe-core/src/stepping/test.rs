@@ -14,6 +14,7 @@ use std::io;
 mod cover;
 mod patch;
 mod snap_back;
+mod spalling;
 mod spin;
 mod threads;
 

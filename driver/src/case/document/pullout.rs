@@ -45,6 +45,8 @@ pub struct PulloutCase {
     pub measure: Option<Piece<Measure>>,
     /// Large displacements (default false).
     pub nlgeom: Option<Piece<bool>>,
+    /// What torn matter of laws with damage is released (default: none is).
+    pub spalling: Option<Piece<Spalling>>,
     /// Initial temperature of all parts (default 0).
     pub temperature: Option<Piece<f64>>,
     /// Initial field variables of all parts.
@@ -70,6 +72,22 @@ pub struct PulloutCase {
 pub enum PulloutKind {
     /// A specimen in two dimensions.
     Pullout,
+}
+
+/// When an element is torn matter: its forces fade, it is no part of its body any more and has no contact, and neither has
+/// what then holds on to nothing.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Spalling {
+    /// At all its points the crack is open by more, mm: greatest principal strain times the element's length. 10 G_f/f_t is
+    /// where the falling branch has ended.
+    pub opening: Positive,
+    /// And at all its points no principal stress is greater in magnitude, MPa: 1 % of f_t.
+    pub stress: Positive,
+    /// While the slip grows by so much, mm (default 0.02).
+    pub wait: Option<Positive>,
+    /// Its forces fade over so much slip, mm (default 0.02).
+    pub fade: Option<Positive>,
 }
 
 /// A body, or a piece of one.

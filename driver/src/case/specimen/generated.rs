@@ -147,13 +147,14 @@ fn inclined_fibre(
     let embedded_length = length(given.embedded_length, default.embedded_length);
     // coarse elements that bend over the exit's edge make the load a saw
     let slides_out = (slip > FINE_DIAMETERS * fibre_diameter).then(|| slip.min(embedded_length));
+    let matrix_thickness = matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness);
     let parameters = InclinedFibre {
         angle,
         outside,
         width: length(given.width, default.width),
         depth: length(given.depth, default.depth),
-        matrix_thickness: matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
-        cover: given.cover.unwrap_or(default.cover),
+        matrix_thickness,
+        cover: given.cover.unwrap_or(matrix_thickness > fibre_diameter),
         graded_thickness: given.graded_thickness.map(graded),
         fibre_diameter,
         embedded_length,

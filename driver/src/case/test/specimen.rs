@@ -301,7 +301,8 @@ fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
 
 /// A minimal case of an inclined fibre.
 fn inclined_case() -> Value {
-    let mut case = specimen_case(json!({ "type": "inclined_fibre", "mesh_size": 2 }), &["fibre", "matrix"]);
+    let mut case =
+        specimen_case(json!({ "type": "inclined_fibre", "mesh_size": 2, "cover": false }), &["fibre", "matrix"]);
     case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": { "normal_law": "hard", "p_0": 1000 } } });
     case["steps"] = json!([{ "slip": 2 }]);
     case
@@ -370,6 +371,24 @@ fn what_the_steps_pull_out_is_meshed_finely() {
     // what is given stays
     assert!(longest(&["steps.0.slip=5", "mesh.specimen.fine_length=2"], 5.0) > 3.0 * usual);
     assert!(longest(&[], 5.0) > 3.0 * usual);
+}
+
+#[test]
+fn an_inclined_fibre_has_a_cover_unless_it_is_as_thick_as_its_block() {
+    let mut case = inclined_case();
+    case["mesh"]["specimen"].as_object_mut().expect("a specimen").remove("cover");
+    let parts = |overrides: &[&str]| accepted(&case, overrides).model.laws.len();
+    assert_eq!(parts(&[]), 3);
+    assert_eq!(parts(&["mesh.specimen.cover=false"]), 2, "the thesis's plane model");
+    assert_eq!(parts(&["mesh.specimen.matrix_thickness=0.406"]), 2);
+}
+
+#[test]
+fn torn_matter_is_released_as_the_case_says() {
+    let case = inclined_case();
+    assert_eq!(accepted(&case, &[]).model.controls.spalling, None);
+    let found = accepted(&case, &[r#"spalling={"opening": 0.2, "stress": 0.03, "wait": 0.1}"#]).model.controls.spalling;
+    assert_eq!(found, Some(Spalling { opening: 0.2, stress: 0.03, wait: 0.1, fade: 0.02 }));
 }
 
 #[test]

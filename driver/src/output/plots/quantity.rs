@@ -88,6 +88,8 @@ impl Quantity {
             (_, "load_lateral") => ("lateral load".into(), "N"),
             (_, "load_axial") => ("axial component of the load".into(), "N"),
             (_, "load_shear") => ("shear component of the load".into(), "N"),
+            (_, "spalled_volume") => ("volume of torn matter".into(), "mm³"),
+            (_, "spalled_depth") => ("depth of torn matter".into(), "mm"),
             (_, "damaged_volume") => ("damaged volume".into(), "mm³"),
             (_, "separation_length") => ("open length of the interface".into(), "mm"),
             (_, "slip_exit") => ("slip at the exit".into(), "mm"),

@@ -205,7 +205,13 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
         let components = ["load_axial", "load_shear"].map(|column| ("slip", column.to_owned()));
         layouts.push(Layout::new("load_components", components));
     }
-    for (name, column) in [("separation", "separation_length"), ("damaged_volume", "damaged_volume")] {
+    let lengths_and_volumes = [
+        ("separation", "separation_length"),
+        ("damaged_volume", "damaged_volume"),
+        ("spalled_volume", "spalled_volume"),
+        ("spalled_depth", "spalled_depth"),
+    ];
+    for (name, column) in lengths_and_volumes {
         if span(run, column) > 0.0 {
             layouts.push(Layout::pair(name, "slip", column));
         }

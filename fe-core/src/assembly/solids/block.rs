@@ -4,13 +4,17 @@
 use super::element::{Motions, Task, advance_finite, advance_small, stiffness_finite, stiffness_small};
 use super::kernel::Nodal;
 use super::points::same_bits;
-use super::record::{Body, Record, number_of};
+use super::record::{Body, Record, Spalled, number_of};
 use super::summary::Counters;
 use crate::assembly::{IncrementContext, Place, Trouble};
 use crate::element::ElementKind;
 use crate::kinematics::finite::TangentForm;
 use crate::model::FieldValues;
 use umat_abi::law::Request;
+
+/// The stiffness that a released element has to Newton's method, of its virgin one: nodes that only torn matter holds stay
+/// where their neighbours lead them. It makes no force.
+const GHOST: f64 = 1e-6;
 
 /// Where an element is.
 #[derive(Clone, Copy, Debug, Default)]
@@ -125,6 +129,16 @@ impl Block {
             return Ok(());
         }
         record.forget();
+        if let Some(spalled) = &mut record.spalled {
+            let start = &self.committed[record.nodal.clone()];
+            spalled.act([start, &end], &mut self.forces[record.nodal.clone()]);
+            evaluated.copy_from_slice(&end);
+            (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
+            if wants_tangent && record.moduli_changed {
+                self.build_stiffness::<N>(local, None, evaluation);
+            }
+            return Ok(());
+        }
         let nlgeom = self.body.part.nlgeom;
         let (shape, points) = self.body.split::<N>(record);
         points.call.celent = record.characteristic_length;
@@ -175,6 +189,24 @@ impl Block {
         self.counters.stiffness_builds += 1;
     }
 
+    /// Releases an element after an increment that was accepted.
+    pub(super) fn release(&mut self, local: usize) {
+        let Self { body, records, forces, .. } = self;
+        let record = &mut records[local];
+        let points = &mut body.points;
+        let mut stored = 0.0;
+        for point in record.points.clone() {
+            stored += points.committed.reference_energies[point][0] * body.volumes[point];
+            points.committed.reference_energies[point][0] = 0.0;
+            points.committed.stress[point] = [0.0; 4];
+            points.moduli[point] = points.elastic.map(|row| row.map(|modulus| GHOST * modulus));
+        }
+        points.forget(record.points.clone());
+        record.spalled = Some(Spalled::new(&forces[record.nodal.clone()], stored));
+        record.moduli_changed = true;
+        record.forget();
+    }
+
     /// Takes over the states of elements whose last evaluation was at these displacements.
     pub(super) fn commit(&mut self, displacements: &[[f64; 2]]) {
         for record in &mut self.records {
@@ -183,6 +215,9 @@ impl Block {
             if record.is_evaluated && pairs.all(|(&node, own)| same_bits(&displacements[node], own)) {
                 self.body.points.commit(record.points.clone());
                 self.committed[record.nodal.clone()].copy_from_slice(evaluated);
+                if let Some(spalled) = &mut record.spalled {
+                    spalled.commit();
+                }
             }
             record.forget();
         }

@@ -335,6 +335,23 @@ impl Solids {
         self.blocks.iter_mut().for_each(|block| block.commit(displacements));
     }
 
+    /// Releases elements after an increment that was accepted: their laws are not called any more, their forces are those
+    /// of that increment times a share, their states stay but for what was stored.
+    pub fn release(&mut self, elements: &[usize]) {
+        for &element in elements {
+            let BlockPlace { block, local } = self.places[element];
+            self.blocks[block].release(local);
+        }
+    }
+
+    /// Sets what part of its forces a released element still has, from the next evaluation on; others have all of theirs.
+    pub fn set_share(&mut self, element: usize, share: f64) {
+        let BlockPlace { block, local } = self.places[element];
+        if let Some(spalled) = &mut self.blocks[block].records[local].spalled {
+            spalled.share = share;
+        }
+    }
+
     /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
         self.blocks.iter_mut().for_each(Block::forget);

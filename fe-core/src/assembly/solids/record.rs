@@ -9,6 +9,7 @@ use crate::element::{ElementKind, MAX_NODES, MappedPoint};
 use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::model::{Model, PluginLaw};
+use serde::{Deserialize, Serialize};
 use std::ops::Range;
 use std::sync::Arc;
 use umat_abi::host::{InitialPoint, Validation, recorder};
@@ -43,6 +44,50 @@ pub(super) struct Record {
     pub(super) moduli_changed: bool,
     pub(super) is_unsymmetric: bool,
     pub(super) version: u64,
+    /// What is left of it once it is released.
+    pub(super) spalled: Option<Spalled>,
+}
+
+/// What is left of a released element: nodal forces that fade, and where its energy went.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Spalled {
+    /// Its nodal forces when it was released, N.
+    forces: Vec<[f64; 2]>,
+    /// What part of them acts at the end of an increment, and acted at its start.
+    pub(super) share: f64,
+    start_share: f64,
+    /// Stored when it was released, and the work of its forces since, N mm: trapezoidal, like the external work.
+    pub(super) energy: f64,
+    /// Their work in the increment of the last evaluation.
+    pub(super) work: f64,
+}
+
+impl Spalled {
+    pub(super) fn new(forces: &[[f64; 2]], stored: f64) -> Self {
+        Self { forces: forces.to_vec(), share: 1.0, start_share: 1.0, energy: stored, work: 0.0 }
+    }
+
+    /// Its nodal forces over an increment of its nodes.
+    pub(super) fn act(&mut self, [start, end]: [&[[f64; 2]]; 2], forces: &mut [[f64; 2]]) {
+        let share = 0.5 * (self.start_share + self.share);
+        self.work = 0.0;
+        for (((own, force), start), end) in self.forces.iter().zip(forces).zip(start).zip(end) {
+            *force = own.map(|force| self.share * force);
+            self.work += share * (own[0] * (end[0] - start[0]) + own[1] * (end[1] - start[1]));
+        }
+    }
+
+    /// Books the increment of the last evaluation.
+    pub(super) fn commit(&mut self) {
+        self.energy += std::mem::take(&mut self.work);
+        self.start_share = self.share;
+    }
+
+    /// Whether it can be an element's of so many nodes.
+    pub(super) fn fits(&self, nodes: usize) -> bool {
+        let numbers = [self.share, self.start_share, self.energy, self.work];
+        self.forces.len() == nodes && self.forces.as_flattened().iter().chain(&numbers).all(|number| number.is_finite())
+    }
 }
 
 impl Record {
@@ -53,6 +98,9 @@ impl Record {
     /// The last evaluation says nothing any more.
     pub(super) fn forget(&mut self) {
         (self.is_evaluated, self.has_tangent) = (false, false);
+        if let Some(spalled) = &mut self.spalled {
+            spalled.work = 0.0;
+        }
     }
 }
 
@@ -64,6 +112,8 @@ pub(super) struct Part {
     average: bool,
     /// The dissipation of its law is damage, not plastic flow.
     pub(super) damages: bool,
+    /// The states of its law that are damage, or grow with it.
+    damage: Vec<usize>,
     /// The state of its law that is the work of the overstress: it extrapolates.
     pub(super) overstress_work: Option<usize>,
     /// Its tangent may be negative: the law damages, or does not say; not if it extrapolates.
@@ -109,6 +159,17 @@ impl Body {
             first_point: record.points.start,
         };
         (shape, &mut self.points)
+    }
+
+    /// Whether a point's law has a damage that has grown, or has none and has dissipated.
+    pub(super) fn has_failed(&self, point: usize) -> bool {
+        let states = &self.points.committed;
+        if self.part.damages {
+            let statev = &states.statev[self.points.statev(point)];
+            return self.part.damage.iter().any(|&state| statev[state] > 0.0);
+        }
+        let [_, plastic, creep] = states.energies[point];
+        plastic + creep > 0.0
     }
 
     /// A point as user subroutines are told of it: its element, and its number in it.
@@ -229,13 +290,15 @@ fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [b
     let definition = &mesh.parts()[part];
     check_law(mesh, part, law)?;
     let overstress_work = law.overstress_work();
-    let softens = law.law.as_ref().is_none_or(has_damage) && overstress_work.is_none();
+    let damage = law.law.as_ref().map(damage_states).unwrap_or_default();
+    let softens = (law.law.is_none() || !damage.is_empty()) && overstress_work.is_none();
     Ok(Part {
         name: definition.name.clone(),
         axisymmetric: definition.model == PlaneModel::Axisymmetric,
         // In plane stress nothing locks.
         average: average && definition.model != PlaneModel::PlaneStress,
-        damages: law.law.as_ref().is_some_and(has_damage),
+        damages: !damage.is_empty(),
+        damage,
         overstress_work,
         softens,
         may_lose_stability: softens || !law.has_symmetric_tangent(),
@@ -335,12 +398,14 @@ fn padded(values: &[f64]) -> [f64; MAX_NODES] {
     std::array::from_fn(|node| values.get(node).copied().unwrap_or(0.0))
 }
 
-/// Whether a law tells a damage: then what it dissipates is damage.
-fn has_damage(law: &umat_abi::host::Law) -> bool {
-    let mut names = law.derived.iter().map(|derived| &derived.name).chain(law.states.iter().map(|state| &state.name));
-    names.any(|name| {
+/// The states that are a law's damage by their names, or by those of outputs that are made of them.
+fn damage_states(law: &umat_abi::host::Law) -> Vec<usize> {
+    let is_damage = |name: &str| {
         name.eq_ignore_ascii_case("d") || name.starts_with("D_") || name.starts_with("d_") || name.contains("damage")
-    })
+    };
+    let derived = law.derived.iter().filter(|derived| is_damage(&derived.name)).map(|derived| derived.state);
+    let states = law.states.iter().enumerate().filter(|(_, state)| is_damage(&state.name));
+    derived.chain(states.map(|(index, _)| index)).collect()
 }
 
 fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {
@@ -402,6 +467,7 @@ fn records(mesh: &Mesh, body: &mut Body, elements: &[usize]) -> Vec<Record> {
             moduli_changed: true,
             is_unsymmetric: false,
             version: 0,
+            spalled: None,
         });
     }
     records

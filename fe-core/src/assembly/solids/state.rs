@@ -2,7 +2,7 @@
 
 use super::block::Block;
 use super::points::States;
-use super::record::Record;
+use super::record::{Record, Spalled};
 use super::trust::Trust;
 use super::{Counters, Solids, TangentChoice};
 use crate::assembly::GREATEST_COUNT;
@@ -30,18 +30,23 @@ struct BlockState {
 }
 
 /// How the stiffness of an element was built.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Built {
     choice: TangentChoice,
     moduli_changed: bool,
     is_unsymmetric: bool,
     version: u64,
+    spalled: Option<Spalled>,
 }
 
 impl Built {
     fn of(record: &Record) -> Self {
-        let Record { choice, moduli_changed, is_unsymmetric, version, .. } = *record;
-        Self { choice, moduli_changed, is_unsymmetric, version }
+        let Record { choice, moduli_changed, is_unsymmetric, version, ref spalled, .. } = *record;
+        Self { choice, moduli_changed, is_unsymmetric, version, spalled: spalled.clone() }
+    }
+
+    fn fits(&self, record: &Record, version: u64) -> bool {
+        self.version <= version && self.spalled.as_ref().is_none_or(|spalled| spalled.fits(record.nodes().len()))
     }
 }
 
@@ -66,7 +71,7 @@ impl BlockState {
             && moduli.len() == block.body.points.moduli.len()
             && stiffnesses.len() == block.stiffnesses.len()
             && built.len() == block.records.len()
-            && built.iter().all(|built| built.version <= version)
+            && built.iter().zip(&block.records).all(|(built, record)| built.fits(record, version))
             && numbers.all(|number| number.is_finite())
             && points.fits(&block.body.points.committed)
             && trial.fits(&block.body.points.trial)
@@ -79,7 +84,8 @@ impl BlockState {
         block.committed.copy_from_slice(&self.displacements);
         block.stiffnesses.copy_from_slice(&self.stiffnesses);
         for (record, built) in block.records.iter_mut().zip(&self.built) {
-            let Built { choice, moduli_changed, is_unsymmetric, version } = *built;
+            let Built { choice, moduli_changed, is_unsymmetric, version, ref spalled } = *built;
+            record.spalled.clone_from(spalled);
             (record.choice, record.moduli_changed) = (choice, moduli_changed);
             (record.is_unsymmetric, record.version) = (is_unsymmetric, version);
         }

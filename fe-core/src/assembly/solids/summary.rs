@@ -1,8 +1,9 @@
 //! What the solids tell: energies, counts, single points.
 
 use super::Solids;
+use super::block::Block;
 use super::points::{Points, States};
-use super::record::Body;
+use super::record::{Body, Spalled};
 use super::trust::work_of;
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
@@ -24,6 +25,8 @@ pub struct SolidEnergies {
     pub viscous: f64,
     /// The work of the overstress of laws that extrapolate; not in what their damage or flow has dissipated.
     pub overstress: f64,
+    /// Stored in elements when they were released, and the work of their fading forces.
+    pub spalled: f64,
 }
 
 impl std::ops::AddAssign for SolidEnergies {
@@ -34,10 +37,11 @@ impl std::ops::AddAssign for SolidEnergies {
         self.unaccounted += other.unaccounted;
         self.viscous += other.viscous;
         self.overstress += other.overstress;
+        self.spalled += other.spalled;
     }
 }
 
-/// How many points have dissipated anything.
+/// How many points have failed: their damage has grown, or, of laws without one, they have dissipated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PointCounts {
     /// All points.
@@ -162,18 +166,19 @@ impl Solids {
 
     /// Energies of each part.
     pub fn part_energies(&self) -> Vec<SolidEnergies> {
-        self.energies_of(|points| &points.committed)
+        self.energies_of(|points| &points.committed, |spalled| spalled.energy)
     }
 
     /// Energies of all parts at the last evaluation of each point.
     pub fn trial_energies(&self) -> SolidEnergies {
-        sum(self.energies_of(|points| &points.trial))
+        sum(self.energies_of(|points| &points.trial, |spalled| spalled.energy + spalled.work))
     }
 
-    fn energies_of(&self, states: fn(&Points) -> &States) -> Vec<SolidEnergies> {
+    fn energies_of(&self, states: fn(&Points) -> &States, spalled: fn(&Spalled) -> f64) -> Vec<SolidEnergies> {
         let mut parts = vec![SolidEnergies::default(); self.part_count()];
-        for Body { part, index, points, volumes, .. } in self.bodies() {
+        for Block { body: Body { part, index, points, volumes, .. }, records, .. } in &self.blocks {
             let sum = &mut parts[*index];
+            sum.spalled += records.iter().filter_map(|record| record.spalled.as_ref()).map(spalled).sum::<f64>();
             let states = states(points);
             for (work, volume) in states.viscous.iter().zip(volumes) {
                 sum.viscous += work * volume;
@@ -221,25 +226,59 @@ impl Solids {
         parts.into_iter().sum()
     }
 
-    /// How many points have dissipated anything.
+    /// How many points have failed: their damage has grown, or, of laws without one, they have dissipated.
     pub fn counts(&self) -> PointCounts {
         let mut counts = PointCounts::default();
         for body in self.bodies() {
-            let energies = &body.points.committed.energies;
-            let dissipating = energies.iter().filter(|[_, plastic, creep]| plastic + creep > 0.0).count();
-            counts.points += energies.len();
-            *if body.part.damages { &mut counts.damaged } else { &mut counts.plastic } += dissipating;
+            let failed = (0..body.volumes.len()).filter(|&point| body.has_failed(point)).count();
+            counts.points += body.volumes.len();
+            *if body.part.damages { &mut counts.damaged } else { &mut counts.plastic } += failed;
         }
         counts
     }
 
-    /// Reference volume of the points of laws with a damage that have dissipated anything, mm³.
+    /// Reference volume of the points whose law's damage has grown, mm³.
     pub fn damaged_volume(&self) -> f64 {
-        let damaging = self.bodies().filter(|body| body.part.damages);
-        let points = damaging.flat_map(|body| body.points.committed.energies.iter().zip(&body.volumes));
-        let damaged = points.filter(|([_, plastic, creep], _)| plastic + creep > 0.0);
+        let volumes = self.bodies().filter(|body| body.part.damages).flat_map(|body| {
+            let damaged = body.volumes.iter().enumerate().filter(|(point, _)| body.has_failed(*point));
+            damaged.map(|(_, volume)| volume)
+        });
         // the sum of nothing would be -0
-        damaged.fold(0.0, |sum, (_, volume)| sum + volume)
+        volumes.fold(0.0, |sum, volume| sum + volume)
+    }
+
+    /// Whether the damage of any point of an element has grown, or, of a law without one, any has dissipated.
+    pub fn has_failed(&self, element: usize) -> bool {
+        let (block, record) = (self.block(element), self.record(element));
+        record.points.clone().any(|point| block.body.has_failed(point))
+    }
+
+    /// Whether an element is torn matter that was released.
+    pub fn is_spalled(&self, element: usize) -> bool {
+        self.record(element).spalled.is_some()
+    }
+
+    /// The elements that were released, ascending.
+    pub fn spalled(&self) -> Vec<usize> {
+        (0..self.places.len()).filter(|&element| self.is_spalled(element)).collect()
+    }
+
+    /// Whether an element's crack is open by more than one length (greatest principal strain × CELENT, mm) at all its points,
+    /// and none bears a principal stress that is greater in magnitude than the other number, MPa.
+    pub fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
+        let (block, record) = (self.block(element), self.record(element));
+        let states = &block.body.points.committed;
+        let principal = |[a, b, _, c]: Components| {
+            let (mean, radius) = (0.5 * (a + b), (0.5 * (a - b)).hypot(c));
+            [mean - radius, mean + radius]
+        };
+        record.points.clone().all(|point| {
+            let [e11, e22, e33, gamma] = states.strain[point];
+            let [_, widest] = principal([e11, e22, e33, 0.5 * gamma]);
+            let [least, greatest] = principal(states.stress[point]);
+            let borne = least.abs().max(greatest.abs()).max(states.stress[point][2].abs());
+            widest * record.characteristic_length > opening && borne <= stress
+        })
     }
 
     /// Whether what an element's law dissipates is damage.

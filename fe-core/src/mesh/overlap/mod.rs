@@ -43,9 +43,9 @@ pub struct Overlap {
 
 impl Mesh {
     /// The deepest overlap of the bodies that these displacements (two per node, mm) deform; `None` where nothing overlaps.
-    /// Parts in `left_out` lie behind the others: they overlap them as they are meant to.
-    pub fn overlap(&self, displacements: &[f64], left_out: &[usize]) -> Option<Overlap> {
-        let bodies = self.outlines(displacements, left_out);
+    /// Elements that are left out are no part of them: those that lie behind others overlap them as they are meant to.
+    pub fn overlap(&self, displacements: &[f64], is_left_out: impl Fn(usize) -> bool) -> Option<Overlap> {
+        let bodies = self.outlines(displacements, |edge| is_left_out(edge.element));
         let found = bodies.iter().enumerate().flat_map(|(own, body)| {
             let bodies = &bodies;
             body.edges.iter().flat_map(move |edge| deepest_of(edge, own, bodies))
@@ -54,9 +54,8 @@ impl Mesh {
     }
 
     /// The deformed boundary of each body.
-    fn outlines(&self, displacements: &[f64], left_out: &[usize]) -> Vec<Outline> {
-        let is_left_out = |edge: ElementEdge| left_out.contains(&self.elements[edge.element].part);
-        let is_outer = |edge: ElementEdge| !is_left_out(edge) && self.neighbour(edge).is_none_or(is_left_out);
+    fn outlines(&self, displacements: &[f64], is_left_out: impl Fn(ElementEdge) -> bool) -> Vec<Outline> {
+        let is_outer = |edge: ElementEdge| !is_left_out(edge) && self.neighbour(edge).is_none_or(&is_left_out);
         let bodies = preflight::bodies(self);
         let mut body_of = vec![0; self.elements.len()];
         for (index, body) in bodies.iter().enumerate() {

@@ -294,6 +294,13 @@ impl<'m> Equilibrium<'m> {
         self.at_committed_state = true;
     }
 
+    /// Releases torn elements after an increment was accepted, and the points of contact on them.
+    pub(super) fn release(&mut self, elements: &[usize]) {
+        self.solids.release(elements);
+        self.contact.release(|element| self.solids.is_spalled(element));
+        self.at_committed_state = false;
+    }
+
     /// The last attempt is forgotten.
     pub(super) fn restore(&mut self) {
         self.last_reduction = 1.0;
@@ -463,6 +470,7 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         elastic: solids.stored,
         plastic: solids.plastic,
         damage: solids.damage,
+        spalled: solids.spalled,
         unaccounted: solids.unaccounted,
         interface: contact.work + contact.leaning - opening,
         interface_stored: contact.plugin_stored + contact.normal_stored,

@@ -16,13 +16,13 @@ const THRESHOLD: f64 = 2e-4;
 /// The rest: soft, so that it stores much.
 const REST: f64 = 5000.0;
 /// Section, mm².
-const AREA: f64 = 0.5;
+pub(super) const AREA: f64 = 0.5;
 /// Length of the rest and of the softening quarter, mm.
-const LENGTHS: [f64; 2] = [3.0, 1.0];
+pub(super) const LENGTHS: [f64; 2] = [3.0, 1.0];
 /// Pulled so far, mm.
 const END: f64 = 0.003;
 
-fn bar() -> Model {
+pub(super) fn bar() -> Model {
     let rest = PluginLaw::shipped("linear_elastic", &[("E", REST), ("nu", 0.0)]);
     let properties = [("E", MODULUS), ("nu", 0.0), ("A", SCALE), ("B", EXPONENT), ("Y_0", THRESHOLD)];
     let softening = PluginLaw::shipped("pure_damage", &properties);
@@ -31,7 +31,7 @@ fn bar() -> Model {
 }
 
 /// σ of the softening quarter.
-fn stress(strain: f64) -> f64 {
+pub(super) fn stress(strain: f64) -> f64 {
     let excess = (0.5 * MODULUS * strain * strain - THRESHOLD).max(0.0);
     MODULUS * strain / (1.0 + (SCALE * excess).powf(EXPONENT))
 }

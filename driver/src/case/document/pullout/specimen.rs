@@ -146,7 +146,7 @@ pub struct InclinedFibre {
     /// Thickness of the block (default 3.26).
     pub matrix_thickness: Option<Positive>,
     /// Concrete of the matrix in front of and behind the fibre, which joins both halves of the block: part cover (default
-    /// false).
+    /// true where the block is thicker than the fibre; false is the plane model of the thesis).
     pub cover: Option<bool>,
     /// Make the block as thick as the fibre at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
     /// depth), as a cone around the fibre would be (default: the same thickness everywhere).

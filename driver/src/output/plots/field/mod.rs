@@ -38,7 +38,7 @@ pub use zones::{Class, zones};
 
 use super::quantity::Quantity;
 use canvas::{Canvas, Side, band_color, hexadecimal, part_color};
-use fe_core::output::{Fields, Recovery};
+use fe_core::output::{Activity, Fields, Recovery};
 use levels::Levels;
 use plotters::style::RGBColor;
 use std::fmt::Write as _;
@@ -135,7 +135,7 @@ pub enum PictureError {
 }
 
 impl PictureMesh {
-    /// Of computed fields: a node for each place that the recovery has values at.
+    /// Of computed fields, without what was released: a node for each place that the recovery has values at.
     pub fn new(fields: &Fields<'_>, recovery: &Recovery) -> Self {
         let places = recovery.nodes();
         let elements = fields.mesh.elements().iter().enumerate();
@@ -144,11 +144,12 @@ impl PictureMesh {
             part: element.part(),
             nodes: places.of_element(index).to_vec(),
         };
+        let is_left = |(index, _): &(usize, _)| fields.activities[*index] != Activity::Spalled;
         let displacement = |&node: &usize| [fields.displacements[2 * node], fields.displacements[2 * node + 1]];
         Self {
             nodes: places.nodes().iter().map(|&node| fields.mesh.nodes()[node]).collect(),
             displacements: places.nodes().iter().map(displacement).collect(),
-            elements: elements.map(element).collect(),
+            elements: elements.filter(is_left).map(element).collect(),
             parts: fields.mesh.parts().iter().map(|part| part.name.clone()).collect(),
             behind: fields.behind.clone(),
         }
