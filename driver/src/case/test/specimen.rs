@@ -8,8 +8,8 @@ use crate::pullout::Program;
 use crate::pullout::fibre::Fibre;
 use fe_core::kinematics::PlaneModel;
 use fe_core::model::{
-    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, StepControl,
-    Width,
+    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, Spalling,
+    StepControl, Width,
 };
 use serde_json::{Value, json};
 
