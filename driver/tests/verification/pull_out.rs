@@ -1,6 +1,6 @@
 //! An elastic fibre in a rigid matrix against one-dimensional shear lag.
 
-use super::{model, run, run_to_end};
+use super::{model, model_of, run, run_to_end};
 use end_to_end_tests::analytical::pull_out::{DroppingBond, Fibre};
 
 /// The specimen of the cases.
@@ -93,4 +93,41 @@ fn the_full_pull_out_ends_at_nothing() {
     assert!(worst < 5e-3, "{worst:.2e}");
     assert!(rise < 5e-4 * peak, "{:.2e}", rise / peak);
     approx::assert_abs_diff_eq!(last, 0.0, epsilon = 1e-6 * full);
+}
+
+/// The load after a fibre has left its block, relative to the greatest, and the slip there.
+fn after_extraction(overrides: &[&str]) -> [f64; 2] {
+    let model = model_of("chapter-7", "full-extraction", overrides);
+    let (mut greatest, mut last) = (0.0_f64, [f64::NAN; 2]);
+    run_to_end(&model, |record, _| {
+        greatest = greatest.max(record.load.abs());
+        last = [record.load.abs() / greatest, record.slip];
+    });
+    last
+}
+
+#[test]
+fn an_inclined_fibre_is_pulled_out_to_the_last() {
+    for angle in ["mesh.specimen.angle_deg=30", "mesh.specimen.angle_deg=45"] {
+        let [load, slip] = after_extraction(&[angle]);
+        assert!(load < 1e-9 && slip == 3.2, "{angle}: {load:.1e} at {slip}");
+    }
+}
+
+/// The end of a fibre snaps out of its hole, and contact has no viscosity that takes it: with stabilisation, too, something else
+/// than the drives has to lead.
+#[test]
+fn a_fibre_snaps_out_of_a_block_that_does_not_crack() {
+    let drucker_prager = r#"parts.matrix.material={"plugin": "drucker_prager", "props": {"E": 23700, "nu": 0.15,
+        "cohesion": 38.1, "friction_angle_deg": 18.8, "dilation_angle_deg": 18.8, "cone": "abaqus"}}"#;
+    let glued = [
+        "mesh.specimen.angle_deg=30",
+        "mesh.specimen.cover=false",
+        "contact.law.props.p_0=1000",
+        "controls.relaxation_time=1e-6",
+        "steps.0.increments.maximum=0.05",
+        drucker_prager,
+    ];
+    let [load, slip] = after_extraction(&glued);
+    assert!(load < 1e-9 && slip == 3.2, "{load:.1e} at {slip}");
 }

@@ -190,6 +190,8 @@ pub(super) struct StepRun {
     largest_slip: f64,
     follows_slip: bool,
     stabilised: bool,
+    /// Whether the stabilisation is that of laws that extrapolate: their points are led well by nothing but the drives.
+    extrapolates: bool,
     locates_peak: bool,
 }
 
@@ -217,6 +219,7 @@ impl StepRun {
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0 || model.extrapolates(),
+            extrapolates: model.extrapolates(),
             locates_peak: model.controls.locate_peak && !model.contacts.is_empty(),
         }
     }
@@ -243,6 +246,7 @@ impl StepRun {
             largest_slip,
             follows_slip,
             stabilised,
+            extrapolates,
             locates_peak,
         } = self;
         let numbers = [progress, attempted, last_progress, usual_progress, usual_slip, usual_dissipation, largest_slip];
@@ -264,6 +268,7 @@ impl StepRun {
             && size.may_follow(&begun.size)
             && (end, duration, follows_slip) == (&begun.end, &begun.duration, &begun.follows_slip)
             && (stabilised, locates_peak) == (&begun.stabilised, &begun.locates_peak)
+            && *extrapolates == begun.extrapolates
     }
 
     pub(super) fn is_done(&self) -> bool {
@@ -491,7 +496,8 @@ impl StepRun {
             Lead::Drives => {
                 let possible = self.size.cut(self.attempted, fraction);
                 let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
-                (possible, is_small && has_failed)
+                // stabilised solids may creep for a while
+                (possible, is_small && has_failed && !self.stabilised)
             }
             Lead::Other(led) => {
                 led.increment *= fraction;
@@ -516,16 +522,17 @@ impl StepRun {
         }
     }
 
-    /// What may lead where the present lead fails: what helped last time first. With stabilisation the drives lead: what
-    /// would snap back takes its time instead.
+    /// What may lead where the present lead fails: what helped last time first. With stabilisation the drives lead while they
+    /// can, since what would snap back in the solids takes its time instead; the contact of a fibre that leaves has no
+    /// viscosity, and then its slip leads. Laws that extrapolate are led by the drives alone.
     fn next_lead(&self) -> Option<Lead> {
-        if self.stabilised {
-            return None;
-        }
         let led = |by, growth: f64| (growth > 0.0).then(|| Lead::Other(Led::new(by, growth)));
         let slip = || led(Leader::PointSlip, if self.follows_slip { self.usual_slip } else { 0.0 });
         let dissipation = || led(Leader::Dissipation, self.usual_dissipation);
         match self.lead {
+            Lead::Drives if self.extrapolates => None,
+            Lead::Drives if self.stabilised => slip(),
+            Lead::Other(_) if self.stabilised => (self.last_progress > 0.0).then_some(Lead::Drives),
             Lead::Drives if self.helped == Leader::Dissipation => dissipation().or_else(slip),
             Lead::Drives => slip().or_else(dissipation),
             Lead::Other(Led { by: Leader::PointSlip, .. }) => dissipation(),

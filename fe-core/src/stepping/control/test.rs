@@ -29,3 +29,21 @@ fn a_lead_that_unloads_elastically_is_refused_until_the_run_fails() {
         assert!(run.judge(&converged, load, unloads).is_err());
     }
 }
+
+/// Viscosity takes the snap-back of solids, but contact has none: a fibre that leaves its hole snaps.
+#[test]
+fn with_stabilisation_slip_leads_where_the_drives_fail_again_and_again() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-9 };
+    let mut model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    model.controls.relaxation_time = 1e-6;
+    let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+    (run.follows_slip, run.usual_slip, run.usual_dissipation) = (true, 0.01, 1.0);
+    let trouble = repeat("no equilibrium", 0.25).trouble;
+    for _ in 1..FAILURES_BEFORE_CHANGE {
+        assert_eq!(run.reject(&trouble, true), Advance::Repeated);
+        assert_eq!(run.lead, Lead::Drives);
+    }
+    assert_eq!(run.reject(&trouble, true), Advance::Repeated);
+    assert!(matches!(run.lead, Lead::Other(Led { by: Leader::PointSlip, .. })));
+}
