@@ -45,7 +45,7 @@ fn worst_energy_error(run: &Run) -> f64 {
 fn without_inclination_it_is_the_perpendicular_fibre() {
     let desk = Desk::new();
     let straight = run(&desk, "perpendicular", &fibre(json!({ "type": "perpendicular_fibre" }), 0.3));
-    let bent = run(&desk, "inclined", &fibre(json!({ "type": "inclined_fibre", "angle_deg": 0 }), 0.3));
+    let bent = run(&desk, "inclined", &fibre(json!({ "type": "inclined_fibre", "angle_deg": 0, "cover": false }), 0.3));
     let bonded = (12.2 - 0.1015) / 12.2;
     for (expected, found) in std::iter::zip(peak_and_work(&straight), peak_and_work(&bent)) {
         assert!((found / (expected * bonded) - 1.0).abs() < 5e-3, "{found} instead of {expected} × {bonded}");
@@ -60,6 +60,7 @@ fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
     for (name, shape, free_length) in [("bent", "bent", 3.0), ("exit", "straight", 0.0), ("outside", "straight", 1.0)] {
         let specimen = json!({
             "type": "inclined_fibre", "angle_deg": 45, "shape": shape, "free_length": free_length, "mesh_size": 2,
+            "cover": false,
         });
         let found = run(&desk, name, &fibre(specimen, 0.3));
         let error = worst_energy_error(&found);
@@ -90,7 +91,7 @@ fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
 fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
     let desk = Desk::new();
     let open = [1000.0, 20.0, 5.0].map(|capacity| {
-        let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 45, "mesh_size": 2 }), 0.1);
+        let mut case = fibre(json!({ "type": "inclined_fibre", "angle_deg": 45, "mesh_size": 2, "cover": false }), 0.1);
         case["contact"]["law"]["props"]["p_0"] = json!(capacity);
         let found = run(&desk, &format!("capacity-{capacity}"), &case);
         let lengths = found.history.column("separation_length");
@@ -105,8 +106,8 @@ fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
 #[test]
 fn steps_along_given_directions() {
     let desk = Desk::new();
-    let specimen =
-        json!({ "type": "inclined_fibre", "shape": "straight", "free_length": 1, "angle_deg": 30, "mesh_size": 2 });
+    let specimen = json!({ "type": "inclined_fibre", "shape": "straight", "free_length": 1, "angle_deg": 30, "mesh_size": 2,
+                "cover": false });
     let mut case = fibre(specimen, 0.0);
     let (sine, cosine) = (0.5, 0.75_f64.sqrt());
     case["grip"] = json!({ "direction": [sine, cosine], "lateral": "free" });

@@ -104,7 +104,7 @@ fn a_cover_is_of_the_matrix_and_joins_the_halves() {
         given.extend(more.as_object().unwrap().clone());
         run(&desk, name, &case)
     };
-    let without = specimen("without", json!({}));
+    let without = specimen("without", json!({ "cover": false }));
     let with = specimen("with", json!({ "cover": true }));
     let graded = specimen("graded", json!({ "cover": true, "graded_thickness": { "slope": 1.0 } }));
     // the halves no longer come apart where the bond opens, and a thinner block is softer
