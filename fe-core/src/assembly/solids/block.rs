@@ -12,10 +12,6 @@ use crate::kinematics::finite::TangentForm;
 use crate::model::FieldValues;
 use umat_abi::law::Request;
 
-/// The stiffness that a released element has to Newton's method, of its virgin one: nodes that only torn matter holds stay
-/// where their neighbours lead them. It makes no force.
-const GHOST: f64 = 1e-6;
-
 /// Where an element is.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BlockPlace {
@@ -129,14 +125,8 @@ impl Block {
             return Ok(());
         }
         record.forget();
-        if let Some(spalled) = &mut record.spalled {
-            let start = &self.committed[record.nodal.clone()];
-            spalled.act([start, &end], &mut self.forces[record.nodal.clone()]);
-            evaluated.copy_from_slice(&end);
-            (record.is_evaluated, record.has_tangent) = (true, wants_tangent);
-            if wants_tangent && record.moduli_changed {
-                self.build_stiffness::<N>(local, None, evaluation);
-            }
+        if record.spalled.is_some() {
+            self.evaluate_spalled::<N>(local, &end, evaluation);
             return Ok(());
         }
         let nlgeom = self.body.part.nlgeom;
@@ -167,6 +157,35 @@ impl Block {
         Ok(())
     }
 
+    /// What is left of a released element at the end displacements of its nodes.
+    fn evaluate_spalled<const N: usize>(&mut self, local: usize, end: &Nodal<N>, evaluation: &Evaluation<'_>) {
+        if self.records[local].moduli_changed {
+            self.build_stiffness::<N>(local, None, evaluation);
+        }
+        let record = &mut self.records[local];
+        let nodal = record.nodal.clone();
+        if let Some(spalled) = &mut record.spalled {
+            let stiffness = &self.stiffnesses[record.stiffness.clone()];
+            spalled.act([&self.committed[nodal.clone()], end], stiffness, &mut self.forces[nodal.clone()]);
+        }
+        self.evaluated[nodal].copy_from_slice(end);
+        (record.is_evaluated, record.has_tangent) = (true, true);
+    }
+
+    /// Sets what part of its forces a released element still has.
+    pub(super) fn set_share(&mut self, local: usize, share: f64) {
+        let Self { body, records, .. } = self;
+        let record = &mut records[local];
+        let Some(spalled) = &mut record.spalled else { return };
+        let part = spalled.set_share(share);
+        let points = &mut body.points;
+        for point in record.points.clone() {
+            points.moduli[point] = points.elastic.map(|row| row.map(|modulus| part * modulus));
+        }
+        record.moduli_changed = true;
+        record.forget();
+    }
+
     /// The stiffness of the last evaluation, whose motions large displacements need.
     fn build_stiffness<const N: usize>(
         &mut self,
@@ -191,7 +210,7 @@ impl Block {
 
     /// Releases an element after an increment that was accepted.
     pub(super) fn release(&mut self, local: usize) {
-        let Self { body, records, forces, .. } = self;
+        let Self { body, records, forces, committed, .. } = self;
         let record = &mut records[local];
         let points = &mut body.points;
         let mut stored = 0.0;
@@ -199,12 +218,11 @@ impl Block {
             stored += points.committed.reference_energies[point][0] * body.volumes[point];
             points.committed.reference_energies[point][0] = 0.0;
             points.committed.stress[point] = [0.0; 4];
-            points.moduli[point] = points.elastic.map(|row| row.map(|modulus| GHOST * modulus));
         }
         points.forget(record.points.clone());
-        record.spalled = Some(Spalled::new(&forces[record.nodal.clone()], stored));
-        record.moduli_changed = true;
-        record.forget();
+        let nodal = record.nodal.clone();
+        record.spalled = Some(Spalled::new(&forces[nodal.clone()], &committed[nodal], stored));
+        self.set_share(local, 1.0);
     }
 
     /// Takes over the states of elements whose last evaluation was at these displacements.

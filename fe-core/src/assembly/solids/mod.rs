@@ -347,9 +347,7 @@ impl Solids {
     /// Sets what part of its forces a released element still has, from the next evaluation on; others have all of theirs.
     pub fn set_share(&mut self, element: usize, share: f64) {
         let BlockPlace { block, local } = self.places[element];
-        if let Some(spalled) = &mut self.blocks[block].records[local].spalled {
-            spalled.share = share;
-        }
+        self.blocks[block].set_share(local, share);
     }
 
     /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.

@@ -48,14 +48,17 @@ pub(super) struct Record {
     pub(super) spalled: Option<Spalled>,
 }
 
-/// What is left of a released element: nodal forces that fade, and where its energy went.
+/// What is left of a released element: nodal forces that fade, a soft spring while they do, and where its energy went.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spalled {
-    /// Its nodal forces when it was released, N.
+    /// Its nodal forces when it was released, N, and the displacements of its nodes, mm.
     forces: Vec<[f64; 2]>,
-    /// What part of them acts at the end of an increment, and acted at its start.
-    pub(super) share: f64,
-    start_share: f64,
+    displacements: Vec<[f64; 2]>,
+    /// What part of them acts.
+    share: f64,
+    /// Its nodal forces at the start of the increment, and of the last evaluation.
+    start: Vec<[f64; 2]>,
+    end: Vec<[f64; 2]>,
     /// Stored when it was released, and the work of its forces since, N mm: trapezoidal, like the external work.
     pub(super) energy: f64,
     /// Their work in the increment of the last evaluation.
@@ -63,30 +66,59 @@ pub(super) struct Spalled {
 }
 
 impl Spalled {
-    pub(super) fn new(forces: &[[f64; 2]], stored: f64) -> Self {
-        Self { forces: forces.to_vec(), share: 1.0, start_share: 1.0, energy: stored, work: 0.0 }
+    /// Its stiffness while its forces fade, of its virgin one: cracked neighbours bear no force that stays as it is.
+    const SOFT: f64 = 1e-5;
+    /// What Newton's method takes for its stiffness when it has none: nodes that only torn matter holds stay where their
+    /// neighbours lead them.
+    const GHOST: f64 = 1e-8;
+
+    pub(super) fn new(forces: &[[f64; 2]], displacements: &[[f64; 2]], stored: f64) -> Self {
+        let forces = forces.to_vec();
+        Self {
+            displacements: displacements.to_vec(),
+            share: 1.0,
+            start: forces.clone(),
+            end: forces.clone(),
+            forces,
+            energy: stored,
+            work: 0.0,
+        }
     }
 
-    /// Its nodal forces over an increment of its nodes.
-    pub(super) fn act(&mut self, [start, end]: [&[[f64; 2]]; 2], forces: &mut [[f64; 2]]) {
-        let share = 0.5 * (self.start_share + self.share);
-        self.work = 0.0;
-        for (((own, force), start), end) in self.forces.iter().zip(forces).zip(start).zip(end) {
-            *force = own.map(|force| self.share * force);
-            self.work += share * (own[0] * (end[0] - start[0]) + own[1] * (end[1] - start[1]));
+    /// Sets what part of its forces acts; the part of the virgin stiffness that it then has.
+    pub(super) fn set_share(&mut self, share: f64) -> f64 {
+        self.share = share;
+        (Self::SOFT * share).max(Self::GHOST)
+    }
+
+    /// Its nodal forces over an increment of its nodes, f = share f₀ + K (u − u₀), none once nothing of them acts.
+    pub(super) fn act(&mut self, [start, end]: [&[[f64; 2]]; 2], stiffness: &[f64], forces: &mut [[f64; 2]]) {
+        let moved: Vec<f64> =
+            end.as_flattened().iter().zip(self.displacements.as_flattened()).map(|(u, v)| u - v).collect();
+        let rows = stiffness.chunks(moved.len());
+        for ((force, own), row) in forces.as_flattened_mut().iter_mut().zip(self.forces.as_flattened()).zip(rows) {
+            let spring: f64 = row.iter().zip(&moved).map(|(stiffness, moved)| stiffness * moved).sum();
+            *force = if self.share > 0.0 { self.share * own + spring } else { 0.0 };
         }
+        self.end.copy_from_slice(forces);
+        let change = end.as_flattened().iter().zip(start.as_flattened()).map(|(end, start)| end - start);
+        let means =
+            self.start.as_flattened().iter().zip(self.end.as_flattened()).map(|(start, end)| 0.5 * (start + end));
+        self.work = means.zip(change).map(|(force, change)| force * change).sum();
     }
 
     /// Books the increment of the last evaluation.
     pub(super) fn commit(&mut self) {
         self.energy += std::mem::take(&mut self.work);
-        self.start_share = self.share;
+        self.start.copy_from_slice(&self.end);
     }
 
     /// Whether it can be an element's of so many nodes.
     pub(super) fn fits(&self, nodes: usize) -> bool {
-        let numbers = [self.share, self.start_share, self.energy, self.work];
-        self.forces.len() == nodes && self.forces.as_flattened().iter().chain(&numbers).all(|number| number.is_finite())
+        let nodal = [&self.forces, &self.displacements, &self.start, &self.end];
+        let scalars = [self.share, self.energy, self.work];
+        nodal.iter().all(|values| values.len() == nodes)
+            && nodal.into_iter().flatten().flatten().chain(&scalars).all(|number| number.is_finite())
     }
 }
 

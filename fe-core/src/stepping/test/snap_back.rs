@@ -9,7 +9,7 @@ use super::*;
 use crate::model::{FieldValues, Fields as ModelFields};
 
 /// The softening quarter.
-const MODULUS: f64 = 31800.0;
+pub(super) const MODULUS: f64 = 31800.0;
 const SCALE: f64 = 5000.0;
 const EXPONENT: f64 = 1.3;
 const THRESHOLD: f64 = 2e-4;
