@@ -5,6 +5,8 @@ use std::{env, fs};
 
 /// Every folder here is the package of a plugin.
 const PLUGINS: &str = "../models/plugins";
+/// The routines that plugins call.
+const UTILITIES: &str = "pullout_utilities";
 
 fn main() {
     println!("cargo::rerun-if-changed={PLUGINS}");
@@ -13,6 +15,7 @@ fn main() {
     let folder = out.ancestors().nth(3).expect("OUT_DIR lies in Cargo's target folder").join("deps");
     let names = fs::read_dir(PLUGINS).expect("the plugins' packages").flatten().map(|package| package.file_name());
     let library = |name: &Path| format!("{}{}{}", env::consts::DLL_PREFIX, name.display(), env::consts::DLL_SUFFIX);
+    let names = names.chain([UTILITIES.into()]);
     let mut libraries: Vec<PathBuf> = names.map(|name| folder.join(library(Path::new(&name)))).collect();
     libraries.sort();
     let list = env::join_paths(&libraries).expect("paths without a separator of paths");

@@ -390,3 +390,67 @@ fn the_library_of_all_laws_is_driven_by_cmname() {
         assert!(together.iter().any(|line| line.starts_with(law)), "{law} is not in pullout_laws:\n{list}");
     }
 }
+
+#[test]
+fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built() {
+    let desk = Desk::new();
+    desk.case("case.json", &elastic());
+    let program = desk.path("bin").join("pullout");
+    std::fs::create_dir(desk.path("bin")).expect("a folder");
+    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    let told = |arguments: &[&str]| {
+        let mut process = std::process::Command::new(&program);
+        let process = process.env_remove("PULLOUT_PLUGIN_PATH").current_dir(desk.path("")).args(arguments);
+        let output = process.output().expect("the program starts");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "{text}");
+        text
+    };
+    assert!(told(&["plugin", "info", "linear_elastic"]).contains("Process: the program's own"));
+    told(&["run", "--quiet", "case.json"]);
+    // what is beside it is taken first, and judged as it is
+    std::fs::write(desk.path("bin").join("libpullout_utilities.so"), "no library").expect("a file");
+    let output = std::process::Command::new(&program).args(["plugin", "info", "linear_elastic"]).output();
+    let output = output.expect("the program starts");
+    assert_eq!(output.status.code(), Some(3), "{}", String::from_utf8_lossy(&output.stderr));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("cargo xtask install"));
+}
+
+#[test]
+fn manual_pages_and_completions_tell_the_commands_and_hide_what_is_hidden() {
+    let desk = Desk::new();
+    desk.pullout(["pages", "share"]).expect(0);
+    let read = |file: &str| std::fs::read_to_string(desk.path("share").join(file)).expect(file);
+    assert!(read("man/man1/pullout.1").contains("pullout\\-run(1)"));
+    assert!(read("man/man1/pullout-plugin-check.1").contains("\\-\\-plugin\\-path"));
+    for file in
+        ["bash-completion/completions/pullout", "zsh/site-functions/_pullout", "fish/vendor_completions.d/pullout.fish"]
+    {
+        let text = read(file);
+        assert!(text.contains("plugin-path") && text.contains("study"), "{file}");
+        for hidden in ["worker", "pages", "before-run", "aftermath"] {
+            assert!(!text.contains(hidden), "{file}: {hidden}");
+        }
+    }
+    assert!(!desk.path("share/man/man1/pullout-pages.1").exists());
+}
+
+#[test]
+fn slips_of_units_and_defaults_are_told_by_check() {
+    let desk = Desk::new();
+    let mut case = elastic();
+    case["material"]["props"] = json!({ "E": 31.8 });
+    desk.case("case.json", &case);
+    let outcome = desk.pullout(["check", "case.json"]).expect(0);
+    assert!(outcome.stderr.contains("case.json: by default, material.props: nu = 0.18"), "{}", outcome.stderr);
+    assert!(outcome.stderr.contains("material.props.E = 31.8 MPa is outside the usual range"), "{}", outcome.stderr);
+    assert_eq!(outcome.stdout, "case.json: no errors\n");
+    let quiet = desk.pullout(["check", "--quiet", "case.json"]).expect(0);
+    assert!(quiet.stdout.is_empty() && quiet.stderr.is_empty(), "{}", quiet.stderr);
+    desk.pullout(["run", "--quiet", "case.json"]).expect(0);
+    let report = std::fs::read_to_string(desk.path("out/case/report.html")).expect("a report");
+    assert!(report.contains("material.props: nu = 0.18") && report.contains("outside the usual range"));
+    let calibrated = ["--E", "31800", "--nu", "0.18", "--ft", "3500", "--fc", "40"];
+    let outcome = desk.pullout(["props", "concrete_damage"].iter().chain(&calibrated));
+    assert!(outcome.stderr.contains("--ft 3500 is outside the usual range"), "{}", outcome.stderr);
+}

@@ -230,6 +230,15 @@ typedef struct pullout_parameter {
    Named values, if this parameter selects a form.
    */
   struct pullout_choice_table choices;
+  /*
+   Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+   readers look at the stride of the table.
+   */
+  double typical_lower;
+  /*
+   Greatest usual value; 0, as `typical_lower`: none are said.
+   */
+  double typical_upper;
 } pullout_parameter;
 
 /*

@@ -187,6 +187,11 @@ pub struct Parameter {
     pub reserved: u32,
     /// Named values, if this parameter selects a form.
     pub choices: Table<Choice>,
+    /// Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+    /// readers look at the stride of the table.
+    pub typical_lower: f64,
+    /// Greatest usual value; 0, as `typical_lower`: none are said.
+    pub typical_upper: f64,
 }
 
 impl Parameter {
@@ -203,7 +208,16 @@ impl Parameter {
             open_bounds: 0,
             reserved: 0,
             choices: Table::new(&[]),
+            typical_lower: 0.0,
+            typical_upper: 0.0,
         }
+    }
+
+    /// What values are usual; the default and others that the bounds admit are no errors.
+    pub const fn typically(mut self, lower: f64, upper: f64) -> Self {
+        self.typical_lower = lower;
+        self.typical_upper = upper;
+        self
     }
 
     /// lower ≤ value ≤ upper.

@@ -3,6 +3,7 @@
 use crate::build::Products;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
 
 /// All laws in one library.
 const ALL_LAWS: &str = "pullout_laws";
@@ -11,6 +12,9 @@ const ABAQUS_LIBRARY: &str = "libstandardU.so";
 
 /// What tells the libraries for Kratos from the others where Cargo builds them; a folder does where they are installed.
 const KRATOS_SUFFIX: &str = "_kratos";
+
+/// What the program writes of itself below `share`: manual pages and completions.
+const PAGES: &str = "pages";
 
 /// Files for the programs of others, with the version filled in at `@VERSION@`.
 const TEMPLATES: [(&str, &str); 3] = [
@@ -53,6 +57,44 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
         write(&to, |unfinished| fs::write(unfinished, text.replace("@VERSION@", env!("CARGO_PKG_VERSION"))))?;
         files.push(to);
     }
+    files.extend(pages(&products.program, &prefix.join("share"))?);
+    Ok(files)
+}
+
+/// Lets the program write its manual pages and the shells' completions into a folder beside `share`, and puts them there;
+/// the result is the files, sorted.
+fn pages(program: &Path, share: &Path) -> Result<Vec<PathBuf>, String> {
+    let fresh = share.with_extension("unfinished");
+    let within = |error: std::io::Error| format!("{}: {error}", fresh.display());
+    if fresh.exists() {
+        fs::remove_dir_all(&fresh).map_err(within)?;
+    }
+    let ended = Command::new(program).arg(PAGES).arg(&fresh).stdin(Stdio::null()).status();
+    let ended = ended.map_err(|error| format!("{}: {error}", program.display()))?;
+    if !ended.success() {
+        return Err(format!("{} {PAGES}: {ended}", program.display()));
+    }
+    let mut files = Vec::new();
+    for from in files_below(&fresh).map_err(within)? {
+        let to = share.join(from.strip_prefix(&fresh).map_err(|error| error.to_string())?);
+        copy(&from, &to)?;
+        files.push(to);
+    }
+    fs::remove_dir_all(&fresh).map_err(within)?;
+    files.sort();
+    Ok(files)
+}
+
+fn files_below(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
+    let mut files = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        if path.is_dir() {
+            files.extend(files_below(&path)?);
+        } else {
+            files.push(path);
+        }
+    }
     Ok(files)
 }
 
@@ -81,6 +123,10 @@ fn write(to: &Path, fill: impl FnOnce(&Path) -> std::io::Result<()>) -> Result<(
 #[cfg(test)]
 mod test {
     use super::*;
+    use std::os::unix::fs::PermissionsExt;
+
+    /// A program that writes a page as the real one does.
+    const PROGRAM: &str = "#!/bin/sh\n[ $1 = pages ] && mkdir -p $2/man/man1 && echo page > $2/man/man1/pullout.1\n";
 
     /// Products of a build, as empty as can be.
     fn products(folder: &Path, libraries: &[&str]) -> Products {
@@ -90,7 +136,10 @@ mod test {
             path
         };
         let libraries = libraries.iter().map(|name| file(name)).collect();
-        Products { program: file("pullout"), libraries, kratos: vec![file("libother_kratos.so")] }
+        let program = file("pullout");
+        fs::write(&program, PROGRAM).expect("a file");
+        fs::set_permissions(&program, fs::Permissions::from_mode(0o755)).expect("our own file");
+        Products { program, libraries, kratos: vec![file("libother_kratos.so")] }
     }
 
     fn all_laws() -> String {
@@ -119,10 +168,11 @@ mod test {
                 "lib/pullout/kratos/libother.so",
                 "lib/pullout/libother.so",
                 laws.as_str(),
+                "share/man/man1/pullout.1",
             ];
             expected.sort();
             assert_eq!(found, expected);
-            assert!(files.iter().all(|file| file.is_file()));
+            assert!(files.iter().all(|file| file.is_file()) && !prefix.join("share.unfinished").exists());
         }
         let package = fs::read_to_string(prefix.join("lib/pkgconfig/pullout.pc")).expect("a file");
         assert!(package.contains(&format!("Version: {}\n", env!("CARGO_PKG_VERSION"))));

@@ -18,13 +18,13 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Task {
     /// Build program and plugins, and put them with header, Fortran module, pkg-config file and CMake package under a
-    /// prefix: bin, lib/pullout, include, lib/pkgconfig, lib/cmake/pullout.
+    /// prefix: bin, lib/pullout, include, lib/pkgconfig, lib/cmake/pullout; manual pages and the shells' completions: share.
     Install {
         /// Where to; made if it does not exist. The tree may be moved later.
         #[arg(long, value_name = "DIR")]
         prefix: PathBuf,
         /// Cargo profile to build with.
-        #[arg(long, value_name = "NAME", default_value = "release")]
+        #[arg(long, value_name = "NAME", default_value = "dist")]
         profile: String,
     },
 }

@@ -141,10 +141,7 @@ impl fmt::Display for BenchError {
         match self {
             Self::Plugin(error) => error.fmt(f),
             Self::Case(errors) => errors.fmt(f),
-            Self::Missing { plugin, searched } => {
-                let folders: Vec<_> = searched.iter().map(|folder| folder.display().to_string()).collect();
-                write!(f, "no plugin '{plugin}' in {}; --plugin-path DIR names another folder", folders.join(", "))
-            }
+            Self::Missing { plugin, searched } => f.write_str(&crate::case::not_found(plugin, searched)),
             Self::Failed(message) => f.write_str(message),
             Self::File(error) => error.fmt(f),
         }

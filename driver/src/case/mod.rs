@@ -35,6 +35,7 @@ mod table;
 mod test;
 
 pub(crate) use document::{Piece, Positive};
+pub(crate) use plugin::{not_found, where_to_look};
 pub(crate) use problem::hint;
 pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind};
 pub use props::props_from_json;
@@ -127,6 +128,14 @@ impl Case {
         }
     }
 
+    /// What the case leaves to defaults, a line for each place: "material.props: nu = 0.18".
+    pub fn defaults(&self) -> &[String] {
+        match self {
+            Self::Path(program) => &program.defaults,
+            Self::Pullout(program) => &program.defaults,
+        }
+    }
+
     /// Things the user should know although nothing is wrong.
     pub fn warnings(&self) -> &[String] {
         match self {
@@ -147,6 +156,8 @@ pub(crate) struct Reader<'a> {
     libraries: BTreeMap<PathBuf, Library>,
     problems: Vec<Problem>,
     warnings: Vec<String>,
+    /// What the case leaves to defaults: a line for each place.
+    defaults: Vec<String>,
 }
 
 impl<'a> Reader<'a> {
@@ -159,6 +170,7 @@ impl<'a> Reader<'a> {
             libraries: BTreeMap::new(),
             problems: Vec::new(),
             warnings: Vec::new(),
+            defaults: Vec::new(),
         }
     }
 
@@ -185,6 +197,24 @@ impl<'a> Reader<'a> {
         match case {
             Some(case) if self.problems.is_empty() => Ok(case),
             _ => Err(CaseErrors { file: path.into(), problems: self.problems }),
+        }
+    }
+
+    /// Warns of a value that nobody means, a slip of units perhaps.
+    fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
+        let [value, lower, upper] = [value, lower, upper].map(crate::output::number::rounded);
+        let warning = format!(
+            "{what} = {value} {unit} is outside the usual range, {lower} to {upper} {unit}: is it in units of N, mm, MPa?"
+        );
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Notes the names and values that a place of the case leaves to defaults.
+    fn note_defaults(&mut self, place: &Place, taken: &[String]) {
+        if !taken.is_empty() {
+            self.defaults.push(format!("{}: {}", place.in_words(), taken.join(", ")));
         }
     }
 
@@ -494,5 +524,6 @@ fn finish(
         },
         compare,
         warnings: std::mem::take(&mut reader.warnings),
+        defaults: std::mem::take(&mut reader.defaults),
     })))
 }

@@ -15,6 +15,9 @@ pub const NORMAL_PENALTY: f64 = 1e5;
 /// Likewise tangential, for laws that cannot derive their own: about 10 times a bond's elastic stiffness.
 pub const TANGENTIAL_PENALTY: f64 = 1e4;
 
+/// The library of all laws that come with the program: where it is, they are.
+const ALL_LAWS: &str = "pullout_laws";
+
 /// What the case does with the plugin.
 #[derive(Clone, Debug)]
 pub struct Use {
@@ -145,12 +148,28 @@ fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBu
     if let Some(found) = Found::by_name(plugin, &folders) {
         return Some(found.path);
     }
-    let names: Vec<String> = Found::all(&folders).into_iter().map(|found| found.name).collect();
-    let near = nearest(plugin, &names).map_or_else(String::new, |name| format!("; nearest name there: '{name}'"));
-    let folders: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
-    let message = format!("no plugin '{plugin}' was found; searched: {}{near}", folders.join(", "));
-    reader.problems.push(Problem::plugin(place.clone(), message));
+    reader.problems.push(Problem::plugin(place.clone(), not_found(plugin, &folders)));
     None
+}
+
+/// Says that no folder has a plugin of this name, and what to do.
+pub fn not_found(plugin: &str, folders: &[PathBuf]) -> String {
+    let names: Vec<String> = Found::all(folders).into_iter().map(|found| found.name).collect();
+    let near = nearest(plugin, &names).map_or_else(String::new, |name| format!("; nearest name there: '{name}'"));
+    let searched: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+    format!("no plugin '{plugin}' was found; searched: {}{near}; {}", searched.join(", "), where_to_look(folders))
+}
+
+/// How to name folders of plugins, and how to get the program's own laws if they are in none of these folders.
+pub fn where_to_look(folders: &[PathBuf]) -> String {
+    let other = "--plugin-path DIR or the environment variable PULLOUT_PLUGIN_PATH names other folders";
+    match Found::by_name(ALL_LAWS, folders) {
+        Some(_) => other.to_owned(),
+        None => format!(
+            "{other}; the program's own laws are in none of these: `cargo xtask install --prefix DIR`, in its source \
+             folder, puts program and laws together"
+        ),
+    }
 }
 
 /// `Some(None)`: a plain UMAT. Of several laws, CMNAME chooses.
@@ -304,6 +323,12 @@ fn properties(
                 Entry::Uinter | Entry::Fric => filled_penalties(law, &values, purpose.entry),
             };
             validate(reader, law, &filled, &place, &purpose.length);
+            for (parameter, value) in props::in_order(law).zip(&values) {
+                if let Some(range) = parameter.missed_range(*value) {
+                    reader.warn_unusual(place.key(&parameter.name).in_words(), *value, &parameter.unit, range);
+                }
+            }
+            reader.note_defaults(&place, &props::defaults(law, material.props.as_ref()));
             if purpose.subject == Subject::Specimen {
                 // the contact pair fills them in from the bodies' stiffness
                 return Some(values);

@@ -35,6 +35,29 @@ pub(super) fn resolve(law: &Law, props: Option<&Props>, place: &Place) -> Result
     if problems.is_empty() { Ok(values) } else { Err(problems) }
 }
 
+/// Names and values of the parameters that a case leaves to their defaults.
+pub(super) fn defaults(law: &Law, props: Option<&Props>) -> Vec<String> {
+    let is_given = |name: &str| match props {
+        Some(Props::List(_)) => true,
+        Some(Props::Named(named)) => named.contains_key(name),
+        None => false,
+    };
+    // a number of occurrences is counted
+    let counted = law.group.as_ref().and_then(|group| group.count_parameter);
+    let taken = split(law).0.iter().enumerate().filter(|(k, p)| Some(*k) != counted && !is_given(&p.name));
+    let words = |(_, p): (usize, &Parameter)| match p.choices.iter().find(|choice| choice.value == p.default_value) {
+        Some(choice) => format!("{} = {}", p.name, choice.name),
+        None => format!("{} = {}", p.name, p.default_value),
+    };
+    taken.map(words).collect()
+}
+
+/// The parameters of PROPS in their order, those of the group as often as it occurs.
+pub(super) fn in_order(law: &Law) -> impl Iterator<Item = &Parameter> {
+    let (fixed, repeated) = split(law);
+    fixed.iter().chain(repeated.iter().cycle())
+}
+
 /// The parameters before the repeating group, and those of one occurrence.
 fn split(law: &Law) -> (&[Parameter], &[Parameter]) {
     let size = law.group.as_ref().map_or(0, |group| group.size).min(law.parameters.len());

@@ -104,6 +104,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         output,
         compare,
         warnings: std::mem::take(&mut reader.warnings),
+        defaults: std::mem::take(&mut reader.defaults),
         threads: Threads::default(),
     })
 }

@@ -4,6 +4,7 @@ mod bench;
 mod fit;
 mod import;
 mod isolated;
+mod pages;
 mod plot;
 mod plugin;
 mod props;
@@ -73,6 +74,13 @@ enum Command {
     /// A command line in a process of its own; started by the program itself.
     #[command(name = isolation::worker::COMMAND, hide = true)]
     Worker(isolation::Task),
+    /// Write the manual pages and the shells' completions below a folder `share`; for the installer.
+    #[command(hide = true)]
+    Pages {
+        /// The folder.
+        #[arg(value_name = "SHARE")]
+        share: PathBuf,
+    },
     /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
     Import(import::Arguments),
     /// Find a law's parameters from an experiment.
@@ -146,7 +154,12 @@ impl Command {
             Self::Fit { law } => law.place(),
             // it measures calls in this process
             Self::Bench(_) => Place { in_process: true },
-            Self::Schema | Self::Plot(_) | Self::Worker(_) | Self::Import(_) | Self::Props { .. } => Place::default(),
+            Self::Schema
+            | Self::Plot(_)
+            | Self::Worker(_)
+            | Self::Pages { .. }
+            | Self::Import(_)
+            | Self::Props { .. } => Place::default(),
         }
     }
 }
@@ -158,6 +171,7 @@ fn processors() -> NonZeroUsize {
 
 /// Runs the program with these arguments; the result is its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    isolation::look_where_it_was_built();
     let line: Vec<OsString> = arguments.into_iter().collect();
     let arguments = match Arguments::try_parse_from(&line) {
         Ok(arguments) => arguments,
@@ -229,6 +243,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),
         Command::Worker(task) => isolated::work(&task),
+        Command::Pages { share } => pages::write(&share),
     }
 }
 

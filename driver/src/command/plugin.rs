@@ -5,6 +5,7 @@ mod build;
 mod check;
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, Place, complain, isolated, say};
+use crate::case;
 use crate::isolation::prints::Prints;
 use crate::isolation::{self, End, Job, Need};
 use clap::Subcommand;
@@ -114,8 +115,7 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, u8> {
         Found::by_name(name, &paths).map(|found| found.path)
     };
     let Some(file) = file else {
-        let folders: Vec<_> = paths.iter().map(|path| format!("  {}", path.display())).collect();
-        complain(format!("no plugin '{name}' in\n{}\n(`pullout plugin list` tells what there is)", folders.join("\n")));
+        complain(format!("{}; `pullout plugin list` tells what there is", case::not_found(name, &paths)));
         return Err(NO_PLUGIN);
     };
     Ok(file)
@@ -141,8 +141,11 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     }
     let mut text = table(&rows);
     text.push_str("\nSearched:\n");
-    for path in paths {
+    for path in &paths {
         let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
+    }
+    if rows.len() == 1 {
+        let _ = writeln!(text, "No law was found; {}", case::where_to_look(&paths));
     }
     say(&text);
     DONE
@@ -301,13 +304,14 @@ fn describe(law: &Law, path: &Path) -> String {
     let _ = writeln!(text, "Modes: {}", modes.join(", "));
     let _ = writeln!(text, "Claims: {}", claims.join(", "));
     let _ = writeln!(text, "\nPROPS ({}):", law.parameters.len());
-    let header = ["#", "name", "unit", "default", "bounds", "meaning"].map(String::from);
+    let header = ["#", "name", "unit", "default", "bounds", "usual", "meaning"].map(String::from);
     let rows = law.parameters.iter().enumerate().map(|(k, p)| {
         let default = match p.choices.iter().find(|choice| choice.value == p.default_value) {
             Some(choice) => format!("{} ({})", p.default_value, choice.name),
             None => p.default_value.to_string(),
         };
-        [(k + 1).to_string(), p.name.clone(), p.unit.clone(), default, p.bounds(), p.doc.clone()]
+        let usual = p.typical.map_or(String::new(), |[lower, upper]| format!("{lower} to {upper}"));
+        [(k + 1).to_string(), p.name.clone(), p.unit.clone(), default, p.bounds(), usual, p.doc.clone()]
     });
     text.push_str(&table(&std::iter::once(header).chain(rows).collect::<Vec<_>>()));
     if let Some(group) = &law.group {

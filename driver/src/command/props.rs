@@ -36,6 +36,9 @@ pub(super) enum Law {
     },
 }
 
+/// Usual values of concretes, from aerated to ultra-high-performance ones, MPa.
+const USUAL: [(&str, [f64; 2]); 3] = [("--E", [500.0, 1e5]), ("--ft", [0.05, 50.0]), ("--fc", [0.5, 500.0])];
+
 pub(super) fn print(law: &Law) -> u8 {
     let Law::ConcreteDamage {
         youngs_modulus,
@@ -54,6 +57,14 @@ pub(super) fn print(law: &Law) -> u8 {
         fracture_energy,
         crushing_energy,
     };
+    for ((option, [lower, upper]), value) in USUAL.iter().zip([youngs_modulus, tensile_strength, compressive_strength])
+    {
+        if !(*lower..=*upper).contains(&value) {
+            complain(format!(
+                "warning: {option} {value} is outside the usual range of concretes, {lower} to {upper} MPa: is it in MPa?"
+            ));
+        }
+    }
     match properties_with_exponent(&concrete, compressive_exponent) {
         Ok(properties) => {
             let names = ConcreteDamage::INFO.parameters.iter().map(|parameter| parameter.name().to_owned());

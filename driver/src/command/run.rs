@@ -115,6 +115,8 @@ fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> 
     }
     if !quiet {
         say(&format!("{}: no errors\n", file.display()));
+        // the standard output has a line for each case
+        case.defaults().iter().for_each(|line| complain(format!("{}: by default, {line}", file.display())));
         case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
     }
     DONE

@@ -64,5 +64,5 @@ pub use ending::Aftermath;
 pub use need::{CALL_TIME_LIMIT, Need, need, need_of};
 pub use supervisor::{End, Failure, Job, supervise};
 pub use system::{die_with, out_of_reach, program};
-pub use trust::{all_are_let_in, is_shipped, let_all_in, load};
+pub use trust::{all_are_let_in, is_shipped, let_all_in, load, look_where_it_was_built};
 pub use worker::Task;

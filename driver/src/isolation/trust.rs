@@ -2,12 +2,13 @@
 
 use super::{system, worker};
 use crate::input::{self, Input};
+use std::env;
 use std::fs::{self, Metadata};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use umat_abi::host::{Library, LoadError};
+use umat_abi::host::{self, Library, LoadError};
 
-/// Length and SHA-256 of the plugins that were built with this program. It stands in the program itself: neither a case
+/// Length and SHA-256 of the plugins and the utility routines that were built with this program. It stands in the program itself: neither a case
 /// nor a folder of plugins can add to it. A plugin that was built again without the program no longer fits.
 static SHIPPED: &[(u64, [u8; 32])] = shipped::manifest!();
 
@@ -30,6 +31,22 @@ pub fn is_shipped(library: &Path) -> bool {
     let length = fs::metadata(library).ok().filter(Metadata::is_file).map(|file| file.len());
     length.is_some_and(|length| SHIPPED.iter().any(|(other, _)| *other == length))
         && input::hash(library, Input::Library).is_ok_and(|hash| SHIPPED.iter().any(|(_, other)| *other == hash))
+}
+
+/// Finds the laws where Cargo has built them where none were installed with this program, as by `cargo install`. The folder
+/// counts if the utility routines there are those that were built with this program; each law is judged when it is loaded.
+pub fn look_where_it_was_built() {
+    if host::utilities_path().is_ok() {
+        return;
+    }
+    let name = host::library_file_name(host::UTILITIES);
+    let built = env::split_paths(env!("PULLOUT_SHIPPED_PLUGINS")).find(|library| library.ends_with(&name));
+    if let Some(utilities) = built
+        && is_shipped(&utilities)
+        && let Some(folder) = utilities.parent()
+    {
+        host::search_also(folder.to_path_buf());
+    }
 }
 
 /// Whether a library may be loaded into this process.

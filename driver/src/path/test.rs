@@ -68,6 +68,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
         output: Output { every: 1, plots: false },
         compare: Vec::new(),
         warnings: Vec::new(),
+        defaults: Vec::new(),
     }
 }
 

@@ -68,6 +68,8 @@ pub struct Program {
     pub compare: Vec<Compare>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
+    /// What the case leaves to defaults, a line for each place.
+    pub defaults: Vec<String>,
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
 }

@@ -40,9 +40,11 @@ pub(super) const PARAMETERS: [Parameter; FIXED + 2] = [
     Parameter::new(c"b_1", c"-", 0.0832, c"exponent of the rising power, 0 < b_1 < 1"),
     Parameter::new(c"a_2", c"MPa/mm^b_2", 0.87, c"factor of the falling power"),
     Parameter::new(c"b_2", c"-", -0.2678, c"exponent of the falling power, b_2 < 0"),
-    Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond").at_least(0.0),
+    Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond")
+        .at_least(0.0)
+        .typically(0.0, 100.0),
     Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e").at_least(0.0),
-    Parameter::new(c"mu", c"-", 0.1, c"coefficient of friction").at_least(0.0),
+    Parameter::new(c"mu", c"-", 0.1, c"coefficient of friction").at_least(0.0).typically(0.0, 2.0),
     Parameter::new(
         c"k_f",
         c"MPa/mm",

@@ -129,10 +129,10 @@ const PARAMETERS: [Parameter; 14] = [
     poisson_ratio(0.18),
     Parameter::new(c"A_t", c"1/MPa", 5000.0, c"rate of tensile damage").above(0.0),
     Parameter::new(c"B_t", c"-", 1.3, c"exponent of tensile damage").above(0.0),
-    Parameter::new(c"Y_t0", c"MPa", 1.905_077e-4, c"threshold of tensile damage").at_least(0.0),
+    Parameter::new(c"Y_t0", c"MPa", 1.905_077e-4, c"threshold of tensile damage").at_least(0.0).typically(1e-7, 0.1),
     Parameter::new(c"A_c", c"1/MPa", 31.47479, c"rate of compressive damage").above(0.0),
     Parameter::new(c"B_c", c"-", 1.05, c"exponent of compressive damage").above(0.0),
-    Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage").at_least(0.0),
+    Parameter::new(c"Y_c0", c"MPa", 3.0e-4, c"threshold of compressive damage").at_least(0.0).typically(1e-7, 1.0),
     Parameter::new(c"beta", c"-", 0.17227, c"share of the hydrostatic stiffness that compressive damage takes")
         .within(0.0, 1.0),
     Parameter::new(c"zeta_c", c"-", 0.0, c"delay of compressive damage by confinement").at_least(0.0),
@@ -142,8 +142,12 @@ const PARAMETERS: [Parameter; 14] = [
     Parameter::new(c"b_c", c"-", 0.0, c"inelastic fraction of compressive strain growth (0: none)")
         .at_least(0.0)
         .below(1.0),
-    Parameter::new(c"G_f", c"N/mm", 0.0, c"fracture energy in tension (0: no crack band)").at_least(0.0),
-    Parameter::new(c"G_c", c"N/mm", 0.0, c"fracture energy in compression (0: no crack band)").at_least(0.0),
+    Parameter::new(c"G_f", c"N/mm", 0.0, c"fracture energy in tension (0: no crack band)")
+        .at_least(0.0)
+        .typically(0.002, 20.0),
+    Parameter::new(c"G_c", c"N/mm", 0.0, c"fracture energy in compression (0: no crack band)")
+        .at_least(0.0)
+        .typically(0.1, 1000.0),
 ];
 
 /// The first states of both integrations.

@@ -38,10 +38,12 @@ impl Law for DruckerPrager {
         description: c"Perfectly plastic Drucker-Prager cone, associated or not",
         parameters: &const {
             [
-                youngs_modulus(23_700.0),
+                // soils are softer than other solids
+                youngs_modulus(23_700.0).typically(0.5, 1.2e6),
                 poisson_ratio(0.15),
                 Parameter::new(c"cohesion", c"MPa", 38.1, c"cohesion; cone abaqus: d, the intercept in the p-t plane")
-                    .above(0.0),
+                    .above(0.0)
+                    .typically(1e-4, 1e3),
                 Parameter::new(c"friction_angle_deg", c"deg", 18.8, c"friction angle; cone abaqus: beta")
                     .at_least(0.0)
                     .below(90.0),

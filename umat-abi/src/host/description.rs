@@ -2,6 +2,7 @@
 
 use crate::metadata::{self, ABI_VERSION, Plugin, Table, Text, derived_forms, open_bounds, validation};
 use std::ffi::{CStr, c_char};
+use std::mem::offset_of;
 use std::sync::Arc;
 
 /// A law in a library, as its metadata describes it.
@@ -55,6 +56,8 @@ pub struct Parameter {
     pub upper_open: bool,
     /// Named values.
     pub choices: Vec<Choice>,
+    /// The least and the greatest usual value, if the law says them.
+    pub typical: Option<[f64; 2]>,
 }
 
 impl Parameter {
@@ -72,6 +75,12 @@ impl Parameter {
             (false, true) => format!("{} {upper}", if self.upper_open { "<" } else { "<=" }),
             (false, false) => String::new(),
         }
+    }
+
+    /// The usual range that a value is outside of. The default is usual.
+    pub fn missed_range(&self, value: f64) -> Option<[f64; 2]> {
+        let is_usual = |[lower, upper]: &[f64; 2]| (*lower..=*upper).contains(&value) || value == self.default_value;
+        self.typical.filter(|range| !is_usual(range))
     }
 
     /// Whether a value is finite, within the bounds, and listed if there are choices.
@@ -232,7 +241,7 @@ impl Law {
                 kinds: plugin.kinds,
                 stress_states: plugin.stress_states,
                 flags: plugin.flags,
-                parameters: read_table(&plugin.parameters, |p| read_parameter(p))?,
+                parameters: read_parameters(&plugin.parameters)?,
                 group: if plugin.has_repeating == 0 { None } else { Some(read_group(&plugin.repeating)?) },
                 states: read_table(&plugin.states, |s: &metadata::StateVariable| {
                     Ok(State {
@@ -269,6 +278,23 @@ impl Law {
     }
 }
 
+/// Reads the table of parameters. The elements of older libraries end before `typical_lower`: they name no usual values.
+///
+/// # Safety
+/// As for `Law::read`.
+unsafe fn read_parameters(table: &Table<metadata::Parameter>) -> Result<Vec<Parameter>, String> {
+    const FIRST_SIZE: usize = offset_of!(metadata::Parameter, typical_lower);
+    // SAFETY: the elements have `stride` bytes, and `whole` has at least as many as are copied.
+    unsafe {
+        read_elements(table, FIRST_SIZE, |element| {
+            let mut whole = metadata::Parameter::new(c"", c"", 0.0, c"");
+            let known = size_of::<metadata::Parameter>().min(table.stride as usize);
+            std::ptr::copy_nonoverlapping(element.cast::<u8>(), (&raw mut whole).cast::<u8>(), known);
+            read_parameter(&whole)
+        })
+    }
+}
+
 unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
     // SAFETY: as for `Law::read`.
     unsafe {
@@ -283,6 +309,7 @@ unsafe fn read_parameter(p: &metadata::Parameter) -> Result<Parameter, String> {
             lower_open: p.open_bounds & open_bounds::LOWER != 0,
             upper_open: p.open_bounds & open_bounds::UPPER != 0,
             choices: read_table(&p.choices, |c: &metadata::Choice| Ok(Choice { value: c.value, name: text(c.name)? }))?,
+            typical: (p.typical_lower < p.typical_upper).then_some([p.typical_lower, p.typical_upper]),
         })
     }
 }
@@ -300,20 +327,29 @@ unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<Group, String> 
 /// # Safety
 /// The table's elements are `count` values, `stride` bytes apart.
 unsafe fn read_table<T, R>(table: &Table<T>, read: impl Fn(&T) -> Result<R, String>) -> Result<Vec<R>, String> {
+    // SAFETY: elements of the whole size, as the caller says.
+    unsafe { read_elements(table, size_of::<T>(), |element| read(&*element)) }
+}
+
+/// Reads elements of at least `least` bytes.
+///
+/// # Safety
+/// As for `read_table`.
+unsafe fn read_elements<T, R>(
+    table: &Table<T>,
+    least: usize,
+    read: impl Fn(*const T) -> Result<R, String>,
+) -> Result<Vec<R>, String> {
     const MOST_ELEMENTS: u32 = 10_000;
     if table.count == 0 {
         return Ok(Vec::new());
     }
-    if table.first.is_null() || table.count > MOST_ELEMENTS || (table.stride as usize) < size_of::<T>() {
+    if table.first.is_null() || table.count > MOST_ELEMENTS || (table.stride as usize) < least {
         return Err("a table of the metadata has no address, too many elements, or too small elements".into());
     }
-    (0..table.count as usize)
-        .map(|k| {
-            // SAFETY: k < count, and elements are `stride` bytes apart.
-            let element = unsafe { &*table.first.byte_add(k * table.stride as usize) };
-            read(element)
-        })
-        .collect()
+    // SAFETY: k < count, and elements are `stride` bytes apart.
+    let element = |k: usize| unsafe { table.first.byte_add(k * table.stride as usize) };
+    (0..table.count as usize).map(|k| read(element(k))).collect()
 }
 
 /// A plugin's text without control characters: it is shown on terminals, in tables and in pictures. A line break is a blank.
@@ -338,7 +374,35 @@ unsafe fn text(text: Text) -> Result<String, String> {
 
 #[cfg(test)]
 mod test {
-    use super::printable;
+    use super::{Table, metadata, printable, read_parameters};
+    use std::mem::offset_of;
+
+    #[test]
+    fn parameters_of_older_libraries_are_read_without_their_usual_values() {
+        let now = [1.0, 2.0].map(|value| metadata::Parameter::new(c"E", c"MPa", value, c"").typically(5.0, 7.0));
+        // the same as a library has them whose elements end before
+        let size = offset_of!(metadata::Parameter, typical_lower);
+        let mut before = [0_u64; 2 * size_of::<metadata::Parameter>() / 8];
+        for (k, parameter) in now.iter().enumerate() {
+            let to = before.as_mut_ptr().wrapping_byte_add(k * size).cast::<u8>();
+            // SAFETY: two elements of `size` bytes fit.
+            unsafe { std::ptr::copy_nonoverlapping((&raw const *parameter).cast::<u8>(), to, size) };
+        }
+        let table = |first: *const metadata::Parameter, stride: usize| {
+            let mut table = Table::new(&[]);
+            (table.first, table.count, table.stride) = (first, 2, stride as u32);
+            // SAFETY: as many elements of this size as the table says.
+            unsafe { read_parameters(&table) }
+        };
+        for (first, stride, typical) in
+            [(now.as_ptr(), size_of::<metadata::Parameter>(), Some([5.0, 7.0])), (before.as_ptr().cast(), size, None)]
+        {
+            let read = table(first, stride).expect("parameters");
+            assert!(read.iter().all(|parameter| parameter.name == "E" && parameter.typical == typical), "{read:?}");
+            assert_eq!([read[0].default_value, read[1].default_value], [1.0, 2.0]);
+        }
+        assert!(table(before.as_ptr().cast(), size - 8).is_err());
+    }
 
     #[test]
     fn a_plugins_text_does_not_act_on_a_terminal() {

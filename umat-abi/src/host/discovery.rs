@@ -2,6 +2,7 @@
 
 use std::env;
 use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
 
 /// A plugin library on the search path.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -43,6 +44,15 @@ pub fn search_paths(given: &[PathBuf]) -> Vec<PathBuf> {
     paths
 }
 
+/// See [`search_also`].
+static BESIDES: OnceLock<PathBuf> = OnceLock::new();
+
+/// Counts a folder, for good, among the program's own, as the last of them. The caller answers for the utility routines
+/// there, which are loaded unasked.
+pub fn search_also(folder: PathBuf) {
+    let _ = BESIDES.set(folder);
+}
+
 /// The folders in which a program finds what was installed with it.
 pub fn installed_paths() -> Vec<PathBuf> {
     let mut paths = Vec::new();
@@ -57,6 +67,7 @@ pub fn installed_paths() -> Vec<PathBuf> {
             paths.push(prefix.join("lib").join("pullout"));
         }
     }
+    paths.extend(BESIDES.get().cloned());
     paths
 }
 

@@ -30,7 +30,7 @@ pub use batch::BatchCall;
 pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
-pub use discovery::{Found, library_file_name, library_path, names_a_file, search_paths};
+pub use discovery::{Found, library_file_name, library_path, names_a_file, search_also, search_paths};
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, binds_deeply};
@@ -40,4 +40,4 @@ pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
-pub use utilities::{UnavailableUtilities, announce_job, utilities_path};
+pub use utilities::{UTILITIES, UnavailableUtilities, announce_job, utilities_path};

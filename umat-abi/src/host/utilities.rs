@@ -6,8 +6,8 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
-/// Name of the library, as of a plugin.
-const LIBRARY: &str = "pullout_utilities";
+/// Name of the library of the utility routines, as of a plugin.
+pub const UTILITIES: &str = "pullout_utilities";
 /// Tells it the job's name and folder.
 const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
 type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
@@ -32,9 +32,9 @@ impl fmt::Display for UnavailableUtilities {
         match self {
             Self::Missing { searched } => {
                 let folders: Vec<_> = searched.iter().map(|folder| folder.display().to_string()).collect();
-                write!(f, "the library {LIBRARY} with the utility routines is in none of {}", folders.join(", "))
+                write!(f, "the library {UTILITIES} with the utility routines is in none of {}", folders.join(", "))
             }
-            Self::Refused { message } => write!(f, "the library {LIBRARY} with the utility routines: {message}"),
+            Self::Refused { message } => write!(f, "the library {UTILITIES} with the utility routines: {message}"),
         }
     }
 }
@@ -46,7 +46,7 @@ impl fmt::Display for UnavailableUtilities {
 /// [`UnavailableUtilities::Missing`].
 pub fn utilities_path() -> Result<PathBuf, UnavailableUtilities> {
     let searched = installed_paths();
-    match Found::by_name(LIBRARY, &searched) {
+    match Found::by_name(UTILITIES, &searched) {
         Some(found) => Ok(found.path),
         None => Err(UnavailableUtilities::Missing { searched }),
     }

@@ -6,6 +6,7 @@ use super::super::document::pullout::{
 };
 use super::boundary::BOTH;
 use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
+use crate::output::number::rounded;
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
@@ -35,6 +36,8 @@ pub struct Generated {
     pub diameter: Option<f64>,
     /// What the user should know of the model.
     pub notes: Vec<String>,
+    /// Names and values of what the case leaves to defaults.
+    pub taken: Vec<String>,
 }
 
 /// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block; `slip`: how
@@ -119,7 +122,20 @@ fn perpendicular_fibre(
     let ways: &[&'static str] =
         if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
     let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
-    Ok(pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also))
+    let mut generated = pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also);
+    generated.taken = taken(&[
+        ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
+        ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
+        ("free_length", given.free_length.is_none(), parameters.free_length),
+        ("width", given.width.is_none(), parameters.width),
+        ("depth", given.depth.is_none(), parameters.depth),
+        (
+            "matrix_thickness",
+            !axisymmetric && matrix.is_none() && given.matrix_thickness.is_none(),
+            parameters.matrix_thickness,
+        ),
+    ]);
+    Ok(generated)
 }
 
 fn inclined_fibre(
@@ -174,7 +190,26 @@ fn inclined_fibre(
         ..default
     };
     let made = specimen::inclined_fibre(&parameters)?;
-    Ok(pulled_fibre("inclined_fibre", made, fibre_diameter, &["sides", "face_near", "face_away", "bottom"], &[]))
+    let ways = ["sides", "face_near", "face_away", "bottom"];
+    let mut generated = pulled_fibre("inclined_fibre", made, fibre_diameter, &ways, &[]);
+    generated.taken = taken(&[
+        ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
+        ("fibre_diameter", given.fibre_diameter.is_none(), fibre_diameter),
+        ("embedded_length", given.embedded_length.is_none(), embedded_length),
+        ("width", given.width.is_none(), parameters.width),
+        ("depth", given.depth.is_none(), parameters.depth),
+        ("matrix_thickness", matrix.is_none() && given.matrix_thickness.is_none(), matrix_thickness),
+    ]);
+    if given.cover.is_none() {
+        generated.taken.push(format!("cover = {}", parameters.cover));
+    }
+    Ok(generated)
+}
+
+/// Names and values of those that are left to defaults.
+fn taken(sizes: &[(&str, bool, f64)]) -> Vec<String> {
+    let left = sizes.iter().filter(|(_, is_left, _)| *is_left);
+    left.map(|(name, _, value)| format!("{name} = {}", rounded(*value))).collect()
 }
 
 /// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
@@ -222,6 +257,7 @@ fn pulled_fibre(
         definition: made.definition,
         diameter: Some(diameter),
         notes: made.notes,
+        taken: Vec::new(),
     }
 }
 
@@ -318,7 +354,7 @@ fn one_body(
 ) -> Generated {
     let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
     let defaults = Defaults { supports, ..Defaults::default() };
-    Generated { name, definition, defaults, diameter: None, notes: Vec::new() }
+    Generated { name, definition, defaults, diameter: None, notes: Vec::new(), taken: Vec::new() }
 }
 
 fn in_contact(

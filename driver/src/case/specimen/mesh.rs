@@ -76,9 +76,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
             let place = place.key("specimen");
             let specimen = reader.piece(&source.specimen, &place)?;
             match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
-                Ok(Generated { name, mut definition, defaults, diameter, notes }) => {
+                Ok(Generated { name, mut definition, defaults, diameter, notes, taken }) => {
                     adapt_parts(reader, case, &mut definition, diameter);
                     reader.warnings.extend(notes);
+                    reader.note_defaults(&place, &taken);
                     Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
                 }
                 Err(SpecimenError::Parameters { problems }) => {
@@ -129,9 +130,18 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
     }
 }
 
+/// Usual thicknesses of plane parts, mm.
+const USUAL_THICKNESS: [f64; 2] = [1e-3, 1e5];
+
 /// Checks the mesh; its faults are told at `mesh`. The nodes of a part are a set of its name, unless there is another.
 pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
     let mut definition = ground.definition.clone();
+    for part in definition.parts.iter().filter(|part| part.model != PlaneModel::Axisymmetric) {
+        if !(USUAL_THICKNESS[0]..=USUAL_THICKNESS[1]).contains(&part.thickness) {
+            let what = format!("the thickness of the part '{}'", part.name);
+            reader.warn_unusual(&what, part.thickness, "mm", USUAL_THICKNESS);
+        }
+    }
     for (index, part) in definition.parts.iter().enumerate() {
         let nodes = || {
             let elements = definition.elements.iter().filter(|element| element.part == index);

@@ -498,3 +498,16 @@ fn a_missing_or_unreadable_case_file_is_an_error() {
     let errors = super::read(&bench.path(), &[], &[]).expect_err("no text");
     assert!(errors.to_string().contains("UTF-8"), "{errors}");
 }
+
+#[test]
+fn a_plugin_that_is_not_found_is_told_with_what_to_do() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let nowhere = super::super::not_found("linear_elastic", &[folder.path().to_path_buf()]);
+    for expected in ["--plugin-path", "PULLOUT_PLUGIN_PATH", "cargo xtask install", &folder.path().to_string_lossy()] {
+        assert!(nowhere.contains(expected), "{nowhere}");
+    }
+    // where the laws are, it is another plugin that is missing
+    let other = super::super::not_found("linear_elastik", &umat_abi::host::search_paths(&[]));
+    assert!(other.contains("--plugin-path") && other.contains("'linear_elastic'"), "{other}");
+    assert!(!other.contains("xtask"), "{other}");
+}

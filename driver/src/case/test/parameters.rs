@@ -17,6 +17,7 @@ fn parameter(name: &str, default_value: f64, lower: f64, upper: f64) -> Paramete
         lower_open: false,
         upper_open: false,
         choices: Vec::new(),
+        typical: None,
     }
 }
 

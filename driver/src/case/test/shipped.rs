@@ -146,9 +146,48 @@ fn the_shipped_cases_are_read() {
                     Case::Pullout(program) => program.model.steps.len(),
                 };
                 assert!(steps > 0 && !case.columns().is_empty());
+                let unusual = case.warnings().iter().any(|warning| warning.contains("usual range"));
+                // its numbers have no units
+                assert_eq!(unusual, file.ends_with("cook-membrane.json"), "{}: {:?}", file.display(), case.warnings());
             }
             Err(errors) => complaints.push_str(&format!("{errors}\n")),
         }
     }
     assert!(complaints.is_empty(), "{complaints}");
+}
+
+#[test]
+fn what_a_slip_of_units_makes_is_told_with_the_usual_range() {
+    let told = |plugin: &str, props: Value| {
+        let mut case = point_case();
+        case["material"] = json!({ "plugin": plugin, "props": props });
+        accepted(&case).warnings
+    };
+    // GPa; thresholds of 3.5 MPa in kPa; J/m²
+    let in_gpa = told("linear_elastic", json!({ "E": 31.8 }));
+    let expected = "material.props.E = 31.8 MPa is outside the usual range, 500 to 1.2·10⁶ MPa";
+    assert!(in_gpa.len() == 1 && in_gpa[0].starts_with(expected), "{in_gpa:?}");
+    let listed = told("linear_elastic", json!([31.8, 0.18]));
+    assert_eq!(listed, in_gpa);
+    let threshold = told("concrete_damage", json!({ "Y_t0": 192.6 }));
+    assert!(threshold.len() == 1 && threshold[0].starts_with("material.props.Y_t0 = 192.6 MPa"), "{threshold:?}");
+    assert!(
+        told("concrete_damage", json!({})).is_empty() && told("concrete_damage", json!({ "E": 31_800 })).is_empty()
+    );
+    assert!(told("drucker_prager", json!({ "E": 31.8 })).is_empty(), "a soft soil");
+}
+
+#[test]
+fn what_a_case_leaves_to_defaults_is_listed() {
+    let left = |plugin: &str, props: Value| {
+        let mut case = point_case();
+        case["material"] = json!({ "plugin": plugin, "props": props });
+        accepted(&case).defaults
+    };
+    assert_eq!(left("linear_elastic", json!({ "E": 1000 })), ["material.props: nu = 0.18"]);
+    assert_eq!(left("linear_elastic", json!(null)), ["material.props: E = 31800, nu = 0.18"]);
+    assert!(left("linear_elastic", json!([1000, 0.2])).is_empty());
+    assert!(left("linear_elastic", json!({ "E": 1000, "nu": 0.2 })).is_empty());
+    let bond = accepted(&bond(json!({ "law": "B", "points": [] }))).defaults;
+    assert!(bond[0].contains("form = powers, normal_law = soft") && !bond[0].contains("n_points"), "{bond:?}");
 }

@@ -760,3 +760,26 @@ fn all_problems_of_a_specimen_are_reported_at_once() {
     assert_eq!(errors.problems.len(), 9, "{errors}");
     assert_eq!(errors.exit_code(), 2);
 }
+
+#[test]
+fn a_thickness_that_nobody_means_is_told() {
+    let told = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).warnings;
+    let expected = "the thickness of the part 'fibre' = 1·10⁻¹² mm is outside the usual range, 0.001 to 100000 mm";
+    assert!(told("1e-12").iter().any(|warning| warning.starts_with(expected)), "{:?}", told("1e-12"));
+    assert!(!told("0.3").iter().any(|warning| warning.contains("usual range")));
+}
+
+#[test]
+fn sizes_that_a_specimen_takes_by_default_are_listed() {
+    let mut case = pullout_case();
+    case["mesh"] = json!({ "specimen": { "type": "perpendicular_fibre", "embedded_length": 2.0 } });
+    for key in ["contact", "grip", "supports", "measure"] {
+        case.as_object_mut().expect("an object").remove(key);
+    }
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": {} } });
+    let defaults = accepted(&case, &[]).defaults;
+    let sizes = defaults.iter().find(|line| line.starts_with("mesh.specimen: ")).expect("sizes");
+    assert!(sizes.contains("fibre_diameter = ") && sizes.contains("width = "), "{sizes}");
+    assert!(!sizes.contains("embedded_length"), "{sizes}");
+    assert!(defaults.iter().any(|line| line.starts_with("contact.law.props: law = A")), "{defaults:?}");
+}

@@ -32,6 +32,8 @@ pub struct Account {
     pub parameters: Vec<Parameter>,
     /// The laws of a specimen's parts and contact pairs, in the order of the summary's plugins; empty for a point.
     pub laws: Vec<LawAccount>,
+    /// What the case leaves to defaults, a line for each place.
+    pub defaults: Vec<String>,
     /// The first steps.
     pub steps: Vec<String>,
     /// Steps that `steps` leaves out.
@@ -93,6 +95,7 @@ impl Account {
             settings: settings(program, &columns),
             parameters: parameters(program.plugin.law.as_ref(), &program.plugin.props),
             laws: Vec::new(),
+            defaults: program.defaults.clone(),
             steps: std::mem::take(&mut steps.0),
             steps_left_out,
         }

@@ -120,6 +120,10 @@ fn what_was_run(account: &Account, summary: &Summary) -> Markup {
             @if !law.description.is_empty() { p { (law.description) } }
             (table_of(&law.parameters))
         }
+        @if !account.defaults.is_empty() {
+            h2 { "Taken by default" }
+            ul { @for line in &account.defaults { li { code { (line) } } } }
+        }
         h2 { "Path" }
         ol { @for step in &account.steps { li { (step) } } }
         @if account.steps_left_out > 0 { p { "… and " (account.steps_left_out) " more steps." } }

@@ -20,6 +20,7 @@ fn account() -> Account {
             meaning: "Young's modulus".into(),
         }],
         laws: vec![],
+        defaults: vec!["material.props: nu = 0.18".into()],
         steps: vec!["100 increments, time 1: e11 → −0.005".into()],
         steps_left_out: 12,
     }
@@ -45,6 +46,8 @@ fn tells_everything() {
         "Characteristic length",
         "e11 → −0.005",
         "12 more steps",
+        "Taken by default",
+        "material.props: nu = 0.18",
         "strains beyond 5 %",
         "measured.csv",
         "1.25",
@@ -149,6 +152,7 @@ fn program() -> Program {
         output: Output { every: 10, plots: true },
         compare: vec![],
         warnings: vec![],
+        defaults: vec![],
     }
 }
 

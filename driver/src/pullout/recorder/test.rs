@@ -44,6 +44,7 @@ fn program(every: usize) -> Program {
         output: Output { every, plots: false, fields_every: None },
         compare: vec![],
         warnings: vec![],
+        defaults: vec![],
         threads: Threads::default(),
     }
 }

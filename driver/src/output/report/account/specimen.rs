@@ -39,6 +39,7 @@ pub fn account(program: &Program) -> Account {
         settings: settings(program, &columns),
         parameters: Vec::new(),
         laws,
+        defaults: program.defaults.clone(),
         steps,
         steps_left_out,
     }
