@@ -78,6 +78,22 @@ fn the_program_knows_the_plugins_that_are_installed_with_it() {
     }
 }
 
+#[test]
+fn manual_pages_and_completions_are_installed() {
+    let Some(installation) = Installation::find() else { return };
+    let pages = ["man/man1/pullout.1", "man/man1/pullout-run.1"];
+    let completions = [
+        "bash-completion/completions/pullout",
+        "zsh/site-functions/_pullout",
+        "fish/vendor_completions.d/pullout.fish",
+    ];
+    for file in pages.into_iter().chain(completions) {
+        let file = installation.prefix.join("share").join(file);
+        let text = std::fs::read_to_string(&file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+        assert!(text.contains("pullout"), "{}", file.display());
+    }
+}
+
 /// A file of `examples/`.
 fn example(file: &str) -> PathBuf {
     workspace("examples").join(file)
