@@ -68,7 +68,9 @@ fn lost(root: &Path, top: &[String], file: &Path, text: &str) -> Vec<String> {
     for (number, line) in (1..).zip(text.lines()) {
         let line = if is_source { comment(line) } else { line };
         let cited = pages(line).filter(|page| *page != PAGE_OF_A_MODULE && !is_there(root, file, page));
-        let named = paths(line, top).into_iter().filter(|path| !root.join(path).exists());
+        // what is made later is not there
+        let is_made = |path: &str| path.split('/').any(|part| PASSED_OVER.contains(&part));
+        let named = paths(line, top).into_iter().filter(|path| !is_made(path) && !root.join(path).exists());
         lost.extend(
             cited
                 .chain(named)
