@@ -88,7 +88,7 @@ fn messages_do_not_flood_the_terminal() {
     assert!(run.outcome.stderr.contains("umat.log in the result directory has all"), "{}", run.outcome.stderr);
 }
 
-/// `<prefix>/bin/pullout` finds them in `<prefix>/lib/pullout`, and says so if they are not there.
+/// `<prefix>/bin/pullout` finds them in `<prefix>/lib/pullout`, and where Cargo built the program if they are not there.
 #[test]
 fn they_are_found_in_an_installation() {
     let desk = Desk::new();
@@ -109,13 +109,6 @@ fn they_are_found_in_an_installation() {
     let found = run();
     assert_eq!(found.status.code(), Some(0), "{}", String::from_utf8_lossy(&found.stderr));
     std::fs::remove_file(&installed).expect("it was there");
-    let missing = run();
-    let words = String::from_utf8_lossy(&missing.stderr);
-    assert_eq!(missing.status.code(), Some(3), "{words}");
-    assert!(
-        words.contains("libcalls_utilities.so: cannot be loaded: undefined symbol: ")
-            && words.contains("pullout_utilities"),
-        "{words}"
-    );
-    assert!(words.contains("prefix/lib/pullout"), "where it was looked for: {words}");
+    let built = run();
+    assert_eq!(built.status.code(), Some(0), "{}", String::from_utf8_lossy(&built.stderr));
 }
