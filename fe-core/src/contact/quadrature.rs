@@ -56,15 +56,15 @@ struct SlaveEdge {
 
 impl SlaveEdge {
     fn new(mesh: &Mesh, edge: ElementEdge, width: Width, start: f64, index: usize) -> Self {
-        let index_of_element = edge.element;
-        let element = mesh.elements()[edge.element];
-        let model = mesh.parts()[element.part()].model;
+        let element = edge.element;
+        let of_element = &mesh.elements()[element];
+        let (model, thickness) = (mesh.parts()[of_element.part()].model, of_element.thickness());
         let edge = mesh.edge_nodes(edge);
         let mut reference = [[0.0; 2]; 3];
         for (position, &node) in reference.iter_mut().zip(edge.nodes()) {
             *position = mesh.nodes()[node];
         }
-        Self { edge, reference, model, width, thickness: element.thickness(), start, index, element: index_of_element }
+        Self { edge, reference, model, width, thickness, start, index, element }
     }
 
     fn kind(&self) -> EdgeKind {

@@ -1,7 +1,7 @@
 //! Torn matter: which elements bear nothing any more, and what holds on to nothing once they are gone.
 
 use super::{Analysis, Energies};
-use crate::mesh::{ElementEdge, Mesh};
+use crate::mesh::{ElementEdge, Mesh, preflight};
 use crate::model::Spalling;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -86,11 +86,12 @@ impl Analysis<'_> {
     /// no support.
     pub(super) fn loose(&self, is_gone: impl Fn(usize) -> bool) -> Vec<usize> {
         let mesh = &self.model.mesh;
-        let whole = pieces(mesh, |_| false);
+        let bodies = preflight::bodies(mesh);
+        let body_of = |piece: &[usize]| bodies.iter().position(|body| body.elements.binary_search(&piece[0]).is_ok());
         let left = pieces(mesh, is_gone);
         let mut greatest = BTreeMap::new();
         for piece in &left {
-            let most = greatest.entry(whole_of(&whole, piece[0])).or_insert(0);
+            let most = greatest.entry(body_of(piece)).or_insert(0);
             *most = piece.len().max(*most);
         }
         let held: BTreeSet<usize> = self.model.supports.iter().flat_map(|support| &support.nodes).copied().collect();
@@ -98,15 +99,9 @@ impl Analysis<'_> {
             let is_held = mesh.elements()[element].nodes().iter().any(|node| held.contains(node));
             is_held || !self.equilibrium.solids.active()[element]
         };
-        let is_loose =
-            |piece: &&Vec<usize>| piece.len() < greatest[&whole_of(&whole, piece[0])] && !piece.iter().any(stays);
+        let is_loose = |piece: &&Vec<usize>| piece.len() < greatest[&body_of(piece)] && !piece.iter().any(stays);
         left.iter().filter(is_loose).flatten().copied().collect()
     }
-}
-
-/// The index of the piece with an element.
-fn whole_of(pieces: &[Vec<usize>], element: usize) -> usize {
-    pieces.iter().position(|piece| piece.binary_search(&element).is_ok()).unwrap_or(pieces.len())
 }
 
 /// The elements that are left, in pieces that hang together by edges; each ascending.

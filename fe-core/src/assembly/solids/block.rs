@@ -216,10 +216,11 @@ impl Block {
         let mut stored = 0.0;
         for point in record.points.clone() {
             stored += points.committed.reference_energies[point][0] * body.volumes[point];
-            points.committed.reference_energies[point][0] = 0.0;
-            points.committed.stress[point] = [0.0; 4];
+            for states in [&mut points.committed, &mut points.trial] {
+                states.reference_energies[point][0] = 0.0;
+                states.stress[point] = [0.0; 4];
+            }
         }
-        points.forget(record.points.clone());
         let nodal = record.nodal.clone();
         record.spalled = Some(Spalled::new(&forces[nodal.clone()], &committed[nodal], stored));
         self.set_share(local, 1.0);

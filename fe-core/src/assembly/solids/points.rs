@@ -492,13 +492,6 @@ impl Points {
         moduli
     }
 
-    /// Makes the committed states of these points those on trial.
-    pub(super) fn forget(&mut self, points: std::ops::Range<usize>) {
-        let (committed, trial) = (&self.committed, &mut self.trial);
-        trial.stress[points.clone()].copy_from_slice(&committed.stress[points.clone()]);
-        trial.reference_energies[points.clone()].copy_from_slice(&committed.reference_energies[points]);
-    }
-
     /// Takes over the trial states of these points.
     pub(super) fn commit(&mut self, points: std::ops::Range<usize>) {
         let (committed, trial) = (&mut self.committed, &self.trial);
