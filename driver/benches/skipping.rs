@@ -5,10 +5,10 @@
 //! greatest distance of a point of one from the other, loads and slips as parts of their greatest. Automatic increments
 //! may end at other slips; the distance then has the chords of the curve in it.
 
-use driver::case::Case;
 use end_to_end_tests::{CpuClock, workspace};
 use fe_core::model::{Model, Skipping};
 use fe_core::stepping::{Analysis, Directive, Observer, Record, Snapshot};
+use pullout_case::Case;
 use std::io;
 
 /// Case files and what is overridden.
@@ -117,7 +117,7 @@ fn variants() -> Vec<(String, Skipping)> {
 
 fn measure(case: &str, overrides: &[&str]) {
     let overrides: Vec<String> = overrides.iter().map(|text| (*text).to_owned()).collect();
-    let model = match driver::case::read(&workspace(case), &overrides, &[]) {
+    let model = match pullout_case::read(&workspace(case), &overrides, &[]) {
         Ok(Case::Pullout(program)) => program.model,
         Ok(_) => panic!("{case} is of another kind"),
         Err(errors) => panic!("{errors}"),

@@ -1,7 +1,7 @@
 //! `pullout plugin check` passes sound plugins and finds each error planted in `tests/faulty/`.
 
-use driver::conformance::{Options, Report, Row, Verdict, check};
-use driver::path::program::Plugin;
+use pullout_check::conformance::{Options, Report, Row, Verdict, check};
+use pullout_run::program::Plugin;
 use std::path::PathBuf;
 use umat_abi::host::{Found, Manner, search_paths};
 

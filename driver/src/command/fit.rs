@@ -1,13 +1,10 @@
 //! `pullout fit`: laws from experiments.
 
 use super::{BAD_INPUT, DONE, FAILED, Place, complain, isolated, refuse, run, say};
-use crate::case;
-use crate::fit::{
-    self, Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights,
-};
-use crate::output::directory::{Access, Kind, ResultDirectory};
-use crate::output::number::significant;
 use clap::{Args, Subcommand, ValueEnum};
+use pullout_fit::{Fibre, FitError, FittedLaw, Form, LoadSlipCurve, Materials, MatrixLaw, Request, SlipAt, Weights};
+use pullout_report::directory::{Access, Kind, ResultDirectory};
+use pullout_run::number::significant;
 use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
@@ -139,7 +136,7 @@ pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
         }
     };
     let request = bond.request();
-    if let Some(need) = fit::need(&request) {
+    if let Some(need) = pullout_fit::need(&request) {
         return isolated::carry_out(line, &need, &bond.curve, bond.quiet);
     }
     let mut directory = match bond.open() {
@@ -151,7 +148,7 @@ pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
             complain(format!("{form}: run {runs}, RMS {} % of the peak", significant(100.0 * rms, 4)));
         }
     };
-    let laws = match fit::fit(&curve, &request, &progress) {
+    let laws = match pullout_fit::fit(&curve, &request, &progress) {
         Ok(laws) => laws,
         Err(FitError::Input(message)) => {
             complain(message);
@@ -208,7 +205,7 @@ impl Bond {
     /// Opens the result directory, or says why not.
     fn open(&self) -> Result<ResultDirectory, u8> {
         let mut inputs = vec![self.curve.clone()];
-        inputs.extend(self.specimen_case.iter().flat_map(|case| case::inputs(case, &[])));
+        inputs.extend(self.specimen_case.iter().flat_map(|case| pullout_case::inputs(case, &[])));
         let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
         run::open_for(&self.folder(), Kind::Fit, access)
     }
@@ -221,7 +218,7 @@ impl Bond {
         laws: &[FittedLaw],
     ) -> io::Result<()> {
         directory.begin(&[])?;
-        fit::write(directory, &self.curve.display().to_string(), curve, request, laws)?;
+        pullout_fit::write(directory, &self.curve.display().to_string(), curve, request, laws)?;
         directory.remove_earlier()?;
         directory.finish()
     }
@@ -231,7 +228,7 @@ impl Bond {
         let mut code = DONE;
         for law in laws {
             if !self.quiet {
-                say(&fit::describe(law));
+                say(&pullout_fit::describe(law));
             }
             if let Some(trouble) = &law.trouble {
                 complain(format!("{}: {}: {trouble}", self.curve.display(), law.law.form()));

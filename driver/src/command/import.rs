@@ -1,7 +1,7 @@
 //! `pullout import`.
 
 use super::{BAD_INPUT, DONE, FAILED, complain, say};
-use crate::import::{self, Wishes};
+use pullout_case::import::{self, Wishes};
 use std::fs::File;
 use std::io::Write;
 use std::path::PathBuf;

@@ -2,12 +2,14 @@
 
 use super::run::{self, Arguments};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
-use crate::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
-use crate::isolation::{prints, worker};
-use crate::output::directory::ResultDirectory;
-use crate::output::summary::{PluginFile, Status, Summary};
-use crate::path::Statistics;
-use crate::signals;
+use pullout_report::directory::ResultDirectory;
+use pullout_report::summary::{PluginFile, Status, Summary};
+use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
+use pullout_run::isolation::{prints, worker};
+use pullout_run::path::Statistics;
+use pullout_run::program::job_folder;
+use pullout_run::signals;
+use serde_json::Value;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
 use std::path::Path;
@@ -59,12 +61,11 @@ pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path, quiet: bool
 
 /// Runs a case into a directory that this process holds.
 pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments, need: &Need) -> u8 {
-    let Arguments { reading, quiet, echo, .. } = arguments;
+    let Arguments { quiet, echo, .. } = arguments;
     tell_of_wish(file, need, *quiet);
     let start = Instant::now();
     let command = arguments.of_worker(file, directory.path(), None);
-    let case = Some((file, reading.overrides.as_slice()));
-    let job = Job { command: &command, case, echo: echo.then_some(directory.path()), ..Job::default() };
+    let job = Job { command: &command, echo: echo.then_some(directory.path()), ..Job::default() };
     let failure = match isolation::supervise(&job, need) {
         Ok(End::Done(code)) => return code,
         Ok(End::Failed(failure)) => failure,
@@ -93,6 +94,16 @@ pub(super) fn run(file: &Path, directory: ResultDirectory, arguments: &Arguments
     }
 }
 
+/// The case that repeats the call that ended a worker.
+pub(super) fn replay(failure: &Failure, file: &Path, overrides: &[String]) -> Option<Value> {
+    let mut replay = failure.replay.clone()?;
+    let document = pullout_case::document(file, overrides).unwrap_or_default();
+    let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    let title = document["title"].as_str().map_or_else(stem, str::to_owned);
+    isolation::replay::entitle(&mut replay, &title, &job_folder(file, &document));
+    Some(replay)
+}
+
 /// Writes the replay case and the results of a run that was ended.
 fn conclude(
     file: &Path,
@@ -109,7 +120,7 @@ fn conclude(
     }
     prints::remove_empty(directory.path());
     let mut message = failure.report.message.clone();
-    match &failure.replay {
+    match replay(failure, file, &arguments.reading.overrides) {
         Some(case) => {
             let replay = directory.write("replay.json", format!("{case:#}\n"))?;
             message += &format!(" (replay case: {})", replay.display());

@@ -11,13 +11,13 @@ mod props;
 mod run;
 mod study;
 
-use crate::PLUGIN_STACK;
-use crate::case::{self, Case, CaseErrors};
-use crate::isolation;
-use crate::isolation::prints::{Prints, say};
-use crate::output::plain;
-use crate::signals;
 use clap::{Parser, Subcommand};
+use pullout_case::{Case, CaseErrors};
+use pullout_run::PLUGIN_STACK;
+use pullout_run::isolation;
+use pullout_run::isolation::prints::plain;
+use pullout_run::isolation::prints::{Prints, say};
+use pullout_run::signals;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -133,13 +133,13 @@ impl Reading {
     /// Reads a case. What its plugins print meanwhile belongs to no run.
     fn case(&self, file: &Path) -> Result<Case, CaseErrors> {
         let _prints = Prints::discard();
-        let read = if self.untrusted { case::read_untrusted } else { case::read };
+        let read = if self.untrusted { pullout_case::read_untrusted } else { pullout_case::read };
         read(file, &self.overrides, &self.plugin_paths)
     }
 
     /// What a case needs a process of its own for, if it does.
     fn need(&self, file: &Path) -> Option<isolation::Need> {
-        isolation::need(file, &self.overrides, &self.plugin_paths)
+        pullout_case::need(file, &self.overrides, &self.plugin_paths)
     }
 }
 
@@ -248,7 +248,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
 }
 
 fn schema() -> u8 {
-    say(&format!("{:#}\n", crate::case::schema()));
+    say(&format!("{:#}\n", pullout_case::schema()));
     DONE
 }
 

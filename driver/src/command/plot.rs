@@ -1,10 +1,10 @@
 //! `pullout plot`.
 
 use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
-use crate::input::{self, Input};
-use crate::output::directory::{Kind, ResultDirectory};
-use crate::output::history::{History, HistoryFile};
-use crate::output::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
+use pullout_report::directory::{Kind, ResultDirectory};
+use pullout_report::history::{History, HistoryFile};
+use pullout_report::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
+use pullout_run::input::{self, Input};
 use std::io;
 use std::path::{Path, PathBuf};
 

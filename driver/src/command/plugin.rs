@@ -5,10 +5,9 @@ mod build;
 mod check;
 
 use super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, Place, complain, isolated, say};
-use crate::case;
-use crate::isolation::prints::Prints;
-use crate::isolation::{self, End, Job, Need};
 use clap::Subcommand;
+use pullout_run::isolation::prints::Prints;
+use pullout_run::isolation::{self, End, Job, Need};
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
@@ -115,7 +114,7 @@ fn file_of(name: &str, plugin_paths: &[PathBuf]) -> Result<PathBuf, u8> {
         Found::by_name(name, &paths).map(|found| found.path)
     };
     let Some(file) = file else {
-        complain(format!("{}; `pullout plugin list` tells what there is", case::not_found(name, &paths)));
+        complain(format!("{}; `pullout plugin list` tells what there is", pullout_case::not_found(name, &paths)));
         return Err(NO_PLUGIN);
     };
     Ok(file)
@@ -125,7 +124,7 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
     let paths = search_paths(plugin_paths);
     let mut rows = vec![["LAW", "VERSION", "ENTRY POINTS", "LIBRARY"].map(String::from)];
     for Found { path, .. } in Found::all(&paths) {
-        let told = match crate::build::defines(&path, PLUGIN_SYMBOL) {
+        let told = match pullout_check::build::defines(&path, PLUGIN_SYMBOL) {
             Ok(true) => rows_of(&path),
             // other libraries (compiler plugins beside the executable) are not even loaded
             Ok(false) => Ok(Vec::new()),
@@ -145,7 +144,7 @@ fn list(plugin_paths: &[PathBuf]) -> u8 {
         let _ = writeln!(text, "  {}{}", path.display(), if path.is_dir() { "" } else { " (does not exist)" });
     }
     if rows.len() == 1 {
-        let _ = writeln!(text, "No law was found; {}", case::where_to_look(&paths));
+        let _ = writeln!(text, "No law was found; {}", pullout_case::where_to_look(&paths));
     }
     say(&text);
     DONE

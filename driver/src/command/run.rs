@@ -1,22 +1,22 @@
 //! `pullout run` and `pullout check`.
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
-use crate::case::{self, Case};
-use crate::isolation::prints::{Prints, say};
-use crate::isolation::{Aftermath, Need, worker};
-use crate::output::compare::{Comparison, compare};
-use crate::output::directory::{Access, Kind, Refusal, ResultDirectory};
-use crate::output::history::HistoryFile;
-use crate::output::plots::{self, Picture, Spec};
-use crate::output::progress::{Extent, Progress};
-use crate::output::report::{self, Account};
-use crate::output::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
-use crate::path::program;
-use crate::path::{self, Statistics, Stop};
-use crate::pullout;
-use crate::pullout::checkpoint::{self, Checkpoints};
-use crate::signals;
 use fe_core::threads::Threads;
+use pullout_case::Case;
+use pullout_report::compare::{Comparison, compare};
+use pullout_report::directory::{Access, Kind, Refusal, ResultDirectory};
+use pullout_report::history::HistoryFile;
+use pullout_report::page::{self, Account};
+use pullout_report::plots::{self, Picture, Spec};
+use pullout_report::progress::{Extent, Progress};
+use pullout_report::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use pullout_run::isolation::prints::{Prints, say};
+use pullout_run::isolation::{Aftermath, Need, worker};
+use pullout_run::path::{self, Statistics, Stop};
+use pullout_run::program;
+use pullout_run::pullout;
+use pullout_run::pullout::checkpoint::{self, Checkpoints};
+use pullout_run::signals;
 use std::collections::BTreeSet;
 use std::ffi::OsString;
 use std::io;
@@ -94,7 +94,7 @@ impl Arguments {
 /// Validates cases. `quiet`: says nothing but errors; `before_run`: leaves to the run what belongs to it.
 pub(super) fn check(cases: &[PathBuf], reading: &Reading, quiet: bool, before_run: bool) -> u8 {
     let check = |file: &PathBuf| match reading.need(file) {
-        _ if case::is_study(file) => study::check(file, reading, quiet),
+        _ if pullout_case::is_study(file) => study::check(file, reading, quiet),
         Some(need) => isolated::check(file, reading, &need, quiet),
         None => check_here(file, reading, quiet, before_run),
     };
@@ -239,7 +239,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
 
 /// Opens the result directory of a case, or says why not.
 fn open(file: &Path, folder: &Path, arguments: &Arguments, libraries: &[PathBuf]) -> Result<ResultDirectory, u8> {
-    let inputs = [&case::inputs(file, &arguments.reading.overrides), libraries].concat();
+    let inputs = [&pullout_case::inputs(file, &arguments.reading.overrides), libraries].concat();
     let is_locked = worker::is_this_process();
     open_for(folder, arguments.kind(), Access { inputs: &inputs, overwrite: arguments.overwrite, is_locked })
 }
@@ -431,7 +431,7 @@ fn conclude(
     let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
         let pictures = draw(case, directory, specimen.as_ref());
         let shown = pictures.as_deref().unwrap_or_default();
-        report::write(directory, &Account::of(case), &summary, shown)?;
+        page::write(directory, &Account::of(case), &summary, shown)?;
         directory.finish()?;
         pictures.and(compared.map(|_| ()))
     });
@@ -459,7 +459,7 @@ fn draw(
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
     let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
     if let Some((program, outcome)) = specimen {
-        pictures.extend(pullout::pictures::draw(directory, "plots", program, outcome)?);
+        pictures.extend(pullout_report::pictures::draw(directory, "plots", program, outcome)?);
     }
     Ok(pictures)
 }

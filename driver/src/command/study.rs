@@ -1,14 +1,13 @@
 //! `pullout study`, and what `pullout check` does with a study.
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, refuse, run, say};
-use crate::case;
-use crate::isolation::prints::Prints;
-use crate::output::directory::{Access, Kind, ResultDirectory};
-use crate::output::number::significant;
-use crate::signals;
-use crate::study::claims::{self, Finding, Verdict};
-use crate::study::{self, Execution, Results, RunResult, Study};
 use indicatif::{ProgressBar, ProgressStyle};
+use pullout_report::directory::{Access, Kind, ResultDirectory};
+use pullout_run::isolation::prints::Prints;
+use pullout_run::number::significant;
+use pullout_run::signals;
+use pullout_study::claims::{self, Finding, Verdict};
+use pullout_study::{Execution, Results, RunResult, Study};
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -111,14 +110,19 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     let of_run = |overrides: &[String]| Reading { overrides: overrides.to_vec(), ..reading.clone() };
     let mut apart = Vec::new();
     let prints = Prints::discard();
-    let read =
-        study::read(file, &reading.overrides, &reading.plugin_paths, reading.untrusted, &mut |base, overrides| {
+    let read = pullout_study::read(
+        file,
+        &reading.overrides,
+        &reading.plugin_paths,
+        reading.untrusted,
+        &mut |base, overrides| {
             let own = of_run(overrides);
             let need = own.need(base);
             let is_isolated = need.is_some();
             apart.extend(need.map(|need| (base.to_owned(), own, need)));
             is_isolated
-        });
+        },
+    );
     drop(prints);
     let own = read.as_ref().map_or_else(refuse, |_| DONE);
     let theirs = apart.iter().map(|(base, reading, need)| isolated::check_before_run(base, reading, need)).max();
@@ -151,7 +155,7 @@ fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
         let execution = Execution { only, ..execution(folder, arguments) };
         if !study.runs.iter().any(|run| execution.wants(study, run)) {
             let names: Vec<String> = study.runs.iter().map(|run| study.name_of(run)).collect();
-            let hint = crate::case::hint(wanted, &names);
+            let hint = pullout_case::hint(wanted, &names);
             complain(format!("{}: --only {wanted}: there is no such run{hint}", study.file.display()));
             code = BAD_INPUT;
         }
@@ -165,7 +169,7 @@ fn open(study: &Study, folder: &Path, arguments: &Arguments) -> Result<ResultDir
     let mut inputs = vec![study.file.clone()];
     let mut of_runs = Vec::new();
     for run in &study.runs {
-        let own = case::inputs(&run.base, &run.overrides);
+        let own = pullout_case::inputs(&run.base, &run.overrides);
         inputs.extend_from_slice(&own);
         if execution.is_due(study, run) {
             of_runs.push((folder.join(&run.folder), own));
@@ -182,18 +186,18 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
     directory.begin(&[])?;
     let folder = &directory.path().to_owned();
     let progress = Progress::new(study, arguments.quiet);
-    let states = study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
+    let states = pullout_study::execute(study, &execution(folder, arguments), &|run, code, count, of| {
         let result = RunResult::of_one(run, study, folder, code);
         progress.tell(&study.name_of(run), code, &result, count, of);
     })?;
     progress.bar.as_ref().inspect(|bar| bar.finish_and_clear());
     let results = Results::read(study, folder, &states);
     let findings = claims::test_all(study, &results);
-    study::write_csv(&mut directory, study, &results)?;
-    study::write_json(&mut directory, study, &results, &findings)?;
+    pullout_study::write_csv(&mut directory, study, &results)?;
+    pullout_study::write_json(&mut directory, study, &results, &findings)?;
     directory.remove_earlier()?;
-    let pictures = study::pictures::draw(&mut directory, study, &results)?;
-    study::write_report(&mut directory, study, &results, &findings, &pictures)?;
+    let pictures = pullout_study::pictures::draw(&mut directory, study, &results)?;
+    pullout_study::write_report(&mut directory, study, &results, &findings, &pictures)?;
     directory.finish()?;
     if !arguments.quiet {
         say(&outcome(study, &results, &findings, folder));
@@ -215,8 +219,8 @@ fn run_one(study: &Study, mut directory: ResultDirectory, arguments: &Arguments)
     }
     let of_kept = results.runs.iter().map(|result| if result.message.is_some() { FAILED } else { DONE });
     let of_run = states.iter().map(|state| match state {
-        study::State::Ran(code) => *code,
-        study::State::Kept | study::State::NotRun => DONE,
+        pullout_study::State::Ran(code) => *code,
+        pullout_study::State::Kept | pullout_study::State::NotRun => DONE,
     });
     Ok(of_run.chain(of_kept).max().unwrap_or(DONE))
 }

@@ -11,10 +11,10 @@ mod hertz;
 mod plane_and_axisymmetric;
 mod pull_out;
 
-use driver::case::{self, Case};
 use end_to_end_tests::{plugin_folder, workspace};
 use fe_core::model::Model;
 use fe_core::stepping::{Analysis, Directive, Observer, Record, RunError, Snapshot};
+use pullout_case::Case;
 use std::io;
 
 /// The model of a case of `cases/verification`, with the texts of `--set`.
@@ -26,7 +26,7 @@ fn model(case: &str, overrides: &[&str]) -> Model {
 fn model_of(folder: &str, case: &str, overrides: &[&str]) -> Model {
     let file = workspace("cases").join(folder).join(format!("{case}.json"));
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
-    match case::read(&file, &overrides, &[plugin_folder()]) {
+    match pullout_case::read(&file, &overrides, &[plugin_folder()]) {
         Ok(Case::Pullout(program)) => program.model,
         Ok(Case::Path(_)) => panic!("{} is of another kind", file.display()),
         Err(errors) => panic!("{errors}"),

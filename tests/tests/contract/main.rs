@@ -1,4 +1,5 @@
-//! The C header and the Fortran module say what the Rust source of the contract says; documents cite what is there.
+//! The C header and the Fortran module say what the Rust source of the contract says; documents cite what is there; crates and
+//! modules stand in an order.
 //!
 //! Header and module are generated from `umat-abi/src`; these tests compare the committed files with the source, and
 //! `PULLOUT_REGENERATE=1 cargo test -p end-to-end-tests --test contract` writes them anew.
@@ -6,6 +7,7 @@
 mod documents;
 mod fortran;
 mod header;
+mod rooms;
 mod source;
 
 use end_to_end_tests::{Tool, find, run, workspace};

@@ -44,7 +44,7 @@ pub fn run(form: &Form) -> Tally {
 }
 
 fn judge(hostile: &Path, desk: &Path, number: u64) -> Result<(), String> {
-    let errors = driver::case::read(hostile, &[], &[]).err();
+    let errors = pullout_case::read(hostile, &[], &[]).err();
     if let Some(errors) = &errors {
         let text = errors.to_string();
         let names = text.lines().all(|line| line.contains("hostile-") || line.starts_with(' '));

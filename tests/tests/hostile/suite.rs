@@ -74,7 +74,7 @@ pub fn each(numbers: &[u64], attempt: impl Fn(u64, &mut fastrand::Rng) -> Result
     thread::scope(|scope| {
         for _ in 0..thread::available_parallelism().map_or(2, usize::from) {
             // plugins are called, and deep nesting is read
-            thread::Builder::new().stack_size(driver::PLUGIN_STACK).spawn_scoped(scope, work).expect("a thread");
+            thread::Builder::new().stack_size(pullout_run::PLUGIN_STACK).spawn_scoped(scope, work).expect("a thread");
         }
     });
     let mut broken = broken.into_inner().expect("no panic holds it");

@@ -1,7 +1,6 @@
 //! A law as ABAQUS input: keywords, constants and state variables in the order of PROPS and STATEV.
 
 use super::entry_points;
-use crate::case;
 use serde_json::{Value, json};
 use std::fmt::Write;
 use umat_abi::host::Law;
@@ -74,7 +73,7 @@ fn defaults(law: &Law) -> Result<Vec<f64>, String> {
         }
         _ => Value::Null,
     };
-    case::props_from_json(law, &named).map_err(|problems| {
+    pullout_case::props_from_json(law, &named).map_err(|problems| {
         let problems: Vec<_> = problems.iter().map(ToString::to_string).collect();
         format!("{}: its defaults make no PROPS: {}", law.name, problems.join("; "))
     })

@@ -1,7 +1,7 @@
 //! `pullout plugin build`.
 
 use super::super::{BAD_INPUT, DONE, FAILED, complain, say};
-use crate::build::{self, Form, Request};
+use pullout_check::build::{self, Form, Request};
 use std::path::PathBuf;
 
 #[derive(Debug, clap::Args)]

@@ -2,12 +2,12 @@
 
 use super::super::{BAD_INPUT, DONE, FAILED, NO_PLUGIN, NOT_TESTED, Place, complain, option, refuse, say};
 use super::{TIME_LIMIT, file_of};
-use crate::case::{self, Case};
-use crate::conformance::{self, Event, Group, Options, Report};
-use crate::isolation::prints::Prints;
-use crate::isolation::{self, Need, worker};
-use crate::path::program::Plugin;
 use clap::ValueEnum;
+use pullout_case::Case;
+use pullout_check::conformance::{self, Event, Group, Options, Report};
+use pullout_run::isolation::prints::Prints;
+use pullout_run::isolation::{self, Need, worker};
+use pullout_run::program::Plugin;
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fs::File;
@@ -175,7 +175,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         complain("--nstatv and --set change a case: give one by --case");
         return BAD_INPUT;
     }
-    let of_case = || isolation::need(case?, &arguments.overrides(), &arguments.plugin_paths);
+    let of_case = || pullout_case::need(case?, &arguments.overrides(), &arguments.plugin_paths);
     if let Some(need) = of_case().or_else(|| Need::of_library(&file, TIME_LIMIT)) {
         return children::run(arguments, &file, need);
     }
@@ -285,7 +285,7 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
         options.props.clone_from(&arguments.props);
         return Ok(library.laws().iter().map(|law| Plugin::with_defaults(library, law)).collect());
     };
-    let program = match case::read(file, &arguments.overrides(), &arguments.plugin_paths) {
+    let program = match pullout_case::read(file, &arguments.overrides(), &arguments.plugin_paths) {
         Ok(Case::Path(program)) => program,
         Ok(Case::Pullout(_)) => {
             return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));

@@ -1,10 +1,10 @@
 //! Runs that may be interrupted: `--checkpoint-every` and `--restart`.
 
 use super::record::Kept;
-use crate::case::Case;
-use crate::output::history::digest_of;
-use crate::pullout::Program;
-use crate::pullout::checkpoint::{self, Checkpoints};
+use pullout_case::Case;
+use pullout_run::input::{digest, hexadecimal};
+use pullout_run::pullout::Program;
+use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
@@ -66,13 +66,13 @@ impl Interruption {
                 })?;
                 let history = folder.join("history.csv");
                 match fs::metadata(&history) {
-                    Ok(file) if file.len() >= bytes => match digest_of(&history, bytes) {
+                    Ok(file) if file.len() >= bytes => match digest(&history, bytes).map(hexadecimal) {
                         Ok(sha256) if sha256 == history_sha256 => Ok(checkpoints),
                         Ok(_) => Err(format!(
                             "{}: rows from before the checkpoint were changed: a run goes on with what it left",
                             history.display()
                         )),
-                        Err(error) => Err(error.to_string()),
+                        Err(error) => Err(format!("{}: {error}", history.display())),
                     },
                     Ok(_) => Err(format!("{}: rows from before the checkpoint are missing", history.display())),
                     Err(error) => Err(format!("{}: {error}", history.display())),

@@ -1,14 +1,14 @@
 //! What a run tells while it goes on.
 
 use super::cpu_time;
-use crate::isolation::worker;
-use crate::output::history::HistoryWriter;
-use crate::output::progress::Progress;
-use crate::output::summary::PeakRecorder;
-use crate::path::{Observer, Row, Statistics};
-use crate::pullout::checkpoint::Saved;
-use crate::signals;
 use fe_core::assembly::GREATEST_COUNT;
+use pullout_report::history::HistoryWriter;
+use pullout_report::progress::Progress;
+use pullout_report::summary::PeakRecorder;
+use pullout_run::isolation::worker;
+use pullout_run::path::{Observer, Row, Statistics};
+use pullout_run::pullout::checkpoint::Saved;
+use pullout_run::signals;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::io;

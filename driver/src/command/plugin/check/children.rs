@@ -1,11 +1,10 @@
 //! Each group of checks in a process of its own: what ends one does not end the others.
 
 use super::{Arguments, Judged, TIME_LIMIT, conclude};
-use crate::case;
 use crate::command::{BAD_INPUT, DONE, NO_PLUGIN, complain, isolated, say};
-use crate::conformance::{Group, Report, Row, Verdict};
-use crate::isolation::{self, End, Failure, Job, Need};
 use clap::ValueEnum;
+use pullout_check::conformance::{Group, Report, Row, Verdict};
+use pullout_run::isolation::{self, End, Failure, Job, Need};
 use serde_json::Value;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
@@ -208,11 +207,8 @@ impl Tally<'_> {
             None if check == "case's path" => message.clone(),
             None => format!("call {} of this check: {message}", failure.calls_of_check),
         };
-        if let Some(mut case) = failure.replay.clone() {
-            if let Some(file) = &self.arguments.case {
-                let document = case::document(file, &self.arguments.overrides()).unwrap_or_default();
-                case["job_folder"] = case::job_folder(file, &document).to_string_lossy().into();
-            }
+        let file = self.arguments.case.as_deref().unwrap_or(Path::new(""));
+        if let Some(case) = isolated::replay(failure, file, &self.arguments.overrides()) {
             let path = replay_path(self.judged[law].replays.len());
             if std::fs::write(&path, format!("{case:#}\n")).is_ok() {
                 detail += &format!(" (replay case: {})", path.display());

@@ -1,0 +1,227 @@
+//! Small specimens, and what is varied of them, one thing at a time.
+
+/// A specimen.
+pub(super) struct Base {
+    /// In tables.
+    pub name: &'static str,
+    /// The case, as JSON.
+    pub case: &'static str,
+    /// Overrides that make it small, as texts of `--set`.
+    pub set: &'static [&'static str],
+    /// What is varied.
+    pub families: Vec<Family>,
+}
+
+/// A thing that is varied.
+pub(super) struct Family {
+    /// In tables.
+    pub name: &'static str,
+    pub variations: Vec<Variation>,
+}
+
+/// A value of it.
+pub(super) struct Variation {
+    /// In tables.
+    pub label: String,
+    /// As texts of `--set`.
+    pub set: Vec<String>,
+    /// Why it may fail, if that is known.
+    pub known_limit: Option<&'static str>,
+}
+
+impl Family {
+    /// Some of its values may fail, for a known reason.
+    fn limited(mut self, labels: &[&str], reason: &'static str) -> Self {
+        for variation in self.variations.iter_mut().filter(|variation| labels.contains(&variation.label.as_str())) {
+            variation.known_limit = Some(reason);
+        }
+        self
+    }
+}
+
+/// `key` at each of the values, and what comes with each.
+fn family<V: ToString>(
+    name: &'static str,
+    values: impl IntoIterator<Item = V>,
+    set: impl Fn(&str) -> Vec<String>,
+) -> Family {
+    let variation = |value: V| {
+        let label = value.to_string();
+        Variation { set: set(&label), label, known_limit: None }
+    };
+    Family { name, variations: values.into_iter().map(variation).collect() }
+}
+
+/// Powers of ten with a mantissa.
+fn decades(mantissas: &[&str], exponents: std::ops::RangeInclusive<i32>) -> Vec<String> {
+    exponents.flat_map(|k| mantissas.iter().map(move |mantissa| format!("{mantissa}e{k}"))).collect()
+}
+
+/// Sets one key.
+fn key(name: &'static str) -> impl Fn(&str) -> Vec<String> {
+    move |value| vec![format!("{name}={value}")]
+}
+
+/// Increments of the same size throughout, over as many decades.
+fn increments(name: &'static str, count: i32) -> Family {
+    family(name, decades(&["1", "3"], -count..=-1).into_iter().chain(["1".into()]), |value| {
+        vec![
+            format!("steps.0.increments.initial={value}"),
+            format!("steps.0.increments.maximum={value}"),
+            "steps.0.increments.minimum=1e-9".into(),
+        ]
+    })
+}
+
+/// The factor of the penalty.
+fn penalty() -> Family {
+    family("penalty", decades(&["1"], -2..=6), key("contact.penalty_factor"))
+}
+
+/// The coefficient of friction.
+fn friction() -> Family {
+    let values = ["0", "0.01", "0.05", "0.1", "0.2", "0.3", "0.4", "0.5", "0.75", "1", "1.25", "1.5", "2"];
+    family("friction", values, key("contact.law.props.mu"))
+}
+
+/// What the contact of a fibre is varied by.
+fn of_contact(penalty: Family) -> Vec<Family> {
+    vec![
+        penalty,
+        friction(),
+        family("p_0 [MPa]", decades(&["1"], -1..=5), key("contact.law.props.p_0")),
+        family("elastic bond [MPa/mm]", decades(&["1"], 1..=6), key("contact.law.props.k_e")),
+    ]
+}
+
+fn perpendicular(decades_of_increments: i32) -> Vec<Family> {
+    let mut families = of_contact(penalty());
+    families.push(increments("increment / step", decades_of_increments));
+    families.push(family("elements along the fibre", [1, 2, 3, 7, 10, 40, 80], key("mesh.specimen.embedded_elements")));
+    // 1.22 mm along the fibre
+    families.push(family("size across at the hole [mm]", ["1", "0.5", "0.2", "0.1", "0.05", "0.0122"], |size| {
+        vec![format!("mesh.specimen.interface_size={size}"), "mesh.specimen.equal_sizes=true".into()]
+    }));
+    families.push(family(
+        "edges of the hole on one of the fibre",
+        [1, 2, 3, 5],
+        key("mesh.specimen.slave_edges_per_master"),
+    ));
+    families
+}
+
+fn inclined() -> Vec<Family> {
+    let mut families = of_contact(penalty().limited(&["1e6"], OF_THE_INCLINED_FIBRE));
+    families.push(increments("increment / step", 3));
+    families.push(family(
+        "angle [°]",
+        [0, 5, 10, 15, 20, 27, 30, 37, 45, 52, 60, 67, 70, 75, 80],
+        key("mesh.specimen.angle_deg"),
+    ));
+    families.push(family("angle of a straight fibre [°]", [0, 5, 15, 30, 45, 60, 70, 75], |angle| {
+        vec![
+            format!("mesh.specimen.angle_deg={angle}"),
+            "mesh.specimen.shape=straight".into(),
+            "mesh.specimen.free_length=0".into(),
+        ]
+    }));
+    families.push(family("factor on sizes", ["4", "3", "2.5", "2", "1.5"], key("mesh.specimen.mesh_size")));
+    families
+}
+
+/// Why the stiffest penalties fail: what all have in common, and what was measured at one specimen.
+macro_rules! stiff_penalties {
+    ($measured:literal) => {
+        concat!(
+            "positions of 10 mm are rounded to 1.8e-15 mm, and a stiff penalty makes pressure and forces of that, below which nothing balances; ",
+            $measured
+        )
+    };
+}
+
+/// Rounding over pressure in the first increment, and imbalance there.
+const ON_THE_CURVED_CHANNEL: &str = stiff_penalties!(
+    "a penalty of 4.3e10 (4.3e11) N/mm³ makes 7.7e-5 (7.7e-4) MPa; the stiffer the contact, the smaller the first increment that converges on a curved \
+surface, and its pressure is no more than that: rounding is 0.9 % of it at a factor of 1e4, with an imbalance of 5e-4, 70 % at 1e5, with 5e-2, and 140 % at \
+1e6, where points open and close at random and no increment follows"
+);
+
+/// Forces of rounding as the stepping takes them: 4 units in the last place times the largest stiffness.
+const OF_THE_INCLINED_FIBRE: &str = stiff_penalties!(
+    "forces balance to 1.8e-4 N (1.9e-5 N at 1e5), 2 % (0.2 %) of the first increment's 8.5e-3 N, and its energies, which shall balance to 3e-4, do not; a smaller \
+increment balances worse, and at 7e-11 mm the contact forces of 3e-5 N are less than rounding"
+);
+
+/// Residuals of the last twenty iterations, which alternate. Cutting the increment does not end it.
+const OF_THE_STRIP: &str = stiff_penalties!(
+    "a penalty of 8.4e10 (8.4e11) N/mm³ makes 1.5e-4 (1.5e-3) MPa, and forces balance to 7.0e-5 (7.0e-4) N where the load is 15 (7.3) N; rounding alone does not \
+stop it: Newton's method goes to and fro between two states 4.6e-8 (2.1e-8) mm apart with residuals of 6.7e-4 and 1.4e-3 (1.2e-3 and 1.0e-2) N, \
+whether increments are 6e-8 or 9e-9 (1.6e-6 or 1.3e-8) mm"
+);
+
+/// All of them.
+pub(super) fn bases() -> Vec<Base> {
+    const COARSE: &[&str] = &[
+        "output.vtu=false",
+        "output.plots=false",
+        "steps.0.slip=0.05",
+        "mesh.specimen.embedded_elements=10",
+        "mesh.specimen.exit_size=0.6",
+        "mesh.specimen.interface_size=0.4",
+        "mesh.specimen.largest_size=4",
+    ];
+    vec![
+        Base {
+            name: "perpendicular fibre, plane",
+            case: include_str!("../../../cases/chapter-6/6.14-plane.json"),
+            set: COARSE,
+            families: perpendicular(4),
+        },
+        Base {
+            name: "perpendicular fibre, axisymmetric",
+            case: include_str!("../../../cases/chapter-6/6.14-axisymmetric.json"),
+            set: COARSE,
+            families: perpendicular(3),
+        },
+        Base {
+            name: "fibre at 45°",
+            case: include_str!("../../../cases/chapter-7/inclined-fibre.json"),
+            set: &["output.vtu=false", "output.plots=false", "steps.0.slip=0.03", "mesh.specimen.mesh_size=3"],
+            families: inclined(),
+        },
+        Base {
+            name: "cylinder on a plane",
+            case: include_str!("../../../cases/verification/hertz.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                penalty(),
+                family("increments", [1, 2, 4, 10, 100, 1000], key("steps.0.increments")),
+                // with 20 the middle of an edge, with others a node or nothing lies at the end of the contact
+                family("edges in contact", [3, 4, 5, 7, 10, 20, 33], key("mesh.specimen.contact_edges")),
+                family("points on an edge", [1, 2, 3], key("contact.quadrature.gauss")),
+            ],
+        },
+        Base {
+            name: "fibre on a curved channel",
+            case: include_str!("../../../cases/verification/capstan-bond.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                penalty().limited(&["1e5", "1e6"], ON_THE_CURVED_CHANNEL),
+                friction(),
+                family("increments", [1, 2, 5, 10, 100, 1000], key("steps.1.increments")),
+            ],
+        },
+        Base {
+            name: "strip dragged out",
+            case: include_str!("../../../cases/verification/drag-out-strip.json"),
+            set: &["output.plots=false"],
+            families: vec![
+                penalty().limited(&["1e5", "1e6"], OF_THE_STRIP),
+                friction(),
+                // edges of strip and block meet, or their nodes lie on each other's edges
+                family("edges of the strip", [6, 12, 24, 47, 48, 49], key("mesh.specimen.strip_edges")),
+                family("increments", [1, 2, 5, 20, 200], key("steps.1.increments")),
+            ],
+        },
+    ]
+}

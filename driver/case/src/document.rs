@@ -1,0 +1,339 @@
+//! The case file as serde reads it and as `pullout schema` prints it. Units: N, mm, MPa, s; shear strains are
+//! engineering shear.
+//!
+//! The pieces that are checked one by one stand in a [`Piece`], so that one wrong piece does not hide what is
+//! wrong with the others.
+
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
+use serde::de::{DeserializeOwned, Error};
+use serde::{Deserialize, Deserializer};
+use std::borrow::Cow;
+use std::collections::BTreeMap;
+
+mod arguments;
+pub use arguments::*;
+mod point;
+pub use point::*;
+mod interface;
+pub use interface::*;
+pub mod pullout;
+pub mod study;
+pub use pullout::PulloutCase;
+
+/// A part of the document that was read, or the reason why not. Its schema is that of `T`.
+#[derive(Clone, Debug)]
+pub struct Piece<T>(pub Result<T, String>);
+
+impl<'de, T: DeserializeOwned> Deserialize<'de> for Piece<T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = serde_json::Value::deserialize(deserializer)?;
+        Ok(Self(serde_json::from_value(value).map_err(|error| error.to_string())))
+    }
+}
+
+impl<T: JsonSchema> JsonSchema for Piece<T> {
+    fn inline_schema() -> bool {
+        T::inline_schema()
+    }
+    fn schema_name() -> Cow<'static, str> {
+        T::schema_name()
+    }
+    fn schema_id() -> Cow<'static, str> {
+        T::schema_id()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        T::json_schema(generator)
+    }
+}
+
+/// A whole number between two bounds; `5.0` is one as well.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Whole<const LEAST: u64, const GREATEST: u64>(pub u64);
+
+impl<'de, const LEAST: u64, const GREATEST: u64> Deserialize<'de> for Whole<LEAST, GREATEST> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = f64::deserialize(deserializer)?;
+        if value.fract() == 0.0 && value >= LEAST as f64 && value <= GREATEST as f64 {
+            return Ok(Self(value as u64));
+        }
+        Err(D::Error::custom(format!("{value} is no whole number from {LEAST} to {GREATEST}")))
+    }
+}
+
+impl<const LEAST: u64, const GREATEST: u64> JsonSchema for Whole<LEAST, GREATEST> {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        format!("WholeFrom{LEAST}To{GREATEST}").into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "integer", "minimum": LEAST, "maximum": GREATEST })
+    }
+}
+
+/// A number > 0.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Positive(pub f64);
+
+impl<'de> Deserialize<'de> for Positive {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = f64::deserialize(deserializer)?;
+        if value > 0.0 { Ok(Self(value)) } else { Err(D::Error::custom(format!("{value} is not > 0"))) }
+    }
+}
+
+impl JsonSchema for Positive {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Positive".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "number", "exclusiveMinimum": 0 })
+    }
+}
+
+/// A number > 0 and ≤ 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fraction(pub f64);
+
+impl<'de> Deserialize<'de> for Fraction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = f64::deserialize(deserializer)?;
+        if value > 0.0 && value <= 1.0 {
+            return Ok(Self(value));
+        }
+        Err(D::Error::custom(format!("{value} is not in (0, 1]")))
+    }
+}
+
+impl JsonSchema for Fraction {
+    fn inline_schema() -> bool {
+        true
+    }
+    fn schema_name() -> Cow<'static, str> {
+        "Fraction".into()
+    }
+    fn json_schema(_: &mut SchemaGenerator) -> Schema {
+        json_schema!({ "type": "number", "exclusiveMinimum": 0, "maximum": 1 })
+    }
+}
+
+/// Most increments of one step, and of a run.
+pub const MOST_INCREMENTS: u64 = 100_000_000;
+/// Number of increments of a step.
+pub type Increments = Whole<1, MOST_INCREMENTS>;
+/// Number of repetitions.
+pub type Repetitions = Whole<1, 1_000_000>;
+
+/// A deformation gradient, row by row.
+pub type Matrix = [[f64; 3]; 3];
+
+/// The plugin and its parameters.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Material {
+    /// Name of a shipped law, or path of a shared library (.so, .dylib, .dll) relative to the case file.
+    #[schemars(length(min = 1))]
+    pub plugin: String,
+    /// Parameters by name (laws with metadata; missing ones take their defaults), or an array in PROPS order.
+    pub props: Option<Props>,
+    /// Number of state variables; required for a library without metadata.
+    pub nstatv: Option<Whole<0, 100_000>>,
+    /// State variables at the start, at every point; in kind point the same as initial.statev. Default: what the
+    /// library's SDVINI sets, or zeros.
+    pub statev0: Option<Vec<f64>>,
+    /// Symbol of the entry point, if it has none of the usual names; runs in a process of its own.
+    #[schemars(length(min = 1))]
+    pub symbol: Option<String>,
+    /// CMNAME or CINAME that the plugin is given; default: the law's name in upper case. Chooses the law in a
+    /// library of several laws (longest law name that it begins with).
+    #[schemars(length(min = 1, max = 80))]
+    pub cmname: Option<String>,
+    /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
+    pub entry: Option<Entry>,
+    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: unless
+    /// all plugins were built with the program; false is granted by --in-process only.
+    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
+    pub isolate: Option<bool>,
+    /// In a plane: "3d" calls the UMAT with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.
+    /// Default: as it needs; of a library without metadata calls of a virgin point tell.
+    #[serde(rename = "as")]
+    pub components: Option<CalledAs>,
+    /// Where DDSDDE comes from. Default: reported; in parts numerical as soon as iterations show that it is not the
+    /// derivative of the stress.
+    pub tangent: Option<Tangent>,
+    /// A library without metadata may be called by several threads at once.
+    pub thread_safe: Option<bool>,
+    /// Longest time of one call of an isolated plugin, s (default 60).
+    #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
+    pub call_time_limit_s: Option<Positive>,
+}
+
+/// Components that a UMAT is called with in a plane.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum CalledAs {
+    /// NTENS 6.
+    #[serde(rename = "3d")]
+    ThreeD,
+    /// NTENS 4, in plane stress 3.
+    Plane,
+}
+
+/// Where DDSDDE comes from.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Tangent {
+    /// The UMAT.
+    Reported,
+    /// Differences of its stress.
+    Numerical,
+    /// The UMAT, compared with differences; the largest deviation is told.
+    Compare,
+}
+
+/// Which entry point is called.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Entry {
+    /// A material point.
+    Umat,
+    /// A contact point, normal and tangential.
+    Uinter,
+    /// A contact point, tangential only.
+    Fric,
+}
+
+/// Parameters by name, or PROPS as an array.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Props {
+    /// By name.
+    Named(BTreeMap<String, PropValue>),
+    /// In PROPS order.
+    List(Vec<f64>),
+}
+
+/// A parameter's number, the name of a choice, or the occurrences of a repeating group.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PropValue {
+    /// Number.
+    Number(f64),
+    /// Name of a choice.
+    Choice(String),
+    /// Occurrences of a repeating group.
+    Occurrences(Vec<Occurrence>),
+}
+
+/// One occurrence of a repeating group: its values in order or by name.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Occurrence {
+    /// Values in order.
+    Values(Vec<f64>),
+    /// Values by name.
+    Named(BTreeMap<String, f64>),
+    /// The value of a group of one parameter.
+    Single(f64),
+}
+
+/// Ends a step or the run when a history column passes a bound.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Until {
+    /// NAME or abs(NAME) of a history column.
+    pub quantity: String,
+    /// Stop when the quantity is greater than this (in the column's unit).
+    pub greater_than: Option<f64>,
+    /// Stop when the quantity is less than this (in the column's unit).
+    pub less_than: Option<f64>,
+}
+
+/// A curve from a CSV file to compare with.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Compare {
+    /// CSV file with a header line, relative to the case file; lines that begin with # are comments.
+    pub file: String,
+    /// Name of the file's column of abscissae.
+    pub file_x: String,
+    /// Name of the file's column of ordinates.
+    pub file_y: String,
+    /// History column to compare file_x with.
+    pub x: String,
+    /// History column to compare file_y with.
+    pub y: String,
+    /// Factor on the file's abscissae (default 1).
+    pub scale_x: Option<f64>,
+    /// Factor on the file's ordinates (default 1).
+    pub scale_y: Option<f64>,
+    /// Label of the curve; default: the file's stem.
+    pub label: Option<String>,
+}
+
+/// What is written.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Output {
+    /// Every n-th increment, and the last of each step, goes to history.csv (default 1).
+    pub every: Option<Whole<1, MOST_INCREMENTS>>,
+    /// Draw plots and the report (default true).
+    pub plots: Option<bool>,
+    /// Write VTU files (kinds with a mesh only).
+    pub vtu: Option<bool>,
+}
+
+/// Iteration limits.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Controls {
+    /// Newton iterations per increment (default 25).
+    pub max_iterations: Option<Whole<1, 10_000>>,
+    /// Halvings of an increment (default 12).
+    pub max_cutbacks: Option<Whole<0, 60>>,
+}
+
+/// The value of a component at the end of a step, or "hold".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum EndValue {
+    /// The end value.
+    Value(f64),
+    /// The value at the start of the step.
+    Hold(Hold),
+}
+
+/// The word "hold".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Hold {
+    /// Keep the value.
+    Hold,
+}
+
+/// Steps that are run several times.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "CycleOf{S}")]
+#[serde(bound(deserialize = "S: DeserializeOwned"))]
+pub struct Cycle<S> {
+    /// How many times.
+    pub repeat: Repetitions,
+    /// The steps of one cycle.
+    #[schemars(length(min = 1))]
+    pub steps: Vec<Piece<S>>,
+}
+
+/// The same in a member named "cycles".
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+#[schemars(rename = "CyclesOf{S}")]
+#[serde(bound(deserialize = "S: DeserializeOwned"))]
+pub struct Cycles<S> {
+    /// The cycle.
+    pub cycles: Cycle<S>,
+}

@@ -1,0 +1,356 @@
+//! The study file as serde reads it and as `pullout schema` prints it.
+
+use super::{Piece, Positive};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+
+/// A family of runs: a case, what is varied, and what is claimed of the outcome (kind "study").
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StudyFile {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    pub schema: Option<Piece<String>>,
+    /// "study".
+    pub kind: StudyKind,
+    /// Title of pictures and report; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for the report.
+    pub description: Option<Piece<String>>,
+    /// Case file that the runs vary, relative to the study file.
+    #[schemars(length(min = 1))]
+    pub base: Piece<String>,
+    /// Overrides for all runs: dotted path and value, as `--set` has them.
+    pub set: Option<Piece<Map<String, Value>>>,
+    /// What is varied along the list of members.
+    pub x: Option<Piece<Abscissa>>,
+    /// The runs of each series.
+    #[schemars(length(min = 1))]
+    pub members: Piece<Vec<Piece<MemberOfFile>>>,
+    /// Lists of runs with the same members; default: one, named "runs".
+    #[schemars(length(min = 1))]
+    pub series: Option<Piece<Vec<Piece<SeriesOfFile>>>>,
+    /// History columns of the curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
+    pub curve: Option<Piece<Columns>>,
+    /// Where the work ends, in the unit of the curve's x; default: the smallest end of all runs that are done.
+    pub work_to: Option<Piece<Positive>>,
+    /// More pictures of all runs, by history columns.
+    pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
+    /// What is tested.
+    pub claims: Option<Piece<Vec<Piece<ClaimOfFile>>>>,
+}
+
+/// The word "study".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum StudyKind {
+    /// A family of runs.
+    Study,
+}
+
+/// What is varied.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Abscissa {
+    /// Name for axes and tables; `_{0}` is an index.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// Unit (default: a pure number).
+    pub unit: Option<String>,
+    /// Logarithmic axis (default false).
+    pub logarithmic: Option<bool>,
+}
+
+/// One run of each series.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MemberOfFile {
+    /// Short name, and name of the result directory.
+    #[schemars(length(min = 1))]
+    pub label: String,
+    /// In legends and tables; default: the label, or x with its unit.
+    pub title: Option<String>,
+    /// Its x, such as an angle in degrees; all members have one or none has.
+    pub x: Option<f64>,
+    /// Overrides: dotted path and value, as `--set` has them. They come after those of the series.
+    pub set: Option<Map<String, Value>>,
+}
+
+/// A list of runs.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SeriesOfFile {
+    /// Short name, and name of the directory of its runs.
+    #[schemars(length(min = 1))]
+    pub name: String,
+    /// In legends and tables; default: the name.
+    pub title: Option<String>,
+    /// Another case file than the study's, relative to the study file.
+    #[schemars(length(min = 1))]
+    pub base: Option<String>,
+    /// Overrides: dotted path and value, as `--set` has them. They come after those of the study.
+    pub set: Option<Map<String, Value>>,
+}
+
+/// Two history columns.
+#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(deny_unknown_fields)]
+pub struct Columns {
+    /// Along x.
+    pub x: String,
+    /// Along y.
+    pub y: String,
+}
+
+/// A claim and its test.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ClaimOfFile {
+    /// In words.
+    #[schemars(length(min = 1))]
+    pub claim: String,
+    /// Name of a series, or names; default: all. It is found if it is found in each.
+    pub series: Option<OneOrMany>,
+    /// The members that are looked at; default: all.
+    pub members: Option<Vec<MemberName>>,
+    /// What is looked at (default "peak"; "curve_within" and "done" need none).
+    pub quantity: Option<QuantityOfFile>,
+    /// The test.
+    pub expect: ExpectationOfFile,
+}
+
+/// One name or several.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum OneOrMany {
+    /// One.
+    One(String),
+    /// Several.
+    Many(Vec<String>),
+}
+
+/// A member by its x or its label.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum MemberName {
+    /// Its x.
+    X(f64),
+    /// Its label.
+    Label(String),
+}
+
+/// A number that a run gives.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum QuantityOfFile {
+    /// By name.
+    Named(NamedQuantity),
+    /// A history column somewhere.
+    Column(ColumnValue),
+}
+
+/// Numbers of a run.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedQuantity {
+    /// The curve's greatest ordinate in magnitude.
+    Peak,
+    /// Where it is.
+    SlipAtPeak,
+    /// The area below the curve up to the common end.
+    Work,
+    /// The curve's last ordinate.
+    End,
+    /// Number of increments.
+    Increments,
+    /// Newton iterations.
+    Iterations,
+    /// Attempts given up.
+    Cutbacks,
+    /// The greatest imbalance of the energies.
+    EnergyErrorMax,
+    /// CPU time, s.
+    CpuTime,
+}
+
+/// A history column somewhere.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ColumnValue {
+    /// The column.
+    pub column: String,
+    /// Where (default "end").
+    pub at: Option<Where>,
+    /// Over another column at the same place, or the sum of several.
+    pub over: Option<OneOrMany>,
+}
+
+/// A place in a history.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[serde(untagged)]
+pub enum Where {
+    /// By name.
+    Named(NamedPlace),
+    /// The line in which the curve's x first reaches this value.
+    X(f64),
+}
+
+/// Places in a history.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum NamedPlace {
+    /// The last line.
+    End,
+    /// The line of the curve's peak.
+    Peak,
+    /// The line where the column is greatest.
+    Greatest,
+    /// The line where the column is least.
+    Least,
+}
+
+/// What the numbers of the members must be.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum ExpectationOfFile {
+    /// From member to member.
+    Trend(TrendOfFile),
+    /// The greatest is that of a member.
+    Maximum(MaximumOfFile),
+    /// The least is that of a member.
+    Minimum(MinimumOfFile),
+    /// Near that of a member.
+    Within(WithinOfFile),
+    /// The whole curve is near that of a member.
+    Curve(CurveOfFile),
+    /// Greater than that of the same member in another series.
+    Above(AboveOfFile),
+    /// Less than that of the same member in another series.
+    Below(BelowOfFile),
+    /// One member over another.
+    Ratio(RatioOfFile),
+    /// Each member over the same one in another series.
+    OverSeries(OverSeriesOfFile),
+    /// The runs go to their ends.
+    Done(DoneOfFile),
+    /// Bounds for each member.
+    Bounds(BoundsOfFile),
+}
+
+/// From member to member, in the order of their x (or of the list).
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TrendOfFile {
+    /// Which way.
+    pub trend: Direction,
+    /// What a step may go the other way, relative to the greatest magnitude (default 0).
+    #[schemars(range(min = 0.0))]
+    pub tolerance: Option<f64>,
+}
+
+/// Which way numbers go.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// Each is greater than the one before.
+    Increasing,
+    /// Each is less than the one before.
+    Decreasing,
+}
+
+/// The greatest number is that of a member.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MaximumOfFile {
+    /// The member.
+    pub maximum_at: MemberName,
+}
+
+/// The least number is that of a member.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct MinimumOfFile {
+    /// The member.
+    pub minimum_at: MemberName,
+}
+
+/// Each number is near that of a member.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WithinOfFile {
+    /// Greatest difference relative to it.
+    pub within: Positive,
+    /// The member.
+    pub of: MemberName,
+}
+
+/// Each curve is near that of a member, up to where both go.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CurveOfFile {
+    /// Greatest area between the two curves, relative to the area below the member's.
+    pub curve_within: Positive,
+    /// The member.
+    pub of: MemberName,
+}
+
+/// Each number is greater than that of the same member in another series.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct AboveOfFile {
+    /// The other series.
+    pub above: String,
+}
+
+/// Each number is less than that of the same member in another series.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BelowOfFile {
+    /// The other series.
+    pub below: String,
+}
+
+/// The number of one member over that of another.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RatioOfFile {
+    /// The one.
+    pub ratio_of: MemberName,
+    /// The other.
+    pub to: MemberName,
+    /// Lower bound.
+    pub greater_than: Option<f64>,
+    /// Upper bound.
+    pub less_than: Option<f64>,
+}
+
+/// The number of each member over that of the same member in another series.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct OverSeriesOfFile {
+    /// The other series.
+    pub over_series: String,
+    /// Lower bound.
+    pub greater_than: Option<f64>,
+    /// Upper bound.
+    pub less_than: Option<f64>,
+}
+
+/// Bounds for the number of each member.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BoundsOfFile {
+    /// Lower bound.
+    pub greater_than: Option<f64>,
+    /// Upper bound.
+    pub less_than: Option<f64>,
+}
+
+/// Every run goes to its end.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DoneOfFile {
+    /// Whether it does.
+    pub done: bool,
+}

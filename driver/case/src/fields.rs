@@ -1,0 +1,82 @@
+//! Temperature and field variables: initial values, ends of steps, columns of tables.
+
+use crate::document::Piece;
+use crate::problem::Place;
+use crate::reader::Reader;
+use crate::table::Table;
+use pullout_run::program::{FieldValues, StepFields};
+
+/// The column, and the key.
+const TEMPERATURE: &str = "temperature";
+const PREDEF: &str = "predef";
+
+/// Values at the start, as far as anything says something of them.
+pub fn initial(
+    reader: &mut Reader<'_>,
+    temperature: Option<&Piece<f64>>,
+    predef: Option<&Piece<Vec<f64>>>,
+) -> FieldValues {
+    let root = Place::root();
+    FieldValues {
+        temperature: reader.optional(temperature, &root.key(TEMPERATURE)).copied().unwrap_or_default(),
+        variables: reader.optional(predef, &root.key(PREDEF)).cloned().unwrap_or_default(),
+    }
+}
+
+/// Values at the end of a step of a case with `count` field variables.
+pub fn of_step(
+    reader: &mut Reader<'_>,
+    temperature: Option<f64>,
+    predef: Option<&[f64]>,
+    count: usize,
+    place: &Place,
+) -> StepFields {
+    if let Some(end) = predef
+        && end.len() != count
+    {
+        let message =
+            format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", end.len());
+        reader.problem(&place.key(PREDEF), message);
+    }
+    StepFields { temperature, predef: predef.map(<[f64]>::to_vec), ..StepFields::default() }
+}
+
+/// DPRED of the first call must be of the case's field variables.
+pub fn check_increments(reader: &mut Reader<'_>, increments: Option<&[f64]>, count: usize, place: &Place) {
+    if let Some(increments) = increments
+        && increments.len() != count
+    {
+        let message =
+            format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", increments.len());
+        reader.problem(&place.key("dpred"), message);
+    }
+}
+
+/// Names of a table's columns.
+pub fn columns(count: usize) -> Vec<String> {
+    std::iter::once(TEMPERATURE.to_owned()).chain((1..=count).map(|number| format!("{PREDEF}{number}"))).collect()
+}
+
+/// Takes the values of [`columns`], the first of which is number `first` of the table's names. `file`: for messages.
+pub fn take_columns(
+    reader: &mut Reader<'_>,
+    fields: &mut StepFields,
+    table: &Table,
+    first: usize,
+    file: &str,
+    place: &Place,
+) {
+    let mut columns = table.columns[first..]
+        .iter()
+        .map(|column| column.map(|column| table.rows.iter().map(|row| row[column]).collect::<Vec<_>>()));
+    fields.temperatures = columns.next().flatten();
+    fields.predefs = columns.collect();
+    if fields.temperatures.is_some() && fields.temperature.is_some() {
+        let message = format!("{file}: the temperature is given twice: in the table and in the step");
+        reader.problem(&place.key(TEMPERATURE), message);
+    }
+    if fields.predefs.iter().any(Option::is_some) && fields.predef.is_some() {
+        let message = format!("{file}: field variables are given twice: in the table and in the step");
+        reader.problem(&place.key(PREDEF), message);
+    }
+}

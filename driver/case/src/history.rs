@@ -1,0 +1,133 @@
+//! What refers to columns of the history: `until` and `compare`.
+
+use crate::document::{self, Piece};
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use crate::table::CsvFile;
+use pullout_run::program;
+use std::path::Path;
+
+/// Index of a column; `None` with a problem if there is none, without one if the columns are not known.
+fn column(reader: &mut Reader<'_>, name: &str, columns: Option<&[String]>, place: &Place) -> Option<usize> {
+    let columns = columns?;
+    let index = columns.iter().position(|column| column == name);
+    if index.is_none() {
+        reader.problem(place, format!("the history has no column '{name}'{}", hint(name, columns)));
+    }
+    index
+}
+
+/// `NAME` or `abs(NAME)`, and a bound.
+pub fn until(
+    reader: &mut Reader<'_>,
+    until: &document::Until,
+    columns: Option<&[String]>,
+    place: &Place,
+) -> Option<program::Until> {
+    let quantity = until.quantity.trim();
+    let inner = quantity.strip_prefix("abs").map(str::trim_start).and_then(|rest| rest.strip_prefix('('));
+    let (name, absolute) = match inner.and_then(|rest| rest.strip_suffix(')')) {
+        Some(name) => (name.trim(), true),
+        None => (quantity, false),
+    };
+    match (until.greater_than, until.less_than) {
+        (None, None) => reader.problem(place, "needs \"greater_than\" or \"less_than\""),
+        (Some(greater), Some(less)) if greater < less => {
+            let message = format!("every value is greater than {greater} or less than {less}: it would stop at once");
+            reader.problem(place, message);
+        }
+        (Some(greater), None) if absolute && greater < 0.0 => {
+            reader.problem(&place.key("greater_than"), "an absolute value is always greater: it would stop at once");
+        }
+        (_, Some(less)) if absolute && less <= 0.0 => {
+            reader.problem(&place.key("less_than"), "an absolute value is never less than this");
+        }
+        _ => {}
+    }
+    let column = column(reader, name, columns, &place.key("quantity"))?;
+    Some(program::Until { column, absolute, greater_than: until.greater_than, less_than: until.less_than })
+}
+
+/// All curves.
+pub fn compare_all(
+    reader: &mut Reader<'_>,
+    curves: Option<&Piece<Vec<Piece<document::Compare>>>>,
+    columns: Option<&[String]>,
+    place: &Place,
+) -> Vec<program::Compare> {
+    let curves = reader.optional(curves, place).map(Vec::as_slice).unwrap_or_default();
+    let mut resolved = Vec::new();
+    for (k, curve) in curves.iter().enumerate() {
+        let place = place.index(k);
+        if let Some(curve) = reader.piece(curve, &place) {
+            resolved.extend(compare(reader, curve, columns, &place));
+        }
+    }
+    resolved
+}
+
+fn compare(
+    reader: &mut Reader<'_>,
+    curve: &document::Compare,
+    columns: Option<&[String]>,
+    place: &Place,
+) -> Option<program::Compare> {
+    let scale_x = curve.scale_x.unwrap_or(1.0);
+    if scale_x == 0.0 {
+        reader.problem(&place.key("scale_x"), "must not be 0");
+    }
+    let x = column(reader, &curve.x, columns, &place.key("x"));
+    let y = column(reader, &curve.y, columns, &place.key("y"));
+    let points = points(reader, curve, place);
+    let stem = Path::new(&curve.file)
+        .file_stem()
+        .map_or_else(|| curve.file.clone(), |stem| stem.to_string_lossy().into_owned());
+    Some(program::Compare {
+        file: curve.file.clone(),
+        points: points?,
+        file_x: curve.file_x.clone(),
+        file_y: curve.file_y.clone(),
+        x: x?,
+        y: y?,
+        scale_x,
+        scale_y: curve.scale_y.unwrap_or(1.0),
+        label: curve.label.clone().unwrap_or(stem),
+    })
+}
+
+/// The two columns of the curve's file.
+fn points(reader: &mut Reader<'_>, curve: &document::Compare, place: &Place) -> Option<Vec<(f64, f64)>> {
+    let path = reader.file(&curve.file, &place.key("file"))?;
+    let csv = match CsvFile::read(&path) {
+        Ok(csv) => csv,
+        Err(messages) => {
+            for message in messages {
+                reader.problem(&place.key("file"), message);
+            }
+            return None;
+        }
+    };
+    let mut find = |name: &str, key: &str| {
+        let index = csv.header.iter().position(|column| column == name);
+        if index.is_none() {
+            let message = format!("{} has no column '{name}'{}", path.display(), hint(name, &csv.header));
+            reader.problem(&place.key(key), message);
+        }
+        index
+    };
+    let (x, y) = (find(&curve.file_x, "file_x"), find(&curve.file_y, "file_y"));
+    match csv.numbers(&[x?, y?], true) {
+        Ok(rows) if rows.is_empty() => {
+            reader
+                .problem(&place.key("file"), format!("{}: the two columns share no row with numbers", path.display()));
+            None
+        }
+        Ok(rows) => Some(rows.into_iter().map(|row| (row[0], row[1])).collect()),
+        Err(messages) => {
+            for message in messages {
+                reader.problem(&place.key("file"), format!("{}, {message}", path.display()));
+            }
+            None
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! Kind "interface": slips, gap or pressure.
+
+use crate::document::{Cycle, EndValue, Entry, InterfaceCase, InterfaceRamp, InterfaceStep as StepDocument};
+use crate::document::{InterfaceTable, Piece};
+use crate::plugin::{self, Length, Subject, Use};
+use crate::point::Resolved;
+use crate::point::{read_table, statev};
+use crate::problem::Place;
+use crate::reader::Reader;
+use crate::steps::{self, Counted};
+use crate::{fields, history};
+use pullout_run::program::interface_columns;
+use pullout_run::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
+
+/// Names of targets and of table columns.
+const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
+
+/// What the steps must agree with.
+struct Setting<'c> {
+    entry: Entry,
+    field_variables: usize,
+    columns: Option<&'c [String]>,
+}
+
+/// A step whose normal control may be that of the step before it.
+#[derive(Clone, Debug)]
+struct OpenStep {
+    normal: Option<NormalControl>,
+    step: InterfaceStep,
+}
+
+impl Counted for OpenStep {
+    fn increments(&self) -> u64 {
+        match &self.step.drive {
+            InterfaceDrive::Ramp { increments, .. } => *increments as u64,
+            InterfaceDrive::Table { rows, .. } => rows.len() as u64,
+        }
+    }
+
+    fn rows(&self) -> u64 {
+        if let InterfaceDrive::Table { rows, .. } = &self.step.drive { rows.len() as u64 } else { 0 }
+    }
+}
+
+impl steps::StepDocument for StepDocument {
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
+        match self {
+            Self::Cycle(cycle) => Some((cycle, false)),
+            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
+            Self::Table(_) | Self::Ramp(_) => None,
+        }
+    }
+}
+
+/// Resolves the plugin, the initial state and the steps.
+pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
+    let root = Place::root();
+    let place = root.key("characteristic_length");
+    let length = match &case.characteristic_length {
+        None => Length::NotGiven,
+        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
+    };
+    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
+    let place = root.key("material");
+    let material = reader.piece(&case.material, &place);
+    let entry = match material.and_then(|material| material.entry) {
+        None | Some(Entry::Uinter) => Entry::Uinter,
+        Some(Entry::Fric) => Entry::Fric,
+        Some(Entry::Umat) => {
+            let message = "kind \"interface\" calls the entry point uinter or fric; use kind \"point\" for umat";
+            reader.problem(&place.key("entry"), message);
+            Entry::Uinter
+        }
+    };
+    let purpose = Use { subject: Subject::Point, entry, mode: None, length };
+    let plugin = material.and_then(|material| plugin::resolve(reader, material, &place, purpose));
+    let place = root.key("initial");
+    let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
+    if entry == Entry::Fric && given.gap.is_some() {
+        reader.problem(&place.key("gap"), GAP_OF_FRIC);
+    }
+    let states = plugin.as_ref().map_or(0, |plugin| plugin.nstatv);
+    let initial_statev =
+        statev(reader, material, given.statev.as_deref(), plugin.as_ref()).unwrap_or_else(|| vec![0.0; states]);
+    let place = root.key("steps");
+    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let mut directions = if given.slip2.is_some() { 2 } else { 1 };
+    let one_direction = plugin.as_ref().map(|plugin| interface_columns(1, plugin));
+    let two_directions = plugin.as_ref().map(|plugin| interface_columns(2, plugin));
+    directions = directions.max(directions_of(reader, documents));
+    let columns = if directions == 2 { two_directions } else { one_direction };
+    let initial_fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let place_of_arguments = root.key("arguments");
+    let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
+    let dpred = arguments.and_then(|given| given.dpred.as_deref());
+    fields::check_increments(reader, dpred, initial_fields.variables.len(), &place_of_arguments);
+    let setting = Setting { entry, field_variables: initial_fields.variables.len(), columns: columns.as_deref() };
+    let mut resolve =
+        |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| one_step(reader, step, &setting, place);
+    let open = steps::expand(reader, documents, &place, &mut resolve);
+    let kind = Kind::Interface(InterfaceProgram {
+        entry: if entry == Entry::Fric { InterfaceEntry::Fric } else { InterfaceEntry::Uinter },
+        tangential_directions: directions,
+        initial_statev,
+        initial_time: given.time.unwrap_or(0.0),
+        arguments: arguments.map(crate::arguments::contact).unwrap_or_default(),
+        initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
+        initial_fields,
+        steps: close(open, entry),
+    });
+    Resolved { plugin, kind: Some(kind), columns, characteristic_length }
+}
+
+/// A step that says nothing of the normal direction goes on with the control of the step before it.
+fn close(open: Vec<OpenStep>, entry: Entry) -> Vec<InterfaceStep> {
+    let mut normal = if entry == Entry::Fric { NormalControl::Pressure } else { NormalControl::Gap };
+    open.into_iter()
+        .map(|OpenStep { normal: own, step }| {
+            normal = own.unwrap_or(normal);
+            InterfaceStep { normal, ..step }
+        })
+        .collect()
+}
+
+/// 2 if any step names `slip2`: `until` of an earlier step may then name its columns.
+fn directions_of(reader: &Reader<'_>, documents: &[Piece<StepDocument>]) -> usize {
+    let steps = documents.iter().filter_map(|piece| piece.0.as_ref().ok());
+    steps.map(|step| directions_of_step(reader, step)).max().unwrap_or(1)
+}
+
+fn directions_of_step(reader: &Reader<'_>, step: &StepDocument) -> usize {
+    match step {
+        StepDocument::Cycle(cycle) => directions_of(reader, &cycle.steps),
+        StepDocument::Cycles(wrapper) => directions_of(reader, &wrapper.cycles.steps),
+        StepDocument::Ramp(ramp) => 1 + usize::from(ramp.target.slip2.is_some()),
+        StepDocument::Table(table) => {
+            let csv = reader.named(&table.table).ok().and_then(|path| crate::table::CsvFile::read(&path).ok());
+            1 + usize::from(csv.is_some_and(|csv| csv.header.iter().any(|name| name == "slip2")))
+        }
+    }
+}
+
+const GAP_OF_FRIC: &str = "FRIC has no normal law: prescribe the pressure 'p' instead of the gap";
+
+fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<OpenStep> {
+    match step {
+        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
+        StepDocument::Table(table) => table_step(reader, table, setting, place),
+        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
+    }
+}
+
+/// What the normal value means; problems for a gap under FRIC, and for gap and pressure at once.
+fn normal_control(
+    reader: &mut Reader<'_>,
+    gap: bool,
+    pressure: bool,
+    entry: Entry,
+    place: impl Fn(&str) -> Place,
+) -> Option<NormalControl> {
+    if gap && entry == Entry::Fric {
+        reader.problem(&place("gap"), GAP_OF_FRIC);
+    } else if gap && pressure {
+        reader.problem(&place("p"), "the normal direction is controlled by 'gap' and by 'p': give one of them");
+    }
+    match (gap, pressure) {
+        (true, _) => Some(NormalControl::Gap),
+        (false, true) => Some(NormalControl::Pressure),
+        (false, false) => None,
+    }
+}
+
+fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_>, place: &Place) -> OpenStep {
+    let target = &ramp.target;
+    let place_of_target = place.key("target");
+    let normal = normal_control(reader, target.gap.is_some(), target.p.is_some(), setting.entry, |name| {
+        place_of_target.key(name)
+    });
+    let value = |end: Option<EndValue>| match end {
+        Some(EndValue::Value(value)) => Some(value),
+        Some(EndValue::Hold(_)) | None => None,
+    };
+    let until =
+        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let drive = InterfaceDrive::Ramp {
+        increments: usize::try_from(ramp.increments.0).unwrap_or(usize::MAX),
+        time: ramp.time.map_or(1.0, |time| time.0),
+        end: [value(target.slip), value(target.slip2), value(target.gap.or(target.p))],
+    };
+    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
+    OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } }
+}
+
+fn table_step(
+    reader: &mut Reader<'_>,
+    step: &InterfaceTable,
+    setting: &Setting<'_>,
+    place: &Place,
+) -> Option<OpenStep> {
+    let until =
+        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let count = setting.field_variables;
+    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
+    let field_names = fields::columns(count);
+    let names: Vec<&str> = NAMES.into_iter().chain(field_names.iter().map(String::as_str)).collect();
+    let place_of_table = place.key("table");
+    let path = reader.file(&step.table, &place_of_table)?;
+    let table = read_table(reader, &path, &names, &place_of_table)?;
+    fields::take_columns(reader, &mut fields, &table, NAMES.len(), &path.display().to_string(), place);
+    let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
+    let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
+    let rows = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
+    let drive = InterfaceDrive::Table { rows: rows.collect(), time_increments: table.time_increments };
+    Some(OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } })
+}

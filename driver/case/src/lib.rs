@@ -1,0 +1,35 @@
+//! From a case file to a program ([`Case`]), with everything that is wrong with it at once.
+//!
+//! A file is parsed (`json`), overridden (`--set`), compared with the schema that its serde types make
+//! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at
+//! the first problem; only broken JSON and an unknown kind leave nothing to go on with.
+
+mod arguments;
+mod constraints;
+mod document;
+mod fields;
+mod history;
+pub mod import;
+mod interface;
+mod json;
+mod plugin;
+mod point;
+mod problem;
+mod props;
+mod read;
+mod reader;
+mod specimen;
+mod steps;
+mod structure;
+mod table;
+#[cfg(test)]
+mod test;
+
+pub use document::{Piece, Positive, study};
+pub use plugin::{not_found, where_to_look};
+pub use problem::{CaseErrors, Place as JsonPlace, Problem as CaseProblem, ProblemKind, hint};
+pub use props::props_from_json;
+pub use read::{Case, document, inputs, is_study, need, read, read_document, read_study, read_untrusted};
+pub use reader::Reader;
+pub use structure::schema;
+pub use table::CsvFile;

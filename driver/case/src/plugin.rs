@@ -1,0 +1,388 @@
+//! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
+
+use crate::document::{CalledAs, Entry, Material, Props, Tangent};
+use crate::problem::{Place, Problem, hint, nearest};
+use crate::props;
+use crate::reader::Reader;
+use pullout_run::program::{Mode, Plugin};
+use std::path::{Path, PathBuf};
+use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, TangentSource, Validation};
+use umat_abi::metadata::{kinds, stress_states};
+
+/// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100
+/// times the elastic stiffness of a bond (chapter 8: 950 MPa/mm).
+pub const NORMAL_PENALTY: f64 = 1e5;
+/// Likewise tangential, for laws that cannot derive their own: about 10 times a bond's elastic stiffness.
+pub const TANGENTIAL_PENALTY: f64 = 1e4;
+
+/// The library of all laws that come with the program: where it is, they are.
+const ALL_LAWS: &str = "pullout_laws";
+
+/// What the case does with the plugin.
+#[derive(Clone, Debug)]
+pub struct Use {
+    /// What the plugin describes.
+    pub subject: Subject,
+    /// The entry point that is called.
+    pub entry: Entry,
+    /// The mode of a material point, if it is known, and where the case says so.
+    pub mode: Option<(Mode, Place)>,
+    /// CELENT.
+    pub length: Length,
+}
+
+/// What a plugin describes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Subject {
+    /// The point that the case is about.
+    Point,
+    /// A part of a specimen, or the contact between parts.
+    Specimen,
+}
+
+/// The characteristic lengths that a law meets.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Length {
+    /// Given wrongly; that has been said.
+    Unknown,
+    /// The case names none.
+    NotGiven,
+    /// As the case says, mm.
+    Given(f64),
+    /// Extremes of the elements of a part: index of the element, length in mm.
+    OfElements(Vec<(usize, f64)>),
+}
+
+/// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.
+pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: Use) -> Option<Plugin> {
+    let place_of_plugin = place.key("plugin");
+    if reader.is_untrusted && material.symbol.is_some() {
+        reader.problem(&place.key("symbol"), "chooses what is called in a library, which --untrusted does not allow");
+        return None;
+    }
+    let path = locate(reader, &material.plugin, &place_of_plugin)?;
+    let mut library = open(reader, &path, place_of_plugin.clone())?;
+    if material.thread_safe == Some(true) {
+        // SAFETY: the case vouches for it.
+        library = unsafe { library.thread_safe() };
+    }
+    let law = choose_law(reader, &library, material, place)?;
+    let manner = manner(reader, material, place, &purpose);
+    let usable = match &law {
+        Some(law) => check_kind(reader, law, &place_of_plugin, &purpose, manner),
+        None => true,
+    };
+    if usable {
+        check_symbol(reader, &library, material, place, purpose.entry);
+    }
+    let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+    let name =
+        law.as_ref().map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone());
+    let nstatv = nstatv(reader, law.as_ref(), material, place)?;
+    let props = properties(reader, law.as_ref(), material, place, &purpose);
+    Some(Plugin {
+        cmname: material.cmname.clone().unwrap_or_else(|| name.to_uppercase()),
+        library,
+        law,
+        name,
+        symbol: material.symbol.clone(),
+        props: props.unwrap_or_default(),
+        nstatv,
+        manner,
+    })
+}
+
+/// Warns of what the routines around a law do that is not obvious: whether SDVINI and SIGINI are called where the case gives
+/// states and stress, and which are not called at all.
+pub fn tell_initial_values(reader: &mut Reader<'_>, library: &Library, given: [bool; 2]) {
+    let [states_given, stress_given] = given;
+    for routine in library.routines() {
+        let what = match routine.symbol {
+            _ if !routine.is_called => "is not called: this program has no such occasion",
+            "sdvini" if states_given => "is not called: the case gives the initial states",
+            "sigini" if stress_given => "is not called: the case gives the initial stress",
+            "sigini" => "sets the initial stress",
+            _ => continue,
+        };
+        let warning = format!("{}: its {} {what}", library.path().display(), routine.symbol.to_uppercase());
+        if !reader.warnings.contains(&warning) {
+            reader.warnings.push(warning);
+        }
+    }
+}
+
+/// Loads a library, each file once in a case.
+fn open(reader: &mut Reader<'_>, path: &Path, place: Place) -> Option<Library> {
+    if let Some(library) = reader.libraries.get(path) {
+        return Some(library.clone());
+    }
+    let library = pullout_run::isolation::load(path)
+        .map_err(|error| reader.problems.push(Problem::plugin(place, error.to_string())))
+        .ok()?;
+    if library.changes_floating_point() {
+        reader.warnings.push(format!(
+            "{}: loading it switched the processor's floating-point modes (flush to zero); they were restored",
+            path.display()
+        ));
+    }
+    reader.libraries.insert(path.to_owned(), library.clone());
+    Some(library)
+}
+
+/// The library's file: a path relative to the case file, or a name on the search path.
+fn locate(reader: &mut Reader<'_>, plugin: &str, place: &Place) -> Option<PathBuf> {
+    if host::names_a_file(plugin) {
+        if reader.is_untrusted {
+            reader.problem(place, "is a file: --untrusted allows plugins of the search path, by their names");
+            return None;
+        }
+        let path = host::library_path(reader.folder, plugin);
+        if path.is_file() {
+            return Some(path);
+        }
+        let message = format!("there is no library file {} (a path is relative to the case file)", path.display());
+        reader.problems.push(Problem::plugin(place.clone(), message));
+        return None;
+    }
+    let folders = host::search_paths(reader.plugin_paths);
+    if let Some(found) = Found::by_name(plugin, &folders) {
+        return Some(found.path);
+    }
+    reader.problems.push(Problem::plugin(place.clone(), not_found(plugin, &folders)));
+    None
+}
+
+/// Says that no folder has a plugin of this name, and what to do.
+pub fn not_found(plugin: &str, folders: &[PathBuf]) -> String {
+    let names: Vec<String> = Found::all(folders).into_iter().map(|found| found.name).collect();
+    let near = nearest(plugin, &names).map_or_else(String::new, |name| format!("; nearest name there: '{name}'"));
+    let searched: Vec<String> = folders.iter().map(|folder| folder.display().to_string()).collect();
+    format!("no plugin '{plugin}' was found; searched: {}{near}; {}", searched.join(", "), where_to_look(folders))
+}
+
+/// How to name folders of plugins, and how to get the program's own laws if they are in none of these folders.
+pub fn where_to_look(folders: &[PathBuf]) -> String {
+    let other = "--plugin-path DIR or the environment variable PULLOUT_PLUGIN_PATH names other folders";
+    match Found::by_name(ALL_LAWS, folders) {
+        Some(_) => other.to_owned(),
+        None => format!(
+            "{other}; the program's own laws are in none of these: `cargo xtask install --prefix DIR`, in its source \
+             folder, puts program and laws together"
+        ),
+    }
+}
+
+/// `Some(None)`: a plain UMAT. Of several laws, CMNAME chooses.
+fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place) -> Option<Option<Law>> {
+    let laws = library.laws();
+    if let [] | [_] = laws {
+        return Some(laws.first().cloned());
+    }
+    let names: Vec<&str> = laws.iter().map(|law| law.name.as_str()).collect();
+    let Some(cmname) = &material.cmname else {
+        let message = format!("is missing: the library has several laws; name one of {}", names.join(", "));
+        reader.problem(&place.key("cmname"), message);
+        return None;
+    };
+    let law = law_of_name(laws, cmname);
+    if law.is_none() {
+        let message = format!("'{cmname}' begins with the name of no law of the library{}", hint(cmname, names));
+        reader.problem(&place.key("cmname"), message);
+        return None;
+    }
+    Some(law.cloned())
+}
+
+/// The law whose name CMNAME begins with, the longest of several; upper and lower case are alike.
+pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
+    let wanted = cmname.trim().to_lowercase();
+    laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
+}
+
+/// How the UMAT is called, as the case says.
+fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Manner {
+    let keys = [("as", material.components.is_some()), ("tangent", material.tangent.is_some())];
+    if purpose.entry != Entry::Umat {
+        for (key, _) in keys.iter().filter(|(_, given)| *given) {
+            reader.problem(&place.key(key), "is for the entry point umat alone");
+        }
+    }
+    Manner {
+        as_three_d: material.components.map(|components| components == CalledAs::ThreeD),
+        tangent: material.tangent.map(|tangent| match tangent {
+            Tangent::Reported => TangentSource::Reported,
+            Tangent::Numerical => TangentSource::Numerical,
+            Tangent::Compare => TangentSource::Compared,
+        }),
+    }
+}
+
+/// Whether the law has the entry point and the mode.
+fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use, manner: Manner) -> bool {
+    let of_specimen = purpose.subject == Subject::Specimen;
+    let solid =
+        if of_specimen { "it is a law of a part" } else { "it is a law of a material point; use kind \"point\"" };
+    let contact =
+        if of_specimen { "it is a law of contact" } else { "it is a law of a contact point; use kind \"interface\"" };
+    let (bit, what, advice) = match purpose.entry {
+        Entry::Umat => (kinds::UMAT, "UMAT", contact),
+        Entry::Uinter if law.kinds & kinds::FRIC != 0 => (kinds::UINTER, "UINTER", "set \"entry\": \"fric\""),
+        Entry::Fric if law.kinds & kinds::UINTER != 0 => (kinds::FRIC, "FRIC", "set \"entry\": \"uinter\""),
+        Entry::Uinter => (kinds::UINTER, "UINTER", solid),
+        Entry::Fric => (kinds::FRIC, "FRIC", solid),
+    };
+    if law.kinds & bit == 0 {
+        reader.problem(place, format!("{} has no {what}: {advice}", law.name));
+        return false;
+    }
+    if let Some((mode, place_of_mode)) = &purpose.mode
+        && law.stress_states & state_bit(*mode) == 0
+        && !manner.has_six(law, mode.stress_state())
+    {
+        let modes = [Mode::ThreeD, Mode::PlaneStrain, Mode::Axisymmetric, Mode::PlaneStress];
+        let supported: Vec<&str> =
+            modes.into_iter().filter(|mode| law.stress_states & state_bit(*mode) != 0).map(Mode::name).collect();
+        let message =
+            format!("{} does not support mode {}; supported: {}", law.name, mode.name(), supported.join(", "));
+        reader.problem(place_of_mode, message);
+    }
+    true
+}
+
+fn state_bit(mode: Mode) -> u32 {
+    match mode {
+        Mode::ThreeD => stress_states::THREE_D,
+        Mode::PlaneStrain => stress_states::PLANE_STRAIN,
+        Mode::Axisymmetric => stress_states::AXISYMMETRIC,
+        Mode::PlaneStress => stress_states::PLANE_STRESS,
+    }
+}
+
+fn check_symbol(reader: &mut Reader<'_>, library: &Library, material: &Material, place: &Place, entry: Entry) {
+    let symbol = material.symbol.as_deref();
+    let found: Result<(), LoadError> = match entry {
+        Entry::Umat => library.umat(symbol).map(|_| ()),
+        Entry::Uinter => library.uinter(symbol).map(|_| ()),
+        Entry::Fric => library.fric(symbol).map(|_| ()),
+    };
+    if let Err(error) = found {
+        let place = place.key(if symbol.is_some() { "symbol" } else { "plugin" });
+        reader.problems.push(Problem::plugin(place, error.to_string()));
+    }
+}
+
+fn nstatv(reader: &mut Reader<'_>, law: Option<&Law>, material: &Material, place: &Place) -> Option<usize> {
+    let given = material.nstatv.map(|n| usize::try_from(n.0).unwrap_or(usize::MAX));
+    match (law.map(|law| (law.states.len(), &law.name)), given) {
+        (None, None) => {
+            let message = "is missing: the library describes no law (it has no metadata), so the number of its state \
+                           variables must be given";
+            reader.problem(&place.key("nstatv"), message);
+            None
+        }
+        (Some((needed, name)), Some(given)) if given < needed => {
+            reader.problem(&place.key("nstatv"), format!("{name} needs {needed} state variables, {given} given"));
+            Some(needed)
+        }
+        (Some((needed, _)), given) => Some(given.unwrap_or(needed)),
+        (None, given) => given,
+    }
+}
+
+fn properties(
+    reader: &mut Reader<'_>,
+    law: Option<&Law>,
+    material: &Material,
+    place: &Place,
+    purpose: &Use,
+) -> Option<Vec<f64>> {
+    let place = place.key("props");
+    let Some(law) = law else {
+        return match &material.props {
+            None => Some(Vec::new()),
+            Some(Props::List(values)) => Some(values.clone()),
+            Some(Props::Named(_)) => {
+                let message = "the library describes no parameters (it has no metadata): give an array in PROPS order";
+                reader.problem(&place, message);
+                None
+            }
+        };
+    };
+    match props::resolve(law, material.props.as_ref(), &place) {
+        Ok(values) => {
+            let filled = match purpose.entry {
+                Entry::Umat => values.clone(),
+                Entry::Uinter | Entry::Fric => filled_penalties(law, &values, purpose.entry),
+            };
+            validate(reader, law, &filled, &place, &purpose.length);
+            for (parameter, value) in props::in_order(law).zip(&values) {
+                if let Some(range) = parameter.missed_range(*value) {
+                    reader.warn_unusual(place.key(&parameter.name).in_words(), *value, &parameter.unit, range);
+                }
+            }
+            reader.note_defaults(&place, &props::defaults(law, material.props.as_ref()));
+            if purpose.subject == Subject::Specimen {
+                // the contact pair fills them in from the bodies' stiffness
+                return Some(values);
+            }
+            for (k, (value, _)) in filled.iter().zip(&values).enumerate().filter(|(_, (new, old))| new != old) {
+                note_filling(reader, law, k, *value);
+            }
+            Some(filled)
+        }
+        Err(problems) => {
+            reader.problems.extend(problems);
+            None
+        }
+    }
+}
+
+/// Parameters with a penalty role whose value is 0 are the host's to fill. A tangential one only where the law
+/// refuses its 0: others derive it from their own stiffness. FRIC has no normal law.
+fn filled_penalties(law: &Law, values: &[f64], entry: Entry) -> Vec<f64> {
+    let zero = |role: &str| {
+        let mut roles = law.parameters.iter().zip(values).map(|(p, value)| p.role == role && *value == 0.0);
+        roles.position(|unfilled| unfilled)
+    };
+    let mut filled = values.to_vec();
+    if let (Some(k), Entry::Uinter) = (zero("normal_penalty"), entry) {
+        filled[k] = NORMAL_PENALTY;
+    }
+    if let Some(k) = zero("tangential_penalty")
+        && let Validation::Invalid(_) = law.validate(&filled, None)
+    {
+        filled[k] = TANGENTIAL_PENALTY;
+        if let Validation::Invalid(_) = law.validate(&filled, None) {
+            filled[k] = 0.0;
+        }
+    }
+    filled
+}
+
+fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {
+    let name = &law.parameters[k].name;
+    reader.warnings.push(format!(
+        "material.props.{name} is 0, which leaves it to the host: {value} MPa/mm is used (where the law has a use for it)"
+    ));
+}
+
+/// The law's own opinion of its parameters, and of them at each characteristic length.
+fn validate(reader: &mut Reader<'_>, law: &Law, values: &[f64], place: &Place, length: &Length) {
+    let given = if let Length::Given(length) = length { Some(*length) } else { None };
+    match law.validate(values, given) {
+        Validation::Valid => {}
+        Validation::Invalid(message) => return reader.problem(place, format!("{}: {message}", law.name)),
+        Validation::NeedsCharacteristicLength(message) if matches!(length, Length::NotGiven) => {
+            let place = Place::root().key("characteristic_length");
+            return reader.problem(&place, format!("is missing: {}: {message}", law.name));
+        }
+        Validation::NeedsCharacteristicLength(_) => {}
+    }
+    let Length::OfElements(elements) = length else { return };
+    for &(element, length) in elements {
+        if let Validation::Invalid(message) = law.validate(values, Some(length)) {
+            let message = format!("{}: in element {}, of length {length:.4} mm: {message}", law.name, element + 1);
+            return reader.problem(place, message);
+        }
+    }
+}

@@ -1,0 +1,494 @@
+//! Kind "point": modes, controls, initial state, steps.
+
+use crate::constraints::{self, fixed_by_mode};
+use crate::document::{self, Components, Cycle, EndValue, Entry, Material, Matrix, Piece, PointCase, PointRamp};
+use crate::document::{PointStep as StepDocument, PointTable};
+use crate::plugin::{self, Length, Subject, Use};
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use crate::steps::{self, Counted};
+use crate::table::Table;
+use crate::{fields, history};
+use pullout_run::deformation::{Polar, columns, exponential, matrix, rotated, turns};
+use pullout_run::program::{Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
+use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, point_columns};
+
+/// What the kinds of points resolve; reading a case adds the rest.
+pub struct Resolved {
+    pub plugin: Option<Plugin>,
+    pub kind: Option<Kind>,
+    pub columns: Option<Vec<String>>,
+    pub characteristic_length: Option<f64>,
+}
+
+const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+/// What the steps must agree with.
+struct Setting<'c> {
+    mode: Mode,
+    nlgeom: bool,
+    measure: Measure,
+    field_variables: usize,
+    columns: Option<&'c [String]>,
+}
+
+/// Resolves the plugin, the initial state and the steps.
+pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
+    let root = Place::root();
+    let mode = match &case.mode {
+        None => Some(Mode::ThreeD),
+        Some(piece) => reader.piece(piece, &root.key("mode")).map(|mode| mode_of(*mode)),
+    };
+    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    let place = root.key("characteristic_length");
+    let length = match &case.characteristic_length {
+        None => Length::NotGiven,
+        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
+    };
+    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
+    let place = root.key("material");
+    let material = reader.piece(&case.material, &place);
+    let plugin = material.and_then(|material| {
+        if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+            let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
+            reader.problem(&place.key("entry"), message);
+        }
+        let mode = mode.map(|mode| (mode, root.key("mode")));
+        plugin::resolve(reader, material, &place, Use { subject: Subject::Point, entry: Entry::Umat, mode, length })
+    });
+    let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
+    let measure = measure(reader, case.measure.as_ref(), nlgeom);
+    if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {
+        check_thickness(reader, plugin, measure);
+    }
+    let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
+    let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments"));
+    if let Some(given) = arguments {
+        check_arguments(reader, given, mode, nlgeom, initial.fields.variables.len());
+    }
+    let arguments = arguments.map(crate::arguments::umat);
+    let setting = Setting {
+        mode: mode.unwrap_or(Mode::ThreeD),
+        nlgeom,
+        measure,
+        field_variables: initial.fields.variables.len(),
+        columns: columns.as_deref(),
+    };
+    let place = root.key("steps");
+    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let mut gradient = initial.deformation_gradient;
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
+        let step = one_step(reader, step, &setting, place)?;
+        if let PointDrive::DeformationGradient { end, .. } = &step.drive {
+            gradient = *end;
+        } else if nlgeom && steps_apart(&step, &setting, &gradient) {
+            reader.problem(place, TURNED);
+        }
+        Some(step)
+    };
+    let steps = steps::expand(reader, documents, &place, &mut resolve);
+    let kind = mode.map(|mode| {
+        Kind::Point(PointProgram { mode, nlgeom, measure, initial, arguments: arguments.unwrap_or_default(), steps })
+    });
+    Resolved { plugin, kind, columns, characteristic_length }
+}
+
+fn measure(reader: &mut Reader<'_>, given: Option<&Piece<document::Measure>>, nlgeom: bool) -> Measure {
+    let place = Place::root().key("measure");
+    let given = reader.optional(given, &place).copied();
+    if given.is_some() && !nlgeom {
+        reader.problem(&place, "small strains have no measure: it needs \"nlgeom\": true");
+    }
+    match given {
+        Some(document::Measure::Nominal) => Measure::Nominal,
+        Some(document::Measure::Logarithmic) | None => Measure::Logarithmic,
+    }
+}
+
+/// Says what is not known of the thickness in plane stress at finite strain.
+fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
+    if plugin.strain_33().is_some() {
+        return;
+    }
+    const INSTEAD: &str = "mode 3d has the same stresses, with s33, s13 and s23 free";
+    if measure == Measure::Nominal {
+        let message = format!(
+            "nominal stresses need the thickness strain, which '{}' does not tell in plane stress: {INSTEAD}",
+            plugin.name
+        );
+        reader.problem(&Place::root().key("measure"), message);
+    } else {
+        reader.warnings.push(format!(
+            "F33 and the column e33 are NaN, as '{}' does not tell its thickness strain: in DFGRD0 and DFGRD1 it is that of a constant \
+             volume, as ABAQUS has it in plane stress, and only right for an incompressible material. Where the law \
+             reads it, {INSTEAD}",
+            plugin.name
+        ));
+    }
+}
+
+/// Whether a step controls strains and Cauchy stresses of a material that has turned.
+fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bool {
+    setting.measure == Measure::Logarithmic
+        && step.mixes_strain_and_stress(setting.mode.controllable())
+        && turns(&Polar::new(&matrix(gradient)).rotation)
+}
+
+fn mode_of(mode: document::Mode) -> Mode {
+    match mode {
+        document::Mode::ThreeD => Mode::ThreeD,
+        document::Mode::PlaneStrain => Mode::PlaneStrain,
+        document::Mode::Axisymmetric => Mode::Axisymmetric,
+        document::Mode::PlaneStress => Mode::PlaneStress,
+    }
+}
+
+impl steps::StepDocument for StepDocument {
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
+        match self {
+            Self::Cycle(cycle) => Some((cycle, false)),
+            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
+            Self::Table(_) | Self::Ramp(_) => None,
+        }
+    }
+}
+
+impl Counted for PointStep {
+    fn increments(&self) -> u64 {
+        match &self.drive {
+            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
+                *increments as u64
+            }
+            PointDrive::Table { rows, .. } => rows.len() as u64,
+        }
+    }
+
+    fn rows(&self) -> u64 {
+        if let PointDrive::Table { rows, .. } = &self.drive { rows.len() as u64 } else { 0 }
+    }
+}
+
+fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
+    match step {
+        StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
+        StepDocument::Table(table) => table_step(reader, table, setting, place),
+        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
+    }
+}
+
+fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, place: &Place) -> PointStep {
+    let increments = usize::try_from(ramp.increments.0).unwrap_or(usize::MAX);
+    let time = ramp.time.map_or(1.0, |time| time.0);
+    let target = ramp.target.clone().unwrap_or_default();
+    let mut controls = [Control::FREE; 6];
+    let named = target_controls(reader, &target, setting, &mut controls, &place.key("target"));
+    let relations = ramp.constraints.as_deref().unwrap_or_default();
+    let gradient = match (ramp.deformation_gradient, target.deformation_gradient) {
+        (Some(_), Some(_)) => {
+            reader.problem(&place.key("target").key("F"), "F is given twice: in the step and in its target");
+            None
+        }
+        (Some(end), None) => Some((end, place.key("F"))),
+        (None, Some(end)) => Some((end, place.key("target").key("F"))),
+        (None, None) => None,
+    };
+    let (drive, constraints) = if let Some((end, place_of_end)) = gradient {
+        check_gradient(reader, &end, setting.mode, setting.nlgeom, &place_of_end, true);
+        if named.contains(&true) || !relations.is_empty() {
+            let message = "F determines all strains: leave the components of target and the constraints out";
+            reader.problem(&place_of_end, message);
+        }
+        (PointDrive::DeformationGradient { increments, time, end }, Vec::new())
+    } else {
+        let place = place.key("constraints");
+        let constraints = constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place);
+        (PointDrive::Ramp { increments, time, controls }, constraints)
+    };
+    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
+    let until =
+        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    PointStep { drive, constraints, until, fields }
+}
+
+/// Sets the controls of the named components; says which are named.
+fn target_controls(
+    reader: &mut Reader<'_>,
+    target: &document::Target,
+    setting: &Setting<'_>,
+    controls: &mut [Control; 6],
+    place: &Place,
+) -> [bool; 6] {
+    let (strain, stress) = (target.strain(), target.stress());
+    check_names(
+        reader,
+        &strain.map(|v| v.is_some()),
+        &stress.map(|v| v.is_some()),
+        setting.mode,
+        |name| place.key(name),
+        "",
+    );
+    let mut named = [false; 6];
+    for i in 0..6 {
+        let control = match (strain[i], stress[i]) {
+            (Some(EndValue::Value(value)), _) => Control::Strain(value),
+            (Some(EndValue::Hold(_)), _) => Control::HoldStrain,
+            (None, Some(EndValue::Value(value))) => Control::Stress(value),
+            (None, Some(EndValue::Hold(_))) => Control::HoldStress,
+            (None, None) => continue,
+        };
+        if let Control::Strain(value) = control
+            && setting.measure == Measure::Nominal
+            && i < 3
+            && value <= -1.0
+        {
+            reader.problem(&place.key(STRAIN_NAMES[i]), format!("a nominal strain must be > -1, it is {value}"));
+        }
+        (controls[i], named[i]) = (control, true);
+    }
+    named
+}
+
+/// Components that the mode fixes, and components named as strain and as stress.
+fn check_names(
+    reader: &mut Reader<'_>,
+    strain: &[bool; 6],
+    stress: &[bool; 6],
+    mode: Mode,
+    place: impl Fn(&str) -> Place,
+    prefix: &str,
+) {
+    for i in 0..6 {
+        let names = [(STRAIN_NAMES[i], strain[i]), (STRESS_NAMES[i], stress[i])];
+        if !mode.controllable().contains(&i) {
+            for (name, _) in names.iter().filter(|(_, named)| *named) {
+                reader.problem(&place(name), format!("{prefix}{}", fixed_by_mode(name, mode)));
+            }
+        } else if strain[i] && stress[i] {
+            let message =
+                format!("{prefix}the same component is given as '{}' and as '{}'", STRAIN_NAMES[i], STRESS_NAMES[i]);
+            reader.problem(&place(STRESS_NAMES[i]), message);
+        }
+    }
+}
+
+fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
+    let count = setting.field_variables;
+    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
+    let until =
+        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let field_names = fields::columns(count);
+    let names: Vec<&str> =
+        STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(field_names.iter().map(String::as_str)).collect();
+    let place_of_table = place.key("table");
+    let path = reader.file(&step.table, &place_of_table)?;
+    let table = read_table(reader, &path, &names, &place_of_table)?;
+    let there = |range: std::ops::Range<usize>| -> [bool; 6] {
+        let mut flags = [false; 6];
+        flags.iter_mut().zip(&table.columns[range]).for_each(|(flag, column)| *flag = column.is_some());
+        flags
+    };
+    let (strain, stress) = (there(0..6), there(6..12));
+    let prefix = format!("{}: ", path.display());
+    check_names(reader, &strain, &stress, setting.mode, |_| place_of_table.clone(), &prefix);
+    let mut controls = [Control::FREE; 6];
+    let mut named = [false; 6];
+    let mut columns = [None; 6];
+    for i in 0..6 {
+        named[i] = strain[i] || stress[i];
+        columns[i] = table.columns[i].or(table.columns[6 + i]);
+        if named[i] {
+            controls[i] = if strain[i] { Control::Strain(0.0) } else { Control::Stress(0.0) };
+        }
+    }
+    let relations = step.constraints.as_deref().unwrap_or_default();
+    let constraints =
+        constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place.key("constraints"));
+    let first = STRAIN_NAMES.len() + STRESS_NAMES.len();
+    fields::take_columns(reader, &mut fields, &table, first, &path.display().to_string(), place);
+    let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
+    Some(PointStep {
+        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows },
+        constraints,
+        until,
+        fields,
+    })
+}
+
+/// A table, or problems at a place.
+pub fn read_table(reader: &mut Reader<'_>, path: &std::path::Path, names: &[&str], place: &Place) -> Option<Table> {
+    match Table::read(path, names) {
+        Ok(table) => {
+            if table.starts_at_zero {
+                let message = format!("{}: the first row is at time 0: its increment takes no time", path.display());
+                if !reader.warnings.contains(&message) {
+                    reader.warnings.push(message);
+                }
+            }
+            Some(table)
+        }
+        Err(messages) => {
+            messages.into_iter().for_each(|message| reader.problem(place, message));
+            None
+        }
+    }
+}
+
+/// The steps at finite strain tell what turns; the increments of the first call must be as many as the mode and the case have.
+fn check_arguments(
+    reader: &mut Reader<'_>,
+    given: &document::UmatArguments,
+    mode: Option<Mode>,
+    nlgeom: bool,
+    field_variables: usize,
+) {
+    let place = Place::root().key("arguments");
+    let kinematics = [&given.drot, &given.dfgrd0, &given.dfgrd1];
+    if nlgeom && (kinematics.into_iter().any(Option::is_some) || given.dstran.is_some()) {
+        let message = "drot, dfgrd0, dfgrd1 and dstran belong to cases without nlgeom: here the steps tell them";
+        reader.problem(&place, message);
+    } else if let (Some(dstran), Some(mode)) = (&given.dstran, mode) {
+        let count = mode.stress_state().components().len();
+        if dstran.len() != count {
+            let message = format!("{} values given, {count} needed in mode {}", dstran.len(), mode.name());
+            reader.problem(&place.key("dstran"), message);
+        }
+    }
+    fields::check_increments(reader, given.dpred.as_deref(), field_variables, &place);
+}
+
+/// A deformation gradient must turn nothing inside out and fit the mode.
+fn check_gradient(reader: &mut Reader<'_>, f: &Matrix, mode: Mode, nlgeom: bool, place: &Place, of_step: bool) {
+    if !nlgeom && (of_step || *f != IDENTITY) {
+        reader.problem(place, "a deformation gradient needs \"nlgeom\": true");
+    }
+    let determinant = nalgebra::Matrix3::from_fn(|i, j| f[i][j]).determinant();
+    if !(determinant > 0.0 && determinant.is_finite()) {
+        reader.problem(place, format!("the determinant must be > 0, it is {determinant}"));
+    }
+    if mode == Mode::ThreeD {
+        return;
+    }
+    if [f[0][2], f[1][2], f[2][0], f[2][1]].iter().any(|entry| *entry != 0.0) {
+        reader.problem(place, format!("mode {} needs F13 = F23 = F31 = F32 = 0", mode.name()));
+    }
+    let fixed = mode == Mode::PlaneStrain || (mode == Mode::PlaneStress && of_step);
+    if fixed && f[2][2] != 1.0 {
+        let why = if mode == Mode::PlaneStress { " (the law finds the thickness strain)" } else { "" };
+        reader.problem(place, format!("mode {} needs F33 = 1{why}, it is {}", mode.name(), f[2][2]));
+    }
+}
+
+fn initial(
+    reader: &mut Reader<'_>,
+    case: &PointCase,
+    material: Option<&Material>,
+    plugin: Option<&Plugin>,
+    mode: Mode,
+    nlgeom: bool,
+) -> PointState {
+    let root = Place::root();
+    let place = root.key("initial");
+    let given = reader.optional(case.initial.as_ref(), &place).cloned().unwrap_or_default();
+    let mut strain = components(reader, given.strain.as_ref(), &STRAIN_NAMES, mode, &place.key("strain"));
+    let place_of_stress = place.key("stress");
+    let stress =
+        given.stress.as_ref().map(|stress| components(reader, Some(stress), &STRESS_NAMES, mode, &place_of_stress));
+    let mut deformation_gradient = IDENTITY;
+    if let Some(gradient) = given.deformation_gradient {
+        check_gradient(reader, &gradient, mode, nlgeom, &place.key("F"), false);
+        deformation_gradient = gradient;
+        if given.strain.is_none() {
+            let polar = Polar::new(&matrix(&gradient));
+            strain = rotated(&polar.logarithmic_strain(), &polar.rotation, 2.0);
+        }
+    } else if nlgeom {
+        // symmetric: its columns are its rows
+        deformation_gradient = columns(&exponential(&strain));
+    }
+    let fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let statev = statev(reader, material, given.statev.as_deref(), plugin);
+    if let Some(plugin) = plugin {
+        plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);
+    }
+    PointState {
+        strain,
+        stress: stress.map(Box::new),
+        statev,
+        time: given.time.unwrap_or(0.0),
+        deformation_gradient,
+        fields,
+    }
+}
+
+/// STATEV at the start, from `material.statev0` or `initial.statev`; `None` if neither is given.
+pub fn statev(
+    reader: &mut Reader<'_>,
+    material: Option<&Material>,
+    initial: Option<&[f64]>,
+    plugin: Option<&Plugin>,
+) -> Option<Vec<f64>> {
+    let place = Place::root().key("initial").key("statev");
+    let place_of_other = Place::root().key("material").key("statev0");
+    let (values, place) = match (initial, material.and_then(|material| material.statev0.as_deref())) {
+        (Some(_), Some(_)) => {
+            reader.problem(&place, "the initial states are given twice: here and as $.material.statev0");
+            return None;
+        }
+        (Some(values), None) => (values, place),
+        (None, Some(values)) => (values, place_of_other),
+        (None, None) => return None,
+    };
+    if let Some(plugin) = plugin {
+        check_count(reader, values, plugin, &place);
+    }
+    Some(values.to_vec())
+}
+
+/// Initial states must be as many as the law has.
+pub fn check_count(reader: &mut Reader<'_>, statev: &[f64], plugin: &Plugin, place: &Place) {
+    if statev.len() != plugin.nstatv {
+        let message = format!("{} values given, {} has {} state variables", statev.len(), plugin.name, plugin.nstatv);
+        reader.problem(place, message);
+    }
+}
+
+/// Six components from a list of six or of the mode's, or by name.
+pub fn components(
+    reader: &mut Reader<'_>,
+    given: Option<&Components>,
+    names: &[&str; 6],
+    mode: Mode,
+    place: &Place,
+) -> [f64; 6] {
+    let mut values = [0.0; 6];
+    let seen = mode.stress_state().components();
+    match given {
+        None => {}
+        Some(Components::List(list)) if list.len() == 6 => values.copy_from_slice(list),
+        Some(Components::List(list)) if list.len() == seen.len() => {
+            seen.iter().zip(list).for_each(|(i, value)| values[*i] = *value);
+        }
+        Some(Components::List(list)) => {
+            let of_mode = if seen.len() == 6 { String::new() } else { format!(" (or the {} of the mode)", seen.len()) };
+            let message = format!("{} values given, 6 needed{of_mode}: {}", list.len(), names.join(", "));
+            reader.problem(place, message);
+        }
+        Some(Components::Named(named)) => {
+            for (name, value) in named {
+                match names.iter().position(|known| known == name) {
+                    Some(i) => values[i] = *value,
+                    None => reader.problem(&place.key(name), format!("unknown key{}", hint(name, names))),
+                }
+            }
+        }
+    }
+    // The strain 33 of plane stress is the law's; an initial value says where it starts.
+    let kept = |i: usize| seen.contains(&i) || (mode == Mode::PlaneStress && i == 2 && names[i] == STRAIN_NAMES[2]);
+    let free = |i: usize| kept(i) && !(mode == Mode::PlaneStrain && names[i] == STRAIN_NAMES[2]);
+    for i in (0..6).filter(|i| !free(*i)) {
+        if values[i] != 0.0 {
+            reader.problem(place, format!("{} must be 0 in mode {}, it is {}", names[i], mode.name(), values[i]));
+        }
+    }
+    values
+}

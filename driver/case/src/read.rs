@@ -1,0 +1,369 @@
+//! Reads case files: JSON, overrides, structure, meaning.
+
+use crate::document::{self, InterfaceCase, Piece, PointCase, PulloutCase};
+use crate::point::Resolved;
+use crate::problem::{CaseErrors, Place, Problem};
+use crate::reader::Reader;
+use crate::{history, interface, json, point, specimen, structure};
+use fe_core::stepping::Analysis;
+use pullout_run::input::{self, Input, folder_of};
+use pullout_run::isolation::{self, Need};
+use pullout_run::program::{self, Program, job_folder};
+use pullout_run::pullout;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use umat_abi::host::{ExternalDatabases, announce_job};
+
+/// A case that was read.
+#[derive(Clone, Debug)]
+pub enum Case {
+    /// A material or contact point along a path.
+    Path(Box<Program>),
+    /// A specimen in two dimensions.
+    Pullout(Box<pullout::Program>),
+}
+
+impl Case {
+    /// The case file.
+    pub fn file(&self) -> &Path {
+        match self {
+            Self::Path(program) => &program.case_file,
+            Self::Pullout(program) => &program.case_file,
+        }
+    }
+
+    /// Tells what GETJOBNAME and GETOUTDIR answer from now on, after others may have been read.
+    pub fn announce(&self) {
+        match self {
+            Self::Path(program) => announce(&program.case_file, &program.document),
+            Self::Pullout(program) => announce(&program.case_file, &Value::Null),
+        }
+    }
+
+    /// Calls laws that reading the case has not called, because their UEXTERNALDB must be told of one analysis only: here
+    /// of one that ends at once.
+    ///
+    /// # Errors
+    /// What is wrong with them.
+    pub fn check_laws(&self) -> Result<(), CaseErrors> {
+        let Self::Pullout(program) = self else { return Ok(()) };
+        if !ExternalDatabases::is_in(program.model.libraries()) {
+            return Ok(());
+        }
+        self.announce();
+        Analysis::check_laws(&program.model).map_err(|error| {
+            let problem = Problem::new(Place::root(), error.to_string());
+            CaseErrors { file: program.case_file.clone(), problems: vec![problem] }
+        })
+    }
+
+    /// Its title.
+    pub fn title(&self) -> &str {
+        match self {
+            Self::Path(program) => &program.title,
+            Self::Pullout(program) => &program.title,
+        }
+    }
+
+    /// The history's columns, in the order of the CSV.
+    pub fn columns(&self) -> Vec<String> {
+        match self {
+            Self::Path(program) => program.columns(),
+            Self::Pullout(program) => program.columns(),
+        }
+    }
+
+    /// Curves to compare with.
+    pub fn compare(&self) -> &[program::Compare] {
+        match self {
+            Self::Path(program) => &program.compare,
+            Self::Pullout(program) => &program.compare,
+        }
+    }
+
+    /// Whether pictures are drawn.
+    pub fn draws_plots(&self) -> bool {
+        match self {
+            Self::Path(program) => program.output.plots,
+            Self::Pullout(program) => program.output.plots,
+        }
+    }
+
+    /// The libraries that it calls.
+    pub fn libraries(&self) -> Vec<PathBuf> {
+        match self {
+            Self::Path(program) => vec![program.plugin.library.path().to_owned()],
+            Self::Pullout(program) => {
+                program.laws().into_iter().map(|(_, law)| law.library.path().to_owned()).collect()
+            }
+        }
+    }
+
+    /// What the case leaves to defaults, a line for each place: "material.props: nu = 0.18".
+    pub fn defaults(&self) -> &[String] {
+        match self {
+            Self::Path(program) => &program.defaults,
+            Self::Pullout(program) => &program.defaults,
+        }
+    }
+
+    /// Things the user should know although nothing is wrong.
+    pub fn warnings(&self) -> &[String] {
+        match self {
+            Self::Path(program) => &program.warnings,
+            Self::Pullout(program) => &program.warnings,
+        }
+    }
+}
+
+/// The members that the kinds of points share.
+struct Common<'c> {
+    title: Option<&'c Piece<String>>,
+    description: Option<&'c Piece<String>>,
+    until: Option<&'c Piece<document::Until>>,
+    compare: Option<&'c Piece<Vec<Piece<document::Compare>>>>,
+    output: Option<&'c Piece<document::Output>>,
+    controls: Option<&'c Piece<document::Controls>>,
+}
+
+/// Reads a case file.
+///
+/// `overrides` are the texts of `--set`; `plugin_paths` are searched for plugins before the usual folders.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    read_by(Reader::new(folder_of(path), plugin_paths), path, overrides)
+}
+
+/// Reads a case file that nobody has looked at: it may name plugins of the search path by their names, no symbol in
+/// them, and files within its folder.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_untrusted(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    read_by(Reader::of_untrusted(folder_of(path), plugin_paths), path, overrides)
+}
+
+fn read_by(mut reader: Reader<'_>, path: &Path, overrides: &[String]) -> Result<Case, CaseErrors> {
+    let case = text_with(path, overrides, &mut reader.problems).and_then(|text| read_with(&mut reader, path, text));
+    finished(reader, path, case)
+}
+
+/// Reads a case that was made in memory as if it stood in the file `path`.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn read_document(document: Value, path: &Path, plugin_paths: &[PathBuf]) -> Result<Case, CaseErrors> {
+    let mut reader = Reader::new(folder_of(path), plugin_paths);
+    let case = read_with(&mut reader, path, document);
+    finished(reader, path, case)
+}
+
+/// The case, if nothing is wrong with it.
+fn finished(reader: Reader<'_>, path: &Path, case: Option<Case>) -> Result<Case, CaseErrors> {
+    match case {
+        Some(case) if reader.problems.is_empty() => Ok(case),
+        _ => Err(CaseErrors { file: path.into(), problems: reader.problems }),
+    }
+}
+
+/// Whether a file is a study rather than a case.
+pub fn is_study(path: &Path) -> bool {
+    document(path, &[]).is_some_and(|document| document["kind"] == structure::STUDY)
+}
+
+/// A case file as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
+pub fn document(path: &Path, overrides: &[String]) -> Option<Value> {
+    text_with(path, overrides, &mut Vec::new())
+}
+
+/// Tells whether a case needs a process of its own. One that cannot be read does not: reading it again tells what is
+/// wrong.
+pub fn need(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Option<Need> {
+    isolation::need(&document(path, overrides)?, path, plugin_paths)
+}
+
+/// The files that a case is read from: its own, and those that texts of it name (meshes, tables, measured curves), with
+/// the overrides. Plugins that are found by name are not among them.
+pub fn inputs(path: &Path, overrides: &[String]) -> Vec<PathBuf> {
+    let mut files = vec![path.to_owned()];
+    named_files(&document(path, overrides).unwrap_or_default(), folder_of(path), &mut files);
+    files
+}
+
+fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
+    match value {
+        Value::String(text) if !text.is_empty() => {
+            let path = folder.join(text);
+            if path.is_file() {
+                files.push(path);
+            }
+        }
+        Value::Array(entries) => entries.iter().for_each(|entry| named_files(entry, folder, files)),
+        Value::Object(members) => members.values().for_each(|member| named_files(member, folder, files)),
+        _ => {}
+    }
+}
+
+fn text_with(path: &Path, overrides: &[String], problems: &mut Vec<Problem>) -> Option<Value> {
+    let text = match input::text(path, Input::Case) {
+        Ok(text) => text,
+        Err(error) => {
+            problems.push(Problem::unreadable(format!("the case file cannot be read: {error}")));
+            return None;
+        }
+    };
+    let mut document = match json::parse(&text) {
+        Ok((document, repeated)) => {
+            problems.extend(repeated);
+            document
+        }
+        Err(problem) => {
+            problems.push(problem);
+            return None;
+        }
+    };
+    for text in overrides {
+        if let Err(problem) = json::set(&mut document, text) {
+            problems.push(problem);
+        }
+    }
+    json::check_texts(&document, &Place::root(), problems);
+    Some(document)
+}
+
+/// Tells what GETJOBNAME and GETOUTDIR answer from now on.
+fn announce(path: &Path, document: &Value) {
+    announce_job(&path.file_stem().unwrap_or_default().to_string_lossy(), &job_folder(path, document));
+}
+
+fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Case> {
+    if let Some(folder) = document["job_folder"].as_str() {
+        reader.file(folder, &Place::root().key("job_folder"))?;
+    }
+    // a library may be called while its case is read
+    announce(path, &document);
+    let kind = match structure::kind_of(&document) {
+        Ok(kind) => kind.to_owned(),
+        Err(problem) => {
+            reader.problems.push(problem);
+            return None;
+        }
+    };
+    resolve(reader, path, &kind, document)
+}
+
+/// Resolves a study file; what is wrong with it goes to the reader.
+pub fn read_study<D: DeserializeOwned, T>(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
+) -> Option<T> {
+    let mut document = text_with(path, &[], &mut reader.problems)?;
+    if document["kind"] != structure::STUDY {
+        let what =
+            document["kind"].as_str().map_or_else(String::new, |kind| format!(", this is a case of kind '{kind}'"));
+        reader.problem(&Place::root().key("kind"), format!("a study has the kind \"{}\"{what}", structure::STUDY));
+        return None;
+    }
+    let structural = structure::check(structure::STUDY, &mut document);
+    let before = reader.problems.len();
+    let study = typed(reader, document).and_then(|document| resolve(reader, document));
+    reader.add_structural(structural, before);
+    study
+}
+
+/// Structure first, then meaning; what the structure explains is not said twice.
+fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) -> Option<Case> {
+    let mut readable = document.clone();
+    let structural = structure::check(kind, &mut readable);
+    let before = reader.problems.len();
+    let program = match kind {
+        "interface" => typed(reader, readable).and_then(|case: InterfaceCase| {
+            let resolved = interface::resolve(reader, &case);
+            let InterfaceCase { title, description, until, compare, output, controls, .. } = &case;
+            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+        }),
+        "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
+            specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
+        }),
+        _ => typed(reader, readable).and_then(|case: PointCase| {
+            let resolved = point::resolve(reader, &case);
+            let PointCase { title, description, until, compare, output, controls, .. } = &case;
+            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+        }),
+    };
+    reader.add_structural(structural, before);
+    program
+}
+
+fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Option<T> {
+    serde_json::from_value(document)
+        .map_err(|error| reader.problem(&Place::root(), format!("cannot be read: {error}")))
+        .ok()
+}
+
+fn common<'c>(
+    title: &'c Option<Piece<String>>,
+    description: &'c Option<Piece<String>>,
+    until: &'c Option<Piece<document::Until>>,
+    compare: &'c Option<Piece<Vec<Piece<document::Compare>>>>,
+    output: &'c Option<Piece<document::Output>>,
+    controls: &'c Option<Piece<document::Controls>>,
+) -> Common<'c> {
+    Common {
+        title: title.as_ref(),
+        description: description.as_ref(),
+        until: until.as_ref(),
+        compare: compare.as_ref(),
+        output: output.as_ref(),
+        controls: controls.as_ref(),
+    }
+}
+
+/// Resolves what the kinds of points share, and puts the program together if nothing is missing.
+fn finish(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    document: Value,
+    resolved: Resolved,
+    common: &Common<'_>,
+) -> Option<Case> {
+    let root = Place::root();
+    let title = reader.optional(common.title, &root.key("title")).cloned();
+    let description = reader.optional(common.description, &root.key("description")).cloned();
+    let columns = resolved.columns.as_deref();
+    let place = root.key("until");
+    let until = reader.optional(common.until, &place).and_then(|until| history::until(reader, until, columns, &place));
+    let compare = history::compare_all(reader, common.compare, columns, &root.key("compare"));
+    let output = reader.optional(common.output, &root.key("output")).cloned().unwrap_or_default();
+    if output.vtu == Some(true) {
+        reader.warnings.push("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
+    }
+    let limits = reader.optional(common.controls, &root.key("controls")).cloned().unwrap_or_default();
+    let default = program::Controls::default();
+    let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+    Some(Case::Path(Box::new(Program {
+        case_file: path.into(),
+        title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
+        description: description.unwrap_or_default(),
+        document,
+        plugin: resolved.plugin?,
+        kind: resolved.kind?,
+        characteristic_length: resolved.characteristic_length,
+        until,
+        controls: program::Controls {
+            max_iterations: limit(limits.max_iterations.map(|n| n.0), default.max_iterations),
+            max_cutbacks: limit(limits.max_cutbacks.map(|n| n.0), default.max_cutbacks),
+        },
+        output: program::Output {
+            every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
+            plots: output.plots.unwrap_or(true),
+        },
+        compare,
+        warnings: std::mem::take(&mut reader.warnings),
+        defaults: std::mem::take(&mut reader.defaults),
+    })))
+}

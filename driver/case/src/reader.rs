@@ -1,0 +1,131 @@
+//! What the parts of a case are resolved with, and what they find.
+
+use crate::document::Piece;
+use crate::problem::{Place, Problem};
+use crate::structure::Structure;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use umat_abi::host::Library;
+
+/// What the parts of a case are resolved with, and what they find.
+pub struct Reader<'a> {
+    /// The case file's folder, to which paths in it are relative.
+    pub(crate) folder: &'a Path,
+    pub(crate) plugin_paths: &'a [PathBuf],
+    /// Nobody has looked at the case: it names plugins of the search path, and files within its folder.
+    pub(crate) is_untrusted: bool,
+    /// The libraries that are loaded, by file.
+    pub(crate) libraries: BTreeMap<PathBuf, Library>,
+    pub(crate) problems: Vec<Problem>,
+    pub(crate) warnings: Vec<String>,
+    /// What the case leaves to defaults: a line for each place.
+    pub(crate) defaults: Vec<String>,
+}
+
+impl<'a> Reader<'a> {
+    /// For a file in this folder.
+    pub fn new(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
+        Self {
+            folder,
+            plugin_paths,
+            is_untrusted: false,
+            libraries: BTreeMap::new(),
+            problems: Vec::new(),
+            warnings: Vec::new(),
+            defaults: Vec::new(),
+        }
+    }
+
+    /// The same, for a file that nobody has looked at.
+    pub fn of_untrusted(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
+        Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
+    }
+
+    /// The file that a text of the case names.
+    ///
+    /// # Errors
+    /// The case may not name it.
+    pub fn named(&self, name: &str) -> Result<PathBuf, String> {
+        if self.is_untrusted { within(self.folder, name) } else { Ok(self.folder.join(name)) }
+    }
+
+    /// The file that the text at a place names, if it may.
+    pub fn file(&mut self, name: &str, place: &Place) -> Option<PathBuf> {
+        self.named(name).map_err(|message| self.problem(place, message)).ok()
+    }
+
+    /// Warns of a value that nobody means, a slip of units perhaps.
+    pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
+        let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
+        let warning = format!(
+            "{what} = {value} {unit} is outside the usual range, {lower} to {upper} {unit}: is it in units of N, mm, MPa?"
+        );
+        if !self.warnings.contains(&warning) {
+            self.warnings.push(warning);
+        }
+    }
+
+    /// Notes the names and values that a place of the case leaves to defaults.
+    pub(crate) fn note_defaults(&mut self, place: &Place, taken: &[String]) {
+        if !taken.is_empty() {
+            self.defaults.push(format!("{}: {}", place.in_words(), taken.join(", ")));
+        }
+    }
+
+    /// Everything that is wrong.
+    pub fn into_problems(self) -> Vec<Problem> {
+        self.problems
+    }
+
+    /// Puts problems of structure before those of meaning, found since there were `before`, and drops what they explain.
+    pub(crate) fn add_structural(&mut self, structure: Structure, before: usize) {
+        let meaning = self.problems.split_off(before);
+        let places: BTreeSet<&Place> = structure.problems.iter().filter_map(|problem| problem.place.as_ref()).collect();
+        let explained = |problem: &Problem| {
+            problem.place.as_ref().is_some_and(|place| place.contains_one_of(&places)) || structure.explains(problem)
+        };
+        let meaning: Vec<Problem> = meaning.into_iter().filter(|problem| !explained(problem)).collect();
+        self.problems.extend(structure.problems);
+        self.problems.extend(meaning);
+    }
+
+    /// Adds what is wrong.
+    pub fn push(&mut self, problem: Problem) {
+        self.problems.push(problem);
+    }
+
+    /// Adds what is wrong at a place.
+    pub fn problem(&mut self, place: &Place, message: impl Into<String>) {
+        self.problems.push(Problem::new(place.clone(), message));
+    }
+
+    /// A piece, if it could be read.
+    pub fn piece<'p, T>(&mut self, piece: &'p Piece<T>, place: &Place) -> Option<&'p T> {
+        match &piece.0 {
+            Ok(value) => Some(value),
+            Err(message) => {
+                self.problem(place, format!("cannot be read: {message}"));
+                None
+            }
+        }
+    }
+
+    /// A piece that may be left out, if it is there and could be read.
+    pub fn optional<'p, T>(&mut self, piece: Option<&'p Piece<T>>, place: &Place) -> Option<&'p T> {
+        piece.and_then(|piece| self.piece(piece, place))
+    }
+}
+
+/// A file in a folder, links followed.
+fn within(folder: &Path, name: &str) -> Result<PathBuf, String> {
+    use std::path::Component;
+    let leads_out = || format!("{name} leads out of the case's folder, which --untrusted does not allow");
+    if !Path::new(name).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir)) {
+        return Err(leads_out());
+    }
+    let path = folder.join(name);
+    // what does not exist leads nowhere; whoever reads it says so
+    let Ok(place) = path.canonicalize() else { return Ok(path) };
+    let folder = Path::new(".").join(folder).canonicalize().map_err(|error| error.to_string())?;
+    if place.starts_with(folder) { Ok(path) } else { Err(leads_out()) }
+}

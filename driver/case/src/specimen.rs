@@ -1,0 +1,194 @@
+//! Kind "pullout": mesh, parts, contact, boundary conditions and steps, put together into a model of the FE core.
+
+use crate::document::PulloutCase;
+use crate::document::pullout as document;
+use crate::history;
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use boundary::Boundary;
+use fe_core::mesh::Mesh;
+use fe_core::model::{Controls, Model, Skipping, Spalling};
+use fe_core::stepping::Analysis;
+use fe_core::threads::Threads;
+use mesh::Ground;
+use pullout_run::pullout::{COLUMNS, Output, Program};
+use std::path::Path;
+use umat_abi::host::ExternalDatabases;
+
+mod boundary;
+mod chain;
+mod contact;
+mod couplings;
+mod generated;
+mod mesh;
+mod parts;
+mod preflight;
+mod steps;
+
+/// Increments between two written fields, unless the case says otherwise.
+const FIELDS_EVERY: usize = 10;
+/// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
+/// say, mm.
+const USUAL_SLIP: f64 = 0.02;
+
+/// Resolves a case; what is wrong with it goes to the reader.
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<Program> {
+    let root = Place::root();
+    let title = reader.optional(case.title.as_ref(), &root.key("title")).cloned();
+    let description = reader.optional(case.description.as_ref(), &root.key("description")).cloned();
+    let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
+    let ground = mesh::resolve(reader, case);
+    let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
+    let scene = Scene { ground: ground.as_ref(), mesh: checked.as_ref() };
+    let parts = parts::resolve(reader, case, scene);
+    let contacts = contact::resolve(reader, case, scene);
+    let mut boundary = boundary::resolve(reader, case, scene);
+    let couplings = couplings::resolve(reader, case, scene);
+    let steps = steps::resolve(reader, case, &mut boundary);
+    let fields = steps::fields(reader, case, &steps);
+    let place = root.key("until");
+    let columns = COLUMNS.map(String::from);
+    let until = reader
+        .optional(case.until.as_ref(), &place)
+        .and_then(|until| history::until(reader, until, Some(&columns), &place));
+    let compare = history::compare_all(reader, case.compare.as_ref(), Some(&columns), &root.key("compare"));
+    let output = output(reader, case);
+    let controls = controls(reader, case);
+    let skipping = skipping(reader, case);
+    let Boundary { drives, supports, loads, mut measured } = boundary;
+    let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
+    let ground = ground?;
+    measured.interface_lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
+    measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
+    let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
+    for pair in &mut contacts {
+        pair.master_bends = pair.master.iter().any(|edge| nlgeom[mesh.elements()[edge.element].part()]);
+    }
+    let model = Model {
+        mesh,
+        laws: parts.laws,
+        average_dilatation: parts.average_dilatation,
+        nlgeom,
+        contacts,
+        drives: drives.names(),
+        supports,
+        couplings,
+        loads,
+        measured,
+        fields,
+        steps: steps.iter().map(|step| step.step.clone()).collect(),
+        controls,
+        skipping,
+    };
+    if reader.problems.is_empty() {
+        preflight::check(reader, &model);
+    }
+    if reader.problems.is_empty() {
+        // what UEXTERNALDB prepares is there within an analysis, and that begins once
+        let checked = match ExternalDatabases::is_in(model.libraries()) {
+            true => Analysis::check(&model),
+            false => Analysis::check(&model).and_then(|()| Analysis::check_laws(&model)),
+        };
+        if let Err(error) = checked {
+            reader.problem(&root, error.to_string());
+        }
+    }
+    Some(Program {
+        case_file: path.into(),
+        title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
+        description: description.unwrap_or_default(),
+        mesh: ground.words,
+        fibre_diameter: ground.diameter,
+        model,
+        step_untils: steps.into_iter().map(|step| step.until).collect(),
+        until,
+        output,
+        compare,
+        warnings: std::mem::take(&mut reader.warnings),
+        defaults: std::mem::take(&mut reader.defaults),
+        threads: Threads::default(),
+    })
+}
+
+/// What names of the case refer to, as far as it is known.
+#[derive(Clone, Copy)]
+struct Scene<'a> {
+    ground: Option<&'a Ground>,
+    mesh: Option<&'a Mesh>,
+}
+
+impl<'a> Scene<'a> {
+    /// A node set; `None` with a problem if there is none, without one if the mesh is not known.
+    fn node_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [usize]> {
+        let mesh = self.mesh?;
+        let found = mesh.node_set(name);
+        if found.is_none() {
+            let names: Vec<&str> = mesh.node_set_names().collect();
+            reader.problem(place, format!("the mesh has no node set '{name}'{}", hint(name, &names)));
+        }
+        found
+    }
+
+    /// An edge set, likewise.
+    fn edge_set(self, reader: &mut Reader<'_>, name: &str, place: &Place) -> Option<&'a [fe_core::mesh::ElementEdge]> {
+        let mesh = self.mesh?;
+        let found = mesh.edge_set(name);
+        if found.is_none() {
+            let names: Vec<&str> = mesh.edge_set_names().collect();
+            reader.problem(place, format!("the mesh has no edge set '{name}'{}", hint(name, &names)));
+        }
+        found
+    }
+}
+
+fn output(reader: &mut Reader<'_>, case: &PulloutCase) -> Output {
+    let given = reader.optional(case.output.as_ref(), &Place::root().key("output")).cloned().unwrap_or_default();
+    let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
+    Output {
+        every: given.every.map_or(1, number),
+        plots: given.plots.unwrap_or(true),
+        fields_every: match given.vtu {
+            None | Some(document::Vtu::Switch(true)) => Some(FIELDS_EVERY),
+            Some(document::Vtu::Switch(false)) => None,
+            Some(document::Vtu::Every(n)) => Some(number(n)),
+        },
+    }
+}
+
+fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
+    let given = reader.optional(case.controls.as_ref(), &Place::root().key("controls")).cloned().unwrap_or_default();
+    let default = Controls::default();
+    let spalling = reader.optional(case.spalling.as_ref(), &Place::root().key("spalling"));
+    Controls {
+        force_tolerance: given.force_tolerance.map_or(default.force_tolerance, |tolerance| tolerance.0),
+        displacement_tolerance: given.displacement_tolerance.map_or(default.displacement_tolerance, |t| t.0),
+        max_iterations: given.max_iterations.map_or(default.max_iterations, |n| n.0 as usize),
+        max_cutbacks: given.max_cutbacks.map_or(default.max_cutbacks, |n| n.0 as usize),
+        line_search: given.line_search.unwrap_or(default.line_search),
+        locate_peak: given.locate_peak.unwrap_or(default.locate_peak),
+        relaxation_time: given.relaxation_time.unwrap_or(default.relaxation_time),
+        spalling: spalling.map(|given| Spalling {
+            opening: given.opening.0,
+            stress: given.stress.0,
+            wait: given.wait.map_or(USUAL_SLIP, |slip| slip.0),
+            fade: given.fade.map_or(USUAL_SLIP, |slip| slip.0),
+        }),
+        max_stabilisation_share: given.max_stabilisation_share.map_or(default.max_stabilisation_share, |share| share.0),
+    }
+}
+
+fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
+    let all = Skipping::ALL;
+    match reader.optional(case.skip.as_ref(), &Place::root().key("skip")) {
+        None | Some(document::Skip::Word(document::SkipWord::All)) => all,
+        Some(document::Skip::Word(document::SkipWord::None)) => Skipping::NONE,
+        Some(document::Skip::Items(items)) => Skipping {
+            unchanged_elements: items.unchanged_elements.unwrap_or(all.unchanged_elements),
+            elastic_far_field: items.elastic_far_field.unwrap_or(all.elastic_far_field),
+            factor_reuse: items.factor_reuse.unwrap_or(all.factor_reuse),
+            unused_tangents: items.unused_tangents.unwrap_or(all.unused_tangents),
+            contact_search: items.contact_search.unwrap_or(all.contact_search),
+            symmetric_solver: items.symmetric_solver.unwrap_or(all.symmetric_solver),
+        },
+    }
+}

@@ -1,0 +1,302 @@
+//! What moves, holds and loads the specimen, and what of it is measured.
+
+use super::Scene;
+use super::couplings::node;
+use crate::document::pullout as document;
+use crate::document::{Piece, PulloutCase};
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use fe_core::model::{Load, LoadKind, Measured, Support};
+use std::collections::BTreeMap;
+
+/// The drive of the grip.
+pub const SLIP: &str = "slip";
+/// The support that the drive of the grip moves.
+const GRIP: &str = "grip";
+/// Both axes.
+pub const BOTH: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 1.0]];
+
+/// Everything that acts on the specimen.
+pub struct Boundary {
+    pub drives: Drives,
+    pub supports: Vec<Support>,
+    pub loads: Vec<Load>,
+    pub measured: Measured,
+}
+
+/// The drives in order of their first mention.
+#[derive(Default)]
+pub struct Drives(Vec<Drive>);
+
+struct Drive {
+    name: String,
+    /// Where it was first mentioned.
+    place: Place,
+    /// Whether a step moves it.
+    moved: bool,
+}
+
+impl Drives {
+    /// Index of a drive that something follows.
+    fn followed(&mut self, name: &str, place: &Place) -> usize {
+        self.index(name).unwrap_or_else(|| {
+            self.0.push(Drive { name: name.into(), place: place.clone(), moved: false });
+            self.0.len() - 1
+        })
+    }
+
+    fn index(&self, name: &str) -> Option<usize> {
+        self.0.iter().position(|drive| drive.name == name)
+    }
+
+    /// Index of a drive that a step moves; `None` if nothing follows it.
+    pub fn moved(&mut self, name: &str) -> Option<usize> {
+        let index = self.index(name)?;
+        self.0[index].moved = true;
+        Some(index)
+    }
+
+    /// Names and places of the drives that no step moves.
+    pub fn idle(&self) -> impl Iterator<Item = (&str, &Place)> {
+        self.0.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
+    }
+
+    pub fn names(&self) -> Vec<String> {
+        self.0.iter().map(|drive| drive.name.clone()).collect()
+    }
+
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+}
+
+/// Grip, supports, loads and measure.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Boundary {
+    let mut boundary =
+        Boundary { drives: Drives::default(), supports: Vec::new(), loads: Vec::new(), measured: Measured::default() };
+    boundary.add_grip(reader, case, scene);
+    boundary.add_supports(reader, case, scene);
+    boundary.add_loads(reader, case, scene);
+    boundary.measure(reader, case, scene);
+    boundary
+}
+
+impl Boundary {
+    fn add_grip(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+        let place = Place::root().key(GRIP);
+        let default = scene.ground.and_then(|ground| ground.defaults.grip);
+        if case.grip.is_none() && default.is_none() {
+            if scene.ground.is_none() {
+                // the specimen that could not be read may have one
+                self.drives.followed(SLIP, &place);
+                self.drives.moved(SLIP);
+            }
+            return;
+        }
+        // known even where the rest is not: steps may name it
+        let drive = self.drives.followed(SLIP, &place);
+        let given = match &case.grip {
+            None => document::Grip::default(),
+            Some(piece) => match reader.piece(piece, &place) {
+                Some(grip) => grip.clone(),
+                None => return,
+            },
+        };
+        let name = given.nodes.as_deref().or(default.map(|(nodes, _)| nodes));
+        let direction = given.direction.and_then(|given| unit(reader, given, &place.key("direction")));
+        let direction = direction.or(default.filter(|_| given.direction.is_none()).map(|(_, direction)| direction));
+        if scene.ground.is_some() && name.is_none() {
+            reader.problem(&place.key("nodes"), "is missing: name the node set that is pulled");
+        }
+        if scene.ground.is_some() && direction.is_none() && given.direction.is_none() {
+            reader.problem(&place.key("direction"), "is missing: in which direction is it pulled?");
+        }
+        let nodes = name.and_then(|name| scene.node_set(reader, name, &place.key("nodes")));
+        let (Some(nodes), Some([x, y])) = (nodes, direction) else { return };
+        self.measured.slip = Some(drive);
+        self.measured.support = Some(self.supports.len());
+        self.measured.direction = [x, y];
+        let along = Support { name: GRIP.into(), nodes: nodes.to_vec(), direction: [x, y], drive: Some(drive) };
+        if given.lateral != Some(document::Lateral::Free) {
+            let across = Support { name: "grip, lateral".into(), direction: [-y, x], drive: None, ..along.clone() };
+            self.supports.extend([along, across]);
+        } else {
+            self.supports.push(along);
+        }
+    }
+
+    fn add_supports(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+        let place = Place::root().key("supports");
+        let ways = scene.ground.map_or(&[][..], |ground| &ground.defaults.supports);
+        let named = match reader.optional(case.supports.as_ref(), &place) {
+            Some(document::Supports::Given(supports)) => return self.add_given(reader, supports, scene, &place),
+            Some(document::Supports::Named(name)) => Some(name),
+            None if case.supports.is_some() => return,
+            None => None,
+        };
+        let way = match named {
+            None => ways.first(),
+            Some(name) => ways.iter().find(|way| way.name == name),
+        };
+        let Some(way) = way else {
+            if let (Some(name), Some(_)) = (named, scene.ground) {
+                let names: Vec<&str> = ways.iter().map(|way| way.name).collect();
+                let message = if names.is_empty() {
+                    "the mesh has no supports of its own: give them by name, as {\"base\": {\"nodes\": …}}".to_owned()
+                } else {
+                    format!("the specimen has no supports '{name}'{}", hint(name, &names))
+                };
+                reader.problem(&place, message);
+            }
+            return;
+        };
+        for (set, directions) in &way.supports {
+            let Some(nodes) = scene.node_set(reader, set, &place) else { continue };
+            self.hold(set, nodes, directions, None);
+        }
+    }
+
+    fn add_given(
+        &mut self,
+        reader: &mut Reader<'_>,
+        supports: &BTreeMap<String, Piece<document::Support>>,
+        scene: Scene<'_>,
+        place: &Place,
+    ) {
+        for (name, piece) in supports {
+            let place = place.key(name);
+            let Some(support) = reader.piece(piece, &place) else { continue };
+            if name == GRIP && self.measured.support.is_some() {
+                reader.problem(&place, "this name is taken by the grip");
+            }
+            let drive = support.drive.as_deref().map(|drive| self.drives.followed(drive, &place.key("drive")));
+            let own;
+            let directions = match support.direction {
+                None | Some(document::SupportDirection::Both(_)) => BOTH,
+                Some(document::SupportDirection::One(direction)) => {
+                    own = unit(reader, direction, &place.key("direction"));
+                    own.as_slice()
+                }
+            };
+            if drive.is_some() && directions.len() > 1 {
+                reader.problem(&place.key("direction"), "is missing: a drive moves along one direction");
+            }
+            let set = support.nodes.as_deref().unwrap_or(name);
+            let place_of_set = if support.nodes.is_some() { place.key("nodes") } else { place.clone() };
+            if let Some(nodes) = scene.node_set(reader, set, &place_of_set) {
+                self.hold(name, nodes, directions, drive);
+            }
+        }
+    }
+
+    fn hold(&mut self, name: &str, nodes: &[usize], directions: &[[f64; 2]], drive: Option<usize>) {
+        for &direction in directions {
+            self.supports.push(Support { name: name.into(), nodes: nodes.to_vec(), direction, drive });
+        }
+    }
+
+    fn add_loads(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+        let place = Place::root().key("loads");
+        for (name, piece) in reader.optional(case.loads.as_ref(), &place).into_iter().flatten() {
+            let place = place.key(name);
+            let Some(load) = reader.piece(piece, &place) else { continue };
+            let place_of_drive = if load.drive.is_some() { place.key("drive") } else { place.clone() };
+            let drive = self.drives.followed(load.drive.as_deref().unwrap_or(name), &place_of_drive);
+            if let Some(kind) = load_kind(reader, name, load, scene, &place) {
+                self.loads.push(Load { name: name.clone(), drive, kind });
+            }
+        }
+    }
+
+    fn measure(&mut self, reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) {
+        let place = Place::root().key("measure");
+        let given = reader.optional(case.measure.as_ref(), &place).cloned().unwrap_or_default();
+        if let Some(name) = &given.slip {
+            self.measured.slip = self.drives.index(name);
+            if self.measured.slip.is_none() {
+                let message = format!("no support or load has the drive '{name}'{}", hint(name, self.drives.names()));
+                reader.problem(&place.key("slip"), message);
+            }
+        } else if self.measured.slip.is_none() {
+            self.measured.slip = self.drives.index(SLIP);
+        }
+        if let Some(name) = &given.load {
+            let index = self.supports.iter().position(|support| support.name == *name);
+            if index.is_none() && scene.mesh.is_some() {
+                let names: Vec<&str> = self.supports.iter().map(|support| support.name.as_str()).collect();
+                reader.problem(&place.key("load"), format!("there is no support '{name}'{}", hint(name, &names)));
+            }
+            self.measured.support = index.or(self.measured.support);
+            if let (Some(index), None) = (index, given.direction) {
+                self.measured.direction = normalised(self.supports[index].direction);
+            }
+        }
+        if let Some(direction) = given.direction.and_then(|given| unit(reader, given, &place.key("direction"))) {
+            self.measured.direction = direction;
+        }
+        let defaults = scene.ground.map(|ground| &ground.defaults);
+        let mut find = |given: Option<&document::NodeReference>, default: Option<&str>, key: &str| match given {
+            Some(reference) => node(reader, reference, scene, &place.key(key)),
+            None => scene.mesh?.node_set(default?)?.first().copied(),
+        };
+        self.measured.axis = defaults.and_then(|defaults| defaults.fibre_direction);
+        self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
+        self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
+    }
+}
+
+fn load_kind(
+    reader: &mut Reader<'_>,
+    name: &str,
+    load: &document::Load,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<LoadKind> {
+    let given = [load.force.is_some(), load.traction.is_some(), load.pressure.is_some()];
+    if given.iter().filter(|given| **given).count() != 1 {
+        reader.problem(place, "needs exactly one of \"force\", \"traction\" and \"pressure\"");
+        return None;
+    }
+    let (wrong, right, at_nodes) =
+        if load.force.is_some() { (&load.edges, "nodes", true) } else { (&load.nodes, "edges", false) };
+    if wrong.is_some() {
+        let (key, what) = if at_nodes { ("edges", "a force acts on nodes") } else { ("nodes", "it acts on edges") };
+        reader.problem(&place.key(key), format!("{what}: name the set as \"{right}\""));
+    }
+    let set = if at_nodes { &load.nodes } else { &load.edges };
+    let place_of_set = if set.is_some() { place.key(right) } else { place.clone() };
+    let set = set.as_deref().unwrap_or(name);
+    if let Some(force) = load.force {
+        return Some(LoadKind::Force { nodes: scene.node_set(reader, set, &place_of_set)?.to_vec(), force });
+    }
+    let edges = scene.edge_set(reader, set, &place_of_set)?.to_vec();
+    match (load.traction, load.pressure) {
+        (Some(traction), _) => Some(LoadKind::Traction { edges, traction }),
+        (None, pressure) => Some(LoadKind::Pressure { edges, pressure: pressure? }),
+    }
+}
+
+/// A direction of length 1.
+fn unit(reader: &mut Reader<'_>, direction: document::Direction, place: &Place) -> Option<[f64; 2]> {
+    match direction {
+        document::Direction::Axis(document::Axis::X) => Some([1.0, 0.0]),
+        document::Direction::Axis(document::Axis::Y) => Some([0.0, 1.0]),
+        document::Direction::Vector(vector) => {
+            let direction = normalised(vector);
+            if !direction.iter().all(|component| component.is_finite()) {
+                reader.problem(place, format!("[{}, {}] has no direction", vector[0], vector[1]));
+                return None;
+            }
+            Some(direction)
+        }
+    }
+}
+
+/// NaN if it has no length.
+fn normalised([x, y]: [f64; 2]) -> [f64; 2] {
+    // scaled first: squares of long vectors overflow
+    let scale = x.abs().max(y.abs());
+    let (x, y) = (x / scale, y / scale);
+    let length = x.hypot(y);
+    [x / length, y / length]
+}

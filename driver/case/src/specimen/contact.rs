@@ -1,0 +1,341 @@
+//! Contact pairs.
+
+use super::mesh::DefaultPair;
+use super::parts::plugin_law;
+use super::{Scene, chain};
+use crate::document::pullout as document;
+use crate::document::{Entry, PropValue, Props, PulloutCase};
+use crate::plugin::{self, Length, Subject, Use};
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use fe_core::mesh::specimen::SurfaceRole;
+use fe_core::mesh::{ElementEdge, Mesh};
+use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+use indexmap::IndexMap;
+use std::collections::BTreeMap;
+
+/// Gauss points on each slave edge.
+const POINTS: usize = 2;
+/// Factor of the penalty.
+const PENALTY_FACTOR: f64 = 100.0;
+/// Greatest gap of a closed point after updates of the multiplier, mm.
+const UZAWA_TOLERANCE: f64 = 1e-6;
+/// Updates of the multiplier in an increment.
+const UZAWA_UPDATES: usize = 4;
+/// Tension that a bonded surface bears where it separates at the exit, MPa (6.27).
+const SEPARATION_TENSION: f64 = 2.0;
+/// Stiffness of a perturbed multiplier over the penalty.
+const PERTURBATION: f64 = 1e4;
+
+/// All pairs; `None` if any is unusable.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Vec<ContactPair>> {
+    let place = Place::root().key("contact");
+    let defaults = scene.ground.map_or(&[][..], |ground| &ground.defaults.pairs);
+    let Some(given) = &case.contact else {
+        if let Some(pair) = defaults.first() {
+            let message = format!("is missing: the specimen has the contact pair '{}', which needs a law", pair.name);
+            reader.problem(&place, message);
+        }
+        return Some(Vec::new());
+    };
+    match reader.piece(given, &place)? {
+        document::Contact::All(pair) => all_pairs(reader, pair, defaults, scene, &place),
+        document::Contact::Pairs(pairs) => {
+            let mut resolved: Vec<Option<ContactPair>> = Vec::new();
+            let mut names: Vec<&str> = Vec::new();
+            for (k, piece) in pairs.iter().enumerate() {
+                let place = place.index(k);
+                let pair = reader.piece(piece, &place);
+                let name = pair.and_then(|pair| pair.name.as_deref());
+                if let Some(name) = name.filter(|name| names.contains(name)) {
+                    reader.problem(&place.key("name"), format!("the pair '{name}' is given twice"));
+                }
+                names.extend(name);
+                let own = defaults.iter().find(|default| Some(default.name.as_str()) == name);
+                resolved.push(pair.and_then(|pair| one_pair(reader, pair, own, k, scene, &place)));
+            }
+            for missing in defaults.iter().filter(|default| !names.contains(&default.name.as_str())) {
+                reader.problem(&place, format!("the specimen's contact pair '{}' is missing", missing.name));
+            }
+            resolved.into_iter().collect()
+        }
+    }
+}
+
+/// The pairs that bond the fibre, line by line: those of a specimen that share a master, and any other pair by itself.
+pub fn interface_lines(contacts: &[ContactPair], defaults: &[DefaultPair]) -> Vec<Vec<usize>> {
+    let mut lines: IndexMap<&str, Vec<usize>> = IndexMap::new();
+    for (index, pair) in contacts.iter().enumerate() {
+        match defaults.iter().find(|default| default.name == pair.name) {
+            Some(DefaultPair { role: SurfaceRole::Exit, .. }) => {}
+            Some(DefaultPair { master, .. }) => lines.entry(master).or_default().push(index),
+            None => lines.entry(&pair.name).or_default().push(index),
+        }
+    }
+    lines.into_values().collect()
+}
+
+/// The width of a line of contact over the diameter of a round fibre; 1 without one, and in axial symmetry.
+pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
+    match (contacts.first().map(|pair| pair.width), diameter) {
+        (Some(Width::Given(width)), Some(diameter)) => width / diameter,
+        _ => 1.0,
+    }
+}
+
+/// The same for all pairs of the specimen; the law is loaded and checked once.
+fn all_pairs(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    defaults: &[DefaultPair],
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<Vec<ContactPair>> {
+    let names_surfaces = pair.slave.is_some() || pair.master.is_some();
+    let (first, others) = match defaults {
+        [first, others @ ..] if !names_surfaces => (first, others),
+        _ => return one_pair(reader, pair, None, 0, scene, place).map(|pair| vec![pair]),
+    };
+    let first = one_pair(reader, pair, Some(first), 0, scene, place)?;
+    let mut pairs = vec![first];
+    let mut laws = Vec::new();
+    for default in others {
+        let law = match laws.iter().find(|(role, _)| *role == default.role) {
+            Some((_, law)) => Clone::clone(law),
+            None => {
+                let law = law_of_role(reader, pair, default.role, &pairs[0].law, place)?;
+                laws.push((default.role, law.clone()));
+                law
+            }
+        };
+        let (slave, master) = surfaces(reader, pair, Some(default), scene, place)?;
+        let width = width(reader, pair, Some(default), place);
+        pairs.push(ContactPair { name: default.name.clone(), slave, master, width, law, ..pairs[0].clone() });
+    }
+    Some(pairs)
+}
+
+/// The law of the other surfaces of a specimen: that of the bonded ones with other parameters.
+fn law_of_role(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    role: SurfaceRole,
+    bonded: &ContactLaw,
+    place: &Place,
+) -> Option<ContactLaw> {
+    let (given, key, default) = match role {
+        SurfaceRole::Bonded => return Some(bonded.clone()),
+        SurfaceRole::Exit => (&pair.exit, "exit", ("law", PropValue::Choice("none".into()))),
+        SurfaceRole::Separation => (&pair.separation, "separation", ("p_0", PropValue::Number(SEPARATION_TENSION))),
+    };
+    let other = match given {
+        Some(given) => reader.piece(given, &place.key(key))?.clone(),
+        None if has_default(bonded, &default) => BTreeMap::from([(default.0.to_owned(), default.1)]),
+        None => {
+            let message =
+                "is missing: the specimen has such surfaces; give the parameters of the law that are different there";
+            reader.problem(&place.key(key), message);
+            return None;
+        }
+    };
+    let mut changed = pair.clone();
+    let material = changed.law.0.as_mut().ok()?;
+    match material.props.get_or_insert_with(|| Props::Named(BTreeMap::new())) {
+        Props::Named(props) => props.extend(other),
+        Props::List(_) => {
+            let message = "the law's props are a list: give them by name, or contact pair by pair";
+            reader.problem(&place.key(key), message);
+            return None;
+        }
+    }
+    law(reader, &changed, place)
+}
+
+/// Whether a law has a parameter that takes the value.
+fn has_default(law: &ContactLaw, (name, value): &(&str, PropValue)) -> bool {
+    let (ContactLaw::Uinter(plugin) | ContactLaw::Fric { law: plugin, .. }) = law;
+    let parameters = plugin.law.iter().flat_map(|law| &law.parameters);
+    parameters.filter(|parameter| parameter.name == *name).any(|parameter| match value {
+        PropValue::Choice(choice) => parameter.choices.iter().any(|known| known.name == *choice),
+        _ => parameter.choices.is_empty(),
+    })
+}
+
+fn one_pair(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    default: Option<&DefaultPair>,
+    index: usize,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<ContactPair> {
+    let surfaces = surfaces(reader, pair, default, scene, place);
+    let law = law(reader, pair, place);
+    let width = width(reader, pair, default, place);
+    let quadrature = reader.optional(pair.quadrature.as_ref(), &place.key("quadrature"));
+    let points = |points: document::Points| points.0 as usize;
+    let quadrature = match quadrature {
+        None => Quadrature::Gauss { points: POINTS },
+        Some(document::Quadrature::Gauss(n)) => Quadrature::Gauss { points: points(*n) },
+        Some(document::Quadrature::Segments(n)) => Quadrature::Segments { points: points(*n) },
+        Some(document::Quadrature::Nodes) => Quadrature::Nodes,
+    };
+    let penalty_factor = reader.optional(pair.penalty_factor.as_ref(), &place.key("penalty_factor"));
+    let critical_slip = reader.optional(pair.critical_slip.as_ref(), &place.key("critical_slip"));
+    let release = reader.optional(pair.release.as_ref(), &place.key("release"));
+    let enforcement = enforcement(reader, pair, place);
+    let name = pair.name.clone().or_else(|| default.map(|default| default.name.clone()));
+    let (slave, master) = surfaces?;
+    Some(ContactPair {
+        critical_slip: critical_slip.map_or(0.0, |slip| slip.0),
+        // the parts say, once they are known
+        master_bends: false,
+        name: name.unwrap_or_else(|| format!("contact {}", index + 1)),
+        slave,
+        master,
+        law: law?,
+        quadrature,
+        width,
+        penalty_factor: penalty_factor.map_or(PENALTY_FACTOR, |factor| factor.0),
+        enforcement,
+        release: release.copied().unwrap_or(true),
+    })
+}
+
+/// The slave and the master, each a chain.
+fn surfaces(
+    reader: &mut Reader<'_>,
+    pair: &document::Pair,
+    default: Option<&DefaultPair>,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<(Vec<ElementEdge>, Vec<ElementEdge>)> {
+    let slave =
+        surface(reader, pair.slave.as_deref(), default.map(|pair| pair.slave.as_str()), scene, &place.key("slave"));
+    let master =
+        surface(reader, pair.master.as_deref(), default.map(|pair| pair.master.as_str()), scene, &place.key("master"));
+    let (slave, master) = slave.zip(master)?;
+    let slave = facing(scene.mesh?, slave, &master);
+    if let Some(edge) = slave.iter().find(|edge| master.contains(edge)) {
+        let message = format!("it has an edge of element {} that the slave has as well", edge.element + 1);
+        reader.problem(&place.key("master"), message);
+        return None;
+    }
+    Some((slave, master))
+}
+
+/// Slave edges between two bodies, a block and the cover in its slot, as the one has them that the master lies against:
+/// the master's nearest edge goes the other way. A file's curves may be on either.
+fn facing(mesh: &Mesh, slave: Vec<ElementEdge>, master: &[ElementEdge]) -> Vec<ElementEdge> {
+    let ends = |edge: ElementEdge| [0, 1].map(|k| mesh.nodes()[mesh.edge_nodes(edge).nodes()[k]]);
+    let middle = |[a, b]: [[f64; 2]; 2]| [0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1])];
+    let along = |[a, b]: [[f64; 2]; 2]| [b[0] - a[0], b[1] - a[1]];
+    let is_turned = |edge: ElementEdge| {
+        let [x, y] = middle(ends(edge));
+        let distance = |other: ElementEdge| {
+            let [u, v] = middle(ends(other));
+            (u - x).hypot(v - y)
+        };
+        let nearest = master.iter().min_by(|a, b| distance(**a).total_cmp(&distance(**b)));
+        nearest.is_some_and(|&nearest| {
+            let (this, that) = (along(ends(edge)), along(ends(nearest)));
+            this[0] * that[0] + this[1] * that[1] > 0.0
+        })
+    };
+    let other_side = |&edge: &ElementEdge| mesh.neighbour(edge).filter(|_| is_turned(edge));
+    match slave.iter().map(other_side).collect::<Option<Vec<_>>>() {
+        // a chain that goes the other way
+        Some(turned) => turned.into_iter().rev().collect(),
+        None => slave,
+    }
+}
+
+fn surface(
+    reader: &mut Reader<'_>,
+    given: Option<&str>,
+    default: Option<&str>,
+    scene: Scene<'_>,
+    place: &Place,
+) -> Option<Vec<ElementEdge>> {
+    let Some(name) = given.or(default) else {
+        // a specimen that could not be read may have pairs of its own
+        scene.ground?;
+        let names: Vec<&str> = scene.mesh.into_iter().flat_map(|mesh| mesh.edge_set_names()).collect();
+        reader.problem(place, format!("is missing: name an edge set{}", hint("", &names)));
+        return None;
+    };
+    let edges = scene.edge_set(reader, name, place)?;
+    match chain::in_order(scene.mesh?, edges) {
+        Ok(edges) => Some(edges),
+        Err(message) => {
+            reader.problem(place, format!("'{name}': {message}"));
+            None
+        }
+    }
+}
+
+fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<ContactLaw> {
+    let place_of_law = place.key("law");
+    let material = reader.piece(&pair.law, &place_of_law)?;
+    let entry = match material.entry {
+        None | Some(Entry::Uinter) => Entry::Uinter,
+        Some(Entry::Fric) => Entry::Fric,
+        Some(Entry::Umat) => {
+            reader.problem(&place_of_law.key("entry"), "contact calls the entry point uinter or fric");
+            Entry::Uinter
+        }
+    };
+    if material.statev0.is_some() {
+        reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
+    }
+    let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown };
+    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(plugin_law);
+    let place = place.key("normal");
+    let normal = reader.optional(pair.normal.as_ref(), &place);
+    match (entry, normal) {
+        (Entry::Fric, Some(normal)) => Some(ContactLaw::Fric { law: law?, normal: normal_law(*normal) }),
+        (Entry::Fric, None) if pair.normal.is_none() => {
+            let message = "is missing: FRIC has no normal law; give {\"hard\": {}} (unilateral) or another";
+            reader.problem(&place, message);
+            None
+        }
+        (Entry::Fric, None) => None,
+        (_, Some(_)) => {
+            reader.problem(&place, "a UINTER plugin has the normal law: leave it out, or set law.entry to fric");
+            None
+        }
+        (_, None) => law.map(ContactLaw::Uinter),
+    }
+}
+
+fn normal_law(normal: document::Normal) -> NormalLaw {
+    match normal {
+        document::Normal::Hard(hard) => {
+            NormalLaw::Hard(HardLaw { p_0: hard.p_0.unwrap_or(0.0), delta_n: hard.delta_n.unwrap_or(0.0) })
+        }
+        document::Normal::Soft(soft) => NormalLaw::Soft(SoftLaw { p_0: soft.p_0.0, g_0: soft.g_0.0 }),
+    }
+}
+
+fn width(reader: &mut Reader<'_>, pair: &document::Pair, default: Option<&DefaultPair>, place: &Place) -> Width {
+    match reader.optional(pair.width.as_ref(), &place.key("width")) {
+        Some(document::Width::Given(width)) => Width::Given(width.0),
+        Some(document::Width::Part(_)) => Width::OfPart,
+        None => default.map_or(Width::OfPart, |pair| pair.width),
+    }
+}
+
+fn enforcement(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Enforcement {
+    let uzawa = |given: document::Uzawa| Enforcement::Uzawa {
+        tolerance: given.tolerance.map_or(UZAWA_TOLERANCE, |tolerance| tolerance.0),
+        max_updates: given.max_updates.map_or(UZAWA_UPDATES, |n| n.0 as usize),
+    };
+    match reader.optional(pair.enforcement.as_ref(), &place.key("enforcement")) {
+        None => uzawa(document::Uzawa::default()),
+        Some(document::Enforcement::Uzawa(given)) => uzawa(*given),
+        Some(document::Enforcement::Penalty) => Enforcement::Penalty,
+        Some(document::Enforcement::PerturbedLagrangian(given)) => {
+            Enforcement::PerturbedLagrangian { ratio: given.ratio.unwrap_or(PERTURBATION) }
+        }
+    }
+}

@@ -1,0 +1,401 @@
+//! Specimens by their parameters, and what each says where the case says nothing.
+
+use super::boundary::BOTH;
+use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
+use crate::document::Positive;
+use crate::document::pullout::{
+    self as document, ElementName, Elements, FibreShape, SeparationLength, SeparationRule, Thickness,
+};
+use fe_core::element::ElementKind;
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::MeshDefinition;
+use fe_core::mesh::specimen::{
+    self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
+    FINE_DIAMETERS, FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre,
+    PlateWithHole, SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+};
+use fe_core::model::Width;
+use pullout_run::number::rounded;
+
+const X: &[[f64; 2]] = &[[1.0, 0.0]];
+const Y: &[[f64; 2]] = &[[0.0, 1.0]];
+
+/// Of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
+/// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
+const SLOPE: f64 = 1.0;
+
+/// Length of a bent fibre between its bend and the grip, mm.
+const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
+
+/// A mesh, and what the specimen says of it.
+pub struct Generated {
+    pub name: &'static str,
+    pub definition: MeshDefinition,
+    pub defaults: Defaults,
+    /// Diameter of the round fibre, mm.
+    pub diameter: Option<f64>,
+    /// What the user should know of the model.
+    pub notes: Vec<String>,
+    /// Names and values of what the case leaves to defaults.
+    pub taken: Vec<String>,
+}
+
+/// Makes the mesh of a specimen. The thickness that the case gives the part `matrix` is that of a fibre's block; `slip`: how
+/// far the grip goes, mm.
+///
+/// # Errors
+/// Parameters that cannot be.
+pub fn generate(given: &document::Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
+    match given {
+        document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given, matrix),
+        document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix, slip),
+        document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
+            width: length(given.width, 10.0),
+            height: length(given.height, 10.0),
+            radius: length(given.radius, 1.0),
+            cells: number(given.cells, 200),
+            grading: length(given.grading, 10.0),
+            body: body(given.element, ElementName::Q8),
+        })
+        .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
+        document::Specimen::ThickCylinder(given) => thick_cylinder(given),
+        document::Specimen::CookMembrane(given) => {
+            specimen::cook_membrane(number(given.cells, 8), body(given.element, ElementName::Q8))
+                .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
+        }
+        document::Specimen::Beam(given) => {
+            let cells = given.cells.map_or([20, 2], |cells| cells.map(|n| n.0 as usize));
+            let (length, height) = (length(given.length, 10.0), length(given.height, 1.0));
+            let body = body(given.element, ElementName::Q8);
+            specimen::timoshenko_beam(&TimoshenkoBeam { length, height, cells, body })
+                .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
+        }
+        document::Specimen::TwoBlocks(given) => two_blocks(given),
+        document::Specimen::Hertz(given) => hertz(given),
+        document::Specimen::DragOutStrip(given) => drag_out_strip(given),
+        document::Specimen::CurvedChannel(given) => curved_channel(given),
+    }
+}
+
+fn perpendicular_fibre(
+    given: &document::PerpendicularFibre,
+    matrix: Option<Thickness>,
+) -> Result<Generated, SpecimenError> {
+    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let default = PerpendicularFibre::default();
+    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
+    let sizes = FibreMesh::default();
+    let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
+    let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
+    let parameters = PerpendicularFibre {
+        configuration: if axisymmetric {
+            Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
+        } else {
+            Configuration::PLANE
+        },
+        width: length(given.width, default.width),
+        depth: length(given.depth, default.depth),
+        matrix_thickness: match axisymmetric {
+            // the outer radius follows from the specimen's own
+            true => length(given.matrix_thickness, default.matrix_thickness),
+            false => matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
+        },
+        cover: given.cover.unwrap_or(default.cover),
+        graded_thickness: given.graded_thickness.map(graded),
+        fibre_diameter,
+        embedded_length: length(given.embedded_length, default.embedded_length),
+        free_length: length(given.free_length, default.free_length),
+        tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+        fibre: part(given.fibre_element),
+        matrix: part(given.matrix_element),
+        mesh: FibreMesh {
+            embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
+            exit_size: given.exit_size.map(|size| size.0).or(exit_size),
+            elements_across: number(given.elements_across, sizes.elements_across),
+            slave_edges_per_master: number(given.slave_edges_per_master, sizes.slave_edges_per_master),
+            interface_size: length(given.interface_size, sizes.interface_size),
+            growth: length(given.growth, sizes.growth),
+            largest_size: length(given.largest_size, sizes.largest_size),
+        },
+    };
+    let made = specimen::perpendicular_fibre(&parameters)?;
+    let ways: &[&'static str] =
+        if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
+    let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
+    let mut generated = pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also);
+    generated.taken = taken(&[
+        ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
+        ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
+        ("free_length", given.free_length.is_none(), parameters.free_length),
+        ("width", given.width.is_none(), parameters.width),
+        ("depth", given.depth.is_none(), parameters.depth),
+        (
+            "matrix_thickness",
+            !axisymmetric && matrix.is_none() && given.matrix_thickness.is_none(),
+            parameters.matrix_thickness,
+        ),
+    ]);
+    Ok(generated)
+}
+
+fn inclined_fibre(
+    given: &document::InclinedFibre,
+    matrix: Option<Thickness>,
+    slip: f64,
+) -> Result<Generated, SpecimenError> {
+    let default = InclinedFibre::default();
+    let sizes = InclinedMesh::default();
+    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
+    let angle = given.angle_deg.map_or(default.angle, f64::to_radians);
+    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
+    let outside = match given.shape.unwrap_or(FibreShape::Bent) {
+        FibreShape::Bent => Outside::Bent {
+            radius: given.bend_radius.map(|radius| radius.0),
+            length: given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND),
+        },
+        FibreShape::Straight => Outside::Straight { length: given.free_length.unwrap_or(0.0) },
+    };
+    let separation_length = match given.separation_length {
+        None => 0.0,
+        Some(SeparationLength::Given(length)) => length,
+        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(fibre_diameter, angle),
+    };
+    let embedded_length = length(given.embedded_length, default.embedded_length);
+    // coarse elements that bend over the exit's edge make the load a saw
+    let slides_out = (slip > FINE_DIAMETERS * fibre_diameter).then(|| slip.min(embedded_length));
+    let matrix_thickness = matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness);
+    let parameters = InclinedFibre {
+        angle,
+        outside,
+        width: length(given.width, default.width),
+        depth: length(given.depth, default.depth),
+        matrix_thickness,
+        cover: given.cover.unwrap_or(matrix_thickness > fibre_diameter),
+        graded_thickness: given.graded_thickness.map(graded),
+        fibre_diameter,
+        embedded_length,
+        exit_radius: given.exit_radius.map(|radius| radius.0),
+        separation_length,
+        fibre: part(given.fibre_element, ElementName::Q8),
+        matrix: part(given.matrix_element, ElementName::T6),
+        mesh: InclinedMesh {
+            size: length(given.mesh_size, sizes.size),
+            elements_across: number(given.elements_across, sizes.elements_across),
+            exit_size: given.exit_size.map(|size| size.0),
+            fine_length: given.fine_length.map(|length| length.0).or(slides_out),
+            largest_fibre_size: length(given.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: length(given.growth_rate, sizes.growth_rate),
+            largest_size: length(given.largest_size, sizes.largest_size),
+        },
+        ..default
+    };
+    let made = specimen::inclined_fibre(&parameters)?;
+    let ways = ["sides", "face_near", "face_away", "bottom"];
+    let mut generated = pulled_fibre("inclined_fibre", made, fibre_diameter, &ways, &[]);
+    generated.taken = taken(&[
+        ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
+        ("fibre_diameter", given.fibre_diameter.is_none(), fibre_diameter),
+        ("embedded_length", given.embedded_length.is_none(), embedded_length),
+        ("width", given.width.is_none(), parameters.width),
+        ("depth", given.depth.is_none(), parameters.depth),
+        ("matrix_thickness", matrix.is_none() && given.matrix_thickness.is_none(), matrix_thickness),
+    ]);
+    if given.cover.is_none() {
+        generated.taken.push(format!("cover = {}", parameters.cover));
+    }
+    Ok(generated)
+}
+
+/// Names and values of those that are left to defaults.
+fn taken(sizes: &[(&str, bool, f64)]) -> Vec<String> {
+    let left = sizes.iter().filter(|(_, is_left, _)| *is_left);
+    left.map(|(name, _, value)| format!("{name} = {}", rounded(*value))).collect()
+}
+
+/// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
+fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
+    let tangent = angle.tan();
+    if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
+}
+
+/// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
+fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
+    let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
+    of_part.unwrap_or(length(given, default))
+}
+
+fn graded(given: document::GradedThickness) -> GradedThickness {
+    GradedThickness { slope: given.slope.unwrap_or(SLOPE), extent: given.extent.map(|extent| extent.0) }
+}
+
+/// A specimen that is held by one of some node sets, and by what holds it in any case.
+fn pulled_fibre(
+    name: &'static str,
+    made: specimen::Specimen,
+    diameter: f64,
+    ways: &[&'static str],
+    also: &[(&'static str, &'static [[f64; 2]])],
+) -> Generated {
+    let width = made.contact_width.map_or(Width::OfPart, Width::Given);
+    let pairs = made.contact_pairs.into_iter();
+    let pairs =
+        pairs.map(|ContactSurfaces { name, slave, master, role }| DefaultPair { name, slave, master, width, role });
+    let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
+    let held = |set: &'static str| [&[(set, BOTH)], also].concat();
+    let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
+    Generated {
+        name,
+        defaults: Defaults {
+            pairs: pairs.collect(),
+            supports,
+            grip: Some(("grip", made.pull_direction)),
+            fibre_direction: Some(made.fibre_direction),
+            exit: Some("exit"),
+            tail: Some("tail"),
+            couplings: made.couplings,
+        },
+        definition: made.definition,
+        diameter: Some(diameter),
+        notes: made.notes,
+        taken: Vec::new(),
+    }
+}
+
+fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, SpecimenError> {
+    let cells = number(given.other_cells, 10);
+    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let section = if axisymmetric {
+        CylinderSection::Axisymmetric { height: length(given.height, 1.0), cells }
+    } else {
+        CylinderSection::Quarter { model: PlaneModel::PlaneStrain, thickness: 1.0, cells }
+    };
+    let definition = specimen::thick_cylinder(&ThickCylinder {
+        inner_radius: length(given.inner_radius, 1.0),
+        outer_radius: length(given.outer_radius, 2.0),
+        radial_cells: number(given.radial_cells, 10),
+        grading: length(given.grading, 2.0),
+        section,
+        kind: kind(given.element, ElementName::Q8),
+    })?;
+    let supports: &[(&'static str, &'static [[f64; 2]])] =
+        if axisymmetric { &[("bottom", Y), ("top", Y)] } else { &[("symmetry_x", X), ("symmetry_y", Y)] };
+    Ok(one_body("thick_cylinder", definition, supports))
+}
+
+fn two_blocks(given: &document::TwoBlocks) -> Result<Generated, SpecimenError> {
+    let numbers =
+        |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
+    let definition = specimen::two_blocks(&TwoBlocks {
+        width: length(given.width, 1.0),
+        heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),
+        edges: numbers(given.edges, [4, 3]),
+        rows: numbers(given.rows, [2, 2]),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let supports = [("bottom", Y), ("lower_left", X), ("upper_left", X)];
+    Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
+}
+
+fn hertz(given: &document::Hertz) -> Result<Generated, SpecimenError> {
+    let definition = specimen::cylinder_on_plane(&CylinderOnPlane {
+        radius: length(given.radius, 10.0),
+        half_width: length(given.half_width, 5.0),
+        height: length(given.height, 5.0),
+        depth: length(given.depth, 5.0),
+        contact_zone: length(given.contact_zone, 0.5),
+        contact_edges: number(given.contact_edges, 20),
+        growth: length(given.growth, 1.3),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let supports = [("bottom", Y), ("symmetry", X)];
+    Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
+}
+
+fn drag_out_strip(given: &document::DragOutStrip) -> Result<Generated, SpecimenError> {
+    let default = DragOutStrip::new([body(given.element, ElementName::Q4); 2]);
+    let definition = specimen::drag_out_strip(&DragOutStrip {
+        strip_length: length(given.strip_length, default.strip_length),
+        strip_height: length(given.strip_height, default.strip_height),
+        block_start: length(given.block_start, default.block_start),
+        block_length: length(given.block_length, default.block_length),
+        block_height: length(given.block_height, default.block_height),
+        strip_edges: number(given.strip_edges, default.strip_edges),
+        strip_rows: number(given.strip_rows, default.strip_rows),
+        block_edges: number(given.block_edges, default.block_edges),
+        block_size: length(given.block_size, default.block_size),
+        growth: length(given.growth, default.growth),
+        bodies: default.bodies,
+    })?;
+    let supports = [("symmetry", Y), ("block_left", X)];
+    let grip = Some(("sliding_end", [1.0, 0.0]));
+    Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
+}
+
+fn curved_channel(given: &document::CurvedChannel) -> Result<Generated, SpecimenError> {
+    let definition = specimen::curved_channel(&CurvedChannel {
+        radius: length(given.radius, 10.0),
+        angle: length(given.angle_deg, 90.0).to_radians(),
+        fibre_height: length(given.fibre_height, 0.2),
+        free_length: length(given.free_length, 1.0),
+        depth: length(given.depth, 0.5),
+        edges: number(given.edges, 40),
+        free_edges: number(given.free_edges, 3),
+        rows: number(given.rows, 1),
+        bodies: [body(given.element, ElementName::Q8); 2],
+    })?;
+    let grip = Some(("grip", [0.0, -1.0]));
+    Ok(in_contact("curved_channel", definition, &[("channel", BOTH)], "channel_contact", "fibre_contact", grip))
+}
+
+fn one_body(
+    name: &'static str,
+    definition: MeshDefinition,
+    supports: &[(&'static str, &'static [[f64; 2]])],
+) -> Generated {
+    let supports = vec![DefaultSupports { name: "standard", supports: supports.to_vec() }];
+    let defaults = Defaults { supports, ..Defaults::default() };
+    Generated { name, definition, defaults, diameter: None, notes: Vec::new(), taken: Vec::new() }
+}
+
+fn in_contact(
+    name: &'static str,
+    definition: MeshDefinition,
+    supports: &[(&'static str, &'static [[f64; 2]])],
+    slave: &str,
+    master: &str,
+    grip: Option<(&'static str, [f64; 2])>,
+) -> Generated {
+    let mut made = one_body(name, definition, supports);
+    let (slave, master) = (slave.to_owned(), master.to_owned());
+    made.defaults.pairs = vec![DefaultPair {
+        name: "contact".to_owned(),
+        slave,
+        master,
+        width: Width::OfPart,
+        role: SurfaceRole::Bonded,
+    }];
+    made.defaults.grip = grip;
+    made
+}
+
+fn length(given: Option<Positive>, default: f64) -> f64 {
+    given.map_or(default, |length| length.0)
+}
+
+fn number(given: Option<Elements>, default: usize) -> usize {
+    given.map_or(default, |n| n.0 as usize)
+}
+
+fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
+    match given.unwrap_or(default) {
+        ElementName::T3 => ElementKind::T3,
+        ElementName::T6 => ElementKind::T6,
+        ElementName::Q4 => ElementKind::Q4,
+        ElementName::Q8 => ElementKind::Q8,
+    }
+}
+
+/// Plane strain of thickness 1; the case's parts say otherwise.
+fn body(given: Option<ElementName>, default: ElementName) -> BodyChoice {
+    BodyChoice::new(kind(given, default), PlaneModel::PlaneStrain, 1.0)
+}

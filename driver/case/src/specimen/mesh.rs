@@ -1,0 +1,259 @@
+//! The mesh: a specimen's or a file's, with the parts' models and thicknesses.
+
+use super::generated::{Generated, generate};
+use crate::document::PulloutCase;
+use crate::document::pullout as document;
+use crate::problem::{Place, hint, nearest};
+use crate::reader::Reader;
+use fe_core::element::Integration;
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::gmsh::{self, PartProperties};
+use fe_core::mesh::specimen::{NodeCoupling, SpecimenError, SurfaceRole};
+use fe_core::mesh::{Mesh, MeshDefinition};
+use fe_core::model::Width;
+use pullout_run::input::{self, Input};
+use std::collections::{BTreeMap, BTreeSet};
+use std::f64::consts::PI;
+
+/// The part around a fibre.
+pub const MATRIX: &str = "matrix";
+/// The part of a specimen that is of the same matter in front of and behind the fibre.
+pub const COVER: &str = "cover";
+
+/// A mesh as its maker gave it, and what the specimen says where the case says nothing.
+pub struct Ground {
+    pub definition: MeshDefinition,
+    /// What the mesh is, for the report.
+    pub words: String,
+    /// Diameter of the round fibre, mm.
+    pub diameter: Option<f64>,
+    pub defaults: Defaults,
+}
+
+/// What a specimen says where the case says nothing.
+#[derive(Clone, Debug, Default)]
+pub struct Defaults {
+    /// Contact pairs.
+    pub pairs: Vec<DefaultPair>,
+    /// Ways to be held: their names, and the node sets that they hold in both directions, or in one. The first is the
+    /// default.
+    pub supports: Vec<DefaultSupports>,
+    /// Node set that is pulled, and the pull direction.
+    pub grip: Option<(&'static str, [f64; 2])>,
+    /// Direction of the embedded fibre towards its exit.
+    pub fibre_direction: Option<[f64; 2]>,
+    /// Node sets of one node: where the fibre leaves the matrix, and its inner end.
+    pub exit: Option<&'static str>,
+    pub tail: Option<&'static str>,
+    /// Nodes that follow others.
+    pub couplings: Vec<NodeCoupling>,
+}
+
+/// A contact pair of a specimen.
+#[derive(Clone, Debug)]
+pub struct DefaultPair {
+    pub name: String,
+    pub slave: String,
+    pub master: String,
+    pub width: Width,
+    /// What kind of contact it is.
+    pub role: SurfaceRole,
+}
+
+/// A way in which a specimen is held.
+#[derive(Clone, Debug)]
+pub struct DefaultSupports {
+    pub name: &'static str,
+    /// Node set and directions.
+    pub supports: Vec<(&'static str, &'static [[f64; 2]])>,
+}
+
+/// Makes or reads the mesh.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
+    let place = Place::root().key("mesh");
+    match reader.piece(&case.mesh, &place)? {
+        document::MeshSource::Specimen(source) => {
+            let place = place.key("specimen");
+            let specimen = reader.piece(&source.specimen, &place)?;
+            match generate(specimen, thickness_of_matrix(case), super::steps::greatest_slip(case)) {
+                Ok(Generated { name, mut definition, defaults, diameter, notes, taken }) => {
+                    adapt_parts(reader, case, &mut definition, diameter);
+                    reader.warnings.extend(notes);
+                    reader.note_defaults(&place, &taken);
+                    Some(Ground { definition, words: format!("specimen {name}"), diameter, defaults })
+                }
+                Err(SpecimenError::Parameters { problems }) => {
+                    for problem in problems {
+                        // a sum of parameters is told at its first
+                        let key = problem.name.split_whitespace().next().unwrap_or(problem.name);
+                        reader.problem(
+                            &place.key(key),
+                            format!("is {}, it must be {}", problem.value, problem.requirement),
+                        );
+                    }
+                    None
+                }
+                Err(error) => {
+                    reader.problem(&place, error.to_string());
+                    None
+                }
+            }
+        }
+        document::MeshSource::File(source) => {
+            let properties = file_properties(reader, case)?;
+            let file = reader.file(&source.file, &place.key("file"))?;
+            let bytes = match input::read(&file, Input::Mesh) {
+                Ok(bytes) => bytes,
+                Err(error) => {
+                    reader.problem(&place.key("file"), format!("{} cannot be read: {error}", file.display()));
+                    return None;
+                }
+            };
+            match gmsh::read(&file, &bytes, &properties) {
+                Ok((definition, turned)) => {
+                    if let Some(first) = turned.first() {
+                        let which = match turned.len() {
+                            1 => format!("element {first} has"),
+                            count => format!("{count} elements (the first is {first}) have"),
+                        };
+                        reader.warnings.push(format!("{}: {which} clockwise nodes: turned round", file.display()));
+                    }
+                    let words = format!("file {}", source.file);
+                    Some(Ground { definition, words, diameter: None, defaults: Defaults::default() })
+                }
+                Err(error) => {
+                    reader.problem(&place.key("file"), error.to_string());
+                    None
+                }
+            }
+        }
+    }
+}
+
+/// Usual thicknesses of plane parts, mm.
+const USUAL_THICKNESS: [f64; 2] = [1e-3, 1e5];
+
+/// Checks the mesh; its faults are told at `mesh`. The nodes of a part are a set of its name, unless there is another.
+pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
+    let mut definition = ground.definition.clone();
+    for part in definition.parts.iter().filter(|part| part.model != PlaneModel::Axisymmetric) {
+        if !(USUAL_THICKNESS[0]..=USUAL_THICKNESS[1]).contains(&part.thickness) {
+            let what = format!("the thickness of the part '{}'", part.name);
+            reader.warn_unusual(&what, part.thickness, "mm", USUAL_THICKNESS);
+        }
+    }
+    for (index, part) in definition.parts.iter().enumerate() {
+        let nodes = || {
+            let elements = definition.elements.iter().filter(|element| element.part == index);
+            BTreeSet::from_iter(elements.flat_map(|element| element.nodes.iter().copied())).into_iter().collect()
+        };
+        definition.node_sets.entry(part.name.clone()).or_insert_with(nodes);
+    }
+    Mesh::new(definition).map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string())).ok()
+}
+
+/// What a case says of a part besides its material.
+struct Given {
+    model: Option<PlaneModel>,
+    thickness: Option<document::Thickness>,
+    integration: Option<Integration>,
+}
+
+/// What the case says of the parts, by name; `None` if it says nothing readable.
+fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, Given>> {
+    let root = Place::root().key("parts");
+    // unreadable parts are told where their laws are resolved
+    let parts = case.parts.0.as_ref().ok()?;
+    let mut given = BTreeMap::new();
+    for (name, piece) in parts {
+        let Ok(part) = &piece.0 else { continue };
+        let place = root.key(name);
+        let model = reader.optional(part.model.as_ref(), &place.key("model"));
+        let integration = reader.optional(part.integration.as_ref(), &place.key("integration"));
+        let thickness = reader.optional(part.thickness.as_ref(), &place.key("thickness")).copied();
+        let given_part = Given {
+            model: model.map(|model| match model {
+                document::PartModel::PlaneStress => PlaneModel::PlaneStress,
+                document::PartModel::PlaneStrain => PlaneModel::PlaneStrain,
+                document::PartModel::Axisymmetric => PlaneModel::Axisymmetric,
+            }),
+            thickness,
+            integration: integration.map(|integration| match integration {
+                document::Integration::Full => Integration::Full,
+                document::Integration::Reduced => Integration::Reduced,
+            }),
+        };
+        given.insert(name.clone(), given_part);
+    }
+    Some(given)
+}
+
+/// The thickness of a part, mm; `Err` if it refers to a fibre that the mesh does not have.
+pub fn thickness(given: document::Thickness, diameter: Option<f64>) -> Result<f64, &'static str> {
+    let section = match given {
+        document::Thickness::Value(value) => return Ok(value.0),
+        document::Thickness::Section(section) => section,
+    };
+    let diameter = diameter.ok_or("the mesh has no round fibre: give the thickness in mm")?;
+    Ok(match section {
+        document::Section::EqualArea => PI * diameter / 4.0,
+        document::Section::EqualInertia => 3.0 * PI * diameter / 16.0,
+    })
+}
+
+/// The thickness that the case gives the part around a specimen's fibre.
+fn thickness_of_matrix(case: &PulloutCase) -> Option<document::Thickness> {
+    let part = case.parts.0.as_ref().ok()?.get(MATRIX)?.0.as_ref().ok()?;
+    part.thickness.as_ref()?.0.as_ref().ok().copied()
+}
+
+/// The parts of a file: plane strain of thickness 1 unless the case says otherwise.
+fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, PartProperties>> {
+    let mut properties = BTreeMap::new();
+    for (name, given) in given_parts(reader, case)? {
+        let place = Place::root().key("parts").key(&name).key("thickness");
+        let thickness = given.thickness.map_or(Ok(1.0), |given| thickness(given, None));
+        let thickness = thickness.unwrap_or_else(|message| {
+            reader.problem(&place, message);
+            1.0
+        });
+        let model = given.model.unwrap_or(PlaneModel::PlaneStrain);
+        properties.insert(name, PartProperties { model, thickness, integration: given.integration });
+    }
+    Some(properties)
+}
+
+/// Changes a specimen's parts to what the case says of them.
+fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
+    let Some(given) = given_parts(reader, case) else { return };
+    let root = Place::root().key("parts");
+    let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
+    let listed = case.parts.0.as_ref().map(|parts| parts.keys().collect::<Vec<_>>()).unwrap_or_default();
+    let unknown: Vec<&String> = listed.iter().copied().filter(|name| !names.contains(name)).collect();
+    for name in &unknown {
+        reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &names)));
+    }
+    if listed.iter().any(|name| *name == COVER) && names.iter().any(|name| name == COVER) {
+        reader.problem(&root.key(COVER), format!("is what the part '{MATRIX}' is: leave it out"));
+    }
+    for part in &mut definition.parts {
+        if part.name == COVER {
+            let matrix = given.get(MATRIX);
+            part.model = matrix.and_then(|matrix| matrix.model).unwrap_or(part.model);
+            part.integration = matrix.and_then(|matrix| matrix.integration).or(part.integration);
+            continue;
+        }
+        let is_meant = |name: &&String| nearest(name, &names) == Some(part.name.as_str());
+        if !listed.contains(&&part.name) && !unknown.iter().any(is_meant) {
+            reader.problem(&root.key(&part.name), "is missing: the specimen has this part, which needs a material");
+        }
+        let Some(given) = given.get(&part.name) else { continue };
+        part.model = given.model.unwrap_or(part.model);
+        part.integration = given.integration.or(part.integration);
+        match given.thickness.map(|given| thickness(given, diameter)) {
+            Some(Ok(value)) => part.thickness = value,
+            Some(Err(message)) => reader.problem(&root.key(&part.name).key("thickness"), message),
+            None => {}
+        }
+    }
+}

@@ -1,0 +1,108 @@
+//! The laws of the parts.
+
+use super::Scene;
+use super::mesh::{COVER, MATRIX};
+use crate::document::pullout as document;
+use crate::document::{Entry, PulloutCase};
+use crate::plugin::{self, Length, Subject, Use};
+use crate::point::{check_count, components};
+use crate::problem::Place;
+use crate::reader::Reader;
+use fe_core::kinematics::PlaneModel;
+use fe_core::mesh::Mesh;
+use fe_core::model::PluginLaw;
+use pullout_run::program::{Mode, Plugin, STRESS_NAMES};
+
+/// What the case says of the mesh's parts, in their order.
+pub struct Parts {
+    pub laws: Vec<PluginLaw>,
+    /// Whether their Q4 are averaged.
+    pub average_dilatation: Vec<bool>,
+    /// Large displacements; `None`: as the case says for all.
+    pub nlgeom: Vec<Option<bool>>,
+}
+
+/// `None` if a law is missing.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) -> Option<Parts> {
+    let root = Place::root().key("parts");
+    let given = reader.piece(&case.parts, &root)?;
+    let mut resolved = Vec::new();
+    for (name, piece) in given {
+        let place = root.key(name);
+        let Some(part) = reader.piece(piece, &place) else { continue };
+        let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| part.name == *name));
+        let law = law(reader, part, index.zip(scene.mesh), &place);
+        let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
+        let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
+        resolved.push((index, law, average.copied().unwrap_or(true), nlgeom));
+    }
+    let parts = scene.mesh?.parts();
+    let count = parts.len();
+    // a specimen's cover is of its matrix
+    let leads = |part: usize| match parts[part].name == COVER && !given.contains_key(COVER) {
+        true => parts.iter().position(|part| part.name == MATRIX),
+        false => Some(part),
+    };
+    let of_part = |part: usize| resolved.iter().find(|(index, ..)| index.is_some() && *index == leads(part));
+    let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
+    Some(Parts {
+        laws: laws?,
+        average_dilatation: (0..count).map(|part| of_part(part).is_none_or(|(_, _, average, _)| *average)).collect(),
+        nlgeom: (0..count).map(|part| of_part(part).and_then(|(.., nlgeom)| *nlgeom)).collect(),
+    })
+}
+
+fn law(
+    reader: &mut Reader<'_>,
+    part: &document::Part,
+    known: Option<(usize, &Mesh)>,
+    place: &Place,
+) -> Option<PluginLaw> {
+    let place_of_material = place.key("material");
+    let material = reader.piece(&part.material, &place_of_material)?;
+    if let Some(Entry::Uinter | Entry::Fric) = material.entry {
+        reader.problem(
+            &place_of_material.key("entry"),
+            "a part calls the entry point umat; uinter and fric are for contact",
+        );
+    }
+    let mode = known.map(|(index, mesh)| (mode(mesh.parts()[index].model), place.key("model")));
+    let length = known.map_or(Length::Unknown, |(index, mesh)| Length::OfElements(extreme_lengths(mesh, index)));
+    let purpose = Use { subject: Subject::Specimen, entry: Entry::Umat, mode, length };
+    let plugin = plugin::resolve(reader, material, &place_of_material, purpose)?;
+    if let Some(statev0) = &material.statev0 {
+        check_count(reader, statev0, &plugin, &place_of_material.key("statev0"));
+    }
+    let mode = known.map_or(Mode::PlaneStrain, |(index, mesh)| self::mode(mesh.parts()[index].model));
+    let place = place.key("initial");
+    let initial = reader.optional(part.initial.as_ref(), &place);
+    let stress = initial.and_then(|initial| initial.stress.as_ref()).map(|stress| {
+        let [s11, s22, s33, s12, ..] = components(reader, Some(stress), &STRESS_NAMES, mode, &place.key("stress"));
+        [s11, s22, s33, s12]
+    });
+    plugin::tell_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);
+    Some(PluginLaw { statev0: material.statev0.clone(), stress0: stress, ..plugin_law(plugin) })
+}
+
+/// As the FE core has it.
+pub fn plugin_law(plugin: Plugin) -> PluginLaw {
+    let Plugin { library, law, name, symbol, cmname, props, nstatv, manner } = plugin;
+    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None, manner }
+}
+
+fn mode(model: PlaneModel) -> Mode {
+    match model {
+        PlaneModel::PlaneStress => Mode::PlaneStress,
+        PlaneModel::PlaneStrain => Mode::PlaneStrain,
+        PlaneModel::Axisymmetric => Mode::Axisymmetric,
+    }
+}
+
+/// The elements of a part with the least and the greatest CELENT, mm.
+fn extreme_lengths(mesh: &Mesh, part: usize) -> Vec<(usize, f64)> {
+    let elements = || (0..mesh.elements().len()).filter(|&element| mesh.elements()[element].part() == part);
+    let lengths = || elements().map(|element| (element, mesh.characteristic_length(element)));
+    let least = lengths().min_by(|a, b| a.1.total_cmp(&b.1));
+    let greatest = lengths().max_by(|a, b| a.1.total_cmp(&b.1));
+    least.into_iter().chain(greatest).collect()
+}

@@ -1,0 +1,84 @@
+//! What keeps a specimen from being computed although each of its parts is sound.
+
+use crate::problem::Place;
+use crate::reader::Reader;
+use fe_core::mesh::preflight::{self, Body, Finding};
+use fe_core::mesh::{Element, Mesh};
+use fe_core::model::{Coupling, Model};
+use std::collections::BTreeSet;
+
+/// Nodes that hang, and bodies that nothing holds.
+pub fn check(reader: &mut Reader<'_>, model: &Model) {
+    let joints = joints(model);
+    let exempt: Vec<usize> = joints.iter().flatten().copied().collect::<BTreeSet<_>>().into_iter().collect();
+    let behind = model.parts_behind();
+    for finding in preflight::findings(&model.mesh, &exempt) {
+        if finding.is_fault() && !is_end_of_cover(&model.mesh, &behind, &finding) {
+            reader.problem(&Place::root().key("mesh"), finding.to_string());
+        } else {
+            reader.warnings.push(format!("mesh: {finding}"));
+        }
+    }
+    let mut told: Vec<&str> = Vec::new();
+    for support in &model.supports {
+        let is_graded = |element: &&Element| element.thickness() < model.mesh.parts()[element.part()].thickness;
+        let mut graded = model.mesh.elements().iter().filter(is_graded).flat_map(Element::nodes);
+        if !told.contains(&support.name.as_str()) && graded.any(|node| support.nodes.contains(node)) {
+            told.push(&support.name);
+            let message =
+                "holds elements of graded thickness: they are thinner than what it stands on; give a smaller extent";
+            reader.warnings.push(format!("support '{}' {message}", support.name));
+        }
+    }
+    let held: Vec<(usize, [f64; 2])> =
+        model.supports.iter().flat_map(|support| support.nodes.iter().map(|&node| (node, support.direction))).collect();
+    for group in groups(&model.mesh, &joints) {
+        let free = preflight::rigid_body_freedom(&model.mesh, &group, &held);
+        if !free.is_empty() {
+            let part = &model.mesh.parts()[model.mesh.elements()[group.elements[0]].part()].name;
+            let modes: Vec<String> = free.iter().map(ToString::to_string).collect();
+            let message = format!(
+                "the body with element {} (part '{part}') {}: no support holds it, nor anything that it touches",
+                group.elements[0] + 1,
+                modes.join(" and ")
+            );
+            reader.problem(&Place::root().key("supports"), message);
+        }
+    }
+}
+
+/// Whether a node hangs where the end of a cover meets the end of its hole, not joined to it: the slot there is as short as
+/// the fibre is thick, and the walls hold both.
+fn is_end_of_cover(mesh: &Mesh, behind: &[usize], finding: &Finding) -> bool {
+    let Finding::HangingNode { node, element, .. } = *finding else { return false };
+    let is_behind = |element: &Element| behind.contains(&element.part());
+    let mut with_node = mesh.elements().iter().filter(|element| element.nodes().contains(&node));
+    is_behind(&mesh.elements()[element]) || with_node.all(is_behind)
+}
+
+/// Sets of nodes that contact or a coupling joins.
+fn joints(model: &Model) -> Vec<Vec<usize>> {
+    let of_coupling = |coupling: &Coupling| {
+        std::iter::once(coupling.dependent.node).chain(coupling.terms.iter().map(|(freedom, _)| freedom.node)).collect()
+    };
+    let edges = |pair: &fe_core::model::ContactPair| {
+        pair.slave.iter().chain(&pair.master).flat_map(|&edge| model.mesh.edge_nodes(edge).nodes().to_vec()).collect()
+    };
+    model.contacts.iter().map(edges).chain(model.couplings.iter().map(of_coupling)).collect()
+}
+
+/// Bodies that joints hold together, as one each.
+fn groups(mesh: &Mesh, joints: &[Vec<usize>]) -> Vec<Body> {
+    let mut groups = preflight::bodies(mesh);
+    for joint in joints {
+        let (touched, others): (Vec<Body>, Vec<Body>) =
+            groups.into_iter().partition(|body| joint.iter().any(|node| body.nodes.binary_search(node).is_ok()));
+        groups = others;
+        let nodes: BTreeSet<usize> = touched.iter().flat_map(|body| body.nodes.iter().copied()).collect();
+        let elements: BTreeSet<usize> = touched.iter().flat_map(|body| body.elements.iter().copied()).collect();
+        if !elements.is_empty() {
+            groups.push(Body { nodes: nodes.into_iter().collect(), elements: elements.into_iter().collect() });
+        }
+    }
+    groups
+}

@@ -1,0 +1,145 @@
+//! Steps: where the drives go, and how.
+
+use super::boundary::{Boundary, Drives, SLIP};
+use crate::document::pullout as document;
+use crate::document::pullout::PulloutStep as StepDocument;
+use crate::document::{Cycle, Cycles, Piece, PulloutCase};
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use crate::steps::{self, Counted};
+use crate::{fields as field_values, history};
+use fe_core::model::{Fields, Step, StepControl};
+use pullout_run::program::Until;
+use pullout_run::pullout::COLUMNS;
+
+/// Default sizes of automatic increments, as fractions of a step.
+const INITIAL: f64 = 1e-3;
+const MAXIMUM: f64 = 0.02;
+const MINIMUM: f64 = 1e-8;
+
+/// A step of the model, and what ends it early.
+#[derive(Clone, Debug)]
+pub struct ResolvedStep {
+    pub step: Step,
+    pub until: Option<Until>,
+    /// At its end; `None`: as before.
+    pub temperature: Option<f64>,
+    /// At its end; `None`: as before.
+    pub predef: Option<Vec<f64>>,
+}
+
+impl Counted for ResolvedStep {
+    fn increments(&self) -> u64 {
+        if let StepControl::Fixed { increments } = self.step.control { increments as u64 } else { 1 }
+    }
+
+    fn rows(&self) -> u64 {
+        0
+    }
+}
+
+impl steps::StepDocument for StepDocument {
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)> {
+        match self {
+            Self::Cycle(cycle) => Some((cycle, false)),
+            Self::Cycles(wrapper) => Some((&wrapper.cycles, true)),
+            Self::Ramp(_) => None,
+        }
+    }
+}
+
+/// All steps, cycles expanded.
+pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<ResolvedStep> {
+    let place = Place::root().key("steps");
+    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let drives = &mut boundary.drives;
+    let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| match step {
+        StepDocument::Ramp(ramp) => Some(one_step(reader, ramp, drives, place)),
+        StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
+    };
+    let steps = steps::expand(reader, documents, &place, &mut resolve);
+    for (name, place) in drives.idle() {
+        reader.warnings.push(format!("{}: no step moves the drive '{name}': it stays 0", place.in_words()));
+    }
+    steps
+}
+
+/// How far the grip is pulled, mm, as far as steps can be read.
+pub fn greatest_slip(case: &PulloutCase) -> f64 {
+    fn of(steps: &[Piece<StepDocument>]) -> f64 {
+        let slips = steps.iter().filter_map(|step| step.0.as_ref().ok()).map(|step| match step {
+            StepDocument::Ramp(ramp) => ramp.slip.unwrap_or(0.0),
+            StepDocument::Cycle(cycle) | StepDocument::Cycles(Cycles { cycles: cycle }) => of(&cycle.steps),
+        });
+        slips.fold(0.0, f64::max)
+    }
+    case.steps.0.as_ref().map_or(0.0, |steps| of(steps))
+}
+
+/// Temperature and field variables, as far as anything says something of them.
+pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep]) -> Fields {
+    let initial = field_values::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let count = initial.variables.len();
+    if let Some(wrong) = steps.iter().filter_map(|step| step.predef.as_ref()).find(|end| end.len() != count) {
+        let message =
+            format!("a step gives {} field variables, but the case has {count} at the start ($.predef)", wrong.len());
+        reader.problem(&Place::root().key("steps"), message);
+        return Fields::default();
+    }
+    let mut now = initial.clone();
+    let end = |step: &ResolvedStep| {
+        now.temperature = step.temperature.unwrap_or(now.temperature);
+        now.variables = step.predef.clone().unwrap_or_else(|| now.variables.clone());
+        now.clone()
+    };
+    let ends: Vec<_> = steps.iter().map(end).collect();
+    Fields { initial, ends }
+}
+
+fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut Drives, place: &Place) -> ResolvedStep {
+    let mut targets = vec![None; drives.len()];
+    let mut named: Vec<(&str, f64, Place)> = Vec::new();
+    named.extend(ramp.slip.map(|slip| (SLIP, slip, place.key(SLIP))));
+    let given = ramp.drives.iter().flatten();
+    named.extend(given.map(|(name, value)| (name.as_str(), *value, place.key("drives").key(name))));
+    for (name, value, place) in named {
+        match drives.moved(name) {
+            Some(index) if targets[index].is_some() => {
+                reader.problem(&place, format!("the drive '{name}' is given twice"));
+            }
+            Some(index) => targets[index] = Some(value),
+            None if name == SLIP => {
+                reader
+                    .problem(&place, "nothing is pulled: the specimen has no grip and no support has the drive 'slip'");
+            }
+            None => reader
+                .problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
+        }
+    }
+    let columns = COLUMNS.map(String::from);
+    let until = ramp.until.as_ref();
+    let until = until.and_then(|until| history::until(reader, until, Some(&columns), &place.key("until")));
+    let control = control(reader, ramp.increments, &place.key("increments"));
+    let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
+    ResolvedStep { step, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
+}
+
+fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {
+    let given = match increments {
+        Some(document::StepIncrements::Equal(n)) => {
+            return StepControl::Fixed { increments: usize::try_from(n.0).unwrap_or(usize::MAX) };
+        }
+        Some(document::StepIncrements::Automatic(sizes)) => sizes,
+        None => document::AutomaticIncrements::default(),
+    };
+    let maximum = given.maximum.map_or(MAXIMUM.max(given.initial.map_or(0.0, |f| f.0)), |f| f.0);
+    let initial = given.initial.map_or(INITIAL.min(maximum), |f| f.0);
+    let minimum = given.minimum.map_or(MINIMUM.min(initial), |f| f.0);
+    if initial > maximum {
+        reader.problem(&place.key("initial"), format!("{initial} is greater than the maximum, {maximum}"));
+    }
+    if minimum > initial {
+        reader.problem(&place.key("minimum"), format!("{minimum} is greater than the initial increment, {initial}"));
+    }
+    StepControl::Automatic { initial, maximum, minimum }
+}

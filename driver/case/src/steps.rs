@@ -1,0 +1,70 @@
+//! Lists of steps with cycles in them, expanded.
+
+use crate::document::{Cycle, MOST_INCREMENTS, Piece};
+use crate::problem::Place;
+use crate::reader::Reader;
+
+/// Most steps of a run after its cycles are expanded.
+const MOST_STEPS: u64 = 1_000_000;
+/// Most rows of tables in memory after cycles are expanded.
+const MOST_ROWS: u64 = 10_000_000;
+
+/// A step of a document: a cycle of steps, or a step proper.
+pub trait StepDocument: Sized {
+    /// The cycle, and whether it stands in a member named "cycles".
+    fn cycle(&self) -> Option<(&Cycle<Self>, bool)>;
+}
+
+/// A step of a program.
+pub trait Counted: Clone {
+    /// Its number of increments.
+    fn increments(&self) -> u64;
+    /// Rows of its table that a copy of it copies.
+    fn rows(&self) -> u64;
+}
+
+/// What resolves one step proper.
+pub type ResolveStep<'r, S, R> = dyn FnMut(&mut Reader<'_>, &S, &Place) -> Option<R> + 'r;
+
+/// Resolves all steps in order; cycles are resolved once and repeated.
+pub fn expand<S: StepDocument, R: Counted>(
+    reader: &mut Reader<'_>,
+    steps: &[Piece<S>],
+    place: &Place,
+    resolve: &mut ResolveStep<'_, S, R>,
+) -> Vec<R> {
+    let mut expanded = Vec::new();
+    for (k, step) in steps.iter().enumerate() {
+        let place = place.index(k);
+        let Some(step) = reader.piece(step, &place) else { continue };
+        match step.cycle() {
+            None => expanded.extend(resolve(reader, step, &place)),
+            Some((cycle, wrapped)) => {
+                let place = if wrapped { place.key("cycles") } else { place };
+                let once = expand(reader, &cycle.steps, &place.key("steps"), resolve);
+                if fits(reader, &once, cycle.repeat.0, &place.key("repeat")) {
+                    (0..cycle.repeat.0).for_each(|_| expanded.extend_from_slice(&once));
+                }
+            }
+        }
+    }
+    fits(reader, &expanded, 1, place);
+    expanded
+}
+
+/// Whether so many repetitions stay within the limits.
+fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: u64, place: &Place) -> bool {
+    let sum = |count: fn(&R) -> u64| steps.iter().map(count).fold(0_u64, u64::saturating_add).saturating_mul(repeat);
+    let limits = [
+        ("steps", sum(|_| 1), MOST_STEPS),
+        ("increments", sum(R::increments), MOST_INCREMENTS),
+        ("table rows", sum(R::rows), MOST_ROWS),
+    ];
+    for (what, count, most) in limits {
+        if count > most {
+            reader.problem(place, format!("makes {count} {what} in all; at most {most} are possible"));
+            return false;
+        }
+    }
+    true
+}

@@ -1,0 +1,424 @@
+//! The schema of the case format, and what a document disagrees with it in, in words.
+//!
+//! The `jsonschema` crate decides; this module chooses among the branches of a union the one that was meant,
+//! so that "neither this nor that nor that" does not reach the user.
+
+use crate::document::study::StudyFile;
+use crate::document::{InterfaceCase, PointCase, PulloutCase};
+use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
+use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
+use jsonschema::paths::{Location, LocationSegment};
+use jsonschema::{JsonType, ValidationError, Validator};
+use schemars::SchemaGenerator;
+use schemars::generate::SchemaSettings;
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::OnceLock;
+
+/// A kind of case: its name and its part of the schema.
+type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
+
+/// The kind of file that describes a family of runs; it is no case.
+pub const STUDY: &str = "study";
+
+/// The kinds of cases. A new kind: a line here, and an arm in `read`.
+const KINDS: &[KindSchema] = &[
+    ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
+    ("interface", |generator| generator.subschema_for::<InterfaceCase>().to_value()),
+    ("pullout", |generator| generator.subschema_for::<PulloutCase>().to_value()),
+];
+
+/// Names of the kinds of cases.
+pub fn kinds() -> impl Iterator<Item = &'static str> {
+    KINDS.iter().map(|(name, _)| *name)
+}
+
+/// The JSON Schema (draft 2020-12) of case files and study files.
+pub fn schema() -> Value {
+    let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
+    let mut branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
+    branches.push(generator.subschema_for::<StudyFile>().to_value());
+    json!({
+        "$schema": "https://json-schema.org/draft/2020-12/schema",
+        "title": "Pullout case or study",
+        "description": "Units: N, mm, MPa, s. Shear strains are engineering shear.",
+        "type": "object",
+        "oneOf": branches,
+        "$defs": generator.take_definitions(true),
+    })
+}
+
+/// The part of the schema that a case of some kind must obey, and what checks it; or why it cannot.
+type Checker = Result<(Value, Validator), String>;
+
+/// What checks a kind, made once: a study reads the cases of all its runs.
+fn checker(kind: &str) -> Option<&'static Checker> {
+    static CHECKERS: [OnceLock<Checker>; KINDS.len() + 1] = [const { OnceLock::new() }; KINDS.len() + 1];
+    let index = kinds().chain([STUDY]).position(|name| name == kind)?;
+    Some(CHECKERS[index].get_or_init(|| {
+        let mut whole = schema();
+        let branch = whole["oneOf"][index].take();
+        let own = json!({ "$schema": whole["$schema"].take(), "allOf": [branch], "$defs": whole["$defs"].take() });
+        let validator = jsonschema::draft202012::new(&own).map_err(|error| error.to_string())?;
+        Ok((own, validator))
+    }))
+}
+
+/// The kind that a document names.
+///
+/// # Errors
+/// It is no object, or names no kind that exists.
+pub fn kind_of(document: &Value) -> Result<&str, Problem> {
+    let place = Place::root();
+    let Value::Object(members) = document else {
+        return Err(Problem::new(place, format!("expected an object, found {}", shown(document))));
+    };
+    let valid: Vec<&str> = kinds().collect();
+    match members.get("kind") {
+        None => Err(Problem::new(place.key("kind"), format!("is missing; valid names: {}", valid.join(", ")))),
+        Some(Value::String(name)) if valid.contains(&name.as_str()) => Ok(name),
+        Some(Value::String(name)) if name == STUDY => {
+            Err(Problem::new(place.key("kind"), "this is a study of several runs: `pullout study` runs it"))
+        }
+        Some(Value::String(name)) => {
+            Err(Problem::new(place.key("kind"), format!("no kind of case is called '{name}'{}", hint(name, valid))))
+        }
+        Some(other) => Err(Problem::new(
+            place.key("kind"),
+            format!("expected one of {}, found {}", valid.join(", "), shown(other)),
+        )),
+    }
+}
+
+/// Checks a document of a kind; removes unknown keys and sets to null what is missing and arrays that stand for
+/// something else (serde would read their elements as members), so that the rest of the document can be read and
+/// checked as well.
+pub fn check(kind: &str, document: &mut Value) -> Structure {
+    let (schema, validator) = match checker(kind) {
+        None => return Structure::default(),
+        Some(Ok((schema, validator))) => (schema, validator),
+        Some(Err(error)) => {
+            let problem = Problem::new(Place::root(), format!("the schema itself is invalid: {error}"));
+            return Structure { problems: vec![problem], ..Structure::default() };
+        }
+    };
+    let mut findings = Findings {
+        schema,
+        problems: Vec::new(),
+        unknown: BTreeMap::new(),
+        meant: BTreeSet::new(),
+        missing: Vec::new(),
+        no_arrays: Vec::new(),
+    };
+    for error in validator.iter_errors(document) {
+        findings.describe(&error);
+    }
+    let Findings { problems, unknown, meant, missing, no_arrays, .. } = findings;
+    for pointer in no_arrays {
+        if let Some(value) = document.pointer_mut(&pointer) {
+            *value = Value::Null;
+        }
+    }
+    for (pointer, keys) in unknown {
+        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
+            members.retain(|key, _| !keys.contains(key));
+        }
+    }
+    for (pointer, key) in missing {
+        if let Some(Value::Object(members)) = document.pointer_mut(&pointer) {
+            members.insert(key, Value::Null);
+        }
+    }
+    let mut structure = Structure { problems: Vec::new(), meant };
+    structure.problems = problems.into_iter().filter(|problem| !structure.explains(problem)).collect();
+    structure
+}
+
+/// What is wrong with the structure of a document.
+#[derive(Debug, Default)]
+pub struct Structure {
+    pub problems: Vec<Problem>,
+    /// Keys that are not there, and that unknown ones are nearest to.
+    meant: BTreeSet<Place>,
+}
+
+impl Structure {
+    /// Whether something is missing because its key is misspelt.
+    pub fn explains(&self, problem: &Problem) -> bool {
+        problem.place.as_ref().is_some_and(|place| self.meant.contains(place))
+    }
+}
+
+struct Findings<'s> {
+    schema: &'s Value,
+    problems: Vec<Problem>,
+    /// By JSON pointer of an object, keys in it.
+    unknown: BTreeMap<String, BTreeSet<String>>,
+    /// Keys that are not there, and that these are nearest to.
+    meant: BTreeSet<Place>,
+    /// JSON pointer of an object, and a key that it lacks.
+    missing: Vec<(String, String)>,
+    /// JSON pointers of arrays where there should be none.
+    no_arrays: Vec<String>,
+}
+
+impl Findings<'_> {
+    fn describe(&mut self, error: &ValidationError<'_>) {
+        let place = place_of(error.instance_path());
+        let pointer = error.instance_path().as_str().to_owned();
+        let found = || shown(error.instance());
+        let message = match error.kind() {
+            Kind::AdditionalProperties { unexpected } => {
+                let valid = self.property_names(error.schema_path());
+                for key in unexpected {
+                    // to look for a similar name takes longer than all else
+                    let is_shown = self.problems.len() < MOST_SHOWN;
+                    let nearest = if is_shown { nearest(key, &valid) } else { None };
+                    let hint = if is_shown { suggestion(nearest, &valid) } else { String::new() };
+                    let meant = nearest.filter(|nearest| error.instance().get(nearest).is_none());
+                    self.meant.extend(meant.map(|nearest| place.key(nearest)));
+                    self.problems.push(Problem::new(place.key(key), format!("unknown key{hint}")));
+                }
+                self.unknown.entry(pointer).or_default().extend(unexpected.iter().cloned());
+                return;
+            }
+            Kind::Required { property } => {
+                let key = property.as_str().unwrap_or_default();
+                self.problems.push(Problem::new(place.key(key), "is missing"));
+                self.missing.push((pointer, key.to_owned()));
+                return;
+            }
+            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => return self.describe_union(error, context),
+            Kind::Minimum { limit } => format!("must be >= {limit}, found {}", found()),
+            Kind::ExclusiveMinimum { limit } => format!("must be > {limit}, found {}", found()),
+            Kind::Maximum { limit } => format!("must be <= {limit}, found {}", found()),
+            Kind::ExclusiveMaximum { limit } => format!("must be < {limit}, found {}", found()),
+            Kind::MinItems { limit } => format!("needs at least {}, found {}", entries(*limit), count(error)),
+            Kind::MaxItems { limit } => format!("takes at most {}, found {}", entries(*limit), count(error)),
+            Kind::MinLength { .. } => "is empty".to_owned(),
+            Kind::MaxLength { limit } => format!("must have at most {limit} characters"),
+            _ => match expected(error) {
+                Some(expected) => {
+                    if error.instance().is_array() {
+                        self.no_arrays.push(pointer);
+                    }
+                    format!("expected {expected}, found {}", found())
+                }
+                None => error.to_string(),
+            },
+        };
+        self.problems.push(Problem::new(place, message));
+    }
+
+    /// Describes the branch that was meant: the one whose type fits, then the one with the fewest missing and
+    /// unknown keys. If none fits in type, what each expects.
+    fn describe_union(&mut self, error: &ValidationError<'_>, context: &[Vec<ValidationError<'static>>]) {
+        let here = error.instance_path();
+        if let Some(tag) = wrong_tag(context, here) {
+            let place = place_of(tag.place);
+            let words: Vec<&str> = tag.words.iter().filter_map(|word| word.as_str()).collect();
+            let message = match tag.found.as_str() {
+                Some(found) => format!("there is no '{found}'{}", hint(found, &words)),
+                None => format!("expected one of {}, found {}", words.join(", "), shown(tag.found)),
+            };
+            self.problems.push(Problem::new(place, message));
+            return;
+        }
+        // Of equally good branches: the first, or the last (the most general) if all lack a key.
+        let chosen = |branch: &[ValidationError<'_>]| !branch.iter().any(|error| is_tag(error, here));
+        let any_chosen = context.iter().any(|branch| chosen(branch));
+        let candidates = context.iter().enumerate().filter(|(_, branch)| !any_chosen || chosen(branch));
+        let best = candidates.min_by_key(|(k, branch)| {
+            let misfit = branch_misfit(branch, here);
+            (misfit, if misfit < MISFIT_OF_MISSING_KEY { *k } else { context.len() - k })
+        });
+        let best = best.map(|(_, branch)| branch);
+        let fits = best.filter(|branch| branch.iter().all(|e| misfit(e, here) < MISFIT_OF_TYPE));
+        if let Some(branch) = fits {
+            for error in branch {
+                self.describe(error);
+            }
+            return;
+        }
+        let mut expectations = Vec::new();
+        collect_expectations(context, here, &mut expectations);
+        if expectations.iter().any(|text| text.starts_with('"')) {
+            expectations.retain(|text| text != type_name(JsonType::String));
+        }
+        if error.instance().is_array() {
+            self.no_arrays.push(here.as_str().to_owned());
+        }
+        let hint = word_hint(error.instance(), &expectations);
+        let message = format!("expected {}, found {}{hint}", either(&expectations), shown(error.instance()));
+        self.problems.push(Problem::new(place_of(here), message));
+    }
+
+    /// The keys that the object schema to which a keyword belongs knows.
+    fn property_names(&self, keyword: &Location) -> Vec<String> {
+        let segments: Vec<LocationSegment<'_>> = keyword.iter().collect();
+        let mut schema = self.schema;
+        for segment in segments.iter().take(segments.len().saturating_sub(1)) {
+            let is_reference = matches!(segment, LocationSegment::Property(name) if name.as_ref() == "$ref");
+            if let Some(Value::String(reference)) = schema.get("$ref") {
+                schema = self.schema.pointer(reference.trim_start_matches('#')).unwrap_or(&Value::Null);
+            }
+            if !is_reference {
+                schema = match segment {
+                    LocationSegment::Property(name) => &schema[name.as_ref()],
+                    LocationSegment::Index(index) => &schema[*index],
+                };
+            }
+        }
+        schema["properties"].as_object().map(|p| p.keys().cloned().collect()).unwrap_or_default()
+    }
+}
+
+/// A word in a member that no branch has.
+struct WrongTag<'e> {
+    place: &'e Location,
+    found: &'e Value,
+    words: Vec<&'e Value>,
+}
+
+/// Whether an error says that a member's word belongs to another branch.
+fn is_tag(error: &ValidationError<'_>, here: &Location) -> bool {
+    matches!(error.kind(), Kind::Constant { expected_value } if expected_value.is_string())
+        && error.instance_path() != here
+}
+
+/// If every branch expects another word in the same member.
+fn wrong_tag<'e>(context: &'e [Vec<ValidationError<'static>>], here: &Location) -> Option<WrongTag<'e>> {
+    let constant = |branch: &'e Vec<ValidationError<'static>>| {
+        branch.iter().find_map(|error| match error.kind() {
+            Kind::Constant { expected_value } if is_tag(error, here) => Some((error, expected_value)),
+            _ => None,
+        })
+    };
+    let (first, _) = constant(context.first()?)?;
+    let words: Option<Vec<&Value>> = context
+        .iter()
+        .map(|branch| {
+            constant(branch).filter(|(error, _)| error.instance_path() == first.instance_path()).map(|(_, word)| word)
+        })
+        .collect();
+    let words = words.filter(|words| words.len() > 1 && words.windows(2).all(|pair| pair[0] != pair[1]))?;
+    Some(WrongTag { place: first.instance_path(), found: first.instance(), words })
+}
+
+/// A type, constant or list of words that does not fit at all.
+const MISFIT_OF_TYPE: usize = 1_000_000;
+/// A key that the branch needs: it distinguishes the branches.
+const MISFIT_OF_MISSING_KEY: usize = 1_000;
+/// A key that the branch does not know.
+const MISFIT_OF_UNKNOWN_KEY: usize = 100;
+
+fn branch_misfit(branch: &[ValidationError<'_>], here: &Location) -> usize {
+    let at_here = || branch.iter().filter(|error| error.instance_path() == here);
+    let missing: Vec<&str> = at_here()
+        .filter_map(|error| if let Kind::Required { property } = error.kind() { property.as_str() } else { None })
+        .collect();
+    // An unknown key that resembles a missing one is that one, misspelled.
+    let misspelled = at_here()
+        .filter_map(
+            |error| if let Kind::AdditionalProperties { unexpected } = error.kind() { Some(unexpected) } else { None },
+        )
+        .flatten()
+        .filter(|key| nearest(key, &missing).is_some())
+        .count();
+    let sum: usize = branch.iter().map(|error| misfit(error, here)).sum();
+    sum - MISFIT_OF_MISSING_KEY * misspelled.min(missing.len())
+}
+
+fn misfit(error: &ValidationError<'_>, here: &Location) -> usize {
+    if error.instance_path() != here {
+        return 1;
+    }
+    match error.kind() {
+        Kind::Type { .. } | Kind::Constant { .. } | Kind::Enum { .. } => MISFIT_OF_TYPE,
+        Kind::Required { .. } => MISFIT_OF_MISSING_KEY,
+        Kind::AdditionalProperties { unexpected } => MISFIT_OF_UNKNOWN_KEY * unexpected.len(),
+        Kind::AnyOf { context } | Kind::OneOfNotValid { context } => {
+            context.iter().map(|branch| branch_misfit(branch, here)).min().unwrap_or(MISFIT_OF_TYPE)
+        }
+        _ => 1,
+    }
+}
+
+fn collect_expectations(context: &[Vec<ValidationError<'static>>], here: &Location, all: &mut Vec<String>) {
+    for error in context.iter().flatten().filter(|error| error.instance_path() == here) {
+        match error.kind() {
+            Kind::AnyOf { context } | Kind::OneOfNotValid { context } => collect_expectations(context, here, all),
+            _ => {
+                if let Some(text) = expected(error).filter(|text| text != "null" && !all.contains(text)) {
+                    all.push(text);
+                }
+            }
+        }
+    }
+}
+
+/// What the schema wants, for the errors that are about type or choice.
+fn expected(error: &ValidationError<'_>) -> Option<String> {
+    match error.kind() {
+        Kind::Type { kind: TypeKind::Single(kind) } => Some(type_name(*kind).to_owned()),
+        Kind::Type { kind: TypeKind::Multiple(set) } => {
+            let names: Vec<String> =
+                set.iter().filter(|kind| *kind != JsonType::Null).map(|kind| type_name(kind).to_owned()).collect();
+            Some(either(&names))
+        }
+        Kind::Constant { expected_value } => Some(expected_value.to_string()),
+        Kind::Enum { options } => {
+            let names: Vec<String> = options
+                .as_array()
+                .into_iter()
+                .flatten()
+                .filter(|option| !option.is_null())
+                .map(ToString::to_string)
+                .collect();
+            Some(either(&names))
+        }
+        _ => None,
+    }
+}
+
+/// The nearest of several quoted words to a text that is none of them.
+fn word_hint(found: &Value, expectations: &[String]) -> String {
+    let words: Vec<&str> = expectations.iter().map(|text| text.trim_matches('"')).collect();
+    let near = found.as_str().and_then(|found| nearest(found, &words));
+    near.map_or_else(String::new, |near| format!("; nearest valid name: '{near}'"))
+}
+
+fn type_name(kind: JsonType) -> &'static str {
+    match kind {
+        JsonType::Array => "an array",
+        JsonType::Boolean => "true or false",
+        JsonType::Integer => "a whole number",
+        JsonType::Null => "null",
+        JsonType::Number => "a number",
+        JsonType::Object => "an object",
+        JsonType::String => "a text",
+    }
+}
+
+fn either(names: &[String]) -> String {
+    match names {
+        [] => "something else".to_owned(),
+        [one] => one.clone(),
+        [first @ .., last] => format!("{} or {last}", first.join(", ")),
+    }
+}
+
+fn entries(limit: u64) -> String {
+    if limit == 1 { "1 entry".to_owned() } else { format!("{limit} entries") }
+}
+
+fn count(error: &ValidationError<'_>) -> usize {
+    error.instance().as_array().map_or(0, Vec::len)
+}
+
+fn place_of(location: &Location) -> Place {
+    location.iter().fold(Place::root(), |place, segment| match segment {
+        LocationSegment::Property(name) => place.key(name.as_ref()),
+        LocationSegment::Index(index) => place.index(index),
+    })
+}

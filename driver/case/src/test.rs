@@ -1,0 +1,112 @@
+//! Cases as users write them: valid ones against the program that they mean, malformed ones against the words,
+//! the place and the exit code of each problem.
+
+use super::{Case, CaseErrors, read, schema};
+use pullout_run::program::Program;
+use serde_json::{Value, json};
+use std::path::PathBuf;
+use std::sync::LazyLock;
+use tempfile::TempDir;
+use umat_abi::host::{Found, search_paths};
+
+mod damaged;
+mod malformed;
+mod parameters;
+mod random;
+mod shipped;
+mod specimen;
+mod valid;
+
+/// A folder with the files that the cases below name.
+struct Bench(TempDir);
+
+impl Bench {
+    fn new() -> Self {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let files = [
+            ("path.csv", "# a comment\ntime, e11, s22\n0.5, 1e-4, 0\n2.0, 2e-4, -1.5\n"),
+            ("untimed.csv", "e11\n1e-4\n2e-4\n3e-4\n"),
+            ("from_zero.csv", "time,e11\n0,0\n1,1e-4\n"),
+            ("contact.csv", "time,slip,slip2,p\n1,0.1,0,2\n2,0.2,0.05,3\n"),
+            ("curve.csv", "# source: nowhere\nstrain,stress_MPa,other\n0,0,\n1e-3,10,1\n2e-3,,2\n"),
+            ("unknown_column.csv", "time,e12\n1,0\n"),
+            ("twice.csv", "e11,e11\n1,0\n"),
+            ("both.csv", "e11,s11\n1,0\n"),
+            ("text.csv", "time,e11\n1,abc\n2,nan\n"),
+            ("backwards.csv", "time,e11\n1,0\n1,0\n"),
+            ("negative.csv", "time,e11\n-1,0\n1,0\n"),
+            ("ragged.csv", "time,e11\n1,0,3\n"),
+            ("only_time.csv", "time\n1\n"),
+            ("no_rows.csv", "time,e11\n"),
+            ("empty.csv", ""),
+            ("fixed.csv", "e33\n1e-4\n"),
+            ("no_library.so", "this is text"),
+        ];
+        for (name, text) in files {
+            std::fs::write(folder.path().join(name), text).expect("a file in the temporary folder");
+        }
+        std::fs::write(folder.path().join("two.msh"), specimen::two_bodies()).expect("a mesh");
+        Self(folder)
+    }
+
+    fn path(&self) -> PathBuf {
+        self.0.path().join("case.json")
+    }
+
+    fn read_text(&self, text: impl AsRef<[u8]>, overrides: &[&str]) -> Result<Case, CaseErrors> {
+        std::fs::write(self.path(), text).expect("the case file");
+        let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
+        read(&self.path(), &overrides, &[])
+    }
+
+    fn read(&self, case: &Value, overrides: &[&str]) -> Result<Case, CaseErrors> {
+        self.read_text(case.to_string(), overrides)
+    }
+
+    /// Reads a case of a material or contact point.
+    fn read_point(&self, case: &Value, overrides: &[&str]) -> Result<Program, CaseErrors> {
+        match self.read(case, overrides)? {
+            Case::Path(program) => Ok(*program),
+            Case::Pullout(_) => panic!("a case of a point"),
+        }
+    }
+}
+
+fn point_case() -> Value {
+    json!({
+        "kind": "point",
+        "material": { "plugin": "linear_elastic", "props": { "E": 31800.0, "nu": 0.18 } },
+        "mode": "3d",
+        "steps": [ { "increments": 10, "target": { "e11": -0.001 } } ]
+    })
+}
+
+/// A library without metadata.
+fn plain_library() -> String {
+    let found = Found::by_name("undescribed", &search_paths(&[])).expect("a plugin that Cargo built");
+    found.path.to_str().expect("UTF-8").to_owned()
+}
+
+fn interface_case() -> Value {
+    json!({
+        "kind": "interface",
+        "material": { "plugin": plain_library(), "symbol": "my_uinter_", "nstatv": 2, "props": [1, 2.5] },
+        "steps": [ { "increments": 4, "target": { "slip": 0.1 } } ]
+    })
+}
+
+/// Whether the printed schema accepts a document.
+fn schema_accepts(document: &Value) -> bool {
+    static VALIDATOR: LazyLock<jsonschema::Validator> =
+        LazyLock::new(|| jsonschema::draft202012::new(&schema()).expect("a valid schema"));
+    VALIDATOR.is_valid(document)
+}
+
+/// A document after `--set`.
+fn overridden(case: &Value, overrides: &[&str]) -> Value {
+    let mut document = case.clone();
+    for text in overrides {
+        let _ = super::json::set(&mut document, text);
+    }
+    document
+}

@@ -1,0 +1,193 @@
+//! The shipped laws and the shipped cases.
+
+use super::super::plugin::NORMAL_PENALTY;
+use super::super::{Case, read};
+use super::{Bench, point_case, schema_accepts};
+use pullout_run::program::{Kind, Program};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use umat_abi::host::{Found, search_paths};
+
+fn bond(props: Value) -> Value {
+    json!({
+        "kind": "interface",
+        "material": { "plugin": "bond_slip", "props": props },
+        "steps": [ { "increments": 4, "target": { "slip": 0.1, "p": 2 } } ]
+    })
+}
+
+fn accepted(case: &Value) -> Program {
+    Bench::new().read_point(case, &[]).unwrap_or_else(|errors| panic!("{errors}"))
+}
+
+fn refused(case: &Value) -> (u8, String) {
+    let errors = Bench::new().read(case, &[]).expect_err("malformed");
+    (errors.exit_code(), errors.to_string())
+}
+
+/// The value of a named parameter of the first occurrence.
+fn value(program: &Program, name: &str) -> f64 {
+    let law = program.plugin.law.as_ref().expect("metadata");
+    program.plugin.props[law.parameters.iter().position(|p| p.name == name).expect("the parameter")]
+}
+
+#[test]
+fn a_normal_penalty_of_zero_is_filled_and_said() {
+    let program = accepted(&bond(json!({ "law": "B", "normal_law": "hard" })));
+    assert_eq!((value(&program, "law"), value(&program, "normal_law")), (1.0, 0.0));
+    assert_eq!((value(&program, "normal_stiffness"), value(&program, "k_f")), (NORMAL_PENALTY, 0.0));
+    assert!(program.warnings.iter().any(|w| w.contains("normal_stiffness is 0")), "{:?}", program.warnings);
+    let program = accepted(&bond(json!({ "normal_law": "hard", "normal_stiffness": 4e4 })));
+    assert_eq!(value(&program, "normal_stiffness"), 4e4);
+    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+}
+
+#[test]
+fn a_tangential_penalty_is_filled_only_where_the_law_refuses_its_zero() {
+    let program = accepted(&bond(json!({ "law": "none", "k_e": 0, "normal_stiffness": 1 })));
+    assert!(value(&program, "k_f") > 0.0);
+    assert!(program.warnings.iter().any(|w| w.contains("k_f is 0")), "{:?}", program.warnings);
+}
+
+#[test]
+fn fric_leaves_the_normal_penalty_alone() {
+    let mut case = bond(json!({}));
+    case["material"]["entry"] = json!("fric");
+    let program = accepted(&case);
+    assert_eq!(value(&program, "normal_stiffness"), 0.0);
+    assert!(program.warnings.is_empty());
+}
+
+#[test]
+fn points_of_a_bond_law_are_counted() {
+    let program = accepted(&bond(json!({ "form": "piecewise", "k_u": 0, "points": [[0.01, 5], [0.1, 2], [0.3, 1]] })));
+    assert_eq!(value(&program, "n_points"), 3.0);
+    assert!(program.plugin.props.ends_with(&[0.01, 5.0, 0.1, 2.0, 0.3, 1.0]));
+}
+
+#[test]
+fn the_laws_own_objection_stands_at_its_parameters() {
+    let (code, text) = refused(&bond(json!({ "form": "piecewise", "points": [[0.1, 5], [0.05, 2]] })));
+    assert!(code == 2 && text.contains("$.material.props: bond_slip: "), "{text}");
+    let (code, text) = refused(&bond(json!({ "law": "C" })));
+    assert!(code == 2 && text.contains("$.material.props.law: 'C' is none of 0 = A, 1 = B, 2 = none"), "{text}");
+}
+
+#[test]
+fn a_bond_law_is_no_law_of_a_solid() {
+    let mut case = point_case();
+    case["material"] = json!({ "plugin": "bond_slip" });
+    let (code, text) = refused(&case);
+    let expected = "$.material.plugin: bond_slip has no UMAT: it is a law of a contact point; use kind \"interface\"";
+    assert!(code == 2 && text.contains(expected), "{text}");
+}
+
+#[test]
+fn hardening_is_a_list_of_points() {
+    let mut case = point_case();
+    case["material"] = json!({ "plugin": "j2_plasticity", "props": { "hardening": [[200, 0], [300, 0.1]] } });
+    let program = accepted(&case);
+    assert!(program.plugin.props.ends_with(&[200.0, 0.0, 300.0, 0.1]));
+    case["material"]["props"] = json!({});
+    let (code, text) = refused(&case);
+    assert!(
+        code == 2 && text.contains("$.material.props.hardening: is missing: j2_plasticity needs at least 1"),
+        "{text}"
+    );
+}
+
+fn case_files(folder: &Path) -> Vec<PathBuf> {
+    let mut files = Vec::new();
+    for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+        let path = entry.path();
+        if path.is_dir() {
+            files.extend(case_files(&path));
+        } else if path.extension().is_some_and(|suffix| suffix == "json") {
+            files.push(path);
+        }
+    }
+    files
+}
+
+/// The plugins that a case names, wherever it does.
+fn plugins(document: &Value) -> Vec<&str> {
+    match document {
+        Value::Object(members) => {
+            let own = members.get("plugin").and_then(Value::as_str);
+            own.into_iter().chain(members.values().flat_map(plugins)).collect()
+        }
+        Value::Array(elements) => elements.iter().flat_map(plugins).collect(),
+        _ => Vec::new(),
+    }
+}
+
+#[test]
+fn the_shipped_cases_are_read() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../cases");
+    let paths = search_paths(&[]);
+    let mut complaints = String::new();
+    for file in case_files(&folder) {
+        let text = std::fs::read_to_string(&file).expect("a case file");
+        let document: Value = serde_json::from_str(&text).expect("JSON");
+        if plugins(&document).iter().any(|plugin| Found::by_name(plugin, &paths).is_none()) {
+            continue;
+        }
+        assert!(schema_accepts(&document), "{}", file.display());
+        if super::super::is_study(&file) {
+            continue;
+        }
+        match read(&file, &[], &[]) {
+            Ok(case) => {
+                let steps = match &case {
+                    Case::Path(program) => match &program.kind {
+                        Kind::Point(point) => point.steps.len(),
+                        Kind::Interface(interface) => interface.steps.len(),
+                    },
+                    Case::Pullout(program) => program.model.steps.len(),
+                };
+                assert!(steps > 0 && !case.columns().is_empty());
+                let unusual = case.warnings().iter().any(|warning| warning.contains("usual range"));
+                // its numbers have no units
+                assert_eq!(unusual, file.ends_with("cook-membrane.json"), "{}: {:?}", file.display(), case.warnings());
+            }
+            Err(errors) => complaints.push_str(&format!("{errors}\n")),
+        }
+    }
+    assert!(complaints.is_empty(), "{complaints}");
+}
+
+#[test]
+fn what_a_slip_of_units_makes_is_told_with_the_usual_range() {
+    let told = |plugin: &str, props: Value| {
+        let mut case = point_case();
+        case["material"] = json!({ "plugin": plugin, "props": props });
+        accepted(&case).warnings
+    };
+    // GPa; thresholds of 3.5 MPa in kPa; J/m²
+    let in_gpa = told("linear_elastic", json!({ "E": 31.8 }));
+    let expected = "material.props.E = 31.8 MPa is outside the usual range, 500 to 1.2·10⁶ MPa";
+    assert!(in_gpa.len() == 1 && in_gpa[0].starts_with(expected), "{in_gpa:?}");
+    let listed = told("linear_elastic", json!([31.8, 0.18]));
+    assert_eq!(listed, in_gpa);
+    let threshold = told("concrete_damage", json!({ "Y_t0": 192.6 }));
+    assert!(threshold.len() == 1 && threshold[0].starts_with("material.props.Y_t0 = 192.6 MPa"), "{threshold:?}");
+    assert!(
+        told("concrete_damage", json!({})).is_empty() && told("concrete_damage", json!({ "E": 31_800 })).is_empty()
+    );
+    assert!(told("drucker_prager", json!({ "E": 31.8 })).is_empty(), "a soft soil");
+}
+
+#[test]
+fn what_a_case_leaves_to_defaults_is_listed() {
+    let left = |plugin: &str, props: Value| {
+        let mut case = point_case();
+        case["material"] = json!({ "plugin": plugin, "props": props });
+        accepted(&case).defaults
+    };
+    assert_eq!(left("linear_elastic", json!({ "E": 1000 })), ["material.props: nu = 0.18"]);
+    assert_eq!(left("linear_elastic", json!(null)), ["material.props: E = 31800, nu = 0.18"]);
+    assert!(left("linear_elastic", json!([1000, 0.2])).is_empty());
+    assert!(left("linear_elastic", json!({ "E": 1000, "nu": 0.2 })).is_empty());
+    let bond = accepted(&bond(json!({ "law": "B", "points": [] }))).defaults;
+    assert!(bond[0].contains("form = powers, normal_law = soft") && !bond[0].contains("n_points"), "{bond:?}");
+}

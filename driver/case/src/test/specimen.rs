@@ -1,0 +1,785 @@
+//! Cases of kind "pullout" on a mesh file with two bodies.
+
+use super::malformed::Seen::{ByMeaning, BySchema};
+use super::malformed::{Sample, check};
+use super::{Bench, overridden, schema_accepts};
+use crate::Case;
+use fe_core::kinematics::PlaneModel;
+use fe_core::model::{
+    ContactLaw, Enforcement, Freedom, HardLaw, LoadKind, Model, NormalLaw, Quadrature, Skipping, SoftLaw, Spalling,
+    StepControl, Width,
+};
+use pullout_run::pullout::Program;
+use pullout_run::pullout::fibre::Fibre;
+use serde_json::{Value, json};
+
+/// Columns and rows of elements of a body, and its box.
+struct Body {
+    columns: usize,
+    rows: usize,
+    low: [f64; 2],
+    high: [f64; 2],
+    first_node: usize,
+}
+
+impl Body {
+    fn node(&self, column: usize, row: usize) -> usize {
+        self.first_node + row * (self.columns + 1) + column
+    }
+
+    fn nodes(&self) -> Vec<[f64; 2]> {
+        let along =
+            |k: usize, part: usize, of: usize| self.low[k] + (self.high[k] - self.low[k]) * part as f64 / of as f64;
+        (0..=self.rows)
+            .flat_map(|row| (0..=self.columns).map(move |column| (row, column)))
+            .map(|(row, column)| [along(0, column, self.columns), along(1, row, self.rows)])
+            .collect()
+    }
+
+    fn elements(&self) -> Vec<Vec<usize>> {
+        (0..self.rows)
+            .flat_map(|row| (0..self.columns).map(move |column| (row, column)))
+            .map(|(r, c)| vec![self.node(c, r), self.node(c + 1, r), self.node(c + 1, r + 1), self.node(c, r + 1)])
+            .collect()
+    }
+
+    fn column(&self, column: usize) -> Vec<Vec<usize>> {
+        (0..self.rows).map(|row| vec![self.node(column, row), self.node(column, row + 1)]).collect()
+    }
+
+    fn row(&self, row: usize) -> Vec<Vec<usize>> {
+        (0..self.columns).map(|column| vec![self.node(column, row), self.node(column + 1, row)]).collect()
+    }
+}
+
+/// A Gmsh file: a matrix left of x = 0 and a fibre right of it, each 2 mm high, that share no node.
+pub(super) fn two_bodies() -> String {
+    let matrix = Body { columns: 2, rows: 4, low: [-1.0, 0.0], high: [0.0, 2.0], first_node: 1 };
+    let fibre = Body { columns: 1, rows: 4, low: [0.0, 0.0], high: [0.4, 2.0], first_node: 16 };
+    let both = |a: Vec<Vec<usize>>, b: Vec<Vec<usize>>| a.into_iter().chain(b).collect();
+    let groups: Vec<(usize, &str, Vec<Vec<usize>>)> = vec![
+        (2, "matrix", matrix.elements()),
+        (2, "fibre", fibre.elements()),
+        (1, "hole", matrix.column(2)),
+        (1, "surface", fibre.column(0)),
+        (1, "side", matrix.column(0)),
+        (1, "bottom", matrix.row(0)),
+        (1, "grip", fibre.row(4)),
+        (1, "fibre_bottom", fibre.row(0)),
+        (1, "pieces", both(matrix.row(0), matrix.row(4))),
+        (1, "ring", both(both(fibre.column(0), fibre.column(1)), both(fibre.row(0), fibre.row(4)))),
+        (0, "exit", vec![vec![fibre.node(0, 4)]]),
+        (0, "tail", vec![vec![fibre.node(0, 0)]]),
+    ];
+    let nodes: Vec<[f64; 2]> = matrix.nodes().into_iter().chain(fibre.nodes()).collect();
+    let mut text = format!("$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n{}\n", groups.len());
+    for (tag, (dimension, name, _)) in groups.iter().enumerate() {
+        text.push_str(&format!("{dimension} {} \"{name}\"\n", tag + 1));
+    }
+    text.push_str(&format!("$EndPhysicalNames\n$Nodes\n{}\n", nodes.len()));
+    for (k, [x, y]) in nodes.iter().enumerate() {
+        text.push_str(&format!("{} {x} {y} 0\n", k + 1));
+    }
+    let elements: Vec<(usize, usize, &Vec<usize>)> = groups
+        .iter()
+        .enumerate()
+        .flat_map(|(tag, (dimension, _, elements))| elements.iter().map(move |nodes| (*dimension, tag + 1, nodes)))
+        .collect();
+    text.push_str(&format!("$EndNodes\n$Elements\n{}\n", elements.len()));
+    for (k, (dimension, tag, nodes)) in elements.iter().enumerate() {
+        // 15: a point, 1: a line, 3: a quadrilateral
+        let kind = [15, 1, 3][*dimension];
+        let nodes: Vec<String> = nodes.iter().map(ToString::to_string).collect();
+        text.push_str(&format!("{} {kind} 2 {tag} {tag} {}\n", k + 1, nodes.join(" ")));
+    }
+    text.push_str("$EndElements\n");
+    text
+}
+
+/// The fibre is pulled up along the matrix.
+pub(super) fn pullout_case() -> Value {
+    json!({
+        "kind": "pullout",
+        "mesh": { "file": "two.msh" },
+        "parts": {
+            "matrix": { "material": { "plugin": "linear_elastic", "props": { "E": 23700, "nu": 0.15 } } },
+            "fibre": {
+                "material": { "plugin": "linear_elastic", "props": { "E": 210e3, "nu": 0.3 } },
+                "model": "plane_stress",
+                "thickness": 0.3
+            }
+        },
+        "contact": {
+            "slave": "hole",
+            "master": "surface",
+            "law": { "plugin": "bond_slip", "props": { "normal_law": "hard" } },
+            "width": 0.6
+        },
+        "grip": { "direction": "y", "nodes": "grip" },
+        "supports": { "side": {} },
+        "measure": { "exit": "exit", "tail": [0, 0] },
+        "steps": [ { "slip": 0.1 } ]
+    })
+}
+
+fn accepted(case: &Value, overrides: &[&str]) -> Program {
+    assert!(schema_accepts(&overridden(case, overrides)), "the schema refuses {overrides:?}");
+    match Bench::new().read(case, overrides) {
+        Ok(Case::Pullout(program)) => *program,
+        Ok(Case::Path(_)) => panic!("a case of a specimen"),
+        Err(errors) => panic!("{errors}"),
+    }
+}
+
+fn program(overrides: &[&str]) -> Program {
+    accepted(&pullout_case(), overrides)
+}
+
+#[test]
+fn a_file_and_its_groups_become_a_model() {
+    let program = program(&[]);
+    let model = &program.model;
+    let mesh = &model.mesh;
+    assert_eq!((program.mesh.as_str(), mesh.elements().len(), mesh.nodes().len()), ("file two.msh", 12, 25));
+    let parts: Vec<_> = mesh.parts().iter().map(|p| (p.name.as_str(), p.model, p.thickness)).collect();
+    assert_eq!(parts, [("fibre", PlaneModel::PlaneStress, 0.3), ("matrix", PlaneModel::PlaneStrain, 1.0)]);
+    assert_eq!(model.laws.iter().map(|law| law.props[0]).collect::<Vec<_>>(), [210e3, 23700.0]);
+    let [pair] = &model.contacts[..] else { panic!("one pair") };
+    assert_eq!((pair.name.as_str(), pair.slave.len(), pair.master.len()), ("contact 1", 4, 4));
+    assert_eq!((pair.width, pair.quadrature), (Width::Given(0.6), Quadrature::Gauss { points: 2 }));
+    assert_eq!(pair.enforcement, Enforcement::Uzawa { tolerance: 1e-6, max_updates: 4 });
+    assert!(matches!(&pair.law, ContactLaw::Uinter(law) if law.props[3] == 0.0), "the penalty is the pair's to fill");
+    assert_eq!(model.drives, ["slip"]);
+    let supports: Vec<_> =
+        model.supports.iter().map(|s| (s.name.as_str(), s.nodes.len(), s.direction, s.drive)).collect();
+    assert_eq!(
+        supports,
+        [
+            ("grip", 2, [0.0, 1.0], Some(0)),
+            ("grip, lateral", 2, [-1.0, 0.0], None),
+            ("side", 5, [1.0, 0.0], None),
+            ("side", 5, [0.0, 1.0], None)
+        ]
+    );
+    let measured = &model.measured;
+    assert_eq!((measured.slip, measured.support, measured.direction), (Some(0), Some(0), [0.0, 1.0]));
+    assert_eq!(measured.exit_node.map(|node| mesh.nodes()[node]), Some([0.0, 2.0]));
+    assert_eq!(model.steps[0].targets, [Some(0.1)]);
+    assert_eq!(model.steps[0].control, StepControl::Automatic { initial: 1e-3, maximum: 0.02, minimum: 1e-8 });
+    assert_eq!((model.skipping, model.nlgeom.clone()), (Skipping::ALL, vec![false; 2]));
+    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+}
+
+#[test]
+fn edges_of_a_chain_follow_each_other() {
+    let model = program(&[]).model;
+    for chain in [&model.contacts[0].slave, &model.contacts[0].master] {
+        let nodes: Vec<[usize; 2]> = chain
+            .iter()
+            .map(|&edge| model.mesh.edge_nodes(edge))
+            .map(|edge| [edge.nodes()[0], edge.nodes()[1]])
+            .collect();
+        assert!(nodes.windows(2).all(|pair| pair[0][1] == pair[1][0]), "{nodes:?}");
+    }
+}
+
+#[test]
+fn steps_drives_and_cycles() {
+    let program = program(&[
+        "supports.base={\"nodes\": \"fibre_bottom\", \"direction\": [0, 2], \"drive\": \"lift\"}",
+        "loads={\"side\": {\"pressure\": 5}, \"own\": {\"nodes\": \"tail\", \"force\": [1, 2], \"drive\": \"lift\"}}",
+        "steps=[{\"repeat\": 2, \"steps\": [{\"slip\": 0.1, \"increments\": 7}, {\"slip\": 0, \"time\": 3}]}, \
+         {\"drives\": {\"side\": 2, \"lift\": 0.5}, \"increments\": {\"initial\": 0.1}, \
+         \"until\": {\"quantity\": \"load\", \"less_than\": -1}}]",
+        "until={\"quantity\": \"abs(slip_exit)\", \"greater_than\": 1}",
+        "grip.lateral=free",
+    ]);
+    let model = &program.model;
+    assert_eq!(model.drives, ["slip", "lift", "side"]);
+    let targets: Vec<_> = model.steps.iter().map(|step| step.targets.clone()).collect();
+    let (pulled, back) = (vec![Some(0.1), None, None], vec![Some(0.0), None, None]);
+    assert_eq!(targets, [pulled.clone(), back.clone(), pulled, back, vec![None, Some(0.5), Some(2.0)]]);
+    assert_eq!(model.steps[0].control, StepControl::Fixed { increments: 7 });
+    assert_eq!(model.steps[4].control, StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-8 });
+    assert_eq!(model.steps[1].time, 3.0);
+    let until = program.step_untils[4].as_ref().expect("until");
+    assert_eq!((program.columns()[until.column].as_str(), until.less_than), ("load", Some(-1.0)));
+    assert!(
+        program.until.as_ref().is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit")
+    );
+    let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.direction, s.drive)).collect();
+    assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
+    let pressure = model.loads.iter().find(|load| load.name == "side").expect("the load");
+    assert!(matches!(&pressure.kind, LoadKind::Pressure { edges, pressure } if edges.len() == 4 && *pressure == 5.0));
+    assert!(
+        model
+            .loads
+            .iter()
+            .any(|load| load.drive == 1 && matches!(load.kind, LoadKind::Force { force: [1.0, 2.0], .. }))
+    );
+}
+
+#[test]
+fn contact_in_all_its_forms() {
+    let pairs = |overrides: &[&str]| program(overrides).model.contacts;
+    let fric = pairs(&["contact.law.entry=fric", "contact.normal={\"hard\": {\"p_0\": 3, \"delta_N\": 0.1}}"]);
+    let law = NormalLaw::Hard(HardLaw { p_0: 3.0, delta_n: 0.1 });
+    assert!(matches!(&fric[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
+    let soft = pairs(&["contact.law.entry=fric", "contact.normal={\"soft\": {\"p_0\": 2, \"g_0\": 0.05}}"]);
+    let law = NormalLaw::Soft(SoftLaw { p_0: 2.0, g_0: 0.05 });
+    assert!(matches!(&soft[0].law, ContactLaw::Fric { normal, .. } if *normal == law));
+    let other = pairs(&[
+        "contact.quadrature={\"segments\": 3}",
+        "contact.width=part",
+        "contact.penalty_factor=7",
+        "contact.enforcement={\"perturbed_lagrangian\": {\"ratio\": 2e4}}",
+        "contact.release=false",
+        "contact.name=seam",
+    ]);
+    assert_eq!((other[0].quadrature, other[0].width), (Quadrature::Segments { points: 3 }, Width::OfPart));
+    assert_eq!((other[0].penalty_factor, other[0].release, other[0].name.as_str()), (7.0, false, "seam"));
+    assert_eq!(other[0].enforcement, Enforcement::PerturbedLagrangian { ratio: 2e4 });
+    let penalty = pairs(&["contact.enforcement=penalty", "contact.quadrature=nodes"]);
+    assert_eq!((penalty[0].enforcement, penalty[0].quadrature), (Enforcement::Penalty, Quadrature::Nodes));
+    let mut case = pullout_case();
+    case["contact"] = json!([case["contact"].clone()]);
+    assert_eq!(accepted(&case, &[]).model.contacts.len(), 1);
+    case.as_object_mut().expect("an object").remove("contact");
+    assert!(accepted(&case, &[]).model.contacts.is_empty());
+}
+
+#[test]
+fn a_body_that_nothing_holds_is_named() {
+    let mut case = pullout_case();
+    case["supports"] = json!({});
+    case["contact"] = json!([]);
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(
+        text.contains("$.supports: the body with element 1 (part 'matrix') can move along x and can move along y"),
+        "{text}"
+    );
+}
+
+/// A minimal case on a specimen.
+fn specimen_case(specimen: Value, parts: &[&str]) -> Value {
+    let material = json!({ "material": { "plugin": "linear_elastic", "props": { "E": 2e5, "nu": 0.2 } } });
+    let parts: serde_json::Map<String, Value> =
+        parts.iter().map(|name| ((*name).to_owned(), material.clone())).collect();
+    json!({ "kind": "pullout", "mesh": { "specimen": specimen }, "parts": parts, "steps": [{}] })
+}
+
+#[test]
+fn a_perpendicular_fibre_needs_little_more_than_its_laws() {
+    let mut case =
+        specimen_case(json!({ "type": "perpendicular_fibre", "embedded_elements": 10 }), &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip" } });
+    case["steps"] = json!([{ "slip": 12.2 }]);
+    let model = accepted(&case, &[]).model;
+    assert_eq!(model.contacts.len(), 2);
+    let quarter_circumference = std::f64::consts::PI * 0.406 / 2.0;
+    assert!(model.contacts.iter().all(|pair| pair.width == Width::Given(quarter_circumference)));
+    assert!(model.contacts[0].name != model.contacts[1].name);
+    assert_eq!(model.measured.direction, [0.0, 1.0]);
+    let position = |node: Option<usize>| node.map(|node| model.mesh.nodes()[node]);
+    assert_eq!(position(model.measured.exit_node), Some([0.0, 0.0]));
+    assert_eq!(position(model.measured.tail_node).map(|[_, y]| y), Some(-12.2));
+    let fibre = model.mesh.parts().iter().find(|part| part.name == "fibre").expect("the part");
+    assert_eq!((fibre.model, fibre.thickness), (PlaneModel::PlaneStress, std::f64::consts::PI / 4.0 * 0.406));
+    for way in ["sides", "face_near", "face_away", "bottom"] {
+        let model = accepted(&case, &[&format!("supports={way}")]).model;
+        let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
+        assert_eq!(supports, ["grip", "grip, lateral", way, way]);
+    }
+    let inertia = accepted(&case, &["parts.fibre.thickness=equal_inertia"]).model;
+    let fibre = inertia.mesh.parts().iter().find(|part| part.name == "fibre").expect("the part");
+    assert!((fibre.thickness - 3.0 * std::f64::consts::PI * 0.406 / 16.0).abs() < 1e-15);
+    let round = accepted(&case, &["mesh.specimen.axisymmetric=true"]).model;
+    assert_eq!((round.contacts.len(), round.contacts[0].width), (1, Width::OfPart));
+    assert_eq!((round.measured.axis, round.measured.bearing_factor), (Some([0.0, 1.0]), 1.0));
+    assert!(round.mesh.parts().iter().all(|part| part.model == PlaneModel::Axisymmetric));
+}
+
+/// A minimal case of an inclined fibre.
+fn inclined_case() -> Value {
+    let mut case =
+        specimen_case(json!({ "type": "inclined_fibre", "mesh_size": 2, "cover": false }), &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": { "normal_law": "hard", "p_0": 1000 } } });
+    case["steps"] = json!([{ "slip": 2 }]);
+    case
+}
+
+#[test]
+fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
+    let case = inclined_case();
+    let names = |model: &Model| -> Vec<String> { model.contacts.iter().map(|pair| pair.name.clone()).collect() };
+    let props = |model: &Model, name: &str| -> Vec<f64> {
+        let pair = model.contacts.iter().find(|pair| pair.name == name).expect("the pair");
+        let ContactLaw::Uinter(law) = &pair.law else { panic!("UINTER") };
+        law.props.clone()
+    };
+    let model = accepted(&case, &["nlgeom=true", "parts.matrix.nlgeom=false"]).model;
+    assert_eq!(names(&model), ["interface_left", "interface_right", "exit_left", "exit_right"]);
+    assert_eq!(model.nlgeom, [true, false]);
+    assert_eq!(model.measured.axis, Some(std::f64::consts::FRAC_PI_4.sin_cos().into()));
+    assert_eq!(model.measured.interface_lines, [[0], [1]]);
+    // what pictures follow: 12.2 mm in the block, the bend of radius 1.5 φ, 3 mm
+    let axis = Fibre::of(&model).expect("a fibre").axis;
+    let length: f64 = axis.windows(2).map(|ends| (ends[1][0] - ends[0][0]).hypot(ends[1][1] - ends[0][1])).sum();
+    assert!((length - (12.2 + 1.5 * 0.406 * std::f64::consts::FRAC_PI_4 + 3.0)).abs() < 2e-3, "{length} mm");
+    assert!((model.measured.bearing_factor - std::f64::consts::FRAC_PI_2).abs() < 1e-15, "t_N/(φ L)");
+    assert!(model.contacts.iter().all(|pair| pair.master_bends), "the fibre is the master");
+    // law and p_0: no bond at the rounded edges
+    assert_eq!([0, 4].map(|k| props(&model, "interface_left")[k]), [0.0, 1000.0]);
+    assert_eq!(props(&model, "exit_left")[0], 2.0);
+    let model =
+        accepted(&case, &["mesh.specimen.separation_length=thesis", "contact.exit={\"law\": \"none\", \"mu\": 0}"])
+            .model;
+    assert_eq!(names(&model)[2..4], ["separation_left", "separation_right"]);
+    assert_eq!(model.measured.interface_lines, [[0, 2], [1, 3]]);
+    assert_eq!([0, 4].map(|k| props(&model, "separation_left")[k]), [0.0, 2.0]);
+    assert_eq!([0, 14].map(|k| props(&model, "exit_right")[k]), [2.0, 0.0]);
+    // φ (tan θ + 1/(2 tan θ)) at 45°: the walls lose 1.5 φ, as far as stations fall on it
+    let length = |name: &str| -> f64 {
+        let edges = model.mesh.edge_set(name).expect("the set").iter().map(|&edge| model.mesh.edge_nodes(edge));
+        let ends = edges.map(|edge| [0, 1].map(|k| model.mesh.nodes()[edge.nodes()[k]]));
+        ends.map(|[a, b]| (a[0] - b[0]).hypot(a[1] - b[1])).sum()
+    };
+    let start = 0.609 - 0.1015 * (1.0 + 0.5_f64.sqrt()) * 2.0_f64.sqrt() - 0.203;
+    assert!((length("hole_separation_left") - start).abs() < 0.21, "{}", length("hole_separation_left"));
+    // 0 below 15°
+    let model = accepted(&case, &["mesh.specimen.separation_length=thesis", "mesh.specimen.angle_deg=14"]).model;
+    assert_eq!(model.contacts.len(), 4);
+}
+
+/// Coarse elements that bend over the exit's edge would make the load a saw.
+#[test]
+fn what_the_steps_pull_out_is_meshed_finely() {
+    let longest = |overrides: &[&str], below: f64| {
+        let model = accepted(&inclined_case(), &[&["mesh.specimen.mesh_size=1"], overrides].concat()).model;
+        // elements along the embedded axis from the exit to this depth
+        let axis = Fibre::of(&model).expect("a fibre").axis;
+        let depth = |node: &[f64; 2]| -(node[0] + node[1]) * 0.5_f64.sqrt();
+        let nodes: Vec<f64> = axis.iter().map(depth).filter(|depth| (-1e-9..below).contains(depth)).collect();
+        nodes.windows(2).map(|ends| (ends[1] - ends[0]).abs()).fold(0.0, f64::max)
+    };
+    let usual = longest(&[], 2.0);
+    assert!(usual < 0.115, "{usual}");
+    assert!(longest(&["steps.0.slip=5"], 5.0) <= 1.05 * usual);
+    assert!(longest(&["steps.0.slip=13"], 12.2) <= 1.05 * usual);
+    let cycles = r#"steps=[{"repeat": 2, "steps": [{"slip": 4}, {"slip": 1}]}]"#;
+    assert!(longest(&[cycles], 4.0) <= 1.05 * usual);
+    // what is given stays
+    assert!(longest(&["steps.0.slip=5", "mesh.specimen.fine_length=2"], 5.0) > 3.0 * usual);
+    assert!(longest(&[], 5.0) > 3.0 * usual);
+}
+
+#[test]
+fn an_inclined_fibre_has_a_cover_unless_it_is_as_thick_as_its_block() {
+    let mut case = inclined_case();
+    case["mesh"]["specimen"].as_object_mut().expect("a specimen").remove("cover");
+    let parts = |overrides: &[&str]| accepted(&case, overrides).model.laws.len();
+    assert_eq!(parts(&[]), 3);
+    assert_eq!(parts(&["mesh.specimen.cover=false"]), 2, "the thesis's plane model");
+    assert_eq!(parts(&["mesh.specimen.matrix_thickness=0.406"]), 2);
+}
+
+#[test]
+fn torn_matter_is_released_as_the_case_says() {
+    let case = inclined_case();
+    assert_eq!(accepted(&case, &[]).model.controls.spalling, None);
+    let found = accepted(&case, &[r#"spalling={"opening": 0.2, "stress": 0.03, "wait": 0.1}"#]).model.controls.spalling;
+    assert_eq!(found, Some(Spalling { opening: 0.2, stress: 0.03, wait: 0.1, fade: 0.02 }));
+}
+
+#[test]
+fn a_fibre_loaded_at_its_exit_hangs_on_a_node() {
+    let model = accepted(&inclined_case(), &["mesh.specimen.shape=straight"]).model;
+    assert_eq!(model.couplings.len(), 2, "x and y");
+    let grip = &model.supports[0];
+    assert_eq!((grip.name.as_str(), grip.nodes.len()), ("grip", 1));
+    assert_eq!(model.mesh.free_nodes(), grip.nodes);
+    let model = accepted(&inclined_case(), &["mesh.specimen.shape=straight", "mesh.specimen.free_length=1"]).model;
+    assert!(model.couplings.is_empty() && model.supports[0].nodes.len() == 5);
+}
+
+#[test]
+fn impossible_inclined_fibres_are_explained() {
+    for (overrides, place, message) in [
+        (&["mesh.specimen.angle_deg=81"][..], "$.mesh.specimen.angle_deg", "80"),
+        (&["mesh.specimen.width=10"], "$.mesh.specimen.embedded_length", "stays in the block"),
+        (&["mesh.specimen.matrix_element=Q8"], "$.mesh.specimen.matrix_element", "T6 or T3"),
+        (&["mesh.specimen.free_length=0"], "$.mesh.specimen.free_length", "positive"),
+        (&["contact.exit={\"mu_\": 0}"], "$.contact.law.props.mu_", "no parameter 'mu_'"),
+        (
+            &["contact.law.props=[0, 0, 0, 0, 1000, 0, 0, 400, 3.44, 0.13865, 1, -0.1772, 0, 0, 0.1, 0, 0]"],
+            "$.contact.exit",
+            "by name",
+        ),
+    ] {
+        let text = Bench::new().read(&inclined_case(), overrides).map(|_| String::new());
+        let text = text.unwrap_or_else(|errors| errors.to_string());
+        assert!(text.contains(place) && text.contains(message), "{overrides:?}: {text}");
+    }
+}
+
+#[test]
+fn every_specimen_has_a_smallest_case() {
+    for (name, parts) in [
+        ("plate_with_hole", &["plate"][..]),
+        ("thick_cylinder", &["cylinder"]),
+        ("cook_membrane", &["membrane"]),
+        ("beam", &["beam"]),
+        ("two_blocks", &["lower", "upper"]),
+        ("hertz", &["cylinder", "base"]),
+        ("drag_out_strip", &["strip", "block"]),
+    ] {
+        let mut case = specimen_case(json!({ "type": name }), parts);
+        if parts.len() > 1 {
+            let law = json!({ "plugin": "bond_slip", "entry": "fric", "props": { "law": "none" } });
+            case["contact"] = json!({ "law": law, "normal": { "hard": {} } });
+        }
+        let model = accepted(&case, &[]).model;
+        assert_eq!(model.laws.len(), parts.len(), "{name}");
+        assert!(!model.supports.is_empty() && model.contacts.len() == parts.len() - 1, "{name}");
+    }
+}
+
+#[test]
+fn controls_skipping_and_output() {
+    let program = program(&[
+        "controls={\"force_tolerance\": 1e-8, \"max_iterations\": 9, \"line_search\": false, \"relaxation_time\": 2}",
+        "skip={\"elastic_far_field\": false}",
+        "output={\"every\": 5, \"vtu\": 3, \"plots\": false}",
+        "nlgeom=true",
+    ]);
+    let controls = program.model.controls;
+    assert_eq!((controls.force_tolerance, controls.max_iterations, controls.line_search), (1e-8, 9, false));
+    assert_eq!((controls.relaxation_time, controls.max_cutbacks), (2.0, 30));
+    assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
+    assert_eq!((program.output.every, program.output.fields_every, program.output.plots), (5, Some(3), false));
+    assert!(program.model.has_large_displacements());
+    let program = self::program(&["skip=none", "output.vtu=false"]);
+    assert_eq!((program.model.skipping, program.output.fields_every), (Skipping::NONE, None));
+}
+
+#[test]
+fn couplings_by_terms_and_ties() {
+    let program = program(&["couplings=[{\"dependent\": {\"node\": [0.4, 1.5], \"component\": \"x\"}, \
+         \"terms\": [{\"node\": \"exit\", \"component\": \"y\", \"factor\": -2}]}, \
+         {\"tie\": \"hole\", \"to\": \"surface\"}]"]);
+    let model = &program.model;
+    let exit = model.mesh.node_set("exit").expect("the set")[0];
+    assert_eq!(model.mesh.nodes()[model.couplings[0].dependent.node], [0.4, 1.5]);
+    assert_eq!(model.couplings[0].terms, [(Freedom { node: exit, component: 1 }, -2.0)]);
+    // five nodes at the places of five others, two directions
+    assert_eq!(model.couplings.len(), 1 + 10);
+    for coupling in &model.couplings[1..] {
+        let own = model.mesh.nodes()[coupling.dependent.node];
+        let place = coupling.terms.iter().fold([0.0; 2], |[x, y], (freedom, weight)| {
+            let node = model.mesh.nodes()[freedom.node];
+            [x + weight * node[0], y + weight * node[1]]
+        });
+        assert!((own[0] - place[0]).hypot(own[1] - place[1]) < 1e-12, "{own:?} {place:?}");
+    }
+}
+
+#[test]
+fn a_drive_that_nothing_moves_is_told() {
+    let program = program(&["loads={\"side\": {\"pressure\": 1}}"]);
+    assert_eq!(program.warnings, ["loads.side: no step moves the drive 'side': it stays 0"]);
+}
+
+#[test]
+fn a_crack_band_is_judged_by_the_elements_of_its_part() {
+    let mut case = pullout_case();
+    let material =
+        |crushing_energy: f64| json!({ "plugin": "concrete_damage", "props": { "G_f": 0.1, "G_c": crushing_energy } });
+    case["parts"]["matrix"]["material"] = material(15.0);
+    accepted(&case, &[]);
+    // elements of 0.5 mm × 0.5 mm dissipate more than this before they soften
+    case["parts"]["matrix"]["material"] = material(1e-4);
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    let expected = "$.parts.matrix.material.props: concrete_damage: in element ";
+    assert!(text.contains(expected) && text.contains("of length 0.5000 mm"), "{text}");
+}
+
+const MALFORMED: &[Sample] = &[
+    // structure
+    (&["mesh=5"], "$.mesh", "expected an object, found 5", BySchema),
+    (&["mesh={}"], "$.mesh.file", "is missing", BySchema),
+    (&["mesh={\"file\": 3}"], "$.mesh.file", "expected a text, found 3", BySchema),
+    (&["mesh={\"fiel\": \"two.msh\"}"], "$.mesh.fiel", "nearest valid name: 'file'", BySchema),
+    (&["part=1"], "$.part", "unknown key; nearest valid name: 'parts'", BySchema),
+    (&["parts=[]"], "$.parts", "expected an object, found []", BySchema),
+    (&["parts.fibre.material=null"], "$.parts.fibre.material", "expected an object", BySchema),
+    (&["parts.fibre={}"], "$.parts.fibre.material", "is missing", BySchema),
+    (&["parts.fibre.model=3d"], "$.parts.fibre.model", "expected \"plane_stress\"", BySchema),
+    (&["parts.fibre.thickness=-1"], "$.parts.fibre.thickness", "must be > 0", BySchema),
+    (&["parts.fibre.thickness=thick"], "$.parts.fibre.thickness", "expected a number", BySchema),
+    (&["parts.fibre.integration=half"], "$.parts.fibre.integration", "\"full\"", BySchema),
+    (&["contact=7"], "$.contact", "expected an object or an array", BySchema),
+    (&["contact.lwa={}"], "$.contact.lwa", "unknown key", BySchema),
+    (&["contact={\"slave\": \"hole\", \"master\": \"surface\"}"], "$.contact.law", "is missing", BySchema),
+    (&["contact.quadrature={\"gauss\": 11}"], "$.contact.quadrature.gauss", "must be <= 10", BySchema),
+    (&["contact.width=0"], "$.contact.width", "must be > 0", BySchema),
+    (&["contact.enforcement=glue"], "$.contact.enforcement", "\"penalty\"", BySchema),
+    (&["contact.penalty_factor=0"], "$.contact.penalty_factor", "must be > 0", BySchema),
+    (&["grip.lateral=loose"], "$.grip.lateral", "expected \"fixed\" or \"free\"", BySchema),
+    (&["grip.direction=z"], "$.grip.direction", "expected \"x\", \"y\" or an array", BySchema),
+    (&["grip.direction=[1]"], "$.grip.direction", "needs at least 2 entries", BySchema),
+    (&["supports.side.direction=5"], "$.supports.side.direction", "found 5", BySchema),
+    (&["steps.0.slip=far"], "$.steps[0].slip", "expected a number, found \"far\"", BySchema),
+    (&["steps.0.slpi=1"], "$.steps[0].slpi", "unknown key; nearest valid name: 'slip'", BySchema),
+    (&["steps.0.increments=0"], "$.steps[0].increments", "must be >= 1", BySchema),
+    (&["steps.0.increments={\"initial\": 2}"], "$.steps[0].increments.initial", "must be <= 1", BySchema),
+    (
+        &["steps.0.increments={\"intial\": 0.1}"],
+        "$.steps[0].increments.intial",
+        "nearest valid name: 'initial'",
+        BySchema,
+    ),
+    (&["controls={\"force_tolerance\": 0}"], "$.controls.force_tolerance", "must be > 0", BySchema),
+    (&["controls={\"relaxation_time\": -1}"], "$.controls.relaxation_time", "must be >= 0", BySchema),
+    (&["skip=some"], "$.skip", "expected \"all\", \"none\" or an object", BySchema),
+    (&["skip={\"far_field\": true}"], "$.skip.far_field", "unknown key", BySchema),
+    (&["output.vtu=often"], "$.output.vtu", "expected true or false or a whole number", BySchema),
+    (&["couplings=[{\"tei\": \"a\", \"to\": \"b\"}]"], "$.couplings[0].tei", "nearest valid name: 'tie'", BySchema),
+    (&["mesh={\"specimen\": {}}"], "$.mesh.specimen.type", "is missing", BySchema),
+    (&["mesh={\"specimen\": {\"type\": \"beem\"}}"], "$.mesh.specimen.type", "nearest valid name: 'beam'", BySchema),
+    (
+        &["mesh={\"specimen\": {\"type\": \"beam\", \"lenght\": 3}}"],
+        "$.mesh.specimen.lenght",
+        "unknown key; nearest valid name: 'length'",
+        BySchema,
+    ),
+    (
+        &["mesh={\"specimen\": {\"type\": \"perpendicular_fibre\", \"width\": 0}}"],
+        "$.mesh.specimen.width",
+        "must be > 0",
+        BySchema,
+    ),
+    // mesh and sets
+    (
+        &["mesh={\"specimen\": {\"type\": \"perpendicular_fibre\", \"embedded_length\": 20}}"],
+        "$.mesh.specimen.embedded_length",
+        "is 20, it must be",
+        ByMeaning,
+    ),
+    (
+        &["mesh={\"specimen\": {\"type\": \"cook_membrane\"}}"],
+        "$.parts.membrane",
+        "is missing: the specimen has this part",
+        ByMeaning,
+    ),
+    (&["mesh={\"specimen\": {\"type\": \"beam\"}}"], "$.parts.fibre", "the specimen has no part 'fibre'", ByMeaning),
+    (&["mesh.file=nowhere.msh"], "$.mesh.file", "cannot be read: No such file", ByMeaning),
+    (&["mesh.file=curve.csv"], "$.mesh.file", "this is no Gmsh mesh", ByMeaning),
+    (&["parts={\"bar\": {\"material\": {\"plugin\": \"linear_elastic\"}}}"], "$.mesh.file", "matrix", ByMeaning),
+    (&["grip.nodes=girp"], "$.grip.nodes", "no node set 'girp'; nearest valid name: 'grip'", ByMeaning),
+    (&["grip={}"], "$.grip.nodes", "is missing", ByMeaning),
+    (&["grip={}"], "$.grip.direction", "is missing", ByMeaning),
+    (&["grip.direction=[0, 0]"], "$.grip.direction", "[0, 0] has no direction", ByMeaning),
+    (&["supports=sides"], "$.supports", "the mesh has no supports of its own", ByMeaning),
+    (&["supports={\"sied\": {}}"], "$.supports.sied", "nearest valid name: 'side'", ByMeaning),
+    (&["supports.side.nodes=sied"], "$.supports.side.nodes", "nearest valid name: 'side'", ByMeaning),
+    (&["supports.side.drive=lift"], "$.supports.side.direction", "is missing: a drive moves", ByMeaning),
+    (&["supports.grip={}"], "$.supports.grip", "this name is taken", ByMeaning),
+    (&["contact.slave=hoel"], "$.contact.slave", "no edge set 'hoel'; nearest valid name: 'hole'", ByMeaning),
+    (&["contact.master=tail"], "$.contact.master", "the mesh has no edge set 'tail'", ByMeaning),
+    (&["contact.slave=pieces"], "$.contact.slave", "its edges are 2 pieces", ByMeaning),
+    (&["contact.master=ring"], "$.contact.master", "a closed ring", ByMeaning),
+    (&["contact.master=hole"], "$.contact.master", "the slave has as well", ByMeaning),
+    (&["measure.exit=side"], "$.measure.exit", "has 5 nodes; one is needed", ByMeaning),
+    (&["measure.tail=[9, 9]"], "$.measure.tail", "no node is at (9, 9)", ByMeaning),
+    (&["measure.load=bottom"], "$.measure.load", "there is no support 'bottom'", ByMeaning),
+    (&["measure.slip=lift"], "$.measure.slip", "has the drive 'lift'", ByMeaning),
+    // laws
+    (&["parts.fibre.material.props.E=0"], "$.parts.fibre.material.props.E", "must be > 0", ByMeaning),
+    (
+        &["parts.fibre.material.entry=uinter"],
+        "$.parts.fibre.material.entry",
+        "a part calls the entry point umat",
+        ByMeaning,
+    ),
+    (&["parts.fibre.material.statev0=[0, 0, 0]"], "$.parts.fibre.material.statev0", "3 values given", ByMeaning),
+    (
+        &["parts.fibre.material={\"plugin\": \"bond_slip\"}"],
+        "$.parts.fibre.material.plugin",
+        "has no UMAT: it is a law of contact",
+        ByMeaning,
+    ),
+    (
+        &["contact.law={\"plugin\": \"linear_elastic\"}"],
+        "$.contact.law.plugin",
+        "has no UINTER: it is a law of a part",
+        ByMeaning,
+    ),
+    (&["contact.law.entry=umat"], "$.contact.law.entry", "uinter or fric", ByMeaning),
+    (&["contact.law.props.mu=-1"], "$.contact.law.props.mu", "must be >= 0", ByMeaning),
+    (&["contact.law.entry=fric"], "$.contact.normal", "is missing: FRIC has no normal law", ByMeaning),
+    (&["contact.normal={\"hard\": {}}"], "$.contact.normal", "a UINTER plugin has the normal law", ByMeaning),
+    (&["parts.fibre.thickness=equal_area"], "$.parts.fibre.thickness", "the mesh has no round fibre", ByMeaning),
+    // loads, couplings, steps
+    (&["loads={\"side\": {}}"], "$.loads.side", "needs exactly one of", ByMeaning),
+    (&["loads={\"side\": {\"pressure\": 1, \"force\": [1, 0]}}"], "$.loads.side", "needs exactly one of", ByMeaning),
+    (&["loads={\"exit\": {\"pressure\": 1}}"], "$.loads.exit", "the mesh has no edge set 'exit'", ByMeaning),
+    (
+        &["loads={\"a\": {\"pressure\": 1, \"nodes\": \"side\"}}"],
+        "$.loads.a.nodes",
+        "name the set as \"edges\"",
+        ByMeaning,
+    ),
+    (&["couplings=[{\"tie\": \"side\", \"to\": \"hole\"}]"], "$.couplings[0]", "beside the edges of 'hole'", ByMeaning),
+    (
+        &["couplings=[{\"dependent\": {\"node\": \"exit\", \"component\": \"x\"}, \
+           \"terms\": [{\"node\": \"exit\", \"component\": \"x\"}]}]"],
+        "$.couplings[0].terms[0]",
+        "cannot follow itself",
+        ByMeaning,
+    ),
+    (&["steps.0.drives={\"lift\": 1}"], "$.steps[0].drives.lift", "has the drive 'lift'", ByMeaning),
+    (&["steps.0.drives={\"slip\": 1}"], "$.steps[0].drives.slip", "given twice", ByMeaning),
+    (
+        &["steps.0.increments={\"initial\": 0.1, \"maximum\": 0.01}"],
+        "$.steps[0].increments.initial",
+        "0.1 is greater than the maximum, 0.01",
+        ByMeaning,
+    ),
+    (
+        &["steps.0.increments={\"initial\": 0.001, \"minimum\": 0.01}"],
+        "$.steps[0].increments.minimum",
+        "greater than the initial increment",
+        ByMeaning,
+    ),
+    (&["steps.0.until={\"quantity\": \"laod\", \"less_than\": 1}"], "$.steps[0].until.quantity", "'load'", ByMeaning),
+    (&["until={\"quantity\": \"load\"}"], "$.until", "needs \"greater_than\" or \"less_than\"", ByMeaning),
+    (
+        &[
+            "compare=[{\"file\": \"curve.csv\", \"file_x\": \"strain\", \"file_y\": \"other\", \"x\": \"slip\", \"y\": \"P\"}]",
+        ],
+        "$.compare[0].y",
+        "the history has no column 'P'",
+        ByMeaning,
+    ),
+];
+
+#[test]
+fn malformed_pullout_cases_are_explained() {
+    check(&pullout_case(), MALFORMED);
+}
+
+#[test]
+fn without_a_grip_nothing_slips() {
+    let mut case = pullout_case();
+    case.as_object_mut().expect("an object").remove("grip");
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(text.contains("$.steps[0].slip: nothing is pulled"), "{text}");
+    case["steps"] = json!([{ "drives": { "lift": 1 } }]);
+    case["supports"]["fibre_bottom"] = json!({ "direction": "y", "drive": "lift" });
+    case["measure"] = json!({ "slip": "lift", "load": "fibre_bottom" });
+    let measured = accepted(&case, &[]).model.measured;
+    assert_eq!((measured.slip, measured.direction), (Some(0), [0.0, 1.0]));
+}
+
+#[test]
+fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
+    let bench = Bench::new();
+    let text = two_bodies();
+    assert!(program(&[]).warnings.is_empty());
+    // a quadrilateral of the matrix the other way round
+    let line = text.lines().find(|line| line.starts_with("2 3 2 ")).expect("an element");
+    let words: Vec<&str> = line.split(' ').collect();
+    let turned = [&words[..5], &[words[8], words[7], words[6], words[5]]].concat().join(" ");
+    std::fs::write(bench.0.path().join("turned.msh"), text.replace(line, &turned)).expect("a mesh");
+    let Ok(Case::Pullout(program)) = bench.read(&pullout_case(), &["mesh.file=turned.msh"]) else { panic!("a case") };
+    let [warning] = program.warnings.as_slice() else { panic!("{:?}", program.warnings) };
+    assert!(warning.ends_with("turned.msh: element 2 has clockwise nodes: turned round"), "{warning}");
+    let areas = |mesh: &fe_core::mesh::Mesh| (0..12).map(|element| mesh.element_area(element)).sum::<f64>();
+    assert!((areas(&program.model.mesh) - 2.8).abs() < 1e-12);
+}
+
+/// What follows from a mesh that cannot be made, or from a misspelt key, is not told.
+#[test]
+fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
+    let mut case = pullout_case();
+    for key in ["grip", "supports", "measure"] {
+        case.as_object_mut().expect("an object").remove(key);
+    }
+    let specimen = json!({ "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0 });
+    case["mesh"] = json!({ "specimen": specimen });
+    case["contact"] = json!({ "law": case["contact"]["law"] });
+    case["steps"] = json!([{ "slip": 0.001, "increments": 2 }]);
+    let problems = |case: &Value| {
+        let errors = Bench::new().read(case, &[]).expect_err("malformed");
+        errors.problems.iter().map(ToString::to_string).collect::<Vec<_>>()
+    };
+    let renamed = |place: &str, key: &str, other: &str| {
+        let mut case = case.clone();
+        let members = case.pointer_mut(place).and_then(Value::as_object_mut).expect("an object");
+        let value = members.remove(key).expect("a member");
+        members.insert(other.into(), value);
+        problems(&case)
+    };
+    for (key, value, place) in [
+        ("embedded_elements", json!(-1), "$.mesh.specimen.embedded_elements: must be >= 1"),
+        ("embedded_length", json!(-1), "$.mesh.specimen.embedded_length: must be > 0"),
+        ("type", json!("perpendicular_fibr"), "$.mesh.specimen.type: there is no 'perpendicular_fibr'"),
+        ("interface_size", json!("x"), "$.mesh.specimen.interface_size: expected a number"),
+    ] {
+        let mut case = case.clone();
+        case["mesh"]["specimen"][key] = value;
+        let problems = problems(&case);
+        assert!(problems.len() == 1 && problems[0].starts_with(place), "{problems:?}");
+    }
+    for (place, key, other, expected) in [
+        ("/mesh/specimen", "type", "typ", "$.mesh.specimen.typ: unknown key"),
+        ("/mesh", "specimen", "speciment", "$.mesh.speciment: unknown key"),
+        ("", "mesh", "mes", "$.mes: unknown key"),
+        ("", "parts", "part", "$.part: unknown key"),
+        ("", "contact", "contac", "$.contac: unknown key"),
+        ("/contact", "law", "lw", "$.contact.lw: unknown key"),
+        ("/parts", "fibre", "fibr", "$.parts.fibr: the specimen has no part 'fibr'"),
+    ] {
+        let problems = renamed(place, key, other);
+        assert!(problems.len() == 1 && problems[0].starts_with(expected), "{problems:?}");
+    }
+}
+
+#[test]
+fn all_problems_of_a_specimen_are_reported_at_once() {
+    let overrides = [
+        "grip.nodes=nowhere",
+        "contact.slave=nothing",
+        "parts.fibre.material.props.E=-1",
+        "parts.matrix.material.plugin=bond_slip",
+        "steps.0.drives={\"x\": 1}",
+        "output.every=0",
+        "colour=red",
+    ];
+    let errors = Bench::new().read(&pullout_case(), &overrides).expect_err("malformed");
+    assert_eq!(errors.problems.len(), 9, "{errors}");
+    assert_eq!(errors.exit_code(), 2);
+}
+
+#[test]
+fn a_thickness_that_nobody_means_is_told() {
+    let told = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).warnings;
+    let expected = "the thickness of the part 'fibre' = 1·10⁻¹² mm is outside the usual range, 0.001 to 100000 mm";
+    assert!(told("1e-12").iter().any(|warning| warning.starts_with(expected)), "{:?}", told("1e-12"));
+    assert!(!told("0.3").iter().any(|warning| warning.contains("usual range")));
+}
+
+#[test]
+fn sizes_that_a_specimen_takes_by_default_are_listed() {
+    let mut case = pullout_case();
+    case["mesh"] = json!({ "specimen": { "type": "perpendicular_fibre", "embedded_length": 2.0 } });
+    for key in ["contact", "grip", "supports", "measure"] {
+        case.as_object_mut().expect("an object").remove(key);
+    }
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": {} } });
+    let defaults = accepted(&case, &[]).defaults;
+    let sizes = defaults.iter().find(|line| line.starts_with("mesh.specimen: ")).expect("sizes");
+    assert!(sizes.contains("fibre_diameter = ") && sizes.contains("width = "), "{sizes}");
+    assert!(!sizes.contains("embedded_length"), "{sizes}");
+    assert!(defaults.iter().any(|line| line.starts_with("contact.law.props: law = A")), "{defaults:?}");
+}

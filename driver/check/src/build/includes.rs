@@ -1,0 +1,64 @@
+//! The files that sources of ABAQUS user subroutines include: what these interfaces are, in our words.
+
+use super::scan::Scan;
+use std::io;
+use std::path::Path;
+
+/// Double precision, as ABAQUS/Standard has it; good in both forms of source, as all of these.
+const ABA_PARAM: &str = "      implicit real*8 (a-h,o-z)\n      parameter (nprecd=2)\n";
+/// The same of ABAQUS/Explicit in double precision.
+const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
+      parameter (j_sys_Dimension=2, n_vec_Length=136, maxblk=n_vec_Length)
+";
+/// Types of the utility functions, which implicit typing would get wrong.
+const HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.hdr");
+/// The same for C and C++.
+const C_HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.h");
+/// What C and C++ sources include: the Fortran compiler's spelling of a routine.
+const FOR_C: &str = "\
+#ifndef PULLOUT_FOR_C_H
+#define PULLOUT_FOR_C_H
+#define FOR_NAME(name, NAME) name##_
+#endif
+";
+/// The prototypes of the entry points.
+const ENTRY_POINTS: &str = include_str!("../../../../umat-abi/include/pullout_umat.h");
+
+/// Fortran's, by their names in small letters; each declares the same if several are included.
+const OURS: [(&str, &str); 5] = [
+    ("aba_param.inc", ABA_PARAM),
+    ("vaba_param.inc", VABA_PARAM),
+    ("smaaspusersubroutines.hdr", HEADER),
+    ("smaaspuserutilities.hdr", ""),
+    ("smaaspuserarrays.hdr", HEADER),
+];
+/// C's.
+const FOR_C_SOURCES: [(&str, &str); 6] = [
+    ("omi_for_c.h", FOR_C),
+    ("aba_for_c.h", FOR_C),
+    ("SMAAspUserSubroutines.h", C_HEADER),
+    ("SMAAspUserUtilities.h", C_HEADER),
+    ("SMAAspUserArrays.h", C_HEADER),
+    ("pullout_umat.h", ENTRY_POINTS),
+];
+
+fn text_of(name: &str) -> Option<&'static str> {
+    OURS.iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, text)| *text)
+}
+
+/// Whether a Fortran source that includes a file of this name gets ours.
+pub(super) fn is_ours(name: &str) -> bool {
+    text_of(name).is_some()
+}
+
+/// Writes them into a folder of the compilers' search path, in the letters of the sources: these come from systems
+/// whose file names have no case.
+pub(super) fn write(folder: &Path, scans: &[Scan]) -> io::Result<()> {
+    for name in scans.iter().flat_map(|scan| &scan.ours) {
+        std::fs::write(folder.join(name), text_of(name).unwrap_or_default())?;
+    }
+    for (name, text) in FOR_C_SOURCES {
+        std::fs::write(folder.join(name), text)?;
+    }
+    Ok(())
+}

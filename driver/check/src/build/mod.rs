@@ -1,0 +1,355 @@
+//! `pullout plugin build`: a UMAT's sources, in Fortran, C or C++, to a library that this program (and any host) loads.
+//!
+//! Each source is compiled by gfortran, gcc or g++ as its suffix says, with the flags that codes of this kind need, and
+//! an `ABA_PARAM.INC` and other includes of our own; what defines a module before what uses it. The linker then says, by
+//! name, what the library would not find at run time: the utility routines of ABAQUS that this program offers are known
+//! to it, and others of them get a routine that ends the run if it is reached.
+
+mod debug;
+mod includes;
+mod scan;
+mod source;
+mod stubs;
+mod symbols;
+#[cfg(test)]
+mod test;
+
+pub use source::Form;
+
+use object::{Object, ObjectKind};
+use pullout_run::input::{self, Input};
+use scan::Scan;
+use source::{Language, Source};
+use std::ffi::OsString;
+use std::fmt;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use symbols::Symbols;
+use umat_abi::host::{UnavailableUtilities, library_file_name, utilities_path};
+
+/// What is to be built.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// Sources; `.o` files are linked as they are.
+    pub sources: Vec<PathBuf>,
+    /// The library; `None`: `lib<first source>.so` in the present folder.
+    pub output: Option<PathBuf>,
+    /// Form of all Fortran sources; `None`: as each suffix says.
+    pub form: Option<Form>,
+    /// Further flags for every compiler.
+    pub flags: Vec<String>,
+    /// Checked at run time, and with the lines of the source in what goes wrong.
+    pub debug: bool,
+}
+
+/// A library that was built.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Built {
+    /// The file.
+    pub library: PathBuf,
+    /// The entry points that it exports: `umat_`, `uinter_`, …
+    pub entry_points: Vec<String>,
+    /// Names of utility routines of ABAQUS that it calls and this program does not offer.
+    pub not_offered: Vec<String>,
+}
+
+/// Why there is no library.
+#[derive(Debug)]
+pub enum Refusal {
+    /// A source that is no file, or of no known language; an output that must not be overwritten.
+    File {
+        /// The file.
+        file: PathBuf,
+        /// What is wrong with it.
+        message: String,
+    },
+    /// A compiler is not installed.
+    NoCompiler {
+        /// Its program.
+        program: &'static str,
+        /// What it is needed for.
+        file: PathBuf,
+    },
+    /// A compiler or the linker refused.
+    Compilation {
+        /// The program.
+        program: &'static str,
+        /// What it was to make: a source, or the library.
+        file: PathBuf,
+        /// Its own words.
+        output: String,
+        /// What may help.
+        hint: String,
+    },
+    /// The library would find these neither in itself nor in this program.
+    Undefined {
+        /// The library.
+        library: PathBuf,
+        /// Names of the symbols.
+        symbols: Vec<String>,
+        /// Names of the utility routines that there are.
+        offered: Vec<String>,
+    },
+    /// It has no entry point.
+    NoEntryPoint {
+        /// The library.
+        library: PathBuf,
+        /// What it has instead.
+        hint: String,
+    },
+    /// The library of the utility routines is missing.
+    Utilities(UnavailableUtilities),
+    /// A file could not be read or written.
+    Io(io::Error),
+}
+
+impl From<io::Error> for Refusal {
+    fn from(error: io::Error) -> Self {
+        Self::Io(error)
+    }
+}
+
+impl Refusal {
+    /// Whether the request itself was wrong, and nothing was run.
+    pub fn is_bad_input(&self) -> bool {
+        matches!(self, Self::File { .. })
+    }
+}
+
+impl fmt::Display for Refusal {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::File { file, message } => write!(f, "{}: {message}", file.display()),
+            Self::NoCompiler { program, file } => write!(
+                f,
+                "{}: {program} is needed for it and is not installed (on Debian: apt install {program})",
+                file.display()
+            ),
+            Self::Compilation { program, file, output, hint } => {
+                write!(f, "{}\n{}: {program} could not make it{hint}", output.trim_end(), file.display())
+            }
+            Self::Undefined { library, symbols, offered } => write!(
+                f,
+                "{}: not built: undefined {}: {}; add the source or the library that defines {} (of the utility \
+                 routines of ABAQUS this program offers {})",
+                library.display(),
+                if symbols.len() == 1 { "symbol" } else { "symbols" },
+                symbols.join(", "),
+                if symbols.len() == 1 { "it" } else { "them" },
+                offered.join(", "),
+            ),
+            Self::NoEntryPoint { library, hint } => {
+                write!(f, "{}: not built: it has none of the symbols umat_, uinter_, fric_{hint}", library.display())
+            }
+            Self::Utilities(unavailable) => unavailable.fmt(f),
+            Self::Io(error) => error.fmt(f),
+        }
+    }
+}
+
+/// Builds a library.
+///
+/// # Errors
+/// [`Refusal`]; then an older library of that name stays as it is.
+pub fn build(request: &Request) -> Result<Built, Refusal> {
+    let sources = request.sources.iter().map(|file| Source::new(file, request.form)).collect::<Result<Vec<_>, _>>()?;
+    let output = request.output.clone().unwrap_or_else(|| default_output(&request.sources));
+    may_be_written(&output, &sources)?;
+    let utilities = utilities_path().map_err(Refusal::Utilities)?;
+    let folder = tempfile::tempdir()?;
+    let scans: Vec<_> = sources.iter().map(Scan::of).collect();
+    includes::write(folder.path(), &scans)?;
+    let order = scan::order(&scans).map_err(|circle| {
+        let names: Vec<_> = circle.iter().map(|&k| sources[k].file.display().to_string()).collect();
+        let message = format!("cannot be ordered: modules of {} use each other", names.join(", "));
+        Refusal::File { file: sources[circle[0]].file.clone(), message }
+    })?;
+    let mut objects = Vec::new();
+    for number in order {
+        objects.push(compile(&sources[number], &scans[number], number, folder.path(), request)?);
+    }
+    let linker = linker(&sources);
+    let not_offered = undefined(&linker, &objects, &utilities, &output, folder.path(), &request.flags)?;
+    if !not_offered.is_empty() {
+        objects.push(compile_own("stubs.c", &stubs::source(&not_offered), folder.path())?);
+    }
+    if request.debug {
+        objects.push(compile_own("debug.c", debug::SOURCE, folder.path())?);
+    }
+    let made = folder.path().join("made.so");
+    let (linked, words) = run(linker.program, &output, &mut linker.command(&objects, &made, &request.flags))?;
+    if !linked {
+        return Err(linker.refusal(output, words));
+    }
+    let symbols = Symbols::read(&made)?;
+    let entry_points = symbols.entry_points();
+    if !symbols.has_law(&output) {
+        return Err(Refusal::NoEntryPoint { hint: symbols.hint(), library: output });
+    }
+    put(&made, &output).map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", output.display())))?;
+    let not_offered = not_offered.iter().map(|symbol| stubs::name(symbol)).collect();
+    Ok(Built { library: output, entry_points, not_offered })
+}
+
+/// Whether a library defines a symbol; it is not loaded.
+///
+/// # Errors
+/// The file cannot be read, or is no whole library.
+pub fn defines(library: &Path, symbol: &str) -> io::Result<bool> {
+    Ok(Symbols::read(library)?.defines(symbol))
+}
+
+/// Only a shared library is overwritten: never a source, nor anything else of the user's.
+fn may_be_written(output: &Path, sources: &[Source]) -> Result<(), Refusal> {
+    let Ok(place) = output.canonicalize() else { return Ok(()) };
+    let refusal = |message: &str| Err(Refusal::File { file: output.to_path_buf(), message: message.into() });
+    if sources.iter().any(|source| source.file.canonicalize().is_ok_and(|file| file == place)) {
+        return refusal("is one of the sources and would be overwritten; -o names the library");
+    }
+    let content = if place.is_file() { input::read(&place, Input::Library)? } else { Vec::new() };
+    let is_library = object::File::parse(&*content).is_ok_and(|file| {
+        // an executable may be laid out as a library, but names the loader that runs it
+        file.kind() == ObjectKind::Dynamic && file.section_by_name(".interp").is_none()
+    });
+    if is_library { Ok(()) } else { refusal("is there and is no shared library; it is not overwritten") }
+}
+
+/// Puts a library in its place at once: a process that has the old one loaded keeps it.
+fn put(made: &Path, output: &Path) -> io::Result<()> {
+    let output = output.canonicalize().unwrap_or_else(|_| output.to_path_buf());
+    let folder = output.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let beside = tempfile::Builder::new().prefix(".pullout-build-").tempfile_in(folder)?;
+    std::fs::copy(made, &beside)?;
+    beside.persist(output).map_err(|error| error.error).map(drop)
+}
+
+/// What the objects call and no one defines: the utility routines are at hand for this question, but are not linked in.
+///
+/// # Errors
+/// [`Refusal::Undefined`] if there is anything but further routines of ABAQUS.
+fn undefined(
+    linker: &Linker,
+    objects: &[PathBuf],
+    utilities: &Path,
+    output: &Path,
+    folder: &Path,
+    flags: &[String],
+) -> Result<Vec<String>, Refusal> {
+    let mut question = linker.command(objects, &folder.join("trial.so"), flags);
+    question.arg("-Wl,--no-undefined").arg(utilities);
+    let (answered, words) = run(linker.program, output, &mut question)?;
+    if answered {
+        return Ok(Vec::new());
+    }
+    let symbols = symbols::undefined(&words);
+    if symbols.is_empty() {
+        return Err(linker.refusal(output.to_path_buf(), words));
+    }
+    let (known, unknown): (Vec<_>, Vec<_>) = symbols.into_iter().partition(|symbol| stubs::is_utility(symbol));
+    if unknown.is_empty() {
+        return Ok(known);
+    }
+    let offered = Symbols::read(utilities)?.routines();
+    Err(Refusal::Undefined { library: output.to_path_buf(), symbols: unknown, offered })
+}
+
+fn default_output(sources: &[PathBuf]) -> PathBuf {
+    let stem = sources.first().and_then(|file| file.file_stem()).unwrap_or_default();
+    library_file_name(&stem.to_string_lossy()).into()
+}
+
+/// Compiles one source; an object file is taken as it is.
+fn compile(source: &Source, scan: &Scan, number: usize, folder: &Path, request: &Request) -> Result<PathBuf, Refusal> {
+    let Some(program) = source.language.compiler() else { return Ok(source.file.clone()) };
+    let object = folder.join(format!("{number}.o"));
+    let mut command = Command::new(program);
+    command.args(["-c", "-fPIC"]).args(source.language.flags());
+    command.args(if request.debug { debug::flags(source.language) } else { &["-O2", "-g"] });
+    // modules that one source defines and a later one uses
+    command.arg("-I").arg(folder);
+    if let Language::Fortran(_) = source.language {
+        command.arg("-J").arg(folder);
+    }
+    let own = source.file.parent().into_iter().chain(scan.folders.iter().map(PathBuf::as_path));
+    for folder in own.filter(|folder| !folder.as_os_str().is_empty()) {
+        command.arg("-I").arg(folder);
+    }
+    if scan.preprocessed {
+        command.args(source::PREPROCESSED);
+    }
+    let mut file = absolute(&source.file);
+    if let Some(text) = &scan.rewritten {
+        file = folder.join(format!("{number}.f"));
+        std::fs::write(&file, text)?;
+    }
+    command.args(&request.flags).arg("-o").arg(&object).arg(file);
+    let (done, output) = run(program, &source.file, &mut command)?;
+    if done {
+        return Ok(object);
+    }
+    let hint = match source.language {
+        Language::Fortran(Form::Fixed) => "; it was read in fixed form: --free if it is in free form",
+        Language::Fortran(Form::Free) => "; it was read in free form: --fixed if it is in fixed form",
+        _ => "",
+    };
+    Err(Refusal::Compilation { program, file: source.file.clone(), output, hint: hint.into() })
+}
+
+/// Compiles a C source of ours.
+fn compile_own(name: &str, text: &str, folder: &Path) -> Result<PathBuf, Refusal> {
+    let file = folder.join(name);
+    std::fs::write(&file, text)?;
+    let object = file.with_extension("o");
+    let mut command = Command::new("gcc");
+    command.args(["-c", "-fPIC", "-O1", "-o"]).arg(&object).arg(&file);
+    let (done, output) = run("gcc", &file, &mut command)?;
+    let hint = String::new();
+    if done { Ok(object) } else { Err(Refusal::Compilation { program: "gcc", file, output, hint }) }
+}
+
+/// A path that no compiler takes for an option.
+fn absolute(file: &Path) -> PathBuf {
+    std::path::absolute(file).unwrap_or_else(|_| file.to_path_buf())
+}
+
+/// Runs a compiler; whether it succeeded, and its words.
+fn run(program: &'static str, file: &Path, command: &mut Command) -> Result<(bool, String), Refusal> {
+    // Names in messages are looked for: no translations.
+    let output = command.env("LC_ALL", "C").output().map_err(|error| match error.kind() {
+        io::ErrorKind::NotFound => Refusal::NoCompiler { program, file: file.to_path_buf() },
+        _ => Refusal::Io(error),
+    })?;
+    Ok((output.status.success(), String::from_utf8_lossy(&output.stderr).into_owned()))
+}
+
+/// The compiler that links, and the libraries of the other languages.
+struct Linker {
+    program: &'static str,
+    libraries: &'static [&'static str],
+}
+
+fn linker(sources: &[Source]) -> Linker {
+    let any = |wanted: fn(&Language) -> bool| sources.iter().any(|source| wanted(&source.language));
+    let cpp = any(|language| *language == Language::Cpp);
+    // An object file may come from any compiler; Fortran is what UMATs are written in.
+    if any(|language| matches!(language, Language::Fortran(_) | Language::Object)) {
+        return Linker { program: "gfortran", libraries: if cpp { &["-lstdc++", "-lm"] } else { &["-lm"] } };
+    }
+    Linker { program: if cpp { "g++" } else { "gcc" }, libraries: &["-lm"] }
+}
+
+impl Linker {
+    fn command(&self, objects: &[PathBuf], library: &Path, flags: &[String]) -> Command {
+        let mut command = Command::new(self.program);
+        // A call of a routine of the library's own stays in it, also under hosts that load all symbols globally.
+        command.args(["-shared", "-Wl,-Bsymbolic", "-o"]).arg(library);
+        command.args(objects.iter().map(|object| absolute(object))).args(flags);
+        command.args(self.libraries.iter().map(OsString::from));
+        command
+    }
+
+    fn refusal(&self, library: PathBuf, output: String) -> Refusal {
+        Refusal::Compilation { program: self.program, file: library, output, hint: String::new() }
+    }
+}

@@ -1,0 +1,130 @@
+//! Sources and the languages that they are in.
+
+use super::Refusal;
+use pullout_run::input::{self, Input};
+use std::path::{Path, PathBuf};
+
+/// How a Fortran source is laid out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Statements from column 7, up to 132 columns.
+    Fixed,
+    /// Anywhere.
+    Free,
+}
+
+/// What every Fortran source gets, besides its form: what Intel's compiler understands unasked. (Not `-fdec` as a whole:
+/// its integer intrinsics are named like many a routine of a UMAT, KDIM or IMAX.)
+const FORTRAN: [&str; 10] = [
+    "-std=legacy",
+    "-fdollar-ok",
+    "-fcray-pointer",
+    "-fdec-structure",
+    "-fdec-static",
+    "-fdec-math",
+    "-fdec-include",
+    "-fdec-char-conversions",
+    "-fdec-blank-format-item",
+    "-fdec-format-defaults",
+];
+
+/// What a source with lines of the preprocessor gets: ABAQUS's own definitions.
+pub(super) const PREPROCESSED: [&str; 4] = ["-cpp", "-DABQ_LINUX", "-DABQ_LNX86_64", "-DFOR_TRAIL"];
+
+/// What a source is compiled by.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Language {
+    Fortran(Form),
+    C,
+    Cpp,
+    /// Compiled already.
+    Object,
+}
+
+impl Language {
+    /// By the file's suffix.
+    fn of(suffix: &str) -> Option<Self> {
+        Some(match suffix {
+            // capital C is C++, as compilers have it
+            "C" => Self::Cpp,
+            _ => match suffix.to_ascii_lowercase().as_str() {
+                "f" | "for" | "ftn" | "f77" | "fpp" => Self::Fortran(Form::Fixed),
+                "f90" | "f95" | "f03" | "f08" | "f18" => Self::Fortran(Form::Free),
+                "c" => Self::C,
+                "cpp" | "cc" | "cxx" | "cp" | "c++" => Self::Cpp,
+                "o" | "obj" => Self::Object,
+                _ => return None,
+            },
+        })
+    }
+
+    /// The program; `None` where there is nothing to compile.
+    pub(super) fn compiler(self) -> Option<&'static str> {
+        match self {
+            Self::Fortran(_) => Some("gfortran"),
+            Self::C => Some("gcc"),
+            Self::Cpp => Some("g++"),
+            Self::Object => None,
+        }
+    }
+
+    /// What sources of this kind need.
+    pub(super) fn flags(self) -> Vec<&'static str> {
+        let form: &[&str] = match self {
+            Self::Fortran(Form::Fixed) => &["-ffixed-form", "-ffixed-line-length-132", "-fd-lines-as-comments"],
+            Self::Fortran(Form::Free) => &["-ffree-form", "-ffree-line-length-none"],
+            // unique symbols are shared across libraries whatever the loader is told
+            Self::Cpp => return vec!["-fno-gnu-unique"],
+            Self::C | Self::Object => return Vec::new(),
+        };
+        [&FORTRAN, form].concat()
+    }
+}
+
+/// A file and its language.
+#[derive(Clone, Debug)]
+pub(super) struct Source {
+    pub(super) file: PathBuf,
+    pub(super) language: Language,
+    /// The text; empty for an object file.
+    pub(super) text: String,
+}
+
+impl Source {
+    pub(super) fn new(file: &Path, form: Option<Form>) -> Result<Self, Refusal> {
+        let refusal = |message: String| Refusal::File { file: file.to_path_buf(), message };
+        let suffix = file.extension().unwrap_or_default().to_string_lossy();
+        let Some(language) = Language::of(&suffix) else {
+            return Err(refusal(
+                "its suffix tells no language (fixed form: .f .for .ftn .f77; free form: .f90 .f95 .f03 .f08; .c; .cpp \
+                 .cc .cxx; .o)"
+                    .into(),
+            ));
+        };
+        // Old sources have letters of any code page in their comments.
+        let content = input::read(file, Input::Source).map_err(|error| refusal(error.to_string()))?;
+        let text = if language == Language::Object { String::new() } else { String::from_utf8_lossy(&content).into() };
+        let language = match language {
+            Language::Fortran(by_suffix) => Language::Fortran(form.unwrap_or_else(|| directive(&text, by_suffix))),
+            other => other,
+        };
+        Ok(Self { file: file.to_path_buf(), language, text })
+    }
+}
+
+/// `!DIR$ FREEFORM` or `!DEC$ NOFREEFORM` before the first statement says more than the suffix.
+fn directive(text: &str, by_suffix: Form) -> Form {
+    for line in text.lines() {
+        let line = line.trim().to_ascii_uppercase();
+        let is_comment = line.is_empty() || line.starts_with(['!', 'C', '*']);
+        if !is_comment {
+            break;
+        }
+        match line.get(1..).map(|rest| rest.split_whitespace().collect::<Vec<_>>()).as_deref() {
+            Some(["DIR$" | "DEC$", "FREEFORM"]) => return Form::Free,
+            Some(["DIR$" | "DEC$", "NOFREEFORM" | "FIXEDFORM"]) => return Form::Fixed,
+            _ => {}
+        }
+    }
+    by_suffix
+}

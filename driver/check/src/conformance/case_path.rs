@@ -1,0 +1,199 @@
+//! The case's own path: the point before each of its increments, and what the plugin was called with. It tells the law's
+//! scale, and the states that the law has in use.
+
+use super::Options;
+use super::report::{Ledger, Verdict};
+use super::subject::{Committed, Entry, Setting};
+use pullout_run::isolation::worker;
+use pullout_run::path::{self, Accepted, ContactPoint, MaterialPoint, Observer, Row, Statistics, Stop};
+use pullout_run::program::{InterfaceEntry, Kind, Program};
+use std::io;
+use std::time::Duration;
+use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
+
+const CHECK: &str = "case's path";
+/// Increments kept; of a longer path every second, fourth, ...
+const KEPT: usize = 4096;
+/// Time that the path may take: a check is not a run.
+const TIME_LIMIT: Duration = Duration::from_millis(1500);
+
+/// One increment of the path.
+#[derive(Clone, Debug)]
+pub(super) struct Increment {
+    /// The point before it.
+    pub(super) from: Committed,
+    pub(super) step: Vec<f64>,
+}
+
+/// What a case does with a plugin.
+#[derive(Clone, Debug)]
+pub(super) struct CasePath {
+    /// The entry point that it calls.
+    pub(super) entry: Entry,
+    pub(super) increments: Vec<Increment>,
+    /// How many increments there were, kept or not.
+    pub(super) taken: u64,
+}
+
+impl CasePath {
+    /// Runs a case.
+    pub(super) fn of(
+        program: &Program,
+        options: &Options,
+        databases: &mut ExternalDatabases,
+        ledger: &mut Ledger<'_>,
+    ) -> Self {
+        ledger.begin(CHECK);
+        let mut program = program.clone();
+        program.output.every = 1;
+        let entry = entry(&program);
+        let longest = options.longest_path.unwrap_or(u64::MAX);
+        let time_limit = TIME_LIMIT.min(options.share_of_time());
+        let end = super::processor_time() + time_limit;
+        let mut keeper = Keeper { entry, increments: Vec::new(), stride: 1, count: 0, end, longest };
+        let (statistics, result) = path::run_within(&program, databases, &mut keeper);
+        let failure = match result {
+            Ok(()) => None,
+            Err(Stop::Failed(failure)) => Some(failure.message),
+            Err(Stop::Write(_)) if keeper.count as u64 >= longest => {
+                Some(format!("left after {longest} increments: the plugin does not survive the next one"))
+            }
+            Err(Stop::Write(_)) => Some(format!(
+                "left after {} increments, because it takes longer than {:.1} s",
+                statistics.increments,
+                time_limit.as_secs_f64()
+            )),
+        };
+        let taken = statistics.increments;
+        let verdict = if failure.is_some() { Verdict::Warn } else { Verdict::Info };
+        ledger.add(CHECK, verdict, format!("{taken} increments"), failure.unwrap_or_default());
+        Self { entry, increments: keeper.increments, taken }
+    }
+
+    /// The largest magnitude of each input, at the ends of the increments.
+    pub(super) fn sizes(&self) -> Vec<f64> {
+        let largest = |k: usize| {
+            let ends = self.increments.iter().map(|increment| (increment.from.input[k] + increment.step[k]).abs());
+            ends.fold(0.0, f64::max)
+        };
+        (0..self.entry.inputs()).map(largest).collect()
+    }
+}
+
+/// The entry point of a case.
+pub(super) fn entry(program: &Program) -> Entry {
+    match &program.kind {
+        Kind::Point(point) => Entry::Umat(point.mode.stress_state()),
+        Kind::Interface(contact) => match contact.entry {
+            InterfaceEntry::Uinter => Entry::Uinter(1 + contact.tangential_directions),
+            InterfaceEntry::Fric => Entry::Fric(contact.tangential_directions),
+        },
+    }
+}
+
+/// Keeps the increments of a run.
+struct Keeper {
+    entry: Entry,
+    increments: Vec<Increment>,
+    stride: usize,
+    count: usize,
+    /// By [`super::processor_time`].
+    end: Duration,
+    longest: u64,
+}
+
+impl Observer for Keeper {
+    fn row(&mut self, _row: Row<'_>) -> io::Result<()> {
+        if super::processor_time() > self.end || self.count as u64 >= self.longest {
+            Err(io::ErrorKind::TimedOut.into())
+        } else {
+            Ok(())
+        }
+    }
+
+    fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
+
+    fn accepted(&mut self, accepted: Accepted<'_>) {
+        self.count += 1;
+        worker::note_call();
+        if !(self.count - 1).is_multiple_of(self.stride) {
+            return;
+        }
+        if self.increments.len() == KEPT {
+            self.stride *= 2;
+            let mut number = 0;
+            self.increments.retain(|_| {
+                number += 1;
+                number % 2 == 1
+            });
+            if !(self.count - 1).is_multiple_of(self.stride) {
+                return;
+            }
+        }
+        self.increments.push(match accepted {
+            Accepted::Umat(before, call) => of_umat(self.entry, before, call),
+            Accepted::Uinter(before, call) => of_uinter(before, call),
+            Accepted::Fric(before, call) => of_fric(before, call),
+        });
+    }
+}
+
+fn of_umat(entry: Entry, before: &MaterialPoint, call: &UmatCall) -> Increment {
+    let Entry::Umat(stress_state) = entry else {
+        return Increment { from: Committed::zero(entry, 0), step: Vec::new() };
+    };
+    let of_components = |six: &[f64; 6]| stress_state.components().iter().map(|&i| six[i]).collect::<Vec<f64>>();
+    let [stored, plastic, creep] = before.energies;
+    let from = Committed {
+        input: of_components(&before.strain),
+        output: of_components(&before.stress),
+        statev: before.statev.clone(),
+        energies: [stored, plastic, creep, 0.0, 0.0],
+        time: call.time,
+        counters: [call.jstep[0], call.kinc],
+        gradient: before.deformation_gradient,
+        setting: Setting {
+            time_increment: call.dtime,
+            temperature: [call.temp, call.dtemp],
+            fields: [call.predef.clone(), call.dpred.clone()],
+        },
+        ..Committed::zero(entry, before.statev.len())
+    };
+    Increment { from, step: call.dstran[..call.ntens()].to_vec() }
+}
+
+fn of_uinter(before: &ContactPoint, call: &UinterCall) -> Increment {
+    let directions = call.traction().len();
+    let entry = Entry::Uinter(directions);
+    let from = Committed {
+        input: [-before.gap, before.slip[0], before.slip[1]][..directions].to_vec(),
+        output: [before.pressure, before.shear[0], before.shear[1]][..directions].to_vec(),
+        statev: before.statev.clone(),
+        energies: before.energies,
+        flags: before.flags,
+        time: call.time.map(|time| time - call.dtime),
+        counters: [call.counters[0], call.counters[1]],
+        setting: Setting::of_contact(&call.fields, call.dtime),
+        ..Committed::zero(entry, before.statev.len())
+    };
+    Increment { from, step: call.drdisp[..directions].to_vec() }
+}
+
+fn of_fric(before: &ContactPoint, call: &FricCall) -> Increment {
+    let directions = call.traction().len();
+    let entry = Entry::Fric(directions);
+    let [stored, dissipated, ..] = before.energies;
+    let from = Committed {
+        input: before.slip[..directions].iter().copied().chain([before.pressure]).collect(),
+        output: before.shear[..directions].to_vec(),
+        statev: before.statev.clone(),
+        energies: [stored, dissipated, 0.0, 0.0, 0.0],
+        slip: before.inelastic_slip,
+        flags: before.flags,
+        time: call.time.map(|time| time - call.dtime),
+        counters: call.counters,
+        setting: Setting::of_contact(&call.fields, call.dtime),
+        ..Committed::zero(entry, before.statev.len())
+    };
+    Increment { from, step: call.dgam[..directions].iter().copied().chain([call.pressure[1]]).collect() }
+}

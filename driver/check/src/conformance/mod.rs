@@ -1,0 +1,275 @@
+//! `pullout plugin check`: a plugin against what its metadata claims, through the ABI.
+//!
+//! Every check drives the plugin itself, as a host does, on a sample of random histories, and compares the
+//! answers with each other: differences of the stress with the tangent, a call with its repetition, a path
+//! with the rotated path, work with energy. A law that breaks a claim fails; a plain UMAT, which claims
+//! nothing, gets warnings and information.
+//!
+//! The checks call the plugin in this process; only those for accesses outside its arrays do so in child processes. What
+//! takes the process down is the business of the workers around it, one for each [`Group`]: each finds the same sample.
+
+mod bad_input;
+mod bounds;
+mod case_path;
+mod determinism;
+mod energy;
+mod entry_call;
+mod hidden_data;
+mod memory;
+mod messages;
+mod metadata;
+mod nonlinear;
+mod null_arguments;
+mod precision;
+mod random;
+mod report;
+mod rotation;
+mod sample;
+mod scale;
+mod step_size;
+mod subject;
+mod tangent;
+mod tolerances;
+mod virgin;
+
+pub use report::{Event, Report, Row, Verdict};
+pub use subject::Entry;
+
+use case_path::CasePath;
+use pullout_run::program::{Plugin, Program};
+use report::Ledger;
+use std::sync::Arc;
+use std::time::Duration;
+use subject::Subject;
+use umat_abi::host::{ExternalDatabases, Law};
+use umat_abi::law::StressState;
+use umat_abi::metadata::kinds;
+
+/// What to check with.
+#[derive(Clone, Debug)]
+pub struct Options {
+    /// PROPS; `None`: the plugin's, or if it has none the defaults of the metadata.
+    pub props: Option<Vec<f64>>,
+    /// CELENT, mm; `None`: one that the law accepts.
+    pub characteristic_length: Option<f64>,
+    /// Of the random histories.
+    pub seed: u64,
+    /// Number of random histories per stress state.
+    pub states: usize,
+    /// Size of the strains (slips, mm); `None`: found from the response.
+    pub strain_size: Option<f64>,
+    /// NSTATV of a library without metadata; `None`: the plugin's.
+    pub nstatv: Option<usize>,
+    /// The case whose path tells the law's scale.
+    pub program: Option<Arc<Program>>,
+    /// What a library without metadata is called by, without a case: it cannot tell.
+    pub plain_entries: Vec<Entry>,
+    /// Makes the rows of one group only.
+    pub group: Option<Group>,
+    /// States of the sample that are left out, because a plugin did not survive them.
+    pub skipped: Vec<usize>,
+    /// Increments of the case that are taken at most, for the same reason.
+    pub longest_path: Option<u64>,
+    /// Time for everything, s: a law whose calls take long is looked at in fewer states.
+    pub seconds: Option<f64>,
+    /// Of the laws of a library with metadata, without a case: the one stress state that is checked.
+    pub stress_state: Option<StressState>,
+    /// Told of what happens as it happens: a plugin may end the process before the end.
+    pub listener: Option<fn(Event<'_>)>,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            props: None,
+            characteristic_length: None,
+            seed: 0x5EED,
+            states: 200,
+            strain_size: None,
+            nstatv: None,
+            program: None,
+            plain_entries: vec![Entry::Umat(StressState::ThreeD)],
+            group: None,
+            skipped: Vec::new(),
+            longest_path: None,
+            seconds: None,
+            stress_state: None,
+            listener: None,
+        }
+    }
+}
+
+/// Checks that are made in one process, where a plugin may end it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Group {
+    /// The metadata, the case's path and the sample around it.
+    States,
+    /// DDSDDE.
+    Tangent,
+    /// Arrays, memory between calls, threads.
+    Memory,
+    /// Paths of several increments: energies, rotations, sizes of increments.
+    Paths,
+    /// Input that makes no sense.
+    BadInput,
+}
+
+impl Group {
+    /// What it looks at.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::States => "what a sample of states shows",
+            Self::Tangent => "DDSDDE",
+            Self::Memory => "arrays, memory between calls, threads",
+            Self::Paths => "energies, rotations, sizes of increments",
+            Self::BadInput => "input that makes no sense",
+        }
+    }
+}
+
+/// The processor's time that this thread has taken so far: how loaded the machine is says nothing about a plugin, and the
+/// verdicts do not depend on it. One that waits is left to who watches this process.
+fn processor_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::try_from(time).unwrap_or_default()
+}
+
+impl Options {
+    /// What may be spent on one of the things that every group does before its checks.
+    fn share_of_time(&self) -> Duration {
+        const SHARE: f64 = 0.2;
+        self.seconds.map_or(Duration::MAX, |seconds| Duration::from_secs_f64(SHARE * seconds))
+    }
+
+    /// Whether the rows of a group are wanted.
+    fn wants(&self, group: Group) -> bool {
+        self.group.is_none_or(|wanted| wanted == group)
+    }
+
+    /// PROPS for a plugin.
+    fn properties(&self, plugin: &Plugin) -> Vec<f64> {
+        match (&self.props, &plugin.law) {
+            (Some(props), _) => props.clone(),
+            (None, Some(law)) if plugin.props.is_empty() => metadata::default_properties(law),
+            (None, _) => plugin.props.clone(),
+        }
+    }
+}
+
+/// Checks a plugin: its metadata, then every entry point with every stress state.
+pub fn check(plugin: &Plugin, options: &Options) -> Report {
+    let mut report = Report { listener: options.listener, ..Report::default() };
+    let props = options.properties(plugin);
+    let describes = options.wants(Group::States);
+    if let Some(law) = plugin.law.as_ref().filter(|_| describes) {
+        metadata::check(law, &props, options.characteristic_length, &mut Ledger::new(&mut report, "-"));
+    }
+    // SDVINI and the path of the case within one analysis that lasts as long as the check
+    let mut databases = ExternalDatabases::begin([&plugin.library]);
+    let path = options.program.as_deref().map(|program| {
+        let mut ledger = Ledger::new(&mut report, case_path::entry(program).label());
+        ledger.is_muted = !describes;
+        Arc::new(CasePath::of(program, options, &mut databases, &mut ledger))
+    });
+    let mut subjects = Vec::new();
+    for entry in entries(plugin.law.as_ref(), path.as_deref(), options) {
+        let label = entry.label();
+        let path = path.clone().filter(|path| path.entry == entry);
+        match Subject::new(plugin, entry, &props, options, path) {
+            Ok(subject) => subjects.push(subject),
+            Err(error) if describes => {
+                Ledger::new(&mut report, label).add("entry point", Verdict::Fail, "missing", error.to_string());
+            }
+            Err(_) => {}
+        }
+    }
+    for subject in &mut subjects {
+        check_subject(subject, options, &mut Ledger::new(&mut report, subject.entry.label()));
+    }
+    if options.wants(Group::Paths) {
+        virgin::agreement_with_three_d(&mut subjects, options, &mut report);
+    }
+    for subject in &subjects {
+        memory::overruns(subject, &mut Ledger::new(&mut report, subject.entry.label()));
+    }
+    report
+}
+
+/// Every entry point and set of components that the law claims.
+fn entries(law: Option<&Law>, path: Option<&CasePath>, options: &Options) -> Vec<Entry> {
+    const SOLID: [StressState; 3] =
+        [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric, StressState::PlaneStress];
+    let Some(law) = law else {
+        return path.map_or_else(|| options.plain_entries.clone(), |path| vec![path.entry]);
+    };
+    let mut entries = Vec::new();
+    if law.kinds & kinds::UMAT != 0 {
+        let supported = SOLID
+            .into_iter()
+            .filter(|stress_state| stress_state.bits() & law.stress_states != 0)
+            .filter(|stress_state| options.stress_state.is_none_or(|wanted| wanted == *stress_state));
+        entries.extend(supported.map(Entry::Umat));
+    }
+    if law.kinds & kinds::UINTER != 0 {
+        entries.extend([2, 3].map(Entry::Uinter));
+    }
+    if law.kinds & kinds::FRIC != 0 {
+        entries.extend([1, 2].map(Entry::Fric));
+    }
+    entries
+}
+
+/// All checks of one entry point and stress state.
+fn check_subject(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
+    ledger.is_muted = !options.wants(Group::States);
+    if !ledger.is_muted {
+        virgin::virgin_state(subject, ledger);
+    }
+    // a library that does not survive its case's first increment says nothing more
+    if options.longest_path == Some(0) {
+        let detail =
+            "not tested: the plugin does not survive the case's first increment: only the virgin state was judged";
+        return ledger.add("answers", Verdict::NotTested, "none", detail);
+    }
+    scale::find(subject, options, ledger);
+    let sample = sample::draw(subject, options, ledger);
+    if sample.is_empty() {
+        return;
+    }
+    if !ledger.is_muted {
+        nonlinear::check(subject, &sample, ledger);
+    }
+    ledger.is_muted = false;
+    subject.find_out_what_is_read(&sample);
+    if options.wants(Group::Tangent) {
+        tangent::check(subject, &sample, ledger);
+        tangent::symmetry(subject, &sample, ledger);
+    }
+    if options.wants(Group::Memory) {
+        memory::unset_entries(subject, &sample, ledger);
+        memory::inputs_untouched(subject, &sample, ledger);
+        determinism::repeatability(subject, &sample, ledger);
+        determinism::call_order(subject, &sample, ledger);
+        hidden_data::check(subject, &sample, ledger);
+        bounds::check(subject, &sample, ledger);
+        precision::check(subject, &sample, ledger);
+        determinism::threads(subject, &sample, options, ledger);
+        determinism::stress_only(subject, &sample, ledger);
+    }
+    if options.wants(Group::Paths) {
+        virgin::zero_increment(subject, &sample, ledger);
+        virgin::strain_33(subject, &sample, ledger);
+        rotation::check(subject, options, ledger);
+        rotation::incremental_rotation(subject, &sample, options, ledger);
+        rotation::objectivity(subject, &sample, options, ledger);
+        step_size::check(subject, options, ledger);
+        energy::check(subject, options, ledger);
+    }
+    if options.wants(Group::BadInput) {
+        bad_input::not_finite(subject, &sample, ledger);
+        bad_input::properties(subject, &sample, ledger);
+        bad_input::counts(subject, &sample, ledger);
+        bad_input::characteristic_length(subject, &sample, ledger);
+        null_arguments::check(subject, &sample, ledger);
+    }
+}

@@ -1,0 +1,660 @@
+//! What is checked: one entry point with one set of components, called through the ABI as a function
+//! from (committed point, step) to an answer. UMAT, UINTER and FRIC look alike from here.
+//!
+//! | | input | output |
+//! |---|---|---|
+//! | UMAT | NTENS strains | NTENS stresses |
+//! | UINTER | penetration, slips | pressure, shear tractions |
+//! | FRIC | slips, pressure | shear tractions |
+
+use super::Options;
+use super::case_path::CasePath;
+use super::entry_call::{fric, prepare_fric, prepare_uinter, prepare_umat, uinter, umat};
+use super::sample::State;
+use nalgebra::Matrix3;
+use pullout_run::deformation::{columns, incremental_motion, rotated, spinless, symmetric};
+use pullout_run::isolation::worker;
+use pullout_run::program::{Kind, Plugin};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::sync::Arc;
+use umat_abi::host::{
+    Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, SurfaceFields, UinterCall, UmatCall, Validation,
+};
+use umat_abi::law::StressState;
+
+/// Entry point and components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Entry {
+    /// UMAT.
+    Umat(StressState),
+    /// UINTER with NDIR directions.
+    Uinter(usize),
+    /// FRIC with NFDIR directions.
+    Fric(usize),
+}
+
+impl Entry {
+    pub(super) fn label(self) -> &'static str {
+        match self {
+            Self::Umat(StressState::ThreeD) => "3D, NTENS 6",
+            Self::Umat(StressState::PlaneStrainOrAxisymmetric) => "plane strain, NTENS 4",
+            Self::Umat(StressState::PlaneStress) => "plane stress, NTENS 3",
+            Self::Uinter(2) => "UINTER, NDIR 2",
+            Self::Uinter(_) => "UINTER, NDIR 3",
+            Self::Fric(1) => "FRIC, NFDIR 1",
+            Self::Fric(_) => "FRIC, NFDIR 2",
+        }
+    }
+
+    /// Number of inputs.
+    pub(super) fn inputs(self) -> usize {
+        match self {
+            Self::Umat(stress_state) => stress_state.components().len(),
+            Self::Uinter(n) => n,
+            Self::Fric(n) => n + 1,
+        }
+    }
+
+    /// What output number `k` is called.
+    pub(super) fn output_name(self, k: usize) -> String {
+        const STRESSES: [&str; 6] = pullout_run::program::STRESS_NAMES;
+        match self {
+            Self::Umat(stress_state) => STRESSES[stress_state.components()[k]].into(),
+            Self::Uinter(_) if k == 0 => "p".into(),
+            Self::Uinter(_) => format!("tau{k}"),
+            Self::Fric(_) => format!("tau{}", k + 1),
+        }
+    }
+
+    /// Number of outputs.
+    pub(super) fn outputs(self) -> usize {
+        match self {
+            Self::Fric(n) => n,
+            other => other.inputs(),
+        }
+    }
+
+    /// What input number `k` is called.
+    pub(super) fn input_name(self, k: usize) -> String {
+        const STRAINS: [&str; 6] = pullout_run::program::STRAIN_NAMES;
+        match self {
+            Self::Umat(stress_state) => STRAINS[stress_state.components()[k]].into(),
+            Self::Uinter(_) if k == 0 => "penetration".into(),
+            Self::Fric(n) if k == n => "pressure".into(),
+            Self::Uinter(_) => format!("slip{k}"),
+            Self::Fric(_) => format!("slip{}", k + 1),
+        }
+    }
+}
+
+/// What a call is told besides the point and the step, as the case has it.
+#[derive(Clone, Debug)]
+pub(super) struct Setting {
+    /// DTIME, s.
+    pub(super) time_increment: f64,
+    /// TEMP and DTEMP.
+    pub(super) temperature: [f64; 2],
+    /// PREDEF and DPRED.
+    pub(super) fields: [Vec<f64>; 2],
+}
+
+impl Setting {
+    /// Of a call of a contact law, which is told both at the end of the increment.
+    pub(super) fn of_contact(call: &SurfaceFields, time_increment: f64) -> Self {
+        let [end, increment] = call.temperature();
+        let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
+        let starts = ends.iter().zip(&increments).map(|(end, increment)| end - increment).collect();
+        Self { time_increment, temperature: [end - increment, increment], fields: [starts, increments] }
+    }
+
+    /// The temperature, and field variables, at the start and after a share of their increments.
+    pub(super) fn over(&self, share: f64) -> ([f64; 2], [Vec<f64>; 2]) {
+        let [temperature, increment] = self.temperature;
+        let [starts, increments] = &self.fields;
+        let ends = starts.iter().zip(increments).map(|(start, increment)| start + share * increment);
+        ([temperature, temperature + share * increment], [starts.clone(), ends.collect()])
+    }
+}
+
+impl Default for Setting {
+    fn default() -> Self {
+        Self { time_increment: 1.0, temperature: [0.0; 2], fields: [vec![0.0], vec![0.0]] }
+    }
+}
+
+/// What a host keeps of a point.
+#[derive(Clone, Debug)]
+pub(super) struct Committed {
+    pub(super) input: Vec<f64>,
+    pub(super) output: Vec<f64>,
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: [f64; 5],
+    /// FRIC: accumulated DSLIP.
+    pub(super) slip: [f64; 2],
+    /// UINTER: LOPENCLOSE, LSTATE; FRIC: LM of the next call.
+    pub(super) flags: [i32; 2],
+    /// Step time and total time, s.
+    pub(super) time: [f64; 2],
+    /// Step and increment, from 1.
+    pub(super) counters: [i32; 2],
+    /// F.
+    pub(super) gradient: Matrix3<f64>,
+    /// Of the next increment.
+    pub(super) setting: Setting,
+}
+
+impl Committed {
+    /// A point of zeros.
+    pub(super) fn zero(entry: Entry, nstatv: usize) -> Self {
+        Self {
+            input: vec![0.0; entry.inputs()],
+            output: vec![0.0; entry.outputs()],
+            statev: vec![0.0; nstatv],
+            energies: [0.0; 5],
+            slip: [0.0; 2],
+            flags: if let Entry::Fric(_) = entry { [FricCall::STICKING, 0] } else { [-1; 2] },
+            time: [0.0; 2],
+            counters: [1; 2],
+            gradient: Matrix3::identity(),
+            setting: Setting::default(),
+        }
+    }
+}
+
+/// What a call left behind.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Answer {
+    pub(super) outcome: CallOutcome,
+    pub(super) output: Vec<f64>,
+    /// Row by row: outputs × inputs.
+    pub(super) tangent: Vec<f64>,
+    pub(super) statev: Vec<f64>,
+    pub(super) energies: [f64; 5],
+    pub(super) slip_increment: [f64; 2],
+    pub(super) flags: [i32; 2],
+    /// FRIC's LM: 0, the tractions are given.
+    pub(super) lm: i32,
+}
+
+impl Answer {
+    /// Bit for bit the same stresses and states (NaN equals NaN).
+    pub(super) fn same_response(&self, other: &Self) -> bool {
+        same_bits(&self.output, &other.output)
+            && same_bits(&self.statev, &other.statev)
+            && same_bits(&self.energies, &other.energies)
+    }
+
+    /// Bit for bit the same, tangent included.
+    pub(super) fn same(&self, other: &Self) -> bool {
+        self.same_response(other) && same_bits(&self.tangent, &other.tangent) && self.outcome == other.outcome
+    }
+}
+
+/// Bit for bit.
+pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
+    a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.to_bits() == y.to_bits())
+}
+
+/// The largest absolute value.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0_f64, |m, x| m.max(x.abs()))
+}
+
+/// Returns the largest absolute difference; infinity if a number stands against NaN.
+pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
+    let difference = |(x, y): (&f64, &f64)| match (x - y).abs() {
+        _ if x.to_bits() == y.to_bits() => 0.0,
+        difference if difference.is_nan() => f64::INFINITY,
+        difference => difference,
+    };
+    a.iter().zip(b).map(difference).fold(0.0, f64::max)
+}
+
+/// Why a call gave no result.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trouble {
+    /// A cut-back request with the arrays as they were.
+    CutBack(f64),
+    /// NaN: a configuration error or a panic.
+    Refused,
+    /// Finite PNEWDT ≥ 1, but a result that is not finite.
+    NotFinite(&'static str),
+    /// FRIC gave no tractions.
+    NoTractions(i32),
+}
+
+impl fmt::Display for Trouble {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CutBack(fraction) => write!(f, "asks for a cut-back to {fraction}"),
+            Self::Refused => f.write_str("refused: NaN and a cut-back request (a panic, or a configuration error)"),
+            Self::NotFinite(array) => write!(f, "{array} is not finite, and PNEWDT asks for no cut-back"),
+            Self::NoTractions(lm) => write!(f, "returns LM = {lm}, no tractions"),
+        }
+    }
+}
+
+#[derive(Debug)]
+enum Call {
+    Umat(Box<UmatCall>),
+    Uinter(Box<UinterCall>),
+    Fric(Box<FricCall>),
+}
+
+impl Call {
+    /// Sets the arguments that a case has and no increment changes.
+    fn set(&mut self, options: &Options) {
+        let Some(program) = options.program.as_deref() else { return };
+        match (self, &program.kind) {
+            (Self::Umat(call), Kind::Point(point)) => {
+                point.arguments.set(call);
+                call.jstep[2] = i32::from(point.nlgeom);
+            }
+            (Self::Uinter(call), Kind::Interface(contact)) => contact.arguments.set_uinter(call),
+            (Self::Fric(call), Kind::Interface(contact)) => contact.arguments.set_fric(call),
+            _ => {}
+        }
+    }
+
+    /// Gives these arguments to another call.
+    fn twin(&self, mut other: Self) -> Self {
+        match (self, &mut other) {
+            (Self::Umat(this), Self::Umat(other)) => {
+                (other.coords, other.jstep) = (this.coords, this.jstep);
+                [other.noel, other.npt] = [this.noel, this.npt];
+            }
+            (Self::Uinter(this), Self::Uinter(other)) => {
+                (other.coords, other.local_directions) = (this.coords, this.local_directions);
+                (other.area, other.node) = (this.area, this.node);
+            }
+            (Self::Fric(this), Self::Fric(other)) => {
+                (other.coords, other.rcoord, other.node) = (this.coords, this.rcoord, this.node);
+            }
+            _ => {}
+        }
+        other
+    }
+}
+
+/// One entry point with one set of components.
+pub(super) struct Subject<'p> {
+    pub(super) plugin: &'p Plugin,
+    pub(super) entry: Entry,
+    pub(super) props: Vec<f64>,
+    /// CELENT or CHRLNGTH.
+    pub(super) length: f64,
+    pub(super) nstatv: usize,
+    /// Typical magnitude of each input.
+    pub(super) size: Vec<f64>,
+    /// Typical magnitude of each output's tangent row times the inputs' sizes, in the virgin state.
+    pub(super) output_size: Vec<f64>,
+    /// Share of the case's DTIME, DTEMP and DPRED that each call makes.
+    pub(super) share: f64,
+    /// Whether F follows the strain (NLGEOM).
+    pub(super) finite: bool,
+    /// Whether the answer depends on DFGRD0 or DFGRD1.
+    pub(super) reads_gradient: bool,
+    /// DFGRD1 of the next call, if it is not that of a step without spin.
+    end: Option<Matrix3<f64>>,
+    /// The case's path, if it calls this entry point.
+    pub(super) path: Option<Arc<CasePath>>,
+    /// DROT, column-major.
+    pub(super) rotation: [[f64; 3]; 3],
+    /// Calls so far.
+    pub(super) calls: u64,
+    /// What one takes, s.
+    pub(super) call_time: f64,
+    /// Arrays written behind their ends, and in how many calls.
+    pub(super) overruns: BTreeMap<&'static str, usize>,
+    call: Call,
+}
+
+/// Share of DTIME in which nothing happens, of a step of zero: some laws divide by DTIME.
+pub(super) const INSTANT: f64 = 1e-14;
+const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// Host-filled parameters (`role`): 0 in PROPS means that the host chooses.
+const PENALTY: f64 = 1e4;
+
+impl<'p> Subject<'p> {
+    pub(super) fn new(
+        plugin: &'p Plugin,
+        entry: Entry,
+        props: &[f64],
+        options: &Options,
+        path: Option<Arc<CasePath>>,
+    ) -> Result<Self, LoadError> {
+        let law = plugin.law.as_ref();
+        let nstatv = law.map_or(options.nstatv.unwrap_or(plugin.nstatv), |law| law.states.len());
+        let mut props = props.to_vec();
+        for (value, parameter) in props.iter_mut().zip(law.map_or(&[][..], |law| &law.parameters)) {
+            if *value == 0.0 && !parameter.role.is_empty() && parameter.admits(PENALTY) {
+                *value = PENALTY;
+            }
+        }
+        let length = characteristic_length(plugin, &props, options.characteristic_length);
+        let mut call = Self::prepare(plugin, entry, &props, nstatv)?;
+        let finite = match options.program.as_deref().map(|program| &program.kind) {
+            Some(Kind::Point(point)) => point.nlgeom,
+            _ => false,
+        };
+        call.set(options);
+        Ok(Self {
+            plugin,
+            entry,
+            props,
+            length,
+            nstatv,
+            size: vec![1e-4; entry.inputs()],
+            output_size: vec![1.0; entry.outputs()],
+            share: 1.0,
+            finite,
+            reads_gradient: false,
+            end: None,
+            path,
+            rotation: IDENTITY,
+            calls: 0,
+            call_time: 0.0,
+            overruns: BTreeMap::new(),
+            call,
+        })
+    }
+
+    fn prepare(plugin: &Plugin, entry: Entry, props: &[f64], nstatv: usize) -> Result<Call, LoadError> {
+        let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), plugin.cmname.as_str());
+        // One symbol cannot be both UINTER and FRIC.
+        let symbol = symbol.filter(|_| plugin.law.as_ref().is_none_or(|law| law.kinds.count_ones() == 1));
+        Ok(match entry {
+            Entry::Umat(state) => Call::Umat(Box::new(UmatCall::new(library, symbol, name, state, nstatv, props)?)),
+            Entry::Uinter(n) => Call::Uinter(Box::new(UinterCall::new(library, symbol, name, n, nstatv, props)?)),
+            Entry::Fric(n) => Call::Fric(Box::new(FricCall::new(library, symbol, name, n, nstatv, props)?)),
+        })
+    }
+
+    /// A twin with buffers of its own, for another thread or other properties.
+    pub(super) fn twin(&self, props: &[f64], nstatv: usize) -> Result<Self, LoadError> {
+        Ok(Self {
+            plugin: self.plugin,
+            entry: self.entry,
+            props: props.to_vec(),
+            length: self.length,
+            nstatv,
+            size: self.size.clone(),
+            output_size: self.output_size.clone(),
+            share: self.share,
+            finite: self.finite,
+            reads_gradient: self.reads_gradient,
+            end: None,
+            path: self.path.clone(),
+            rotation: IDENTITY,
+            calls: 0,
+            call_time: 0.0,
+            overruns: BTreeMap::new(),
+            call: self.call.twin(Self::prepare(self.plugin, self.entry, props, nstatv)?),
+        })
+    }
+
+    /// Whether the metadata claims a flag.
+    pub(super) fn claims(&self, flag: u32) -> bool {
+        self.plugin.law.as_ref().is_some_and(|law| law.has(flag))
+    }
+
+    /// Whether the plugin has metadata: then the contract binds it.
+    pub(super) fn described(&self) -> bool {
+        self.plugin.law.is_some()
+    }
+
+    /// The point before the first increment: the case's, or one of zeros.
+    pub(super) fn virgin(&self) -> Committed {
+        let first = self.path.as_ref().and_then(|path| path.increments.first());
+        first.map_or_else(|| Committed::zero(self.entry, self.nstatv), |increment| increment.from.clone())
+    }
+
+    /// The point before the first increment, about to make one with the DTIME, DTEMP and DPRED of another.
+    pub(super) fn virgin_during(&self, other: &Committed) -> Committed {
+        let mut virgin = self.virgin();
+        let Setting { time_increment, temperature, fields } = &other.setting;
+        virgin.setting.time_increment = *time_increment;
+        virgin.setting.temperature[1] = temperature[1];
+        virgin.setting.fields[1].clone_from(&fields[1]);
+        virgin
+    }
+
+    /// How many of `wanted` things, each of so many calls, can be afforded in a time, s; at least a few.
+    pub(super) fn affordable(&self, wanted: usize, calls_each: usize, seconds: f64) -> usize {
+        const FEW: usize = 2;
+        let affordable = seconds / (self.call_time * calls_each as f64).max(f64::MIN_POSITIVE);
+        wanted.min((affordable as usize).max(FEW))
+    }
+
+    /// A point of zeros in the case's setting.
+    pub(super) fn blank(&self) -> Committed {
+        let Committed { setting, time, counters, .. } = self.virgin();
+        Committed { setting, time, counters, ..Committed::zero(self.entry, self.nstatv) }
+    }
+
+    /// How many of the case's DTIME its path takes; 1 without a case.
+    pub(super) fn path_length(&self) -> f64 {
+        self.path.as_ref().map_or(1.0, |path| path.taken.max(1) as f64)
+    }
+
+    /// The point after an accepted step.
+    pub(super) fn advanced(&self, from: &Committed, step: &[f64], answer: &Answer) -> Committed {
+        let mut setting = from.setting.clone();
+        setting.temperature[0] += self.share * setting.temperature[1];
+        let [fields, increments] = &mut setting.fields;
+        fields.iter_mut().zip(increments).for_each(|(field, increment)| *field += self.share * *increment);
+        let time_increment = self.share * from.setting.time_increment;
+        Committed {
+            input: from.input.iter().zip(step).map(|(x, d)| x + d).collect(),
+            output: answer.output.clone(),
+            statev: answer.statev.clone(),
+            energies: answer.energies,
+            slip: [from.slip[0] + answer.slip_increment[0], from.slip[1] + answer.slip_increment[1]],
+            flags: answer.flags,
+            time: from.time.map(|time| time + time_increment),
+            counters: [from.counters[0], from.counters[1] + 1],
+            gradient: self.end_gradient(from, step),
+            setting,
+        }
+    }
+
+    /// F at the end of a step without spin.
+    pub(super) fn end_gradient(&self, from: &Committed, step: &[f64]) -> Matrix3<f64> {
+        match self.end {
+            Some(end) => end,
+            None if self.finite => spinless(&self.tensor(step), &from.gradient).unwrap_or(from.gradient),
+            None => from.gradient,
+        }
+    }
+
+    /// The strains of an input as a tensor; 0 for contact.
+    pub(super) fn tensor(&self, input: &[f64]) -> Matrix3<f64> {
+        let mut six = [0.0; 6];
+        if let Entry::Umat(stress_state) = self.entry {
+            stress_state.components().iter().zip(input).for_each(|(&i, d)| six[i] = *d);
+        }
+        symmetric(&six, 2.0)
+    }
+
+    /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
+    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Result<Answer, Trouble> {
+        let (Entry::Umat(stress_state), Some(motion)) = (self.entry, incremental_motion(&from.gradient, end)) else {
+            return Err(Trouble::NotFinite("F"));
+        };
+        let components = stress_state.components();
+        let turned = |values: &[f64], shear: f64| -> Vec<f64> {
+            let mut six = [0.0; 6];
+            components.iter().zip(values).for_each(|(&i, value)| six[i] = *value);
+            let six = rotated(&six, &motion.rotation, shear);
+            components.iter().map(|&i| six[i]).collect()
+        };
+        let before = Committed { input: turned(&from.input, 2.0), output: turned(&from.output, 1.0), ..from.clone() };
+        let step: Vec<f64> = components.iter().map(|&i| motion.strain_increment[i]).collect();
+        self.rotation = columns(&motion.rotation);
+        self.end = Some(*end);
+        let answer = self.evaluate(&before, &step);
+        self.rotation = IDENTITY;
+        self.end = None;
+        answer
+    }
+
+    /// Finds out whether the law reads the deformation gradients: then the answer changes without them.
+    pub(super) fn find_out_what_is_read(&mut self, sample: &[State]) {
+        const ASKED: usize = 20;
+        let asked = if self.finite { ASKED } else { 0 };
+        self.reads_gradient = sample.iter().rev().take(asked).any(|state| {
+            let with = self.call(&state.from, &state.step, 0.0, Alteration::None);
+            let blind = Committed { gradient: Matrix3::identity(), ..state.from.clone() };
+            self.end = Some(Matrix3::identity());
+            let without = self.call(&blind, &state.step, 0.0, Alteration::None);
+            self.end = None;
+            !with.same(&without)
+        });
+    }
+
+    /// The stress that an elastic material would have at this input: what rounding is measured by.
+    pub(super) fn elastic_size(&self, input: &[f64]) -> f64 {
+        let sizes = input.iter().zip(&self.size).fold(0.0_f64, |m, (x, size)| m.max((x / size).abs()));
+        largest(&self.output_size) * sizes
+    }
+
+    /// A name for state variable `k`.
+    pub(super) fn state_name(&self, k: usize) -> String {
+        let named = self.plugin.law.as_ref().and_then(|law| law.states.get(k));
+        named.map_or_else(|| format!("sdv{}", k + 1), |state| state.name.clone())
+    }
+
+    /// Whether state variable `k` may tell a history: the last two of a UMAT with metadata tell the strain and an energy.
+    pub(super) fn is_history(&self, k: usize) -> bool {
+        let told = ["strain_33", "dissipated_energy"];
+        let law = self.plugin.law.as_ref();
+        law.and_then(|law| law.states.get(k)).is_none_or(|state| !told.contains(&state.name.as_str()))
+    }
+
+    /// Names of optional arguments and of the tangent.
+    pub(super) fn argument_names(&self) -> (&'static [&'static str], &'static str) {
+        match self.call {
+            Call::Umat(_) => (UmatCall::OPTIONAL_ARGUMENTS, UmatCall::TANGENT_ARGUMENT),
+            Call::Uinter(_) => (UinterCall::OPTIONAL_ARGUMENTS, UinterCall::TANGENT_ARGUMENT),
+            Call::Fric(_) => (FricCall::OPTIONAL_ARGUMENTS, FricCall::TANGENT_ARGUMENT),
+        }
+    }
+
+    /// The response to a step, or why there is none.
+    pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
+        let mut answer = self.call(from, step, 0.0, Alteration::None);
+        // FRIC's LM = 2: no friction here
+        if answer.lm > 1 {
+            answer.lm = 0;
+            answer.output.fill(0.0);
+            answer.tangent.fill(0.0);
+        }
+        let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
+        match answer.outcome {
+            CallOutcome::CutBack(_) if answer.output.iter().any(|x| x.is_nan()) => Err(Trouble::Refused),
+            CallOutcome::CutBack(fraction) => Err(Trouble::CutBack(fraction)),
+            CallOutcome::Done if !finite(&answer.output) => Err(Trouble::NotFinite("STRESS")),
+            CallOutcome::Done if !finite(&answer.tangent) => Err(Trouble::NotFinite("DDSDDE")),
+            CallOutcome::Done if !finite(&answer.statev) => Err(Trouble::NotFinite("STATEV")),
+            CallOutcome::Done if answer.lm != 0 => Err(Trouble::NoTractions(answer.lm)),
+            CallOutcome::Done => Ok(answer),
+        }
+    }
+
+    /// Goes along a step, halving it where the plugin asks for a cut-back; returns the number of cut-backs.
+    pub(super) fn advance(&mut self, point: &mut Committed, step: &[f64]) -> Result<usize, Trouble> {
+        const MOST_HALVINGS: u32 = 10;
+        self.advance_halving(point, step, MOST_HALVINGS)
+    }
+
+    fn advance_halving(&mut self, point: &mut Committed, step: &[f64], halvings: u32) -> Result<usize, Trouble> {
+        match self.evaluate(point, step) {
+            Ok(answer) => {
+                *point = self.advanced(point, step, &answer);
+                Ok(0)
+            }
+            Err(Trouble::CutBack(_)) if halvings > 0 => {
+                let half: Vec<f64> = step.iter().map(|d| 0.5 * d).collect();
+                self.share *= 0.5;
+                let first = self.advance_halving(point, &half, halvings - 1);
+                let both = first.and_then(|first| Ok(1 + first + self.advance_halving(point, &half, halvings - 1)?));
+                self.share *= 2.0;
+                both
+            }
+            Err(trouble) => Err(trouble),
+        }
+    }
+
+    /// One call, whatever it returns: the tangents filled with `filling` before, with something wrong or not.
+    pub(super) fn call(&mut self, from: &Committed, step: &[f64], filling: f64, alteration: Alteration<'_>) -> Answer {
+        self.calls += 1;
+        worker::note_call();
+        self.prepare_call(from, step);
+        let (answer, result) = match &mut self.call {
+            Call::Umat(call) => umat(call, from, filling, alteration),
+            Call::Uinter(call) => uinter(call, filling, alteration),
+            Call::Fric(call) => fric(call, filling, alteration),
+        };
+        if let Err(overrun) = result {
+            *self.overruns.entry(overrun.array).or_default() += 1;
+        }
+        answer
+    }
+
+    /// One call in a child process with its arrays fenced.
+    pub(super) fn probe(&mut self, from: &Committed, step: &[f64], alignment: Alignment) -> std::io::Result<Probed> {
+        self.prepare_call(from, step);
+        match &mut self.call {
+            Call::Umat(call) => call.probe(alignment),
+            Call::Uinter(call) => call.probe(alignment),
+            Call::Fric(call) => call.probe(alignment),
+        }
+    }
+
+    /// Writes the arguments of a call.
+    fn prepare_call(&mut self, from: &Committed, step: &[f64]) {
+        let end = self.end_gradient(from, step);
+        match &mut self.call {
+            Call::Umat(call) => {
+                call.celent = self.length;
+                call.drot = self.rotation;
+                prepare_umat(call, from, step, self.share, &end);
+            }
+            Call::Uinter(call) => {
+                call.chrlngth = self.length;
+                prepare_uinter(call, from, step, self.share);
+            }
+            Call::Fric(call) => {
+                call.chrlngth = self.length;
+                prepare_fric(call, from, step, self.share);
+            }
+        }
+    }
+
+    /// Arguments that the last call changed although they are inputs.
+    pub(super) fn changed_inputs(&self, from: &Committed, step: &[f64]) -> Vec<&'static str> {
+        let mut changed = Vec::new();
+        let n = from.input.len();
+        let (props, pairs) = match &self.call {
+            Call::Umat(call) => {
+                (call.props(), vec![("STRAN", &call.stran[..n], &from.input[..]), ("DSTRAN", &call.dstran[..n], step)])
+            }
+            Call::Uinter(call) => (call.props(), vec![("DRDISP", &call.drdisp[..n], step)]),
+            Call::Fric(call) => (call.props(), vec![("DGAM", &call.dgam[..n - 1], &step[..n - 1])]),
+        };
+        changed.extend(pairs.iter().filter(|(_, now, before)| !same_bits(now, before)).map(|(name, ..)| *name));
+        if !same_bits(props, &self.props) {
+            changed.push("PROPS");
+        }
+        changed
+    }
+}
+
+/// The given length, or one that the law accepts.
+fn characteristic_length(plugin: &Plugin, props: &[f64], given: Option<f64>) -> f64 {
+    const CANDIDATES: [f64; 4] = [1.0, 10.0, 50.0, 0.1];
+    let accepted =
+        |length: &f64| plugin.law.as_ref().is_none_or(|law| law.validate(props, Some(*length)) == Validation::Valid);
+    given.unwrap_or_else(|| CANDIDATES.into_iter().find(accepted).unwrap_or(CANDIDATES[0]))
+}

@@ -1,0 +1,5 @@
+//! Plugins before they are used: built from sources of Fortran, C and C++ ([`build`]), and tested against what their
+//! metadata claims ([`conformance`]).
+
+pub mod build;
+pub mod conformance;

@@ -1,0 +1,112 @@
+//! The measured load–slip curve.
+
+use pullout_case::CsvFile;
+use std::path::Path;
+
+/// Fewer rows than this cannot tell a bond law from noise.
+const FEWEST_ROWS: usize = 12;
+/// A slip that falls back by more than this part of the greatest is no scatter: it is unloading.
+const LARGEST_RETURN: f64 = 0.05;
+/// A load below minus this part of the greatest is no scatter about 0: the signs are wrong.
+const LARGEST_COMPRESSION: f64 = 0.2;
+
+/// A load–slip curve of a fibre that is pulled out monotonically, in the order of its file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LoadSlipCurve {
+    /// Slips, mm.
+    pub slips: Vec<f64>,
+    /// Loads, N.
+    pub loads: Vec<f64>,
+}
+
+impl LoadSlipCurve {
+    /// Reads a CSV file: the columns of these names; without a name the columns `slip` and `load` if both are there, else
+    /// the first two.
+    ///
+    /// # Errors
+    /// One sentence for each thing that is wrong, with its line.
+    pub fn read(path: &Path, slip: Option<&str>, load: Option<&str>) -> Result<Self, Vec<String>> {
+        let file = path.display();
+        let csv = CsvFile::read(path)?;
+        let [slip, load] = columns(&csv.header, slip, load).map_err(|error| vec![format!("{file}, {error}")])?;
+        let rows = csv
+            .numbers(&[slip, load], false)
+            .map_err(|problems| problems.into_iter().map(|problem| format!("{file}, {problem}")).collect::<Vec<_>>())?;
+        let curve =
+            Self { slips: rows.iter().map(|row| row[0]).collect(), loads: rows.iter().map(|row| row[1]).collect() };
+        curve.check().map_err(|(row, message)| vec![format!("{file}, line {}: {message}", csv.line(row))])?;
+        Ok(curve)
+    }
+
+    /// What keeps it from being the curve of a pull-out, and in which row.
+    fn check(&self) -> Result<(), (usize, String)> {
+        let last = self.slips.len() - 1;
+        if self.slips.len() < FEWEST_ROWS {
+            return Err((last, format!("the curve ends after {} rows; at least {FEWEST_ROWS} are needed", last + 1)));
+        }
+        let (peak, largest) = (self.peak(), self.largest_slip());
+        if peak.load <= 0.0 || largest <= 0.0 {
+            return Err((last, "no slip and load above 0: pull-out has positive slips and loads".into()));
+        }
+        let mut furthest = 0.0_f64;
+        for (row, (&slip, &load)) in self.slips.iter().zip(&self.loads).enumerate() {
+            if load < -LARGEST_COMPRESSION * peak.load {
+                return Err((row, format!("the load {load} N pushes the fibre in: pull-out has positive loads")));
+            }
+            if slip < furthest - LARGEST_RETURN * largest {
+                return Err((
+                    row,
+                    format!("the slip falls back from {furthest} to {slip} mm: no cycles can be fitted"),
+                ));
+            }
+            furthest = furthest.max(slip);
+        }
+        if peak.slip >= largest {
+            return Err((last, "the load still rises at the end of the curve: no law can be told from it".into()));
+        }
+        Ok(())
+    }
+
+    /// The point of the greatest load.
+    pub fn peak(&self) -> Peak {
+        let points = self.slips.iter().zip(&self.loads).map(|(&slip, &load)| Peak { slip, load });
+        points.max_by(|a, b| a.load.total_cmp(&b.load)).unwrap_or_default()
+    }
+
+    /// The greatest slip, mm.
+    pub fn largest_slip(&self) -> f64 {
+        self.slips.iter().fold(0.0, |largest, &slip| slip.max(largest))
+    }
+}
+
+/// A point of greatest load.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Peak {
+    /// mm.
+    pub slip: f64,
+    /// N.
+    pub load: f64,
+}
+
+/// Indices of the columns of slip and load.
+fn columns(header: &[String], slip: Option<&str>, load: Option<&str>) -> Result<[usize; 2], String> {
+    if header.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Err("line 1: these are numbers, but the first line must name the columns, e.g. 'slip,load'".into());
+    }
+    let place = |name: &str| header.iter().position(|column| column == name);
+    let named = |name: &str| {
+        let unknown = || format!("line 1: no column is called '{name}'{}", pullout_case::hint(name, header));
+        place(name).ok_or_else(unknown)
+    };
+    let by_habit = place("slip").zip(place("load"));
+    if header.len() < 2 {
+        return Err("line 1: one column, but slip and load are needed".into());
+    }
+    let default = by_habit.unwrap_or((0, 1));
+    let slip = slip.map_or(Ok(default.0), named)?;
+    let load = load.map_or(Ok(default.1), named)?;
+    if slip == load {
+        return Err(format!("line 1: slip and load would both be the column '{}'", header[slip]));
+    }
+    Ok([slip, load])
+}

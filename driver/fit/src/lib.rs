@@ -1,0 +1,263 @@
+//! `pullout fit bond`: the bond law behind the load–slip curve of a perpendicular fibre.
+//!
+//! ```text
+//! CSV ─ curve ── mean traction against mean slip ── regression ── inverse finite elements ── law ± error ─ output
+//!                     (geometry)                     (6.23, 6.24)     (specimen, simulation, inverse)  (uncertainty)
+//! ```
+//!
+//! The regressions of the thesis's section 6.2 take the bond as uniform along the fibre. The computed pull-out does not:
+//! what is left between its curve and the measured one moves the law until they agree.
+
+mod curve;
+mod geometry;
+mod inverse;
+mod law;
+mod output;
+mod regression;
+mod simulation;
+mod specimen;
+#[cfg(test)]
+mod test;
+mod uncertainty;
+
+pub use curve::LoadSlipCurve;
+pub use geometry::{Fibre, SlipAt};
+pub use inverse::Weights;
+pub use law::{BondLaw, Piecewise, Powers, Quantity};
+pub use output::{describe, write};
+pub use simulation::SimulatedCurve;
+pub use specimen::{Materials, MatrixLaw};
+pub use uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
+
+use geometry::BondPoint;
+use inverse::{Target, root_mean_square};
+use pullout_case::CaseErrors;
+use pullout_run::isolation::Need;
+use serde_json::Value;
+use simulation::Simulator;
+use specimen::Specimen;
+use std::f64::consts::PI;
+use std::path::PathBuf;
+
+/// The form of a law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Form {
+    /// Linear, power, power (6.24).
+    Powers,
+    /// Straight lines through so many points besides (0, 0) (6.23).
+    Piecewise {
+        /// How many.
+        points: usize,
+    },
+}
+
+/// What is known besides the curve, and how the law is sought.
+#[derive(Clone, Debug)]
+pub struct Request {
+    /// The fibre.
+    pub fibre: Fibre,
+    /// Where the slip was measured.
+    pub slip_at: SlipAt,
+    /// The forms that are fitted.
+    pub forms: Vec<Form>,
+    /// τ_res, MPa; `None`: 0, or that of the user's own case.
+    pub residual: Option<f64>,
+    /// How much each row counts.
+    pub weights: Weights,
+    /// Materials of the default simulation.
+    pub materials: Materials,
+    /// A case of the user's own instead of the default simulation.
+    pub specimen_case: Option<PathBuf>,
+    /// Most runs of the simulation for each form.
+    pub max_runs: usize,
+    /// Where plugins are looked for first.
+    pub plugin_paths: Vec<PathBuf>,
+}
+
+/// Why there is no law.
+#[derive(Debug)]
+pub enum FitError {
+    /// The input is wrong.
+    Input(String),
+    /// The simulation's case is wrong.
+    Case(CaseErrors),
+    /// The simulation cannot be run.
+    Failed(String),
+}
+
+/// A law and how well it is known.
+#[derive(Clone, Debug)]
+pub struct FittedLaw {
+    /// By regression alone.
+    pub regression: BondLaw,
+    /// By inverse finite elements.
+    pub law: BondLaw,
+    /// Its numbers with their errors; `None` if there were no runs left for it.
+    pub uncertainty: Option<Uncertainty>,
+    /// Its curve.
+    pub simulated: SimulatedCurve,
+    /// How near its curve is to the measured one.
+    pub quality: Quality,
+    /// The same of the regression.
+    pub regression_rms: f64,
+    /// Runs of the simulation.
+    pub runs: usize,
+    /// Why it is not the best law of its form.
+    pub trouble: Option<String>,
+    /// τ_res, MPa.
+    pub residual: f64,
+    /// A case that computes the curve.
+    pub case: Value,
+}
+
+/// The distance of two curves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Quality {
+    /// RMS difference of the loads as a part of the measured peak.
+    pub rms: f64,
+    /// 1 − Σ(difference)²/Σ(load − mean load)².
+    pub r_squared: f64,
+}
+
+/// Name of the copy of the measured curve beside the cases.
+pub const CURVE_FILE: &str = "curve.csv";
+
+/// Fits a curve. `progress` is told the form, the runs so far, and the RMS difference of each law that is tried.
+///
+/// # Errors
+/// [`FitError`]; a search that does not come to its end is none: see [`FittedLaw::trouble`].
+pub fn fit(
+    curve: &LoadSlipCurve,
+    request: &Request,
+    progress: &dyn Fn(&str, usize, f64),
+) -> Result<Vec<FittedLaw>, FitError> {
+    let bond = request.fibre.mean_bond(curve, request.slip_at);
+    let specimen = specimen(curve, request)?;
+    let starts: Result<Vec<[BondLaw; 2]>, FitError> =
+        request.forms.iter().map(|form| start(*form, &bond, curve, &request.fibre)).collect();
+    let target = Target { curve, weights: request.weights.of(curve) };
+    let fit = |[regression, start]: [BondLaw; 2]| {
+        let simulator =
+            Simulator::new(specimen.clone(), request.slip_at, &request.plugin_paths, &start).map_err(FitError::Case)?;
+        let report = |runs: usize, rms: f64| progress(start.form(), runs, rms);
+        let found =
+            inverse::search(&simulator, &target, &start, request.max_runs, &report).map_err(FitError::Failed)?;
+        let differences = target.differences(&found.curve);
+        let uncertainty = found
+            .jacobian
+            .as_ref()
+            .map(|jacobian| uncertainty::uncertainty(&found.law, &differences, jacobian, &target.weights));
+        let title = format!("Pull-out of a perpendicular fibre with the fitted bond law ({})", found.law.form());
+        let column = request.slip_at.column();
+        let compare =
+            serde_json::json!({ "file": CURVE_FILE, "file_x": "slip", "file_y": "load", "x": column, "y": "load" });
+        Ok(FittedLaw {
+            regression,
+            uncertainty,
+            quality: quality(curve, root_mean_square(&differences)),
+            regression_rms: found.start_rms,
+            runs: found.runs,
+            trouble: found.trouble.or_else(|| shortfall(curve, &found.curve)),
+            residual: specimen.residual(),
+            case: simulator.specimen().kept(&found.law, &title, compare),
+            law: found.law,
+            simulated: found.curve,
+        })
+    };
+    starts?.into_iter().map(fit).collect()
+}
+
+/// A failure of the last simulation that leaves a part of the curve without a comparison.
+fn shortfall(curve: &LoadSlipCurve, simulated: &SimulatedCurve) -> Option<String> {
+    /// The end of the curve need be reached to this part only.
+    const REACHED: f64 = 0.999;
+    let (reached, wanted) = (simulated.slips.last().copied().unwrap_or(0.0), curve.largest_slip());
+    let reason = simulated.failure.as_deref().unwrap_or("its steps end there");
+    (reached < REACHED * wanted).then(|| format!("the simulation ends at a slip of {reached} of {wanted} mm: {reason}"))
+}
+
+fn quality(curve: &LoadSlipCurve, rms: f64) -> Quality {
+    let count = curve.loads.len() as f64;
+    let mean = curve.loads.iter().sum::<f64>() / count;
+    let scatter: f64 = curve.loads.iter().map(|load| (load - mean).powi(2)).sum();
+    let left = count * (rms * curve.peak().load).powi(2);
+    Quality { rms, r_squared: 1.0 - left / scatter }
+}
+
+/// What the simulations need a process of their own for, if they do: one for the whole fit.
+pub fn need(request: &Request) -> Option<Need> {
+    match &request.specimen_case {
+        Some(file) => pullout_case::need(file, &[], &request.plugin_paths),
+        // one that cannot be made calls nothing
+        None => default_specimen(request).ok()?.need(&request.plugin_paths),
+    }
+}
+
+fn default_specimen(request: &Request) -> Result<Specimen, String> {
+    Specimen::perpendicular_fibre(&request.fibre, &request.materials, request.residual.unwrap_or(0.0))
+}
+
+/// The simulation, up to the end of the curve.
+fn specimen(curve: &LoadSlipCurve, request: &Request) -> Result<Specimen, FitError> {
+    let fibre = &request.fibre;
+    let specimen = match &request.specimen_case {
+        None => default_specimen(request).map_err(FitError::Input)?,
+        Some(file) => {
+            let named = |message: String| FitError::Input(format!("{}: {message}", file.display()));
+            // what is wrong with it is told in full by reading it as it stands
+            pullout_case::read(file, &[], &request.plugin_paths).map_err(FitError::Case)?;
+            let document = pullout_case::document(file, &[]).unwrap_or_default();
+            Specimen::own(document, file, request.residual).map_err(named)?
+        }
+    };
+    let end = curve.largest_slip();
+    let stretch = match request.slip_at {
+        SlipAt::Grip => 0.0,
+        SlipAt::Exit => curve.peak().load * fibre.free_length / fibre.axial_stiffness(),
+    };
+    Ok(specimen.pulled(curve.peak().slip + stretch, end + stretch, (request.slip_at.column(), end)))
+}
+
+/// The law of the regression, and the one that the search begins with: its elastic stiffness is that of a fibre that
+/// stretches unevenly.
+fn start(form: Form, bond: &[BondPoint], curve: &LoadSlipCurve, fibre: &Fibre) -> Result<[BondLaw; 2], FitError> {
+    match form {
+        Form::Powers => {
+            let law = regression::powers(bond).unwrap_or_else(|| rough(curve, bond, fibre));
+            let elastic_stiffness = fibre.elastic_stiffness(law.elastic_stiffness);
+            Ok([BondLaw::Powers(law), BondLaw::Powers(Powers { elastic_stiffness, ..law })])
+        }
+        Form::Piecewise { points } => {
+            let law = regression::piecewise(bond, points).ok_or_else(|| {
+                let message = format!("{} usable rows are too few for --points {points}: give fewer", bond.len());
+                FitError::Input(message)
+            })?;
+            let mut begin = law.clone();
+            let stiffness = fibre.elastic_stiffness(law.elastic_stiffness());
+            if let [first, second, ..] = &mut begin.points[..]
+                && stiffness > second[1] / second[0]
+                && first[1] / stiffness < second[0]
+            {
+                first[0] = first[1] / stiffness;
+            }
+            Ok([BondLaw::Piecewise(law), BondLaw::Piecewise(begin)])
+        }
+    }
+}
+
+/// A law with the right peak, for a curve whose regression is none.
+fn rough(curve: &LoadSlipCurve, bond: &[BondPoint], fibre: &Fibre) -> Powers {
+    /// Stiffness over the secant of the peak, and exponents like those of the fibres of chapter 6.
+    const STIFFNESS: f64 = 5.0;
+    const EXPONENTS: [f64; 2] = [0.2, -0.2];
+    let peak = bond.iter().copied().max_by(|a, b| a.traction.total_cmp(&b.traction)).unwrap_or_else(|| {
+        let load = curve.peak().load;
+        BondPoint { slip: curve.peak().slip, traction: load / (PI * fibre.diameter * fibre.embedded_length) }
+    });
+    let power = |exponent: f64| [peak.traction / peak.slip.powf(exponent), exponent];
+    Powers {
+        elastic_stiffness: STIFFNESS * peak.traction / peak.slip,
+        rise: power(EXPONENTS[0]),
+        fall: power(EXPONENTS[1]),
+    }
+}

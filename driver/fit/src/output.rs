@@ -1,0 +1,234 @@
+//! What a fit leaves behind: cases, the curves, pictures, a report.
+
+use super::curve::LoadSlipCurve;
+use super::law::Quantity;
+use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
+use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use pullout_report::directory::ResultDirectory;
+use pullout_report::plots;
+use pullout_report::plots::figure::{Figure, Line, Marks, Scale, Style};
+use pullout_report::plots::quantity::Quantity as AxisQuantity;
+use pullout_run::number::significant;
+use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::io;
+
+mod report;
+
+/// Measured points in a picture: more would be a band.
+const MOST_MARKS: usize = 150;
+/// The picture of the peak ends at so many times its slip.
+const PEAK_VIEW: f64 = 4.0;
+/// Points of a law's curve.
+const LAW_POINTS: usize = 400;
+
+/// Writes everything into a result directory.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(
+    directory: &mut ResultDirectory,
+    source: &str,
+    curve: &LoadSlipCurve,
+    request: &Request,
+    laws: &[FittedLaw],
+) -> io::Result<()> {
+    let mut file = |name: &str, content: &str| directory.write(name, content).map(|_| ());
+    file(CURVE_FILE, &table(["slip", "load"], &curve.slips, &curve.loads))?;
+    for law in laws {
+        let form = law.law.form();
+        file(&format!("{form}-law.json"), &format!("{:#}\n", specimen::fragment(&law.case)))?;
+        file(&format!("{form}-case.json"), &format!("{:#}\n", law.case))?;
+        let simulated = &law.simulated;
+        file(&format!("{form}-curve.csv"), &table(["slip", "load"], &simulated.slips, &simulated.loads))?;
+    }
+    file("fit.json", &format!("{:#}\n", summary(source, request, laws)))?;
+    let pictures = plots::write_all(directory, "plots", &figures(curve, request, laws))?;
+    directory.write("report.html", report::page(source, curve, request, laws, &pictures).into_string()).map(|_| ())
+}
+
+fn table(header: [&str; 2], x: &[f64], y: &[f64]) -> String {
+    let rows = x.iter().zip(y).map(|(x, y)| format!("{x},{y}\n"));
+    std::iter::once(format!("{}\n", header.join(","))).chain(rows).collect()
+}
+
+/// A law in a few lines for the terminal.
+pub fn describe(law: &FittedLaw) -> String {
+    let mut text = format!(
+        "{}: RMS {} % of the peak (regression alone: {} %), R² {:.5}, {} runs\n",
+        law.law.form(),
+        significant(100.0 * law.quality.rms, 3),
+        significant(100.0 * law.regression_rms, 3),
+        law.quality.r_squared,
+        law.runs
+    );
+    for (quantity, estimate) in numbers(law) {
+        let error = estimate.map_or(String::new(), |estimate| {
+            let doubt = if estimate.is_identifiable() { "" } else { ", NOT IDENTIFIABLE" };
+            if estimate.is_given() {
+                " (the end of the curve)".to_owned()
+            } else {
+                format!(" ± {} ({}{doubt})", significant(estimate.standard_error, 2), percent(estimate.relative()))
+            }
+        });
+        let unit = if quantity.unit == "-" { String::new() } else { format!(" {}", quantity.unit) };
+        // writing to a String cannot fail
+        let line = format!("  {:<8} {}{unit}{error}", quantity.name, significant(quantity.value, 5));
+        let _ = writeln!(text, "{line}");
+    }
+    text
+}
+
+/// The numbers of a law, each with what is known of its error.
+fn numbers(law: &FittedLaw) -> Vec<(Quantity, Option<&Estimate>)> {
+    let quantities = law.law.quantities().into_iter().enumerate();
+    let estimate = |k: usize| law.uncertainty.as_ref().and_then(|uncertainty| uncertainty.estimates.get(k));
+    quantities.map(|(k, quantity)| (quantity, estimate(k))).collect()
+}
+
+/// Names of the numbers that the curve does not tell.
+fn untold(law: &FittedLaw) -> Vec<String> {
+    let untold = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+        estimate
+            .filter(|estimate| !estimate.is_identifiable())
+            .map(|estimate| format!("{} (standard error {} of its value)", quantity.name, percent(estimate.relative())))
+    };
+    numbers(law).into_iter().filter_map(untold).collect()
+}
+
+fn percent(part: f64) -> String {
+    if part.is_finite() { format!("{} %", significant(100.0 * part, 2)) } else { "infinite".into() }
+}
+
+fn summary(source: &str, request: &Request, laws: &[FittedLaw]) -> Value {
+    let forms: Map<String, Value> = laws.iter().map(|law| (law.law.form().to_owned(), form(law))).collect();
+    let fibre = &request.fibre;
+    json!({
+        "curve": source,
+        "slip_at": request.slip_at.column(),
+        "fibre": {
+            "diameter": fibre.diameter,
+            "embedded_length": fibre.embedded_length,
+            "free_length": fibre.free_length,
+            "E": fibre.youngs_modulus,
+        },
+        "forms": forms,
+    })
+}
+
+/// JSON has no infinity: an error of which nothing is known is null.
+fn form(law: &FittedLaw) -> Value {
+    let number = |(quantity, estimate): (Quantity, Option<&Estimate>)| {
+        let mut entry = json!({ "value": quantity.value, "unit": quantity.unit });
+        if let Some(estimate) = estimate {
+            entry["standard_error"] = json!(estimate.standard_error);
+            entry["identifiable"] = json!(estimate.is_identifiable());
+        }
+        (quantity.name, entry)
+    };
+    let parameters: Map<String, Value> = numbers(law).into_iter().map(number).collect();
+    let regression = law.regression.quantities().into_iter();
+    let regression: Map<String, Value> =
+        regression.map(|quantity| (quantity.name, json!({ "value": quantity.value, "unit": quantity.unit }))).collect();
+    json!({
+        "status": if law.trouble.is_none() { "done" } else { "failed" },
+        "message": law.trouble,
+        "rms_of_peak": law.quality.rms,
+        "r_squared": law.quality.r_squared,
+        "runs": law.runs,
+        "parameters": parameters,
+        "correlation": law.uncertainty.as_ref().map(correlation),
+        "regression": { "parameters": regression, "rms_of_peak": law.regression_rms },
+    })
+}
+
+fn correlation(uncertainty: &Uncertainty) -> Value {
+    let names: Vec<&str> = uncertainty.estimates.iter().map(|estimate| estimate.quantity.name.as_str()).collect();
+    let rows: Vec<Vec<f64>> = uncertainty.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+    json!({ "names": names, "matrix": rows })
+}
+
+/// The curves, those around the peak once more, and the laws.
+fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<Figure> {
+    let units = BTreeMap::new();
+    let column = request.slip_at.column();
+    let every = curve.slips.len().div_ceil(MOST_MARKS).max(1);
+    let peak_end = PEAK_VIEW * curve.peak().slip;
+    let figure = |name: &str, title: &str, end: f64, every: usize| Figure {
+        name: name.into(),
+        title: title.into(),
+        x: AxisQuantity::of(column, &units),
+        y: AxisQuantity::of("load", &units),
+        lines: laws
+            .iter()
+            .enumerate()
+            .map(|(k, law)| {
+                let points = law.simulated.slips.iter().copied().zip(law.simulated.loads.iter().copied());
+                let points = points.take_while(|(slip, _)| *slip <= end).collect();
+                line(k, law, points, (column, "load"))
+            })
+            .collect(),
+        marks: vec![Marks {
+            label: "measured".into(),
+            points: (curve.slips.iter().copied().zip(curve.loads.iter().copied()))
+                .filter(|(slip, _)| *slip <= end)
+                .step_by(every)
+                .collect(),
+            line: None,
+        }],
+        equal_units: false,
+        scale: Scale::Linear,
+    };
+    let end = curve.largest_slip();
+    let near = curve.slips.iter().filter(|&&slip| slip <= peak_end).count().div_ceil(MOST_MARKS).max(1);
+    vec![
+        figure("load-slip", "Measured and computed load", end, every),
+        figure("load-slip-peak", "Measured and computed load around the peak", peak_end, near),
+        Figure {
+            name: "bond-law".into(),
+            title: "Bond laws".into(),
+            x: AxisQuantity { name: "slip of the bond".into(), unit: "mm".into() },
+            y: AxisQuantity { name: "bond traction".into(), unit: "MPa".into() },
+            lines: laws.iter().enumerate().map(|(k, law)| law_line(k, law, end)).collect(),
+            marks: vec![Marks {
+                label: "mean traction of the regression".into(),
+                points: {
+                    let bond = request.fibre.mean_bond(curve, request.slip_at);
+                    let every = bond.len().div_ceil(MOST_MARKS).max(1);
+                    bond.iter().step_by(every).map(|point| (point.slip, point.traction)).collect()
+                },
+                line: None,
+            }],
+            equal_units: false,
+            scale: Scale::Linear,
+        },
+    ]
+}
+
+fn line(k: usize, law: &FittedLaw, points: Vec<(f64, f64)>, columns: (&str, &str)) -> Line {
+    Line {
+        label: law.law.form().into(),
+        points,
+        columns: (columns.0.into(), columns.1.into()),
+        style: Style { color: k, dash: k },
+        marked: false,
+    }
+}
+
+/// A law's traction, closer where the slip is small.
+fn law_line(k: usize, law: &FittedLaw, end: f64) -> Line {
+    let slips: Vec<f64> = (0..=LAW_POINTS).map(|i| end * (i as f64 / LAW_POINTS as f64).powi(3)).collect();
+    let tractions = law.law.tractions(&slips, law.residual).unwrap_or_default();
+    line(k, law, slips.into_iter().zip(tractions).collect(), ("slip", "tau"))
+}
+
+/// What an error is worth, for readers of the report.
+fn explanation() -> String {
+    format!(
+        "Errors are standard errors to first order, from the derivatives of the computed curve and the scatter that is \
+         left; they hold if this scatter is noise. A number whose standard error is above {} % of its value is not \
+         identifiable: the curve does not tell it.",
+        significant(100.0 * IDENTIFIABLE, 2)
+    )
+}

@@ -1,0 +1,100 @@
+//! `report.html` of a fit.
+
+use super::{explanation, numbers, percent, untold};
+use crate::{FittedLaw, LoadSlipCurve, Request, SlipAt};
+use maud::{Markup, PreEscaped, html};
+use pullout_report::page;
+use pullout_report::plots::Picture;
+use pullout_run::number::significant;
+
+/// The page.
+pub fn page(
+    source: &str,
+    curve: &LoadSlipCurve,
+    request: &Request,
+    laws: &[FittedLaw],
+    pictures: &[Picture],
+) -> Markup {
+    page::page(
+        "Bond law from a load–slip curve",
+        &html! {
+            (what_was_fitted(source, curve, request))
+            h2 { "Pictures" }
+            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+            @for law in laws { (fitted(law)) }
+            p { (explanation()) }
+        },
+    )
+}
+
+fn what_was_fitted(source: &str, curve: &LoadSlipCurve, request: &Request) -> Markup {
+    let fibre = &request.fibre;
+    let row = |key: &str, value: String| html! { tr { td.key { (key) } td { (value) } } };
+    let peak = curve.peak();
+    let at = match request.slip_at {
+        SlipAt::Grip => "at the grip",
+        SlipAt::Exit => "at the exit face",
+    };
+    let simulation = request.specimen_case.as_ref();
+    html! {
+        h2 { "What was fitted" }
+        table {
+            (row("Curve", format!("{source}, {} rows", curve.slips.len())))
+            (row("Slip", format!("{at}, up to {} mm", significant(curve.largest_slip(), 4))))
+            (row("Greatest load", format!("{} N at {} mm", significant(peak.load, 4), significant(peak.slip, 3))))
+            (row("Fibre", format!(
+                "diameter {} mm, embedded {} mm, free {} mm, E {} MPa",
+                fibre.diameter, fibre.embedded_length, fibre.free_length, fibre.youngs_modulus
+            )))
+            (row("Simulation", simulation.map_or("perpendicular_fibre".into(), |file| file.display().to_string())))
+            (row("Program", format!("pullout {}", env!("CARGO_PKG_VERSION"))))
+        }
+    }
+}
+
+fn fitted(law: &FittedLaw) -> Markup {
+    let regression = law.regression.quantities();
+    let untold = untold(law);
+    html! {
+        h2 { "Form " (law.law.form()) }
+        @if let Some(message) = &law.trouble { div.message { (message) } }
+        p {
+            "RMS difference " (percent(law.quality.rms)) " of the peak, by regression alone " (percent(law.regression_rms))
+            "; R² " (format!("{:.5}", law.quality.r_squared)) "; " (law.runs) " runs."
+        }
+        @if !untold.is_empty() { p.warnings { "Not identifiable: " (untold.join(", ")) "." } }
+        div.scroll { table {
+            tr {
+                th { "Number" } th { "Unit" } th.number { "Regression" } th.number { "Value" }
+                th.number { "Standard error" } th.number { "of the value" }
+            }
+            @for ((quantity, estimate), start) in numbers(law).iter().zip(&regression) {
+                tr {
+                    td.key { code { (quantity.name) } }
+                    td { (quantity.unit) }
+                    td.number { (significant(start.value, 4)) }
+                    td.number { (significant(quantity.value, 5)) }
+                    @match estimate {
+                        Some(estimate) if !estimate.is_given() => {
+                            td.number { (significant(estimate.standard_error, 2)) }
+                            td.number { (percent(estimate.relative())) }
+                        },
+                        _ => { td.number { "–" } td.number { "–" } },
+                    }
+                }
+            }
+        } }
+        @if let Some(uncertainty) = &law.uncertainty {
+            h3 { "Correlation" }
+            div.scroll { table {
+                tr { th {} @for estimate in &uncertainty.estimates { th.number { (estimate.quantity.name) } } }
+                @for (estimate, row) in uncertainty.estimates.iter().zip(uncertainty.correlation.row_iter()) {
+                    tr {
+                        td.key { code { (estimate.quantity.name) } }
+                        @for value in row.iter() { td.number { (format!("{value:.2}")) } }
+                    }
+                }
+            } }
+        }
+    }
+}

@@ -1,0 +1,186 @@
+//! The distance of a run from a measured curve.
+//!
+//! RMS of history y − file y at the file's (scaled) x, the history interpolated linearly on the **first monotone
+//! branch** of its x: from the initial state until x turns back. Points of the file outside that branch are not
+//! compared; they are counted.
+
+use super::history::Rows;
+use pullout_run::program::Compare;
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::ops::ControlFlow;
+
+#[cfg(test)]
+mod test;
+
+/// Reversals smaller than this part of x's range are iteration noise, not a branch's end; a point of the file as
+/// little outside the branch still belongs to it (scaling rounds).
+const NOISE: f64 = 1e-9;
+
+/// What came out for one file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Comparison {
+    /// As the case names it.
+    pub file: String,
+    /// Root mean square of the differences, in y's unit; `None` if nothing could be compared.
+    pub rms: Option<f64>,
+    /// Points compared.
+    pub points: usize,
+    /// Points of the file outside the branch.
+    pub outside: usize,
+    /// The history's column along x.
+    pub x: String,
+    /// The history's column that is compared.
+    pub y: String,
+}
+
+/// Compares rows with a curve. They are gone through three times, and only those around the curve's points are kept.
+///
+/// # Errors
+/// The rows cannot be read.
+pub fn compare(rows: &impl Rows, curve: &Compare) -> io::Result<Comparison> {
+    let scaled = || curve.points.iter().map(|(x, y)| (x * curve.scale_x, y * curve.scale_y));
+    let pairs = |each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>| rows.pairs(curve.x, curve.y, each);
+    let branch = Branch::around(&pairs, scaled().map(|(x, _)| x).collect())?;
+    let mut points = 0;
+    let mut squares = 0.0;
+    for (file_x, file_y) in scaled() {
+        if let Some(value) = branch.at(file_x)
+            && (value - file_y).is_finite()
+        {
+            points += 1;
+            squares += (value - file_y).powi(2);
+        }
+    }
+    let name = |index: usize| rows.columns().get(index).cloned().unwrap_or_default();
+    Ok(Comparison {
+        file: curve.file.clone(),
+        rms: (points > 0).then(|| (squares / points as f64).sqrt()),
+        points,
+        outside: curve.points.len() - points,
+        x: name(curve.x),
+        y: name(curve.y),
+    })
+}
+
+/// Goes through rows of x and y.
+type Pairs<'a> = dyn Fn(&mut dyn FnMut(f64, f64) -> ControlFlow<()>) -> io::Result<()> + 'a;
+
+/// The first stretch over which x does not turn back; x times `direction` does not decrease.
+#[derive(Default)]
+pub struct Branch {
+    direction: f64,
+    /// direction · x, noise removed: never decreasing.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    noise: f64,
+}
+
+impl Branch {
+    /// All rows of the branch.
+    pub fn first(x: &[f64], y: &[f64]) -> Self {
+        let pairs = |each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>| {
+            let _ = x.iter().zip(y).try_for_each(|(&x, &y)| each(x, y));
+            Ok(())
+        };
+        // reading from memory does not fail
+        Self::traced(&pairs, &mut |_, _| true).unwrap_or_default()
+    }
+
+    /// The rows of the branch that [`Branch::at`] needs for these x.
+    fn around(pairs: &Pairs<'_>, wanted: Vec<f64>) -> io::Result<Self> {
+        let mut along: Option<Vec<f64>> = None;
+        Self::traced(pairs, &mut |direction, [from, to]| {
+            let along = along.get_or_insert_with(|| {
+                let finite = wanted.iter().filter(|x| x.is_finite());
+                let mut along: Vec<f64> = finite.map(|x| direction * x).collect();
+                along.sort_unstable_by(f64::total_cmp);
+                along
+            });
+            to > from && along.partition_point(|&x| x <= from) < along.partition_point(|&x| x <= to)
+        })
+    }
+
+    /// Follows the branch. Of its rows stay the first one, the first at the end, and both ends of each stretch from one
+    /// row to the next that `wants` says yes to, given the direction and both x along it.
+    fn traced(pairs: &Pairs<'_>, wants: &mut dyn FnMut(f64, [f64; 2]) -> bool) -> io::Result<Self> {
+        let (mut start, mut least, mut greatest) = (None, f64::INFINITY, f64::NEG_INFINITY);
+        pairs(&mut |x, _| {
+            if !x.is_finite() {
+                return ControlFlow::Break(());
+            }
+            start.get_or_insert(x);
+            (least, greatest) = (x.min(least), x.max(greatest));
+            ControlFlow::Continue(())
+        })?;
+        let noise = NOISE * (greatest - least).max(0.0);
+        let start = start.unwrap_or(0.0);
+        let mut departure = start;
+        pairs(&mut |x, _| {
+            if !x.is_finite() || (x - start).abs() > noise {
+                departure = if x.is_finite() { x } else { start };
+                return ControlFlow::Break(());
+            }
+            ControlFlow::Continue(())
+        })?;
+        let direction = if departure < start { -1.0 } else { 1.0 };
+        let mut branch = Self { direction, noise, ..Self::default() };
+        // the row before, and the first with the furthest x so far; whether they were kept
+        let mut before: Option<([f64; 2], bool)> = None;
+        let mut furthest: Option<([f64; 2], bool)> = None;
+        pairs(&mut |x, y| {
+            let x = direction * x;
+            let Some((last, is_kept)) = before else {
+                if x.is_finite() {
+                    branch.push([x, y]);
+                    (before, furthest) = (Some(([x, y], true)), Some(([x, y], true)));
+                    return ControlFlow::Continue(());
+                }
+                return ControlFlow::Break(());
+            };
+            if !x.is_finite() || x < last[0] - noise {
+                return ControlFlow::Break(());
+            }
+            let row = [x.max(last[0]), y];
+            let is_wanted = wants(direction, [last[0], row[0]]);
+            if is_wanted {
+                if !is_kept {
+                    branch.push(last);
+                }
+                branch.push(row);
+            }
+            before = Some((row, is_wanted));
+            if row[0] > last[0] {
+                furthest = before;
+            }
+            ControlFlow::Continue(())
+        })?;
+        if let Some((row, false)) = furthest {
+            branch.push(row);
+        }
+        Ok(branch)
+    }
+
+    fn push(&mut self, [x, y]: [f64; 2]) {
+        self.x.push(x);
+        self.y.push(y);
+    }
+
+    /// y at x; `None` outside the branch. Where x stands still, the first y counts.
+    pub fn at(&self, x: f64) -> Option<f64> {
+        let (&first, &last) = (self.x.first()?, self.x.last()?);
+        let x = self.direction * x;
+        // NaN is outside as well
+        if !(x >= first - self.noise && x <= last + self.noise) {
+            return None;
+        }
+        let x = x.clamp(first, last);
+        let right = self.x.partition_point(|&value| value < x);
+        let y = *self.y.get(right)?;
+        if right == 0 || self.x[right] == x {
+            return Some(y);
+        }
+        let weight = (x - self.x[right - 1]) / (self.x[right] - self.x[right - 1]);
+        Some(self.y[right - 1] + weight * (y - self.y[right - 1]))
+    }
+}

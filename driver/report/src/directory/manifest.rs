@@ -1,0 +1,173 @@
+//! `manifest.json`.
+
+use super::names::{self, Kind};
+use super::{MANIFEST, at, fs, io, write_whole};
+use pullout_run::input::{self, Input};
+use serde::{Deserialize, Serialize};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, BTreeSet};
+use std::os::unix::fs::MetadataExt;
+use std::path::{Path, PathBuf};
+
+/// Files beyond this size are known by size and time alone: to hash them would take as long as to write them.
+const MOST_HASHED: u64 = 64 << 20;
+
+/// What the program wrote.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Manifest {
+    /// The version of the program.
+    pullout: String,
+    /// What the results are of.
+    pub(super) kind: Kind,
+    /// Each file with its content; without one it is being written, or was when the program was killed. Names may be
+    /// patterns then.
+    files: BTreeMap<String, Option<Content>>,
+    /// Folders of earlier results with their files.
+    earlier: BTreeMap<String, Vec<String>>,
+}
+
+/// The content of a file.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Content {
+    bytes: u64,
+    /// Of the last change, s and ns.
+    modified: (i64, i64),
+    /// Hexadecimal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    sha256: Option<String>,
+}
+
+impl Content {
+    fn of(path: &Path) -> io::Result<Self> {
+        let file = fs::metadata(path).map_err(at(path))?;
+        let sha256 = (file.len() <= MOST_HASHED).then(|| hash(path)).transpose()?;
+        Ok(Self { bytes: file.len(), modified: (file.mtime(), file.mtime_nsec()), sha256 })
+    }
+
+    /// Whether a file has it. A copy of the file has another time, and so has one that was changed: its hash decides.
+    fn is_in(&self, path: &Path) -> bool {
+        let Ok(file) = fs::metadata(path) else { return false };
+        let same_hash = || self.sha256.is_some() && hash(path).ok() == self.sha256;
+        file.len() == self.bytes && ((file.mtime(), file.mtime_nsec()) == self.modified || same_hash())
+    }
+}
+
+fn hash(path: &Path) -> io::Result<String> {
+    let digest = Sha256::digest(input::read(path, Input::Result).map_err(at(path))?);
+    Ok(digest.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+impl Manifest {
+    pub(super) fn new(kind: Kind) -> Self {
+        let pullout = env!("CARGO_PKG_VERSION").into();
+        Self { pullout, kind, files: BTreeMap::new(), earlier: BTreeMap::new() }
+    }
+
+    /// Of a directory; `None`: nothing there is ours. An older version's results have none, but are known.
+    pub(super) fn read(directory: &Path, kind: Kind) -> io::Result<Option<Self>> {
+        let path = directory.join(MANIFEST);
+        match input::read(&path, Input::Result) {
+            Ok(text) => {
+                let manifest: Option<Self> = serde_json::from_slice(&text).ok();
+                // whoever can write into the folder can write a manifest: what it names lies in the folder, and is called as
+                // results are
+                let ours = manifest.filter(Self::names_results);
+                ours.map(Some).ok_or_else(|| super::super::malformed(&path, "not ours"))
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {
+                let files = kind.of_older_version(directory);
+                let mut manifest = Self::new(kind);
+                manifest.claim(files.iter().map(String::as_str));
+                Ok((!manifest.is_empty()).then_some(manifest))
+            }
+            Err(error) => Err(at(&path)(error)),
+        }
+    }
+
+    pub(super) fn write(&self, directory: &Path) -> io::Result<()> {
+        let path = directory.join(MANIFEST);
+        write_whole(&path, format!("{}\n", serde_json::to_string_pretty(self)?).as_bytes())
+    }
+
+    /// Whether everything that it names is called as results are: files, and folders of earlier results with theirs.
+    fn names_results(&self) -> bool {
+        let mut names = self.files.keys().chain(self.earlier.values().flatten());
+        names.all(|name| names::lies_within(name) && names::is_of_results(name))
+            && self.earlier.keys().all(|folder| names::is_aside(folder))
+    }
+
+    /// Folders that files of results lie in, but for the directory itself.
+    pub(super) fn folders(&self) -> BTreeSet<PathBuf> {
+        let mut folders = BTreeSet::from(["fields", "plots"].map(PathBuf::from));
+        for name in self.files.keys().chain(&self.aside()) {
+            folders.extend(Path::new(name).ancestors().skip(1).map(Path::to_owned));
+        }
+        folders.remove(Path::new(""));
+        folders
+    }
+
+    /// Whether it lists nothing.
+    pub(super) fn is_empty(&self) -> bool {
+        self.files.is_empty() && self.earlier.is_empty()
+    }
+
+    /// Files that are there and have a name that it lists.
+    pub(super) fn present(&self, directory: &Path) -> BTreeSet<String> {
+        self.files.keys().flat_map(|pattern| names::present(pattern, directory)).collect()
+    }
+
+    /// Whether the program wrote what has this name.
+    pub(super) fn owns(&self, name: &str, directory: &Path) -> bool {
+        match self.files.get(name) {
+            Some(Some(content)) => content.is_in(&directory.join(name)),
+            Some(None) => true,
+            None => self.is_claimed(name),
+        }
+    }
+
+    /// Whether a name is being written.
+    pub(super) fn is_claimed(&self, name: &str) -> bool {
+        self.files.iter().any(|(pattern, content)| content.is_none() && names::fits(pattern, name))
+    }
+
+    /// Lists names as being written.
+    pub(super) fn claim<'n>(&mut self, names: impl IntoIterator<Item = &'n str>) {
+        self.files.extend(names.into_iter().map(|name| (name.to_owned(), None)));
+    }
+
+    /// Drops all names but these.
+    pub(super) fn forget_all_but(&mut self, names: &[&str]) {
+        self.files.retain(|name, _| names.contains(&name.as_str()));
+    }
+
+    /// Lists files as set aside in a folder.
+    pub(super) fn set_aside<'n>(&mut self, folder: &str, files: impl Iterator<Item = &'n String>) {
+        self.earlier.insert(folder.to_owned(), files.cloned().collect());
+    }
+
+    /// The files that were set aside, by their present names.
+    pub(super) fn aside(&self) -> Vec<String> {
+        self.earlier
+            .iter()
+            .flat_map(|(folder, files)| files.iter().map(move |file| format!("{folder}/{file}")))
+            .collect()
+    }
+
+    pub(super) fn forget_aside(&mut self) {
+        self.earlier.clear();
+    }
+
+    /// Notes the content of everything that is being written.
+    pub(super) fn close(&mut self, directory: &Path) -> io::Result<()> {
+        let (written, known): (Vec<_>, Vec<_>) =
+            std::mem::take(&mut self.files).into_iter().partition(|(_, content)| content.is_none());
+        self.files = known.into_iter().collect();
+        for name in written.iter().flat_map(|(pattern, _)| names::present(pattern, directory)) {
+            let content = Content::of(&directory.join(&name))?;
+            self.files.insert(name, Some(content));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,30 @@
+//! What a run leaves behind (docs/reference/result-folder.md).
+//!
+//! [`history`] is written while the run goes on, one system call a line; [`progress`] tells a person how far it is.
+//! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it,
+//! [`summary`] and [`report`] say what came out. Nothing of the curve is kept in memory during the run.
+
+use std::io;
+use std::path::Path;
+
+pub mod compare;
+pub mod directory;
+pub mod history;
+pub mod page;
+pub mod pictures;
+pub mod plots;
+pub mod progress;
+pub mod summary;
+
+#[cfg(test)]
+mod test;
+
+/// Puts the file's name in front of an error's message.
+pub(crate) fn at(path: &Path) -> impl FnOnce(io::Error) -> io::Error + '_ {
+    move |error| io::Error::new(error.kind(), format!("{}: {error}", path.display()))
+}
+
+/// A file with wrong content.
+fn malformed(path: &Path, message: impl std::fmt::Display) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, format!("{}: {message}", path.display()))
+}

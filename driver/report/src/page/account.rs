@@ -1,0 +1,300 @@
+//! What was run, in words and tables.
+
+use pullout_case::Case;
+use pullout_run::number::{rounded, signed};
+use pullout_run::program::{
+    Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
+    NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, StepFields, Until,
+};
+use umat_abi::host::{Law, Manner, TangentSource};
+
+mod specimen;
+
+/// Steps that are told; of more (long cycles) only the number.
+const MOST_STEPS: usize = 40;
+
+/// What was run.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Account {
+    /// The case file.
+    pub case_file: String,
+    /// The case's description.
+    pub description: String,
+    /// Name of the law.
+    pub law: String,
+    /// The law's description.
+    pub law_description: String,
+    /// What was driven and how.
+    pub mode: String,
+    /// Other settings, by name.
+    pub settings: Vec<(String, String)>,
+    /// PROPS.
+    pub parameters: Vec<Parameter>,
+    /// The laws of a specimen's parts and contact pairs, in the order of the summary's plugins; empty for a point.
+    pub laws: Vec<LawAccount>,
+    /// What the case leaves to defaults, a line for each place.
+    pub defaults: Vec<String>,
+    /// The first steps.
+    pub steps: Vec<String>,
+    /// Steps that `steps` leaves out.
+    pub steps_left_out: usize,
+}
+
+/// A law of a specimen.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LawAccount {
+    /// What it is of: "part fibre".
+    pub subject: String,
+    /// Its name.
+    pub law: String,
+    /// Its description.
+    pub description: String,
+    /// PROPS.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A line of the table of parameters.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: String,
+    /// Exact value, with the name of the choice it stands for.
+    pub value: String,
+    /// Unit.
+    pub unit: String,
+    /// What it is.
+    pub meaning: String,
+}
+
+impl Account {
+    /// Of a case.
+    pub fn of(case: &Case) -> Self {
+        match case {
+            Case::Path(program) => Self::of_point(program),
+            Case::Pullout(program) => specimen::account(program),
+        }
+    }
+
+    /// Of a material or contact point.
+    pub(super) fn of_point(program: &Program) -> Self {
+        let law = program.plugin.law.as_ref();
+        let columns = program.columns();
+        let (mode, mut steps) = match &program.kind {
+            Kind::Point(point) => (point_mode(point), tell(&point.steps, |step| point_step(step, &columns))),
+            Kind::Interface(contact) => {
+                (interface_mode(contact), tell(&contact.steps, |step| interface_step(step, &columns)))
+            }
+        };
+        let steps_left_out = steps.1;
+        Self {
+            case_file: program.case_file.display().to_string(),
+            description: program.description.clone(),
+            law: program.plugin.name.clone(),
+            law_description: law.map(|law| law.description.clone()).unwrap_or_default(),
+            mode,
+            settings: settings(program, &columns),
+            parameters: parameters(program.plugin.law.as_ref(), &program.plugin.props),
+            laws: Vec::new(),
+            defaults: program.defaults.clone(),
+            steps: std::mem::take(&mut steps.0),
+            steps_left_out,
+        }
+    }
+}
+
+fn tell<S>(steps: &[S], step: impl Fn(&S) -> String) -> (Vec<String>, usize) {
+    (steps.iter().take(MOST_STEPS).map(step).collect(), steps.len().saturating_sub(MOST_STEPS))
+}
+
+/// PROPS with what the metadata say of them.
+fn parameters(law: Option<&Law>, props: &[f64]) -> Vec<Parameter> {
+    let described = |index: usize| {
+        let parameters = &law?.parameters;
+        // a repeating group stands once in the metadata, at the end
+        let size = law?.group.as_ref().map_or(0, |group| group.size);
+        let fixed = parameters.len().saturating_sub(size);
+        let repeat = if index < fixed || size == 0 { None } else { Some((index - fixed) / size + 1) };
+        let parameter = parameters.get(if repeat.is_some() { fixed + (index - fixed) % size } else { index })?;
+        let choice = parameter.choices.iter().find(|choice| choice.value == props[index]);
+        Some(Parameter {
+            name: repeat.map_or(parameter.name.clone(), |repeat| format!("{} {repeat}", parameter.name)),
+            value: match choice {
+                Some(choice) => format!("{} ({})", signed(props[index].to_string()), choice.name),
+                None => exact(props[index]),
+            },
+            unit: parameter.unit.clone(),
+            meaning: parameter.doc.clone(),
+        })
+    };
+    let plain = |index: usize| Parameter {
+        name: format!("PROPS({})", index + 1),
+        value: exact(props[index]),
+        ..Parameter::default()
+    };
+    (0..props.len()).map(|index| described(index).unwrap_or_else(|| plain(index))).collect()
+}
+
+/// All digits, since parameters are what a run is repeated from.
+fn exact(value: f64) -> String {
+    let mut text = Vec::new();
+    pullout_run::number::push_exact(&mut text, value);
+    signed(String::from_utf8_lossy(&text).into_owned())
+}
+
+/// How a UMAT is called, where the case says so.
+fn called(manner: Manner) -> Option<String> {
+    let components = match manner.as_three_d {
+        Some(true) => Some("called with NTENS = 6"),
+        Some(false) | None => None,
+    };
+    let tangent = match manner.tangent {
+        Some(TangentSource::Numerical) => Some("DDSDDE by differences of the stress"),
+        Some(TangentSource::Compared) => Some("DDSDDE compared with differences of the stress"),
+        Some(TangentSource::Reported) | None => None,
+    };
+    let words: Vec<&str> = components.into_iter().chain(tangent).collect();
+    (!words.is_empty()).then(|| words.join(", "))
+}
+
+fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
+    let mut settings = Vec::new();
+    settings.extend(called(program.plugin.manner).map(|how| ("UMAT".to_string(), how)));
+    if let Some(length) = program.characteristic_length {
+        settings.push(("Characteristic length".to_string(), format!("{} mm", exact(length))));
+    }
+    if let Some(until) = &program.until {
+        settings.push(("Until".to_string(), bound(until, columns)));
+    }
+    if program.output.every > 1 {
+        settings.push(("History".to_string(), format!("every {}th increment", program.output.every)));
+    }
+    settings
+}
+
+fn point_mode(point: &PointProgram) -> String {
+    let mode = match point.mode {
+        Mode::ThreeD => "material point, 3-D (NTENS 6)",
+        Mode::PlaneStrain => "material point, plane strain (NTENS 4)",
+        Mode::Axisymmetric => "material point, axisymmetric (NTENS 4)",
+        Mode::PlaneStress => "material point, plane stress (NTENS 3)",
+    };
+    match (point.nlgeom, point.measure) {
+        (false, _) => mode.into(),
+        (true, Measure::Logarithmic) => format!("{mode}, finite strain: ln U and Cauchy stress"),
+        (true, Measure::Nominal) => format!("{mode}, finite strain: U - 1 and nominal (Biot) stress"),
+    }
+}
+
+fn interface_mode(contact: &InterfaceProgram) -> String {
+    let entry = match contact.entry {
+        InterfaceEntry::Uinter => "UINTER",
+        InterfaceEntry::Fric => "FRIC",
+    };
+    let directions =
+        if contact.tangential_directions == 2 { "two tangential directions" } else { "one tangential direction" };
+    format!("contact point through {entry}, {directions}")
+}
+
+fn point_step(step: &PointStep, columns: &[String]) -> String {
+    let mut text = match &step.drive {
+        PointDrive::Ramp { increments, time, controls } => {
+            let targets: Vec<String> = (0..6).filter_map(|k| target(k, controls[k])).collect();
+            let targets = if targets.is_empty() { "stress-free".into() } else { targets.join(", ") };
+            format!("{}, time {}: {targets}", count(*increments, "increment"), rounded(*time))
+        }
+        PointDrive::Table { controls, rows, .. } => {
+            let name = |k: usize| match controls[k] {
+                Control::Strain(_) | Control::HoldStrain => Some(STRAIN_NAMES[k]),
+                Control::FREE => None,
+                _ => Some(STRESS_NAMES[k]),
+            };
+            let names: Vec<&str> = (0..6).filter_map(name).collect();
+            format!("table of {}: {}", count(rows.len(), "row"), names.join(", "))
+        }
+        PointDrive::DeformationGradient { increments, time, end } => {
+            let row = |row: &[f64; 3]| row.map(rounded).join(" ");
+            let end = end.each_ref().map(row).join("; ");
+            format!("{}, time {}: F → [{end}]", count(*increments, "increment"), rounded(*time))
+        }
+    };
+    for constraint in &step.constraints {
+        text.push_str(&format!("; {}", relation(constraint)));
+    }
+    if let Some(until) = &step.until {
+        text.push_str(&format!("; until {}", bound(until, columns)));
+    }
+    text + &fields(&step.fields)
+}
+
+/// Where temperature and field variables go.
+fn fields(fields: &StepFields) -> String {
+    let mut text = String::new();
+    if let Some(temperature) = fields.temperature {
+        text.push_str(&format!("; temperature → {}", rounded(temperature)));
+    }
+    if let Some(variables) = fields.predef.as_ref().filter(|variables| !variables.is_empty()) {
+        let values: Vec<String> = variables.iter().map(|value| rounded(*value)).collect();
+        text.push_str(&format!("; field variables → {}", values.join(", ")));
+    }
+    text
+}
+
+/// What happens to a component; nothing of those that are simply stress-free.
+fn target(component: usize, control: Control) -> Option<String> {
+    let (strain, stress) = (STRAIN_NAMES[component], STRESS_NAMES[component]);
+    match control {
+        Control::FREE | Control::Constraint(_) => None,
+        Control::Strain(value) => Some(format!("{strain} → {}", rounded(value))),
+        Control::HoldStrain => Some(format!("{strain} held")),
+        Control::Stress(value) => Some(format!("{stress} → {} MPa", rounded(value))),
+        Control::HoldStress => Some(format!("{stress} held")),
+    }
+}
+
+fn relation(constraint: &Constraint) -> String {
+    let strains = STRAIN_NAMES.iter().zip(constraint.strain);
+    let terms = strains.chain(STRESS_NAMES.iter().zip(constraint.stress)).filter(|(_, factor)| *factor != 0.0);
+    let terms: Vec<String> = terms.map(|(name, factor)| format!("{} {name}", rounded(factor))).collect();
+    let terms = terms.join(" + ");
+    if constraint.hold { format!("{terms} held") } else { format!("{terms} = {}", rounded(constraint.equals)) }
+}
+
+fn interface_step(step: &InterfaceStep, columns: &[String]) -> String {
+    let normal = match step.normal {
+        NormalControl::Gap => ("gap", "mm"),
+        NormalControl::Pressure => ("p", "MPa"),
+    };
+    let names = [("slip", "mm"), ("slip2", "mm"), normal];
+    let mut text = match &step.drive {
+        InterfaceDrive::Ramp { increments, time, end } => {
+            let told = |((name, unit), end): ((&str, &str), &Option<f64>)| {
+                end.map_or(format!("{name} held"), |end| format!("{name} → {} {unit}", rounded(end)))
+            };
+            let used = |(k, _): &(usize, _)| *k != 1 || end[1].is_some();
+            let targets: Vec<String> =
+                names.into_iter().zip(end).enumerate().filter(used).map(|(_, t)| told(t)).collect();
+            format!("{}, time {}: {}", count(*increments, "increment"), rounded(*time), targets.join(", "))
+        }
+        InterfaceDrive::Table { rows, .. } => {
+            let used = |k: &usize| rows.first().is_some_and(|row| row[*k].is_some());
+            let names: Vec<&str> = (0..3).filter(used).map(|k| names[k].0).collect();
+            format!("table of {}: {}", count(rows.len(), "row"), names.join(", "))
+        }
+    };
+    if let Some(until) = &step.until {
+        text.push_str(&format!("; until {}", bound(until, columns)));
+    }
+    text + &fields(&step.fields)
+}
+
+fn bound(until: &Until, columns: &[String]) -> String {
+    let name = columns.get(until.column).map_or("?", String::as_str);
+    let quantity = if until.absolute { format!("|{name}|") } else { name.to_owned() };
+    let greater = until.greater_than.map(|bound| format!("{quantity} > {}", rounded(bound)));
+    let less = until.less_than.map(|bound| format!("{quantity} < {}", rounded(bound)));
+    greater.into_iter().chain(less).collect::<Vec<_>>().join(" or ")
+}
+
+fn count(number: usize, noun: &str) -> String {
+    if number == 1 { format!("1 {noun}") } else { format!("{number} {noun}s") }
+}

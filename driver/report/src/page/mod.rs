@@ -1,0 +1,218 @@
+//! `report.html`: one page that needs nothing but itself.
+
+use super::directory::ResultDirectory;
+use super::plots::Picture;
+use super::summary::{Peak, Place, Status, Summary};
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use pullout_run::number::{rounded, significant};
+use std::io;
+
+mod account;
+mod specimen;
+pub use account::{Account, LawAccount, Parameter};
+
+#[cfg(test)]
+mod test;
+
+const STYLE: &str = include_str!("style.css");
+
+/// Name of the file in the result directory.
+pub const FILE: &str = "report.html";
+
+/// Writes the page.
+pub fn write(
+    directory: &mut ResultDirectory,
+    account: &Account,
+    summary: &Summary,
+    pictures: &[Picture],
+) -> io::Result<()> {
+    directory.write(FILE, page_of(account, summary, pictures).into_string()).map(|_| ())
+}
+
+fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
+    let title = if summary.title.is_empty() { account.law.as_str() } else { summary.title.as_str() };
+    let body = html! {
+        (status(summary))
+        @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
+        @if !account.description.is_empty() { p.description { (account.description) } }
+        (warnings(&summary.warnings))
+        (what_was_run(account, summary))
+        @if !pictures.is_empty() {
+            h2 { "Pictures" }
+            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        }
+        (comparison(summary))
+        @if let Some(findings) = &summary.specimen { (specimen::findings(findings)) }
+        (effort(summary))
+        (peaks(summary))
+    };
+    page(title, &body)
+}
+
+/// A page with this title as its heading.
+pub fn page(title: &str, body: &Markup) -> Markup {
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                h1 { (title) }
+                (body)
+            }
+        }
+    }
+}
+
+fn status(summary: &Summary) -> Markup {
+    html! {
+        p {
+            @match summary.status {
+                Status::Done => span.done { "done" },
+                Status::Failed => span.failed { "failed" },
+                Status::Interrupted => span.failed { "interrupted" },
+            }
+            " " (summary.increments) " increments in " (significant(summary.wall_time_s, 3)) " s"
+        }
+        @if let Some(message) = &summary.message { div.message { (message) } }
+    }
+}
+
+fn warnings(warnings: &[String]) -> Markup {
+    html! {
+        @if !warnings.is_empty() {
+            h2 { "Warnings" }
+            ul.warnings { @for warning in warnings { li { (warning) } } }
+        }
+    }
+}
+
+fn what_was_run(account: &Account, summary: &Summary) -> Markup {
+    let row = |key: &str, value: Markup| html! { tr { td.key { (key) } td { (value) } } };
+    html! {
+        h2 { "What was run" }
+        table {
+            (row("Case", html! { code { (account.case_file) } }))
+            @for plugin in &summary.plugins {
+                (row(&capital(&plugin.subject), html! { (plugin.law) " " (plugin.file.version) br;
+                    code { (plugin.file.path) } br; code { (plugin.file.sha256) } }))
+            }
+            @if summary.plugins.is_empty() {
+            (row("Law", html! { (account.law) " " (summary.plugin.version)
+                @if !account.law_description.is_empty() { " – " (account.law_description) } }))
+            (row("Plugin", html! { code { (summary.plugin.path) } }))
+            (row("SHA-256", html! { code { (summary.plugin.sha256) } }))
+            }
+            (row("Mode", html! { (account.mode) }))
+            @for (key, value) in &account.settings { (row(key, html! { (value) })) }
+            (row("Program", html! { "pullout " (env!("CARGO_PKG_VERSION")) }))
+        }
+        @if !account.parameters.is_empty() {
+            h2 { "Parameters" }
+            (table_of(&account.parameters))
+        }
+        @for law in &account.laws {
+            h2 { (capital(&law.subject)) ": " (law.law) }
+            @if !law.description.is_empty() { p { (law.description) } }
+            (table_of(&law.parameters))
+        }
+        @if !account.defaults.is_empty() {
+            h2 { "Taken by default" }
+            ul { @for line in &account.defaults { li { code { (line) } } } }
+        }
+        h2 { "Path" }
+        ol { @for step in &account.steps { li { (step) } } }
+        @if account.steps_left_out > 0 { p { "… and " (account.steps_left_out) " more steps." } }
+    }
+}
+
+fn table_of(parameters: &[Parameter]) -> Markup {
+    html! {
+        div.scroll { table {
+            tr { th { "Name" } th.number { "Value" } th { "Unit" } th { "Meaning" } }
+            @for parameter in parameters {
+                tr {
+                    td { code { (parameter.name) } }
+                    td.number { (parameter.value) }
+                    td { (parameter.unit) }
+                    td { (parameter.meaning) }
+                }
+            }
+        } }
+    }
+}
+
+/// With a capital letter, as a row begins.
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn comparison(summary: &Summary) -> Markup {
+    html! {
+        @if !summary.compare.is_empty() {
+            h2 { "Comparison" }
+            div.scroll { table {
+                tr { th { "File" } th { "Compared" } th.number { "RMS difference" } th.number { "Points" } th.number { "Outside" } }
+                @for entry in &summary.compare {
+                    tr {
+                        td { code { (entry.file) } }
+                        td { (entry.y) " at " (entry.x) }
+                        td.number { @match entry.rms { Some(rms) => (rounded(rms)), None => "nothing to compare" } }
+                        td.number { (entry.points) }
+                        td.number { (entry.outside) }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+fn effort(summary: &Summary) -> Markup {
+    let per_call = 1e6 * summary.wall_time_s / summary.plugin_calls.max(1) as f64;
+    html! {
+        h2 { "Effort" }
+        table {
+            tr { td.key { "Increments" } td.number { (summary.increments) } }
+            tr { td.key { "Iterations" } td.number { (summary.iterations) } }
+            tr { td.key { "Plugin calls" } td.number { (summary.plugin_calls) } }
+            tr { td.key { "Cutbacks" } td.number { (summary.cutbacks) } }
+            tr { td.key { "Time" } td.number { (significant(summary.wall_time_s, 4)) " s" } }
+            tr { td.key { "Time per plugin call" } td.number { (significant(per_call, 3)) " µs" } }
+        }
+    }
+}
+
+fn peaks(summary: &Summary) -> Markup {
+    let number = |value: Option<f64>| value.map_or("–".into(), rounded);
+    let place = |place: Option<Place>| match place {
+        Some(Place { step, increment, .. }) => format!("{step} / {increment}"),
+        None => "–".into(),
+    };
+    let moves = |peak: &Peak| peak.max.is_some() && (peak.max != Some(0.0) || peak.min != Some(0.0));
+    let still: Vec<&str> =
+        summary.peaks.iter().filter(|(_, peak)| !moves(peak)).map(|(name, _)| name.as_str()).collect();
+    html! {
+        h2 { "Peaks" }
+        div.scroll { table {
+            tr {
+                th { "Column" } th.number { "Greatest" } th.number { "step / increment" }
+                th.number { "Least" } th.number { "step / increment" }
+            }
+            @for (name, peak) in summary.peaks.iter().filter(|(_, peak)| moves(peak)) {
+                tr {
+                    td { code { (name) } }
+                    td.number { (number(peak.max)) }
+                    td.number { (place(peak.max_at)) }
+                    td.number { (number(peak.min)) }
+                    td.number { (place(peak.min_at)) }
+                }
+            }
+        } }
+        @if !still.is_empty() { p { "Zero throughout or not known: " code { (still.join(", ")) } } }
+    }
+}

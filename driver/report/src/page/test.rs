@@ -1,0 +1,174 @@
+use super::super::summary;
+use super::*;
+use crate::directory::{self, ResultDirectory};
+use pullout_run::program::*;
+use std::path::PathBuf;
+use umat_abi::host::{Found, search_paths};
+
+fn account() -> Account {
+    Account {
+        case_file: "cases/x.json".into(),
+        description: "A 5 % <strain> & \"back\"".into(),
+        law: "pure_damage".into(),
+        law_description: "Isotropic damage".into(),
+        mode: "material point, 3-D (NTENS 6)".into(),
+        settings: vec![("Characteristic length".into(), "10 mm".into())],
+        parameters: vec![Parameter {
+            name: "E".into(),
+            value: "31800".into(),
+            unit: "MPa".into(),
+            meaning: "Young's modulus".into(),
+        }],
+        laws: vec![],
+        defaults: vec!["material.props: nu = 0.18".into()],
+        steps: vec!["100 increments, time 1: e11 → −0.005".into()],
+        steps_left_out: 12,
+    }
+}
+
+fn page_of(summary: &Summary) -> String {
+    let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><text>σ</text></svg>".to_string();
+    super::page_of(&account(), summary, &[Picture { path: PathBuf::from("plots/a.svg"), svg }]).into_string()
+}
+
+#[test]
+fn tells_everything() {
+    let page = page_of(&summary::test::summary());
+    let expected = [
+        "<title>A &lt;title&gt; &amp; more</title>",
+        "A 5 % &lt;strain&gt; &amp; &quot;back&quot;",
+        "cases/x.json",
+        "pure_damage 0.1.0 – Isotropic damage",
+        &"ab".repeat(32),
+        "<svg xmlns",
+        "Young's modulus",
+        "31800",
+        "Characteristic length",
+        "e11 → −0.005",
+        "12 more steps",
+        "Taken by default",
+        "material.props: nu = 0.18",
+        "strains beyond 5 %",
+        "measured.csv",
+        "1.25",
+        "3.5",
+        "Zero throughout or not known: <code>e33</code>",
+        ">done<",
+    ];
+    for text in expected {
+        assert!(page.contains(text), "{text}\n{page}");
+    }
+}
+
+#[test]
+fn needs_nothing_but_itself() {
+    let page = page_of(&summary::test::summary());
+    for reference in ["href", "src=", "url(", "@import", "<script", "<link", "https:"] {
+        assert!(!page.contains(reference), "{reference}");
+    }
+    // the only address is the name of SVG's namespace
+    assert_eq!(page.matches("http:").count(), page.matches("http://www.w3.org/2000/svg").count());
+}
+
+#[test]
+fn says_why_a_run_failed() {
+    let message = "no convergence at <e11>: stress control cannot pass a peak";
+    let failed = Summary { status: Status::Failed, message: Some(message.into()), ..summary::test::summary() };
+    let page = page_of(&failed);
+    assert!(page.contains("no convergence at &lt;e11&gt;: stress control cannot pass a peak"));
+    assert!(page.contains(">failed<"));
+}
+
+#[test]
+fn the_page_is_written_or_the_error_names_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("report.html");
+    let mut directory = ResultDirectory::join(folder.path(), directory::Kind::Run).unwrap();
+    write(&mut directory, &account(), &summary::test::summary(), &[]).unwrap();
+    assert!(std::fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE html>"));
+    let missing = folder.path().join("report.html/none");
+    let error = ResultDirectory::join(&missing, directory::Kind::Run).unwrap_err();
+    assert!(error.to_string().contains("report.html/none"));
+}
+
+/// `linear_elastic` along a ramp with a relation, a row of a table and a bound.
+fn program() -> Program {
+    let found = Found::by_name("linear_elastic", &search_paths(&[])).expect("plugins are built beside the tests");
+    let library = pullout_run::isolation::load(&found.path).expect("a library");
+    let law = library.laws().iter().find(|law| law.name == "linear_elastic").expect("the law").clone();
+    let mut controls = [Control::FREE; 6];
+    controls[0] = Control::Strain(-0.005);
+    controls[3] = Control::HoldStrain;
+    let (mut strain, mut stress) = ([0.0; 6], [0.0; 6]);
+    (strain[1], stress[0]) = (2.0, -0.52);
+    let until = Until { column: 3, absolute: true, greater_than: Some(0.01), less_than: None };
+    let step = |drive, constraints: Vec<Constraint>, until| PointStep {
+        drive,
+        constraints,
+        until,
+        fields: StepFields::default(),
+    };
+    let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
+    let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
+    Program {
+        case_file: PathBuf::from("case.json"),
+        title: "t".into(),
+        description: "about".into(),
+        document: serde_json::Value::Null,
+        plugin: Plugin {
+            nstatv: law.states.len(),
+            cmname: "LINEAR_ELASTIC".into(),
+            name: law.name.clone(),
+            symbol: None,
+            props: vec![31800.0, 0.18, -7.5],
+            law: Some(law),
+            library,
+            manner: umat_abi::host::Manner::default(),
+        },
+        kind: Kind::Point(PointProgram {
+            mode: Mode::PlaneStress,
+            nlgeom: false,
+            measure: Measure::Logarithmic,
+            arguments: pullout_run::arguments::UmatArguments::default(),
+            initial: PointState {
+                strain: [0.0; 6],
+                stress: None,
+                statev: None,
+                time: 0.0,
+                deformation_gradient: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+                fields: FieldValues::default(),
+            },
+            steps: std::iter::once(step(
+                ramp,
+                vec![Constraint { strain, stress, equals: 3.0, hold: false }],
+                Some(until),
+            ))
+            .chain((0..50).map(|_| step(table.clone(), vec![], None)))
+            .collect(),
+        }),
+        characteristic_length: Some(12.5),
+        until: None,
+        controls: Controls::default(),
+        output: Output { every: 10, plots: true },
+        compare: vec![],
+        warnings: vec![],
+        defaults: vec![],
+    }
+}
+
+#[test]
+fn a_program_is_told_in_words() {
+    let account = Account::of_point(&program());
+    let expected = "100 increments, time 1: e11 → −0.005, g12 held; 2 e22 + −0.52 s11 = 3; until |e11| > 0.01";
+    assert_eq!(account.steps[0], expected);
+    assert_eq!(account.steps[1], "table of 1 row: e11, g12");
+    assert_eq!(account.steps.len() + account.steps_left_out, 51);
+    assert_eq!(account.mode, "material point, plane stress (NTENS 3)");
+    let settings = [("Characteristic length", "12.5 mm"), ("History", "every 10th increment")];
+    assert_eq!(account.settings, settings.map(|(key, value)| (key.to_string(), value.to_string())));
+    let parameters: Vec<_> = account.parameters.iter().map(|p| (p.name.as_str(), p.value.as_str())).collect();
+    // the metadata know two
+    assert_eq!(parameters, [("E", "31800"), ("nu", "0.18"), ("PROPS(3)", "−7.5")]);
+    assert_eq!(account.parameters[0].unit, "MPa");
+    assert!(!account.parameters[0].meaning.is_empty());
+}

@@ -1,0 +1,370 @@
+//! The pictures of a specimen's fields, at the greatest load and at the end of the run.
+//!
+//! `deformed_mesh`, `principal_stress_max`, `principal_stress_min` and the damages of the laws show the whole specimen;
+//! `principal_directions` are crosses along the principal stresses, `active_zone` tells which elements are condensed,
+//! computed, damaged, yielded;
+//! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load. `axial_stress`,
+//! `interface_shear` and `interface_pressure` show both states.
+
+use crate::directory::ResultDirectory;
+use crate::plots::field::{
+    Class, FieldPicture, INTERFACE_SHEAR, PictureError, PictureMesh, Window, contour, crosses, deformed_mesh,
+    interface_profiles, zones,
+};
+use crate::plots::figure::{Figure, Line, Scale, Style};
+use crate::plots::quantity::{Quantity, Sort};
+use crate::plots::{self, Picture};
+use fe_core::mesh::Mesh;
+use fe_core::model::ContactPair;
+use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
+use plotters::style::RGBColor;
+use pullout_run::number::significant;
+use pullout_run::pullout::fibre::{Fibre, Wall};
+use pullout_run::pullout::{Outcome, Program, State};
+use std::collections::BTreeSet;
+use std::io;
+
+/// The zoom shows so many diameters of the fibre to each side of its exit.
+const ZOOM: f64 = 3.0;
+/// Cross-sections along a fibre at most.
+const MOST_SECTIONS: usize = 400;
+/// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
+const ROUNDING: f64 = 1e-9;
+/// What elements do, in the order of [`Activity`]; what was released is not drawn.
+const ACTIVITIES: [Class; 4] = [
+    (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
+    (RGBColor(0xbf, 0xdd, 0xf0), "elastic"),
+    (RGBColor(0xd5, 0x5e, 0x00), "damaged"),
+    (RGBColor(0xe6, 0x9f, 0x00), "yielded"),
+];
+const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
+const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
+
+/// Draws everything into a folder of the result directory.
+///
+/// # Errors
+/// A file that cannot be written, or fields that cannot be drawn.
+pub fn draw(
+    directory: &mut ResultDirectory,
+    folder: &str,
+    program: &Program,
+    outcome: &Outcome<'_>,
+) -> io::Result<Vec<Picture>> {
+    let mut album = Album::new(directory, folder, program);
+    let states = || outcome.peak.iter().chain(&outcome.end);
+    let greatest = states().map(|state| state.load.abs()).fold(0.0, f64::max);
+    let load = |state: &State<'_>| without_rounding(state.load, greatest);
+    let peak = outcome.peak.as_ref();
+    let peak = peak.map(|state| Moment { state, suffix: "_peak", words: "greatest load", load: load(state) });
+    let end = outcome.end.as_ref();
+    let end = end.map(|state| Moment { state, suffix: "", words: "end of the run", load: load(state) });
+    let moments: Vec<Moment<'_>> = peak.into_iter().chain(end).collect();
+    for moment in &moments {
+        album.contours(moment)?;
+    }
+    album.axial_stress(&moments)?;
+    album.interface(&moments)?;
+    Ok(album.pictures)
+}
+
+/// A state with its name.
+struct Moment<'a> {
+    state: &'a State<'a>,
+    /// At the end of a file's stem.
+    suffix: &'static str,
+    words: &'static str,
+    /// Load, N: 0 where only rounding is left of the greatest one.
+    load: f64,
+}
+
+impl Moment<'_> {
+    fn title(&self, what: &str) -> String {
+        let words = self.words;
+        format!("{what}, {words}: slip {} mm, load {} N", significant(self.state.slip, 4), significant(self.load, 4))
+    }
+}
+
+/// 0 for what is nothing compared with the greatest value.
+fn without_rounding(value: f64, greatest: f64) -> f64 {
+    if value.abs() < ROUNDING * greatest { 0.0 } else { value }
+}
+
+/// Pictures of one run.
+struct Album<'a> {
+    directory: &'a mut ResultDirectory,
+    folder: &'a str,
+    mesh: &'a Mesh,
+    recovery: Recovery,
+    fibre: Option<Fibre>,
+    /// How the slave surface of each pair lies along the fibre.
+    walls: Vec<Option<Wall>>,
+    /// Parts that carry contact points: fibres are stressed so much more that colours follow these parts.
+    matrix: BTreeSet<usize>,
+    /// The greatest principal stress so far, MPa.
+    greatest_stress: f64,
+    pictures: Vec<Picture>,
+}
+
+impl<'a> Album<'a> {
+    fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a Program) -> Self {
+        let mesh = &program.model.mesh;
+        let contacts = &program.model.contacts;
+        let slaves = contacts.iter().flat_map(|pair| &pair.slave);
+        let fibre = Fibre::of(&program.model);
+        let wall = |pair: &ContactPair| Wall::of(fibre.as_ref()?, mesh, &pair.slave);
+        Self {
+            walls: contacts.iter().map(wall).collect(),
+            directory,
+            folder,
+            mesh,
+            recovery: Recovery::new(mesh),
+            fibre,
+            matrix: slaves
+                .map(|edge| mesh.elements()[edge.element].part())
+                .chain(program.model.parts_behind())
+                .collect(),
+            greatest_stress: 0.0,
+            pictures: Vec::new(),
+        }
+    }
+
+    /// All pictures of the whole specimen and of the exit at one moment.
+    fn contours(&mut self, moment: &Moment<'_>) -> io::Result<()> {
+        let fields = &moment.state.fields;
+        let mesh = PictureMesh::new(fields, &self.recovery);
+        let stresses = self.recovery.recover(&fields.stresses).map_err(unfit)?;
+        let principal: Vec<Principal> = stresses.iter().copied().map(Principal::new).collect();
+        let magnitudes = principal.iter().flat_map(|p| [p.maximum.abs(), p.minimum.abs()]);
+        self.greatest_stress = magnitudes.fold(self.greatest_stress, f64::max);
+        let greatest = self.greatest_stress;
+        let stress = |name: &str| Quantity { name: name.into(), unit: "MPa".into() };
+        let mut contours = vec![
+            Contour {
+                name: "principal_stress_max".into(),
+                what: "Maximum principal stress".into(),
+                values: principal.iter().map(|p| without_rounding(p.maximum, greatest)).collect(),
+                quantity: stress("σ_{max}"),
+                limits: Limits::OfMatrix,
+            },
+            Contour {
+                name: "principal_stress_min".into(),
+                what: "Minimum principal stress".into(),
+                values: principal.iter().map(|p| without_rounding(p.minimum, greatest)).collect(),
+                quantity: stress("σ_{min}"),
+                limits: Limits::OfMatrix,
+            },
+        ];
+        for name in damages(&fields.distinct_state_names()) {
+            let values = self.recovery.recover_limited(self.mesh, &fields.state(name)).map_err(unfit)?;
+            let quantity = Quantity::of(name, &Default::default());
+            let file = if is_total(name) { "damage".to_owned() } else { format!("damage_{name}") };
+            let what = if is_total(name) { "Damage".to_owned() } else { format!("Damage {name}") };
+            contours.push(Contour { name: file, what, values, quantity, limits: Limits::OfData });
+        }
+        for (place, window) in self.windows(&mesh) {
+            let name = |stem: &str| format!("{stem}{place}{}", moment.suffix);
+            let magnification = mesh.suggested_magnification();
+            let mut picture = FieldPicture::new(moment.title("Deformed mesh"), &mesh);
+            (picture.window, picture.magnification) = (window.clone(), magnification);
+            self.keep(&name("deformed_mesh"), deformed_mesh(&picture))?;
+            let mut picture = FieldPicture::new(moment.title("Active zone"), &mesh);
+            picture.window = window.clone();
+            let shown = fields.activities.iter().filter(|activity| **activity != Activity::Spalled);
+            let classes: Vec<usize> = shown.map(|activity| *activity as usize).collect();
+            self.keep(&name("active_zone"), zones(&picture, &classes, &ACTIVITIES))?;
+            if self.greatest_stress > 0.0 {
+                let mut picture = FieldPicture::new(moment.title("Principal stresses"), &mesh);
+                picture.window = window.clone();
+                let in_scale = |part: usize| self.matrix.is_empty() || self.matrix.contains(&part);
+                let drawn = crosses(&picture, &stresses, in_scale);
+                self.keep(&name("principal_directions"), drawn)?;
+            }
+            // a zoom on nothing says no more than the whole
+            let is_worth_it = |shown: &&Contour| place.is_empty() || !shown.is_constant();
+            for shown in contours.iter().filter(is_worth_it) {
+                let mut picture = FieldPicture::new(moment.title(&shown.what), &mesh);
+                picture.window = window.clone();
+                let range = shown.range(&self.recovery, &mesh, &self.matrix, window.as_ref());
+                self.keep(&name(&shown.name), contour(&picture, &shown.values, &shown.quantity, range))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// What pictures show, by what is added to their names: everything, and around the exit of a fibre.
+    fn windows(&self, mesh: &PictureMesh) -> Vec<(&'static str, Option<Window>)> {
+        let around_exit = self.fibre.as_ref().and_then(|fibre| {
+            let whole = Window::around(&mesh.nodes)?;
+            let [x, y] = self.mesh.nodes()[fibre.exit_node];
+            let reach = 2.0 * ZOOM * fibre.radius;
+            let within =
+                |at: f64, range: &std::ops::Range<f64>| (at - reach).max(range.start)..(at + reach).min(range.end);
+            Some(Window { x: within(x, &whole.x), y: within(y, &whole.y) })
+        });
+        let zoom = around_exit.map(|window| ("_exit", Some(window)));
+        std::iter::once(("", None)).chain(zoom).collect()
+    }
+
+    /// The fibre's axial stress along its axis.
+    fn axial_stress(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
+        let Some(fibre) = &self.fibre else { return Ok(()) };
+        let elements = self.mesh.elements().iter().filter(|element| element.part() == fibre.part).count();
+        let mut lines = Vec::new();
+        for (k, moment) in moments.iter().enumerate() {
+            let sections = elements.min(MOST_SECTIONS);
+            let points = axial_stress(&moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
+            let columns = ("arc".to_owned(), moment.suffix.to_owned());
+            lines.push(Line {
+                label: moment.title("").trim_start_matches(", ").into(),
+                points,
+                columns,
+                style: Style { color: k, dash: k },
+                marked: false,
+            });
+        }
+        self.keep_figure(&Figure {
+            name: "axial_stress".into(),
+            title: "Axial stress of the fibre".into(),
+            x: Quantity { name: ALONG_FIBRE.into(), unit: "mm".into() },
+            y: Quantity { name: "axial stress".into(), unit: "MPa".into() },
+            lines,
+            marks: Vec::new(),
+            equal_units: false,
+            scale: Scale::Linear,
+        })
+    }
+
+    /// Shear and pressure along the interface: a colour for each moment, a dash for each pair. Along a fibre the walls of
+    /// the hole have a common coordinate, and shear that resists the pull is positive.
+    fn interface(&mut self, moments: &[Moment<'_>]) -> io::Result<()> {
+        let mut figures: Vec<Figure> = Vec::new();
+        for (color, moment) in moments.iter().enumerate() {
+            for mut figure in interface_profiles("", &moment.state.fields) {
+                for (dash, line) in figure.lines.iter_mut().enumerate() {
+                    if let Some(Some(wall)) = self.walls.get(dash) {
+                        let sign = if figure.name == INTERFACE_SHEAR { wall.direction } else { 1.0 };
+                        line.points.iter_mut().for_each(|(x, y)| (*x, *y) = (wall.along_fibre(*x), sign * *y));
+                        figure.x.name = ALONG_HOLE.into();
+                    }
+                    line.label = format!("{}, {}", line.label, moment.words);
+                    line.style = Style { color, dash };
+                }
+                match figures.iter_mut().find(|other| other.name == figure.name) {
+                    Some(other) => other.lines.append(&mut figure.lines),
+                    None => figures.push(figure),
+                }
+            }
+        }
+        for mut figure in figures {
+            figure.lines.retain(|line| line.points.iter().any(|(_, value)| value.is_finite()));
+            figure.title = format!("{} along the interface", capital(&figure.y.name));
+            self.keep_figure(&figure)?;
+        }
+        Ok(())
+    }
+
+    fn keep_figure(&mut self, figure: &Figure) -> io::Result<()> {
+        if figure.lines.is_empty() {
+            return Ok(());
+        }
+        let svg = figure.svg()?;
+        self.write(&figure.name, svg)
+    }
+
+    /// Writes a picture, unless there was nothing to draw.
+    fn keep(&mut self, name: &str, drawn: Result<String, PictureError>) -> io::Result<()> {
+        match drawn {
+            Ok(svg) => self.write(name, svg),
+            Err(PictureError::Nothing) => Ok(()),
+            Err(error) => Err(io::Error::other(format!("{name}: {error}"))),
+        }
+    }
+
+    fn write(&mut self, name: &str, svg: String) -> io::Result<()> {
+        self.pictures.push(plots::write(self.directory, self.folder, name, svg)?);
+        Ok(())
+    }
+}
+
+/// Values at nodes, and how they are shown.
+struct Contour {
+    name: String,
+    what: String,
+    values: Vec<f64>,
+    quantity: Quantity,
+    limits: Limits,
+}
+
+/// What the colours reach from and to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Limits {
+    /// The values shown.
+    OfData,
+    /// The values of the matrix that are shown.
+    OfMatrix,
+}
+
+impl Contour {
+    fn is_constant(&self) -> bool {
+        let mut numbers = self.values.iter().filter(|value| value.is_finite());
+        numbers.next().is_none_or(|first| numbers.all(|other| other == first))
+    }
+
+    fn range(
+        &self,
+        recovery: &Recovery,
+        mesh: &PictureMesh,
+        matrix: &BTreeSet<usize>,
+        window: Option<&Window>,
+    ) -> Option<(f64, f64)> {
+        if self.limits == Limits::OfData {
+            return None;
+        }
+        let is_shown = |[x, y]: [f64; 2]| window.is_none_or(|window| window.x.contains(&x) && window.y.contains(&y));
+        let parts = recovery.nodes().parts();
+        let values = (0..self.values.len()).filter(|&k| matrix.contains(&parts[k]) && is_shown(mesh.nodes[k]));
+        let (least, greatest) = values
+            .map(|k| self.values[k])
+            .filter(|value| value.is_finite())
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+        (least < greatest).then_some((least, greatest))
+    }
+}
+
+/// The damages to draw: the total one if a law tells it, or else all.
+fn damages<'n>(names: &[&'n str]) -> Vec<&'n str> {
+    let damages: Vec<&str> = names.iter().copied().filter(|name| Sort::of(name) == Sort::Damage).collect();
+    let total: Vec<&str> = damages.iter().copied().filter(|name| is_total(name)).collect();
+    if total.is_empty() { damages } else { total }
+}
+
+fn is_total(name: &str) -> bool {
+    matches!(name, "D" | "d" | "damage")
+}
+
+fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
+}
+
+fn unfit(error: FieldsError) -> io::Error {
+    io::Error::other(error)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn what_rounding_leaves_is_nothing() {
+        let shown = [32.0, -1e-7, 3.7e-12, -0.0].map(|value| without_rounding(value, 32.0));
+        assert_eq!(shown, [32.0, -1e-7, 0.0, 0.0]);
+    }
+
+    #[test]
+    fn the_total_damage_is_drawn_alone() {
+        assert_eq!(damages(&["eta", "D_t", "D", "D_c", "strain_33"]), ["D"]);
+        assert_eq!(damages(&["D_t", "D_c", "peeq"]), ["D_t", "D_c"]);
+        assert!(damages(&["peeq", "dissipated_energy"]).is_empty());
+    }
+}

@@ -1,0 +1,350 @@
+//! Pictures of fields on a mesh as SVG, to equal scales: the deformed mesh, filled contours, profiles along lines.
+//!
+//! Fills are drawn as a stack: first all of the body in the lowest colour, then what lies above each level. One path
+//! holds what a colour covers, across elements, so there are no seams and the picture stays small.
+//!
+//! # Example
+//!
+//! ```
+//! use driver::output::plots::field::{ElementKind, FieldPicture, PictureElement, PictureMesh, contour};
+//! use driver::output::plots::quantity::Quantity;
+//!
+//! let mesh = PictureMesh {
+//!     nodes: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]],
+//!     displacements: vec![[0.0, 0.0]; 4],
+//!     elements: vec![PictureElement { kind: ElementKind::Q4, part: 0, nodes: vec![0, 1, 2, 3] }],
+//!     parts: vec!["matrix".into()],
+//!     behind: vec![],
+//! };
+//! let stress = Quantity { name: "σ_{max}".into(), unit: "MPa".into() };
+//! let svg = contour(&FieldPicture::new("Tension", &mesh), &[0.0, 1.0, 3.0, 2.0], &stress, None)?;
+//! assert!(svg.starts_with("<svg"));
+//! # Ok::<(), driver::output::plots::field::PictureError>(())
+//! ```
+
+mod canvas;
+mod crosses;
+mod levels;
+mod profile;
+mod region;
+mod surface;
+mod view;
+mod zones;
+
+pub use crosses::crosses;
+pub use fe_core::element::ElementKind;
+pub use profile::{INTERFACE_SHEAR, interface_profiles};
+pub use zones::{Class, zones};
+
+use super::quantity::Quantity;
+use canvas::{Canvas, Side, band_color, hexadecimal, part_color};
+use fe_core::output::{Activity, Fields, Recovery};
+use levels::Levels;
+use plotters::style::RGBColor;
+use std::fmt::Write as _;
+use std::ops::Range;
+use surface::Surface;
+use view::View;
+
+#[cfg(test)]
+mod test;
+
+/// A mesh as pictures need it. Where a field jumps between parts, the nodes there come once for each part.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PictureMesh {
+    /// Reference positions, mm.
+    pub nodes: Vec<[f64; 2]>,
+    /// Displacement of each node, mm.
+    pub displacements: Vec<[f64; 2]>,
+    /// Elements.
+    pub elements: Vec<PictureElement>,
+    /// Names of the parts.
+    pub parts: Vec<String>,
+    /// Parts that are drawn first, so that others hide them.
+    pub behind: Vec<usize>,
+}
+
+/// An element.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct PictureElement {
+    /// Its kind.
+    pub kind: ElementKind,
+    /// Index of its part.
+    pub part: usize,
+    /// Indices of its nodes, in the order of [`fe_core::element`].
+    pub nodes: Vec<usize>,
+}
+
+/// A part of the plane, in deformed positions as drawn, mm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Window {
+    /// From left to right.
+    pub x: Range<f64>,
+    /// From below to above.
+    pub y: Range<f64>,
+}
+
+/// What to draw, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldPicture<'a> {
+    /// Above the picture; may be empty.
+    pub title: String,
+    /// The mesh.
+    pub mesh: &'a PictureMesh,
+    /// Displacements are drawn this many times as large; the picture says so.
+    pub magnification: f64,
+    /// What is shown; `None`: all.
+    pub window: Option<Window>,
+    /// Names of the coordinates.
+    pub axes: [Quantity; 2],
+}
+
+/// A picture that cannot be drawn.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PictureError {
+    /// Not one value per node.
+    #[error("there are {found} {what}, the picture's mesh has {expected} nodes")]
+    Length {
+        /// What.
+        what: &'static str,
+        /// How many.
+        found: usize,
+        /// Number of nodes.
+        expected: usize,
+    },
+    /// An element with wrong nodes or a part that does not exist.
+    #[error("element {} of the picture's mesh does not fit its nodes and parts", element + 1)]
+    Element {
+        /// Its index.
+        element: usize,
+    },
+    /// No element inside the window, or no finite position.
+    #[error("there is nothing to draw: no element lies in the window")]
+    Nothing,
+    /// The window has no area.
+    #[error("the window {x:?} × {y:?} has no area")]
+    Window {
+        /// From left to right.
+        x: Range<f64>,
+        /// From below to above.
+        y: Range<f64>,
+    },
+    /// The drawing library failed.
+    #[error("the picture could not be drawn: {0}")]
+    Drawing(String),
+}
+
+impl PictureMesh {
+    /// Of computed fields, without what was released: a node for each place that the recovery has values at.
+    pub fn new(fields: &Fields<'_>, recovery: &Recovery) -> Self {
+        let places = recovery.nodes();
+        let elements = fields.mesh.elements().iter().enumerate();
+        let element = |(index, element): (usize, &fe_core::mesh::Element)| PictureElement {
+            kind: element.kind(),
+            part: element.part(),
+            nodes: places.of_element(index).to_vec(),
+        };
+        let is_left = |(index, _): &(usize, _)| fields.activities[*index] != Activity::Spalled;
+        let displacement = |&node: &usize| [fields.displacements[2 * node], fields.displacements[2 * node + 1]];
+        Self {
+            nodes: places.nodes().iter().map(|&node| fields.mesh.nodes()[node]).collect(),
+            displacements: places.nodes().iter().map(displacement).collect(),
+            elements: elements.filter(is_left).map(element).collect(),
+            parts: fields.mesh.parts().iter().map(|part| part.name.clone()).collect(),
+            behind: fields.behind.clone(),
+        }
+    }
+
+    /// 1, 2 or 5 times a power of ten, at least 1: with it the largest displacement is about a twentieth of the
+    /// body's larger side.
+    pub fn suggested_magnification(&self) -> f64 {
+        let lengths = self.displacements.iter().map(|u| u[0].hypot(u[1])).filter(|length| length.is_finite());
+        let largest = lengths.fold(0.0, f64::max);
+        let side = Window::around(&self.nodes)
+            .map_or(0.0, |window| (window.x.end - window.x.start).max(window.y.end - window.y.start));
+        let wanted = side / (20.0 * largest);
+        if !(wanted > 1.0 && wanted < 1e12) {
+            return 1.0;
+        }
+        let power = 10f64.powf(wanted.log10().floor());
+        [5.0, 2.0].into_iter().find(|factor| factor * power <= wanted).unwrap_or(1.0) * power
+    }
+
+    fn check(&self) -> Result<(), PictureError> {
+        expect_length("displacements", self.displacements.len(), self.nodes.len())?;
+        let fits = |element: &PictureElement| {
+            element.nodes.len() == element.kind.node_count()
+                && element.nodes.iter().all(|&node| node < self.nodes.len())
+                && element.part < self.parts.len()
+        };
+        match self.elements.iter().position(|element| !fits(element)) {
+            Some(element) => Err(PictureError::Element { element }),
+            None => Ok(()),
+        }
+    }
+}
+
+fn expect_length(what: &'static str, found: usize, expected: usize) -> Result<(), PictureError> {
+    if found == expected { Ok(()) } else { Err(PictureError::Length { what, found, expected }) }
+}
+
+impl<'a> FieldPicture<'a> {
+    /// All of a mesh, displacements as they are, coordinates x and y.
+    pub fn new(title: impl Into<String>, mesh: &'a PictureMesh) -> Self {
+        let axes = ["x", "y"].map(|name| Quantity { name: name.into(), unit: "mm".into() });
+        Self { title: title.into(), mesh, magnification: 1.0, window: None, axes }
+    }
+
+    /// Where nodes are drawn, mm.
+    fn positions(&self, magnification: f64) -> Vec<[f64; 2]> {
+        let moved = |(node, u): (&[f64; 2], &[f64; 2])| [0, 1].map(|k| node[k] + magnification * u[k]);
+        self.mesh.nodes.iter().zip(&self.mesh.displacements).map(moved).collect()
+    }
+
+    fn view(&self, positions: &[[f64; 2]]) -> Result<View, PictureError> {
+        let window = match &self.window {
+            Some(window) => window.clone(),
+            None => Window::around(positions).ok_or(PictureError::Nothing)?,
+        };
+        if !window.is_proper() {
+            return Err(PictureError::Window { x: window.x, y: window.y });
+        }
+        Ok(View::new(&window))
+    }
+
+    fn is_deformed(&self) -> bool {
+        self.magnification != 0.0 && self.mesh.displacements.iter().flatten().any(|&u| u != 0.0)
+    }
+
+    /// What the picture says about displacements.
+    fn note(&self) -> String {
+        match self.magnification {
+            _ if !self.is_deformed() => String::new(),
+            1.0 => "deformed, to scale".into(),
+            factor => format!("deformed, displacements × {}", pullout_run::number::significant(factor, 4)),
+        }
+    }
+}
+
+/// The elements on the deformed shape, parts in colours; the undeformed outline dashed.
+///
+/// # Errors
+///
+/// A mesh that does not fit itself, a window without area or without elements.
+pub fn deformed_mesh(picture: &FieldPicture<'_>) -> Result<String, PictureError> {
+    let mesh = picture.mesh;
+    mesh.check()?;
+    let positions = picture.positions(picture.magnification);
+    let view = picture.view(&positions)?;
+    let mut seen = vec![false; mesh.parts.len()];
+    Surface::new(mesh, positions.clone(), &view).elements().for_each(|element| seen[element.part] = true);
+    let named = mesh.parts.iter().enumerate().filter(|(part, _)| seen[*part]);
+    let parts: Vec<usize> = named.clone().map(|(part, _)| part).collect();
+    let names: Vec<(RGBColor, &str)> = named.map(|(part, name)| (part_color(part), name.as_str())).collect();
+    if names.is_empty() {
+        return Err(PictureError::Nothing);
+    }
+    let canvas = Canvas::new(&picture.title, &picture.note(), &picture.axes, view, &Side::Names(&names))?;
+    let surface = Surface::new(mesh, positions, canvas.view());
+    let mut body = String::new();
+    for layer in surface.layers() {
+        for &part in &parts {
+            push_fill(&mut body, &hexadecimal(part_color(part)), &layer.area(|_, element| element.part == part));
+        }
+        let [inner, boundary] = layer.edges(canvas.view());
+        push_line(&mut body, "#222222", (0.05 * layer.element_size).clamp(0.15, 0.6), &inner, "");
+        push_line(&mut body, "#222222", 1.0, &boundary, "");
+    }
+    if picture.is_deformed() {
+        let [_, outline] = Surface::new(mesh, picture.positions(0.0), canvas.view()).edges(canvas.view());
+        push_line(&mut body, "#888888", 0.8, &outline, " stroke-dasharray=\"80 60\"");
+    }
+    Ok(canvas.finish(&body))
+}
+
+/// Filled contours of values at the nodes, interpolated as the elements do, with a colour bar.
+///
+/// Levels are round numbers. The bar begins and ends with the least and the greatest value of the elements that are
+/// shown, or with `range` where given: values beyond it take the colours of its ends, and the picture says how far they
+/// go. Elements with a value that is no finite number are grey.
+///
+/// # Errors
+///
+/// As [`deformed_mesh`], or not one value per node.
+pub fn contour(
+    picture: &FieldPicture<'_>,
+    values: &[f64],
+    quantity: &Quantity,
+    range: Option<(f64, f64)>,
+) -> Result<String, PictureError> {
+    let mesh = picture.mesh;
+    mesh.check()?;
+    expect_length("values", values.len(), mesh.nodes.len())?;
+    let positions = picture.positions(picture.magnification);
+    let view = picture.view(&positions)?;
+    let has_value = |element: &PictureElement| element.nodes.iter().all(|&node| super::axis::drawable(values[node]));
+    let (mut data, mut count, mut missing) = ((f64::INFINITY, f64::NEG_INFINITY), 0, false);
+    for element in Surface::new(mesh, positions.clone(), &view).elements() {
+        count += 1;
+        if has_value(element) {
+            data = element.nodes.iter().map(|&node| values[node]).fold(data, |(a, b), v| (a.min(v), b.max(v)));
+        } else {
+            missing = true;
+        }
+    }
+    if count == 0 {
+        return Err(PictureError::Nothing);
+    }
+    let shown = range.filter(|(start, end)| start < end && (end - start).is_finite());
+    let shown = shown.or((data.0 <= data.1).then_some(data));
+    let levels = shown.map(|range| Levels::new(quantity, range));
+    let note = levels.as_ref().map_or_else(|| picture.note(), |levels| note_with_excess(picture, levels, data));
+    let side = Side::Bar { levels: levels.as_ref(), missing };
+    let canvas = Canvas::new(&picture.title, &note, &picture.axes, view, &side)?;
+    let surface = Surface::new(mesh, positions, canvas.view());
+    let mut body = String::new();
+    for layer in surface.layers() {
+        push_fill(&mut body, canvas::NO_VALUE, &layer.area(|_, element| !has_value(element)));
+        if let Some(levels) = &levels {
+            let color = |band: usize| hexadecimal(band_color(band, levels.count()));
+            push_fill(&mut body, &color(0), &layer.area(|_, element| has_value(element)));
+            for (k, &level) in levels.between.iter().enumerate() {
+                push_fill(&mut body, &color(k + 1), &layer.area_above(values, level));
+            }
+        }
+        let [inner, boundary] = layer.edges(canvas.view());
+        if layer.element_size > LEAST_MESH {
+            push_line(&mut body, "#ffffff", 0.3, &inner, " stroke-opacity=\"0.35\"");
+        }
+        push_line(&mut body, "#222222", 0.8, &boundary, "");
+    }
+    Ok(canvas.finish(&body))
+}
+
+/// The note, and how far the data go beyond the levels' range. Data without a value have an empty range.
+fn note_with_excess(picture: &FieldPicture<'_>, levels: &Levels, (least, greatest): (f64, f64)) -> String {
+    let note = picture.note();
+    if least > greatest || (least >= levels.range.0 && greatest <= levels.range.1) {
+        return note;
+    }
+    let separator = if note.is_empty() { "" } else { "; " };
+    format!("{note}{separator}values from {} to {}", levels.end_text(least), levels.end_text(greatest))
+}
+
+/// Elements smaller than this on average, px, are not outlined in contours: lines would hide the colours.
+const LEAST_MESH: f64 = 9.0;
+
+fn push_fill(body: &mut String, color: &str, path: &str) {
+    if !path.is_empty() {
+        // writing to a String cannot fail
+        let _ = writeln!(body, "<path fill=\"{color}\" d=\"{path}\"/>");
+    }
+}
+
+fn push_line(body: &mut String, color: &str, pixels: f64, path: &str, more: &str) {
+    if !path.is_empty() {
+        let width = (pixels * f64::from(super::figure::UNIT)).round();
+        // writing to a String cannot fail
+        let _ = writeln!(body, "<path fill=\"none\" stroke=\"{color}\" stroke-width=\"{width}\"{more} d=\"{path}\"/>");
+    }
+}

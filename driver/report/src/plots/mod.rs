@@ -1,0 +1,185 @@
+//! The pictures of a run, or of several on top of each other, as SVG.
+//!
+//! [`Spec`] says what a history's columns mean and which measured curves belong to it; it is kept beside the pictures
+//! so that `pullout plot` can redraw them without the case. [`selection`] decides which pictures there are,
+//! [`figure`] draws one; [`field`] draws what a mesh carries.
+
+use super::directory::ResultDirectory;
+use super::history::History;
+use super::{at, malformed};
+use figure::Figure;
+use pullout_case::Case;
+use pullout_run::input::{self, Input};
+use pullout_run::program::{Compare, Control, Kind, PointDrive, PointStep, Program};
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::io;
+use std::path::{Path, PathBuf};
+
+mod axis;
+mod decimation;
+pub mod field;
+pub mod figure;
+mod legend;
+mod markup;
+pub mod png;
+pub mod quantity;
+pub mod selection;
+
+#[cfg(test)]
+mod test;
+
+/// File beside the pictures that holds the [`Spec`].
+pub const SPEC_FILE: &str = "spec.json";
+
+/// What a picture needs to know of a run besides its history.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Spec {
+    /// Title of the case.
+    pub title: String,
+    /// Name of the law.
+    pub law: String,
+    /// What was driven.
+    pub subject: Subject,
+    /// Units of state variables by column.
+    pub units: BTreeMap<String, String>,
+    /// Measured curves.
+    pub curves: Vec<Curve>,
+}
+
+/// What was driven.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Subject {
+    /// A material point; these of the six strain components were controlled.
+    Point {
+        /// Indices of components.
+        controlled: Vec<usize>,
+    },
+    /// A contact point.
+    Interface,
+    /// A specimen.
+    Pullout,
+}
+
+/// A measured curve in the history's units and signs.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Curve {
+    /// Label in the legend.
+    pub label: String,
+    /// The history's column along x.
+    pub x: String,
+    /// The history's column along y.
+    pub y: String,
+    /// Points, scaled.
+    pub points: Vec<(f64, f64)>,
+}
+
+/// A run to draw.
+#[derive(Clone, Copy, Debug)]
+pub struct Run<'a> {
+    /// Its history.
+    pub history: &'a History,
+    /// What the history means.
+    pub spec: &'a Spec,
+}
+
+/// A drawn picture.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Picture {
+    /// The file.
+    pub path: PathBuf,
+    /// Its content.
+    pub svg: String,
+}
+
+/// Draws a run into a folder of a result directory and leaves the spec there.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn draw(directory: &mut ResultDirectory, folder: &str, history: &History, spec: &Spec) -> io::Result<Vec<Picture>> {
+    let pictures = write_all(directory, folder, &selection::figures(&[Run { history, spec }]))?;
+    let text = serde_json::to_string(spec).map_err(io::Error::other)?;
+    directory.write(&within(folder, SPEC_FILE), text)?;
+    Ok(pictures)
+}
+
+/// Writes figures into a folder of a result directory (`""`: the directory itself).
+///
+/// # Errors
+/// A figure that cannot be drawn, a file that cannot be written.
+pub fn write_all(directory: &mut ResultDirectory, folder: &str, figures: &[Figure]) -> io::Result<Vec<Picture>> {
+    figures.iter().map(|figure| write(directory, folder, &figure.name, figure.svg()?)).collect()
+}
+
+/// Writes a picture into a folder of a result directory.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(directory: &mut ResultDirectory, folder: &str, name: &str, svg: String) -> io::Result<Picture> {
+    let path = directory.write(&within(folder, &format!("{name}.svg")), &svg)?;
+    Ok(Picture { path, svg })
+}
+
+/// The name of a file in a folder of a result directory.
+pub fn within(folder: &str, file: &str) -> String {
+    if folder.is_empty() { file.to_owned() } else { format!("{folder}/{file}") }
+}
+
+impl Spec {
+    /// Of a case.
+    pub fn of(case: &Case) -> Self {
+        let columns = case.columns();
+        let curves = case.compare().iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
+        let (law, subject, units) = match case {
+            Case::Path(program) => of_point(program),
+            Case::Pullout(program) => {
+                let law = program.laws().first().map_or(String::new(), |(_, law)| law.name.clone());
+                (law, Subject::Pullout, BTreeMap::new())
+            }
+        };
+        Self { title: case.title().to_owned(), law, subject, units, curves }
+    }
+
+    /// Reads what [`draw`] left in a folder.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        let text = input::read(path, Input::Result).map_err(at(path))?;
+        serde_json::from_slice(&text).map_err(|error| malformed(path, error))
+    }
+}
+
+impl Curve {
+    fn of(compare: &Compare, columns: &[String]) -> Option<Self> {
+        let scaled = compare.points.iter().map(|(x, y)| (x * compare.scale_x, y * compare.scale_y));
+        Some(Self {
+            label: compare.label.clone(),
+            x: columns.get(compare.x)?.clone(),
+            y: columns.get(compare.y)?.clone(),
+            points: scaled.filter(|(x, y)| x.is_finite() && y.is_finite()).collect(),
+        })
+    }
+}
+
+/// Law, subject and units of a material or contact point.
+fn of_point(program: &Program) -> (String, Subject, BTreeMap<String, String>) {
+    let law = program.plugin.law.as_ref();
+    let units = law.map(|law| law.states.iter().map(|state| (state.name.clone(), state.unit.clone())).collect());
+    let subject = match &program.kind {
+        Kind::Point(point) => Subject::Point { controlled: controlled(&point.steps) },
+        Kind::Interface(_) => Subject::Interface,
+    };
+    (program.plugin.name.clone(), subject, units.unwrap_or_default())
+}
+
+/// The strain components that some step prescribes (a held one is not driven).
+fn controlled(steps: &[PointStep]) -> Vec<usize> {
+    let prescribed = |component: usize| {
+        steps.iter().any(|step| match &step.drive {
+            PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => {
+                matches!(controls[component], Control::Strain(_))
+            }
+            PointDrive::DeformationGradient { .. } => true,
+        })
+    };
+    (0..6).filter(|&component| prescribed(component)).collect()
+}

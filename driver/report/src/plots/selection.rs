@@ -1,0 +1,241 @@
+//! Which pictures a run gets, and what is in them.
+
+use super::figure::{Figure, Line, Marks, Scale, Style};
+use super::quantity::{Quantity, Sort};
+use super::{Curve, Run, Subject};
+use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
+
+#[cfg(test)]
+mod test;
+
+/// The pictures of one or several runs. What kind they are of is taken from the first.
+pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
+    let Some(first) = runs.first() else { return Vec::new() };
+    let mut layouts = match &first.spec.subject {
+        Subject::Point { controlled } => point(first, controlled),
+        Subject::Interface => interface(first),
+        Subject::Pullout => pullout(first),
+    };
+    place_curves(&mut layouts, runs);
+    layouts.iter().filter_map(|layout| layout.figure(runs)).collect()
+}
+
+/// A picture as a list of column pairs.
+struct Layout {
+    name: String,
+    pairs: Vec<(String, String)>,
+    equal_units: bool,
+    curves: Vec<Curve>,
+}
+
+impl Layout {
+    fn new(name: &str, pairs: impl IntoIterator<Item = (&'static str, String)>) -> Self {
+        let pairs = pairs.into_iter().map(|(x, y)| (x.to_string(), y)).collect();
+        Self { name: name.into(), pairs, equal_units: false, curves: Vec::new() }
+    }
+
+    fn pair(name: &str, x: &str, y: &str) -> Self {
+        Self { name: name.into(), pairs: vec![(x.into(), y.into())], equal_units: false, curves: Vec::new() }
+    }
+
+    /// A measured curve fits if its columns are shown, or are of the sorts that are shown.
+    fn takes(&self, curve: &Curve) -> bool {
+        let same = |a: &str, b: &str| a == b || (Sort::of(a) == Sort::of(b) && Sort::of(a) != Sort::Other);
+        !self.equal_units && self.pairs.iter().any(|(x, y)| same(x, &curve.x) && same(y, &curve.y))
+    }
+
+    fn figure(&self, runs: &[Run<'_>]) -> Option<Figure> {
+        let several = runs.len() > 1;
+        let mut lines = Vec::new();
+        for (k, run) in runs.iter().enumerate() {
+            for (pair, (x, y)) in self.pairs.iter().enumerate() {
+                let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
+                let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
+                if points.iter().any(|(x, y)| x.is_finite() && y.is_finite()) {
+                    let label = self.label(run, several.then_some(k), x, y);
+                    // one run: a colour a column; several: a colour a run, a dash a column
+                    let (color, dash) = if several { (k, pair) } else { (pair, 0) };
+                    let style = Style { color, dash };
+                    lines.push(Line { label, points, columns: (x.clone(), y.clone()), style, marked: false });
+                }
+            }
+        }
+        let first = runs.first()?;
+        let mark = |curve: &Curve| {
+            let owner = lines.iter().position(|line| line.columns == (curve.x.clone(), curve.y.clone()));
+            Marks { label: curve.label.clone(), points: curve.points.clone(), line: owner }
+        };
+        let marks = self.curves.iter().map(mark).collect();
+        let (x, y) = (self.axis(first, |pair| &pair.0), self.axis(first, |pair| &pair.1));
+        let title = if several { String::new() } else { first.spec.title.clone() };
+        let figure = Figure {
+            name: self.name.clone(),
+            title,
+            x,
+            y,
+            lines,
+            marks,
+            equal_units: self.equal_units,
+            scale: Scale::Linear,
+        };
+        (!figure.lines.is_empty()).then_some(figure)
+    }
+
+    /// The name of a line: what tells it from the others.
+    fn label(&self, run: &Run<'_>, number: Option<usize>, x: &str, y: &str) -> String {
+        let title = |number: usize| match run.spec.title.as_str() {
+            "" => format!("run {}", number + 1),
+            title => title.to_string(),
+        };
+        let one_x = self.pairs.iter().all(|pair| pair.0 == self.pairs[0].0);
+        let one_y = self.pairs.iter().all(|pair| pair.1 == self.pairs[0].1);
+        let name = |column: &str| Quantity::of(column, &run.spec.units).name;
+        let pair = match (one_x, one_y) {
+            (true, true) => None,
+            (true, false) => Some(name(y)),
+            (false, true) => Some(name(x)),
+            (false, false) => Some(format!("{}, {}", name(x), name(y))),
+        };
+        match (number, pair) {
+            (Some(number), Some(pair)) => format!("{}: {pair}", title(number)),
+            (Some(number), None) => title(number),
+            (None, Some(pair)) if self.curves.is_empty() => pair,
+            (None, Some(pair)) => format!("{}, {pair}", run.spec.law.replace('_', " ")),
+            (None, None) => run.spec.law.replace('_', " "),
+        }
+    }
+
+    /// The quantity on an axis: the column's, or what the columns have in common.
+    fn axis(&self, run: &Run<'_>, side: impl Fn(&(String, String)) -> &String) -> Quantity {
+        let first = self.pairs.first().map_or("", |pair| side(pair).as_str());
+        let single = self.pairs.iter().all(|pair| side(pair) == first);
+        let own = Quantity::of(first, &run.spec.units);
+        if single { own } else { Sort::of(first).common().unwrap_or(own) }
+    }
+}
+
+/// Every measured curve goes into a picture: the first that fits, or one of its own.
+fn place_curves(layouts: &mut Vec<Layout>, runs: &[Run<'_>]) {
+    let mut placed: Vec<&Curve> = Vec::new();
+    for curve in runs.iter().flat_map(|run| &run.spec.curves) {
+        if placed.contains(&curve) {
+            continue;
+        }
+        placed.push(curve);
+        let pair = (curve.x.clone(), curve.y.clone());
+        match layouts.iter_mut().find(|layout| layout.takes(curve)) {
+            Some(layout) => {
+                if !layout.pairs.contains(&pair) {
+                    layout.pairs.push(pair);
+                }
+                layout.curves.push(curve.clone());
+            }
+            None => {
+                let mut layout = Layout::pair(&format!("{}_{}", pair.1, pair.0), &pair.0, &pair.1);
+                layout.curves.push(curve.clone());
+                layouts.push(layout);
+            }
+        }
+    }
+}
+
+fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
+    let driven = driven_component(run, controlled);
+    let (strain, stress) = (STRAIN_NAMES[driven], STRESS_NAMES[driven]);
+    let mut layouts = vec![Layout::pair("stress_strain", strain, stress)];
+    let damage = columns(run, |column| Sort::of(column) == Sort::Damage);
+    let damage = if damage.is_empty() { columns(run, |column| column == "peeq") } else { damage };
+    if !damage.is_empty() {
+        let name = if damage[0] == "peeq" { "plastic_strain" } else { "damage_strain" };
+        layouts.push(Layout::new(name, damage.into_iter().map(|column| (strain, column))));
+    }
+    let ordinate = if span(run, "s12") > span(run, "s22") { "s12" } else { "s22" };
+    // uniaxial stress has no path to show
+    if span(run, ordinate) > NEGLIGIBLE_STRESS * span(run, "s11") {
+        layouts.push(Layout { equal_units: true, ..Layout::pair("stress_path", "s11", ordinate) });
+    }
+    layouts
+}
+
+/// What mixed control leaves of a stress that should vanish, relative to the one that does not.
+const NEGLIGIBLE_STRESS: f64 = 1e-6;
+
+/// The controlled component with the largest range of strain (of all six if none is controlled).
+fn driven_component(run: &Run<'_>, controlled: &[usize]) -> usize {
+    let all = [0, 1, 2, 3, 4, 5];
+    let candidates = if controlled.is_empty() { &all[..] } else { controlled };
+    let widest = candidates.iter().filter(|&&component| component < 6).rev();
+    widest
+        .max_by(|&&a, &&b| span(run, STRAIN_NAMES[a]).total_cmp(&span(run, STRAIN_NAMES[b])))
+        .copied()
+        .unwrap_or_default()
+}
+
+fn interface(run: &Run<'_>) -> Vec<Layout> {
+    let mut tractions = vec![("slip", "tau".to_string())];
+    if span(run, "slip2") > 0.0 {
+        tractions.push(("slip2", "tau2".to_string()));
+    }
+    let mut layouts = vec![Layout::new("traction_slip", tractions)];
+    if span(run, "gap") > 0.0 {
+        layouts.push(Layout::pair("pressure_gap", "gap", "p"));
+    }
+    if span(run, "p") > 0.0 {
+        layouts.push(Layout { equal_units: true, ..Layout::pair("traction_path", "p", "tau") });
+    }
+    let damage = columns(run, |column| Sort::of(column) == Sort::Damage);
+    if !damage.is_empty() {
+        layouts.push(Layout::new("damage_slip", damage.into_iter().map(|column| ("slip", column))));
+    }
+    if run.history.column("kappa").is_some() {
+        layouts.push(Layout::pair("kappa_slip", "slip", "kappa"));
+    }
+    layouts
+}
+
+fn pullout(run: &Run<'_>) -> Vec<Layout> {
+    let mut layouts = vec![Layout::pair("load_slip", "slip", "load")];
+    let others = ["slip_exit", "slip_tail"].into_iter().filter(|column| span(run, column) > 0.0);
+    let others: Vec<_> = others.map(|column| (column, "load".to_string())).collect();
+    if !others.is_empty() {
+        layouts.push(Layout::new("load_local_slip", others));
+    }
+    // components of an inclined fibre's load: along a perpendicular one the axial is the load
+    if span(run, "load_shear") > NEGLIGIBLE_SHEAR * span(run, "load") {
+        let components = ["load_axial", "load_shear"].map(|column| ("slip", column.to_owned()));
+        layouts.push(Layout::new("load_components", components));
+    }
+    let lengths_and_volumes = [
+        ("separation", "separation_length"),
+        ("damaged_volume", "damaged_volume"),
+        ("spalled_volume", "spalled_volume"),
+        ("spalled_depth", "spalled_depth"),
+    ];
+    for (name, column) in lengths_and_volumes {
+        if span(run, column) > 0.0 {
+            layouts.push(Layout::pair(name, "slip", column));
+        }
+    }
+    for (name, sort) in [("energies", Sort::Energy), ("points", Sort::Count)] {
+        let moving = columns(run, |column| Sort::of(column) == sort && span(run, column) > 0.0);
+        if !moving.is_empty() {
+            layouts.push(Layout::new(name, moving.into_iter().map(|column| ("slip", column))));
+        }
+    }
+    layouts.push(Layout::pair("iterations", "time", "iterations"));
+    layouts
+}
+
+/// What rounding and the lateral reaction of a perpendicular fibre leave of a shear component, over the load.
+const NEGLIGIBLE_SHEAR: f64 = 1e-2;
+
+fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {
+    run.history.columns().iter().filter(|column| wanted(column)).cloned().collect()
+}
+
+/// Greatest less least finite value; 0 without any.
+fn span(run: &Run<'_>, column: &str) -> f64 {
+    let finite = run.history.column(column).unwrap_or_default().iter().filter(|value| value.is_finite());
+    let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &v| (a.min(v), b.max(v)));
+    (greatest - least).max(0.0)
+}

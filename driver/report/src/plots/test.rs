@@ -1,0 +1,185 @@
+use super::axis::Axis;
+use super::decimation::{Coordinate, decimate, drawable_stretches};
+use super::figure::{Figure, Line, Marks, Scale, Style, UNIT};
+use super::quantity::{Quantity, Sort};
+use super::*;
+use crate::directory::{Kind, ResultDirectory};
+
+fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
+    Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default(), marked: false }
+}
+
+fn figure(lines: Vec<Line>, marks: Vec<Marks>) -> Figure {
+    let quantity = |column| Quantity::of(column, &BTreeMap::new());
+    let (x, y) = (quantity("e11"), quantity("s11"));
+    Figure {
+        name: "stress_strain".into(),
+        title: "Tension & <more>".into(),
+        x,
+        y,
+        lines,
+        marks,
+        equal_units: false,
+        scale: Scale::Linear,
+    }
+}
+
+fn texts(document: &roxmltree::Document<'_>) -> Vec<String> {
+    let gather = |node: roxmltree::Node<'_, '_>| {
+        let text: String = node.descendants().filter(|d| d.is_text()).filter_map(|d| d.text()).collect();
+        text.trim().to_string()
+    };
+    document.descendants().filter(|node| node.has_tag_name("text")).map(gather).collect()
+}
+
+/// Data lines (the frame, grid and axes are thinner), those of the legend included.
+fn data_lines<'a>(document: &'a roxmltree::Document<'a>) -> Vec<roxmltree::Node<'a, 'a>> {
+    let width = (2 * UNIT).to_string();
+    let thick = move |node: &roxmltree::Node<'_, '_>| node.attribute("stroke-width") == Some(&width);
+    document.descendants().filter(|node| node.has_tag_name("polyline")).filter(thick).collect()
+}
+
+#[test]
+fn a_picture_has_its_axes_lines_and_marks() {
+    let curve = |k: f64| (0..50).map(|i| (f64::from(i) * 1e-5, k * f64::from(i))).collect::<Vec<_>>();
+    let marks = Marks { label: "measured".into(), points: vec![(1e-4, 3.0), (2e-4, 8.0)], line: Some(0) };
+    let second = Line { style: Style { color: 1, dash: 0 }, ..line("two", curve(0.5)) };
+    let svg = figure(vec![line("one", curve(1.0)), second], vec![marks]).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let texts = texts(&document);
+    for expected in ["ε11[10−3]", "σ11[MPa]", "Tension & <more>", "one", "two", "measured", "0.1", "0.5", "10", "40"]
+    {
+        assert!(texts.iter().any(|text| text == expected), "{expected} in {texts:?}");
+    }
+    assert_eq!(data_lines(&document).len(), 4, "two lines, each also in the legend");
+    // two points and one in the legend, each filled and outlined
+    assert_eq!(document.descendants().filter(|node| node.has_tag_name("circle")).count(), 6);
+    let root = document.root_element();
+    assert_eq!(root.attribute("width"), Some("640"));
+    assert_eq!(root.attribute("viewBox").map(|view| view.starts_with("0 0 12800 ")), Some(true));
+}
+
+#[test]
+fn dashes_and_colours_tell_lines_apart() {
+    let styled = |color, dash| Line { style: Style { color, dash }, ..line("l", vec![(0.0, 0.0), (1.0, 1.0)]) };
+    let svg = figure(vec![styled(0, 0), styled(0, 1), styled(1, 2), styled(1, 8)], vec![]).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    let look = |line: &roxmltree::Node<'_, '_>| {
+        ["stroke", "stroke-dasharray"].map(|name| line.attribute(name).map(String::from))
+    };
+    let lines: Vec<_> = data_lines(&document).iter().map(look).collect();
+    let distinct: std::collections::BTreeSet<_> = lines.iter().collect();
+    assert_eq!((lines.len(), distinct.len()), (8, 4), "{lines:?}");
+    assert_eq!(lines[0][1], None);
+}
+
+#[test]
+fn one_line_needs_no_legend_and_gaps_interrupt_it() {
+    let points = vec![(0.0, 0.0), (1.0, 1.0), (f64::NAN, 1.0), (2.0, f64::INFINITY), (2.0, 2.0), (3.0, 1.0)];
+    let svg = figure(vec![line("alone", points)], vec![]).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    assert!(!texts(&document).iter().any(|text| text == "alone"));
+    assert_eq!(data_lines(&document).len(), 2);
+}
+
+#[test]
+fn anything_can_be_drawn() {
+    let strange: [Vec<(f64, f64)>; 8] = [
+        vec![],
+        vec![(0.0, 0.0)],
+        vec![(f64::NAN, 1.0)],
+        vec![(0.0, 5.0), (1.0, 5.0)],
+        vec![(1e-300, 1e300), (-1e-300, -1e300)],
+        vec![(1.0, 1.0), (1.0 + 1e-15, 1.0 - 1e-15)],
+        vec![(f64::MAX, f64::MIN), (f64::MIN, f64::MAX)],
+        vec![(5e-324, 0.0), (0.0, 5e-324)],
+    ];
+    for equal_units in [false, true] {
+        for points in &strange {
+            let marks = Marks { label: "^{}_{".into(), points: points.clone(), line: None };
+            let drawn = Figure { equal_units, ..figure(vec![line("x_{", points.clone())], vec![marks]) };
+            roxmltree::Document::parse(&drawn.svg().unwrap()).unwrap();
+        }
+    }
+}
+
+#[test]
+fn decimation_keeps_order_ends_and_extremes() {
+    let points: Vec<(f64, f64)> = (0..100_000)
+        .map(|k| {
+            let t = f64::from(k) * 1e-4;
+            let spike = if k == 77_777 { 9.0 } else { 0.0 };
+            ((3.0 * t).sin() * t, (50.0 * t).cos() + spike)
+        })
+        .collect();
+    let kept = decimate(&points, 2000);
+    assert!(kept.len() <= 2000 && kept.len() > 500, "{}", kept.len());
+    assert_eq!((kept[0], kept[kept.len() - 1]), (points[0], points[99_999]));
+    let extreme =
+        |points: &[(f64, f64)], of: Coordinate, pick: fn(f64, f64) -> f64| points.iter().map(of).reduce(pick).unwrap();
+    let coordinates: [Coordinate; 2] = [|point| point.0, |point| point.1];
+    for of in coordinates {
+        for pick in [f64::min, f64::max] {
+            assert_eq!(extreme(&kept, of, pick), extreme(&points, of, pick));
+        }
+    }
+    let mut rest = points.iter();
+    assert!(kept.iter().all(|point| rest.any(|other| other == point)), "order");
+    assert_eq!(decimate(&points[..1500], 2000), points[..1500]);
+    assert_eq!(drawable_stretches(&[(0.0, 0.0), (f64::NAN, 0.0)]).count(), 1);
+}
+
+#[test]
+fn axes_use_handy_numbers() {
+    let axis = |column: &str, range| Axis::new(&Quantity::of(column, &BTreeMap::new()), range, 0.0, 9);
+    let strain = axis("e11", (-0.005, 0.0));
+    assert_eq!(strain.label, "ε_{11} [10^{−3}]");
+    assert_eq!(strain.range.end, 0.0);
+    let texts: Vec<String> = strain.ticks().iter().map(|&tick| strain.text(tick)).collect();
+    assert_eq!(texts, ["−5", "−4", "−3", "−2", "−1", "0"]);
+    let stress = axis("s11", (0.0, 3.5));
+    assert_eq!(stress.label, "σ_{11} [MPa]");
+    let texts: Vec<String> = stress.ticks().iter().map(|&tick| stress.text(tick)).collect();
+    assert_eq!(texts, ["0.0", "0.5", "1.0", "1.5", "2.0", "2.5", "3.0", "3.5"]);
+    assert_eq!(axis("slip", (0.0, 0.002)).label, "slip [10^{−3} mm]");
+    assert_eq!(axis("slip", (0.0, 2.5)).label, "slip [mm]");
+    assert_eq!(axis("load", (0.0, 2.5e6)).label, "load [10^{6} N]");
+}
+
+#[test]
+fn columns_have_names_and_units() {
+    let units = BTreeMap::from([("kappa".to_string(), "mm".to_string()), ("eta_t".to_string(), "-".to_string())]);
+    let label = |column: &str| Quantity::of(column, &units).label(0);
+    assert_eq!(label("g12"), "γ_{12} [–]");
+    assert_eq!(label("kappa"), "κ [mm]");
+    assert_eq!(label("eta_t"), "η_{t} [–]");
+    assert_eq!(label("Y_t_max"), "Y_{t,max} [–]");
+    assert_eq!(label("plastic_strain_11"), "plastic strain 11 [–]");
+    assert_eq!(label("tau"), "τ [MPa]");
+    for (column, sort) in [("e11", Sort::Strain), ("s23", Sort::Stress), ("D_c", Sort::Damage), ("sse", Sort::Other)] {
+        assert_eq!(Sort::of(column), sort);
+    }
+    for odd in ["", "e", "é11", "s", "sé"] {
+        assert_eq!(Sort::of(odd), Sort::Other, "{odd}");
+    }
+}
+
+#[test]
+fn the_spec_survives_its_file_and_errors_name_theirs() {
+    let folder = tempfile::tempdir().unwrap();
+    let history = History::from_columns(vec![("e11".into(), vec![0.0, 1e-3]), ("s11".into(), vec![0.0, 3.0])]);
+    let spec = Spec {
+        title: "case".into(),
+        law: "law".into(),
+        subject: Subject::Point { controlled: vec![0] },
+        units: BTreeMap::from([("eta".to_string(), "-".to_string())]),
+        curves: vec![Curve { label: "m".into(), x: "e11".into(), y: "s11".into(), points: vec![(0.1 + 0.2, -1e-9)] }],
+    };
+    let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
+    let pictures = draw(&mut directory, "plots", &history, &spec).unwrap();
+    assert_eq!(std::fs::read_to_string(&pictures[0].path).unwrap(), pictures[0].svg);
+    assert_eq!(Spec::read(&folder.path().join("plots").join(SPEC_FILE)).unwrap(), spec);
+    std::fs::write(folder.path().join("file"), "").unwrap();
+    let error = draw(&mut directory, "file/plots", &history, &spec).unwrap_err().to_string();
+    assert!(error.contains("file/plots"), "{error}");
+}

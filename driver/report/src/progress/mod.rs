@@ -1,0 +1,189 @@
+//! How far a run is: a bar on a terminal, now and then a line otherwise, nothing when quiet.
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use pullout_run::isolation::worker;
+use pullout_run::number;
+use pullout_run::path::Row;
+use std::fmt::Write as _;
+use std::io::Write;
+use std::time::{Duration, Instant};
+
+#[cfg(test)]
+mod test;
+
+/// The bar is redrawn, and the clock read, about this often.
+const REFRESH: Duration = Duration::from_millis(50);
+/// At most so many times a second.
+const REFRESHES: u8 = 20;
+/// Lines are at least so far apart.
+const LEAST_PAUSE: Duration = Duration::from_secs(2);
+/// A line is due after so long, however little was done.
+const GREATEST_PAUSE: Duration = Duration::from_secs(60);
+
+/// How far a run goes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Extent {
+    /// At most so many increments.
+    Increments(u64),
+    /// So long, s, in increments of any size.
+    Time(f64),
+}
+
+/// A run of some duration is told in so many parts.
+const PARTS: f64 = 1000.0;
+
+impl Extent {
+    /// What is done of what: increments, or parts of the time.
+    fn share(self, done: u64, time: f64) -> (u64, u64) {
+        match self {
+            Self::Increments(total) => (done, total),
+            Self::Time(total) => ((PARTS * (time / total).clamp(0.0, 1.0)) as u64, PARTS as u64),
+        }
+    }
+}
+
+/// Reports to standard error.
+pub struct Progress {
+    display: Display,
+    /// Names of what is shown, and their indices among the values given to [`Self::advance`].
+    shown: Vec<(String, usize)>,
+    extent: Extent,
+    start: Instant,
+    pace: Pace,
+}
+
+enum Display {
+    Quiet,
+    Bar(ProgressBar),
+    Lines { title: String, schedule: Schedule, to: Box<dyn Write + Send> },
+}
+
+impl Progress {
+    /// For a run of some extent. `shown`: what to tell of the present state, as (name, index among the
+    /// values of a row), for example `("s11", 7)`.
+    pub fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
+        let display = if quiet {
+            Display::Quiet
+        } else if let Some(terminal) = worker::terminal() {
+            let to = ProgressDrawTarget::term(terminal, REFRESHES);
+            let bar = ProgressBar::with_draw_target(Some(extent.share(0, 0.0).1), to);
+            let template = match extent {
+                Extent::Increments(_) => "{prefix} [{bar:30}] {pos}/{len} {elapsed}<{eta} {msg}",
+                Extent::Time(_) => "{prefix} [{bar:30}] {percent} % {elapsed}<{eta} {msg}",
+            };
+            bar.set_style(ProgressStyle::with_template(template).unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar.set_prefix(title.to_owned());
+            Display::Bar(bar)
+        } else {
+            let to = Box::new(std::io::stderr());
+            Display::Lines { title: title.to_owned(), schedule: Schedule::default(), to }
+        };
+        Self { display, shown, extent, start: Instant::now(), pace: Pace::default() }
+    }
+
+    /// `done` increments are finished; `row` is the last one. Costs a comparison unless something is due.
+    #[inline]
+    pub fn advance(&mut self, done: u64, row: &Row<'_>) {
+        if done >= self.pace.next && !matches!(self.display, Display::Quiet) {
+            self.report(done, row);
+        }
+    }
+
+    #[cold]
+    fn report(&mut self, done: u64, row: &Row<'_>) {
+        let now = self.start.elapsed();
+        self.pace.adapt(done, now);
+        let present = || {
+            let mut text = self.shown.iter().fold(String::new(), |mut text, (name, index)| {
+                let value = row.values.get(*index).copied().unwrap_or(f64::NAN);
+                let _ = write!(text, " {name} = {}", number::significant(value, 4));
+                text
+            });
+            if let Extent::Time(_) = self.extent {
+                let _ = write!(text, " iterations = {}", row.iterations);
+            }
+            text
+        };
+        // the first value of a row is the time
+        let (part, total) = self.extent.share(done, row.values.first().copied().unwrap_or(0.0));
+        match &mut self.display {
+            Display::Quiet => {}
+            Display::Bar(bar) => {
+                bar.set_position(part);
+                bar.set_message(present());
+            }
+            Display::Lines { title, schedule, to } => {
+                if schedule.due(part, total, now) {
+                    let percent = 100 * part / total.max(1);
+                    let count = match self.extent {
+                        Extent::Increments(total) => format!("{done}/{total}"),
+                        Extent::Time(_) => format!("increment {done}"),
+                    };
+                    let seconds = now.as_secs();
+                    // a closed standard error is no reason to stop a run
+                    let _ = writeln!(to, "{title}: {count} ({percent} %, {seconds} s){}", present());
+                }
+            }
+        }
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&mut self) {
+        if let Display::Bar(bar) = &self.display {
+            bar.finish_and_clear();
+        }
+    }
+}
+
+impl Drop for Progress {
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// After how many increments the clock is read again: doubled or halved until that takes about [`REFRESH`].
+struct Pace {
+    next: u64,
+    stride: u64,
+    last: Duration,
+}
+
+impl Default for Pace {
+    fn default() -> Self {
+        Self { next: 1, stride: 1, last: Duration::ZERO }
+    }
+}
+
+impl Pace {
+    fn adapt(&mut self, done: u64, now: Duration) {
+        let elapsed = now.saturating_sub(self.last);
+        if elapsed < REFRESH / 2 {
+            self.stride = self.stride.saturating_mul(2);
+        } else if elapsed > REFRESH * 2 {
+            self.stride = (self.stride / 2).max(1);
+        }
+        self.last = now;
+        self.next = done.saturating_add(self.stride);
+    }
+}
+
+/// When a line is due: about every tenth of the run, not sooner than [`LEAST_PAUSE`] after the last, not later than
+/// [`GREATEST_PAUSE`]. A run of under two seconds prints none.
+#[derive(Default)]
+pub struct Schedule {
+    last: Duration,
+    tenths: u64,
+}
+
+impl Schedule {
+    /// Whether a line is due now; if so, it is the last one.
+    pub fn due(&mut self, done: u64, total: u64, now: Duration) -> bool {
+        let tenths = 10 * done / total.max(1);
+        let pause = now.saturating_sub(self.last);
+        let due = pause >= LEAST_PAUSE && (tenths > self.tenths || pause >= GREATEST_PAUSE);
+        if due {
+            (self.last, self.tenths) = (now, tenths);
+        }
+        due
+    }
+}

@@ -1,0 +1,204 @@
+//! `summary.json`: what came out, for scripts.
+
+use super::compare::Comparison;
+use super::directory::ResultDirectory;
+use super::{at, malformed};
+use indexmap::IndexMap;
+use pullout_run::input::{self, Input};
+use pullout_run::path::Row;
+use pullout_run::pullout::Findings;
+use serde::{Deserialize, Serialize};
+use std::io;
+use std::path::Path;
+
+#[cfg(test)]
+pub(crate) mod test;
+
+/// Name of the file in the result directory.
+pub const FILE: &str = "summary.json";
+
+/// How a run ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// To the end, or to an `until`.
+    Done,
+    /// No convergence or a plugin error; everything up to there is kept.
+    Failed,
+    /// A signal (Ctrl-C, SIGTERM); everything up to there is kept.
+    Interrupted,
+}
+
+/// The content of `summary.json`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// How the run ended.
+    pub status: Status,
+    /// Why it failed; absent if it did not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub message: Option<String>,
+    /// The case's title.
+    pub title: String,
+    /// What was driven.
+    pub plugin: PluginFile,
+    /// The plugins of a specimen's parts and contact pairs; empty for a point.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plugins: Vec<PluginOf>,
+    /// Of each column from the fourth on, over all increments (written to the history or not).
+    pub peaks: IndexMap<String, Peak>,
+    /// Increments done.
+    pub increments: u64,
+    /// Newton iterations.
+    pub iterations: u64,
+    /// Calls of the plugin.
+    pub plugin_calls: u64,
+    /// Halvings of increments.
+    pub cutbacks: u64,
+    /// Seconds from start to end, pictures excluded.
+    pub wall_time_s: f64,
+    /// CPU time of the process from start to end, pictures excluded, s; absent where nobody took it.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub cpu_time_s: Option<f64>,
+    /// One entry per `compare` of the case.
+    pub compare: Vec<Comparison>,
+    /// What only specimens have.
+    #[serde(flatten)]
+    pub specimen: Option<Findings>,
+    /// Things the user should know although nothing is wrong.
+    pub warnings: Vec<String>,
+}
+
+impl Summary {
+    /// Writes [`FILE`].
+    pub fn write(&self, directory: &mut ResultDirectory) -> io::Result<()> {
+        let text = serde_json::to_string_pretty(self).map_err(io::Error::other)?;
+        directory.write(FILE, text + "\n").map(|_| ())
+    }
+
+    /// Reads a file.
+    pub fn read(path: &Path) -> io::Result<Self> {
+        let text = input::read(path, Input::Result).map_err(at(path))?;
+        serde_json::from_slice(&text).map_err(|error| malformed(path, error))
+    }
+}
+
+/// Identity of a plugin's file.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PluginFile {
+    /// Where it was loaded from.
+    pub path: String,
+    /// As its metadata say; empty for a plain UMAT.
+    pub version: String,
+    /// Of the file's bytes, hexadecimal.
+    pub sha256: String,
+}
+
+/// The plugin of a part or of contact pairs.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PluginOf {
+    /// "part fibre", "contact left, right".
+    #[serde(rename = "of")]
+    pub subject: String,
+    /// The law's name.
+    pub law: String,
+    /// The file.
+    #[serde(flatten)]
+    pub file: PluginFile,
+}
+
+impl PluginFile {
+    /// Hashes the file.
+    pub fn identify(path: &Path, version: &str) -> io::Result<Self> {
+        let sha256 =
+            input::hash(path, Input::Library).map_err(at(path))?.iter().map(|byte| format!("{byte:02x}")).collect();
+        Ok(Self { path: path.display().to_string(), version: version.to_owned(), sha256 })
+    }
+}
+
+/// Extremes of a column. `None` (null) if the column holds no finite number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Peak {
+    /// Greatest value.
+    pub max: Option<f64>,
+    /// Least value.
+    pub min: Option<f64>,
+    /// Where it was greatest (first time).
+    pub max_at: Option<Place>,
+    /// Where it was least (first time).
+    pub min_at: Option<Place>,
+}
+
+/// A line of the history.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Place {
+    /// Step.
+    pub step: u32,
+    /// Increment.
+    pub increment: u32,
+    /// Total time.
+    pub time: f64,
+}
+
+/// Gathers the peaks during a run, increments that `output.every` leaves out included.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct PeakRecorder {
+    names: Vec<String>,
+    extremes: Vec<Extremes>,
+}
+
+#[derive(Clone, Copy, Debug, Serialize, Deserialize)]
+struct Extremes {
+    max: f64,
+    min: f64,
+    max_at: Place,
+    min_at: Place,
+}
+
+impl PeakRecorder {
+    /// For a history with these columns.
+    pub fn new(columns: &[String]) -> Self {
+        let last = columns.len().saturating_sub(1).max(3.min(columns.len()));
+        let names = columns.get(3..last).unwrap_or_default().to_vec();
+        let none =
+            Extremes { max: f64::NEG_INFINITY, min: f64::INFINITY, max_at: Place::default(), min_at: Place::default() };
+        Self { extremes: vec![none; names.len()], names }
+    }
+
+    /// Whether it is of a history with these columns.
+    pub fn fits(&self, columns: &[String]) -> bool {
+        let virgin = Self::new(columns);
+        let times = self.extremes.iter().flat_map(|extremes| [extremes.max_at.time, extremes.min_at.time]);
+        self.names == virgin.names
+            && self.extremes.len() == virgin.extremes.len()
+            && times.into_iter().all(f64::is_finite)
+    }
+
+    /// Takes an increment into account.
+    pub fn observe(&mut self, row: &Row<'_>) {
+        let Some((&time, values)) = row.values.split_first() else { return };
+        let place = Place { step: row.step, increment: row.increment, time };
+        for (extremes, &value) in self.extremes.iter_mut().zip(values) {
+            // comparisons with NaN are false; infinities are no peaks
+            if value > extremes.max && value < f64::INFINITY {
+                (extremes.max, extremes.max_at) = (value, place);
+            }
+            if value < extremes.min && value > f64::NEG_INFINITY {
+                (extremes.min, extremes.min_at) = (value, place);
+            }
+        }
+    }
+
+    /// The peaks, in the history's order.
+    pub fn peaks(&self) -> IndexMap<String, Peak> {
+        let peak = |extremes: &Extremes| {
+            let (max, min) = (extremes.max.is_finite(), extremes.min.is_finite());
+            Peak {
+                max: max.then_some(extremes.max),
+                min: min.then_some(extremes.min),
+                max_at: max.then_some(extremes.max_at),
+                min_at: min.then_some(extremes.min_at),
+            }
+        };
+        self.names.iter().cloned().zip(self.extremes.iter().map(peak)).collect()
+    }
+}

@@ -1,0 +1,68 @@
+//! A case in a process of its own, because its plugins may end the process that calls them.
+//!
+//! A UMAT that nobody here wrote may execute STOP, call `exit`, write through a wild pointer, divide by zero with traps
+//! on, use the stack up, or never come back. What runs in the program's own process unasked is therefore only what was
+//! built with it, known by its hash (`trust`); whatever else a library says of itself, it says it to a worker. The job is
+//! isolated, not the call: a round trip per call would cost more than most laws, and COMMON blocks would be split between
+//! processes.
+//!
+//! # Who does what
+//!
+//! ```text
+//! supervisor   which cases need it? ── start worker ── watch ─────────────── message, replay, results ── exit code
+//!                (need, trust)           (supervisor)     │ exit, signal, time     (ending, replay)
+//!                                                         │
+//! worker                    carry out a command line: rows, fields, plots; before each call its arguments … done-mark
+//!                           (worker)                       in shared memory (umat_abi::host::recorder)
+//! ```
+//!
+//! The **supervisor** is the program that the user started. It does not even load a library that it does not trust: its
+//! initialisers run at that moment. It starts itself again, by `exec` and not by `fork` alone, so that nothing of it is
+//! shared but the recorder's file, which has no name and so leaves nothing behind.
+//!
+//! The **worker** carries out a command line of this program as the program does without isolation, and on the same
+//! terminal: rows, progress and messages are its own. Its done-mark carries the exit code. Its end without the mark is a
+//! failure, with any exit code (Fortran's STOP gives 0). It dies with the supervisor.
+//!
+//! A run or a fit has one worker for all of it; `plugin check` has one for each group of checks, `plugin list` one for
+//! each library.
+//!
+//! After a failed run a second worker reads the case again, without running it, and makes summary, plots and report of the
+//! rows that are there, as for any other run that failed. If that fails as well (a library that cannot be loaded any
+//! more), the supervisor writes a summary with what it knows.
+//!
+//! # What is watched
+//!
+//! - the worker's end: exit code or signal;
+//! - the time of one call, `call_time_limit_s`: the recorder's sequence numbers are the heartbeat. Time in which the
+//!   supervisor was stopped itself does not count; what the host computes between calls takes as long as it takes;
+//! - the standard output and the standard error, by the worker after each increment: if a plugin closes one, the next
+//!   file that is opened takes its number, and what is printed goes there;
+//! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;
+//! - the folder in which the program works, and the mode of new files: restored behind what plugins do.
+//!
+//! What ends the worker behind its done-mark (exit handlers of a library) takes nothing from the results, nor from the
+//! exit code: it is told.
+//!
+//! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
+//! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of
+//! one call does not have.
+
+mod ending;
+mod last_words;
+mod need;
+pub mod prints;
+pub mod replay;
+mod supervisor;
+mod system;
+#[cfg(test)]
+mod test;
+mod trust;
+pub mod worker;
+
+pub use ending::Aftermath;
+pub use need::{CALL_TIME_LIMIT, Need, need};
+pub use supervisor::{End, Failure, Job, supervise};
+pub use system::{die_with, out_of_reach, program};
+pub use trust::{all_are_let_in, is_shipped, let_all_in, load, look_where_it_was_built};
+pub use worker::Task;

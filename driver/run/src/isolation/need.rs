@@ -1,0 +1,90 @@
+//! Which cases run in a process of their own.
+
+use super::{system, trust, worker};
+use crate::input::folder_of;
+use serde_json::Value;
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use umat_abi::host::{self, Found};
+
+/// Longest time of one call unless the case says otherwise, s.
+pub const CALL_TIME_LIMIT: f64 = 60.0;
+
+/// What a process of its own is needed for.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Need {
+    /// Whether it is a specimen, whose messages name elements.
+    pub specimen: bool,
+    /// Longest time of one call of each library, by its absolute path, s.
+    pub libraries: BTreeMap<PathBuf, f64>,
+    /// The case wishes that a library of it runs in this process, which the command line does not grant.
+    pub is_against_a_wish: bool,
+}
+
+impl Need {
+    /// For a library alone.
+    pub fn of_library(library: &Path, time_limit: f64) -> Option<Self> {
+        let need = || Self { libraries: [(absolute(library), time_limit)].into(), ..Self::default() };
+        (!trust::may_run_here(library)).then(need)
+    }
+
+    /// The longest time of one call of a library, s.
+    pub fn time_limit(&self, library: &Path) -> f64 {
+        self.libraries.get(library).copied().unwrap_or(CALL_TIME_LIMIT)
+    }
+
+    /// The longest time that anything may take, s.
+    pub fn longest_time(&self) -> f64 {
+        self.libraries.values().copied().fold(0.0, f64::max)
+    }
+}
+
+/// Tells whether a case that stands in the file `file` needs a process of its own.
+///
+/// Nothing is loaded: a library's initialisers may do what its routines do.
+pub fn need(document: &Value, file: &Path, plugin_paths: &[PathBuf]) -> Option<Need> {
+    if worker::is_this_process() || !system::IS_SUPPORTED {
+        return None;
+    }
+    let folder = folder_of(file);
+    let mut need = Need { specimen: document["kind"] == "pullout", ..Need::default() };
+    let mut is_needed = false;
+    for material in materials(document) {
+        let Some(path) = material["plugin"].as_str().and_then(|plugin| locate(plugin, folder, plugin_paths)) else {
+            continue;
+        };
+        // what a symbol is nobody has looked at but the case's author
+        let may_run_here = trust::all_are_let_in() || (material["symbol"].is_null() && trust::is_shipped(&path));
+        need.is_against_a_wish |= !may_run_here && material["isolate"] == false;
+        is_needed |= !may_run_here || material["isolate"] == true;
+        let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
+        let longest = need.libraries.entry(absolute(&path)).or_insert(limit);
+        *longest = longest.max(limit);
+    }
+    is_needed.then_some(need)
+}
+
+fn absolute(path: &Path) -> PathBuf {
+    std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
+}
+
+/// Everything in a case that names a plugin.
+fn materials(case: &Value) -> Vec<&Value> {
+    let parts = case["parts"].as_object().into_iter().flat_map(|parts| parts.values()).map(|part| &part["material"]);
+    let contact = &case["contact"];
+    let pairs = contact.as_array().into_iter().flatten().map(|pair| &pair["law"]);
+    [&case["material"], &contact["law"]]
+        .into_iter()
+        .chain(parts)
+        .chain(pairs)
+        .filter(|value| value.is_object())
+        .collect()
+}
+
+fn locate(plugin: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
+    if host::names_a_file(plugin) {
+        Some(host::library_path(folder, plugin)).filter(|path| path.is_file())
+    } else {
+        Found::by_name(plugin, &host::search_paths(plugin_paths)).map(|found| found.path)
+    }
+}

@@ -1,0 +1,270 @@
+//! The replay case of a recorded call: one increment with the arguments of that call.
+
+use super::need::{CALL_TIME_LIMIT, Need};
+use super::trust;
+use crate::path::replay::{self, StrainDrive, duration};
+use crate::program::{FieldValues, STRAIN_NAMES, STRESS_NAMES};
+use serde_json::{Map, Value, json};
+use std::path::Path;
+use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
+use umat_abi::law::StressState;
+
+/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell, and
+/// for the routines beside the entry points, which every run calls.
+pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
+    let mut case = match &call.arguments {
+        Arguments::Umat(umat) => point(umat, call.wants_tangent),
+        contact => contact_point(contact)?,
+    };
+    case["title"] = json!("");
+    case["material"] = material(call, need)?;
+    (!has_null(&case)).then_some(case)
+}
+
+/// Names the case whose call a replay repeats, and the folder from which it was run.
+pub fn entitle(replay: &mut Value, title: &str, job_folder: &Path) {
+    const PREFIX: &str = "Replay of a call: ";
+    replay["title"] = json!(format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title)));
+    replay["job_folder"] = json!(job_folder.to_string_lossy());
+}
+
+/// Whether a number is missing: NaN and infinity become null.
+fn has_null(value: &Value) -> bool {
+    match value {
+        Value::Null => true,
+        Value::Array(values) => values.iter().any(has_null),
+        Value::Object(entries) => entries.values().any(has_null),
+        Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
+    }
+}
+
+fn material(call: &CallRecord, need: &Need) -> Option<Value> {
+    let (props, statev, entry) = match &call.arguments {
+        Arguments::Umat(umat) => (&umat.props, &umat.statev, "umat"),
+        Arguments::Uinter(uinter) => (&uinter.props, &uinter.statev, "uinter"),
+        Arguments::Fric(fric) => (&fric.props, &fric.statev, "fric"),
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
+    };
+    let mut material = json!({
+        "plugin": call.library.to_string_lossy(),
+        "cmname": call.cmname,
+        "entry": entry,
+        "props": props,
+        "nstatv": statev.len(),
+    });
+    if let Some(symbol) = &call.symbol {
+        material["symbol"] = json!(symbol);
+    }
+    if trust::may_run_here(&call.library) {
+        // it was isolated because the case said so
+        material["isolate"] = json!(true);
+    }
+    let limit = need.time_limit(&call.library);
+    if limit != CALL_TIME_LIMIT {
+        material["call_time_limit_s"] = json!(limit);
+    }
+    Some(material)
+}
+
+/// Entry `k`; a record that a plugin has destroyed may have fewer.
+fn at(values: &[f64], k: usize) -> f64 {
+    values.get(k).copied().unwrap_or_default()
+}
+
+fn integer(values: &[f64], k: usize) -> i32 {
+    at(values, k) as i32
+}
+
+fn integers<const N: usize>(values: &[f64]) -> [i32; N] {
+    std::array::from_fn(|k| integer(values, k))
+}
+
+fn array<const N: usize>(values: &[f64]) -> [f64; N] {
+    std::array::from_fn(|k| at(values, k))
+}
+
+/// Row by row, from a matrix column by column.
+fn rows(matrix: &[f64]) -> Value {
+    json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
+}
+
+/// What a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
+/// but for rounding.
+pub fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
+    let mut arguments = json!({
+        "dstran": call.dstran,
+        "dtime": at(&call.dtime, 0),
+        "dtemp": at(&call.temp, 1),
+        "energies": array::<3>(&call.energies),
+        "step_time": at(&call.time, 0),
+        "coords": array::<3>(&call.coords),
+        "drot": rows(&call.drot),
+        "dfgrd0": rows(&call.dfgrd0),
+        "dfgrd1": rows(&call.dfgrd1),
+        "noel": integer(&call.noel_npt, 0),
+        "npt": integer(&call.noel_npt, 1),
+        "jstep": integers::<4>(&call.jstep),
+        "kinc": integer(&call.kinc, 0),
+        "ddsdde": wants_tangent,
+    });
+    if !is_no_variable([&call.predef, &call.dpred]) {
+        arguments["dpred"] = json!(call.dpred);
+    }
+    arguments
+}
+
+fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
+    let stress_state = match call.stran.len() {
+        6 => StressState::ThreeD,
+        3 => StressState::PlaneStress,
+        _ => StressState::PlaneStrainOrAxisymmetric,
+    };
+    let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
+    let StrainDrive { mode, components, driven } = StrainDrive::new(stress_state, has_strain_33);
+    let named = |names: &[&str; 6], which: &[usize], value: &dyn Fn(usize) -> f64| -> Value {
+        let entries = components.iter().enumerate().filter(|(_, component)| which.contains(component));
+        entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
+    };
+    let end = |k: usize| at(&call.stran, k) + at(&call.dstran, k);
+    let step = json!({
+        "increments": 1,
+        "time": duration(at(&call.dtime, 0)),
+        "target": named(&STRAIN_NAMES, driven, &end),
+    });
+    let mut case = json!({
+        "kind": "point",
+        "mode": mode,
+        "initial": {
+            "strain": named(&STRAIN_NAMES, components, &|k| at(&call.stran, k)),
+            "stress": named(&STRESS_NAMES, components, &|k| at(&call.stress, k)),
+            "statev": call.statev,
+            "time": at(&call.time, 1).max(0.0),
+        },
+        "arguments": umat_arguments(call, wants_tangent),
+    });
+    set_length(&mut case, &call.celent);
+    case["steps"] = json!([step]);
+    let [temperature, increment] = array(&call.temp);
+    set_fields(&mut case, [temperature, temperature + increment], {
+        let ends = call.predef.iter().zip(&call.dpred).map(|(start, increment)| start + increment);
+        [call.predef.clone(), ends.collect()]
+    });
+    case
+}
+
+/// A case of kind "interface" without its material, of a call of UINTER or FRIC.
+pub fn contact_point(call: &Arguments) -> Option<Value> {
+    match call {
+        Arguments::Uinter(uinter) => Some(uinter_case(uinter)),
+        Arguments::Fric(fric) => Some(fric_case(fric)),
+        _ => None,
+    }
+}
+
+/// Whether these are the host's one variable of 0, that of a case without any.
+fn is_no_variable(variables: [&[f64]; 2]) -> bool {
+    variables == [[0.0], [0.0]]
+}
+
+/// Sets temperature and field variables at both ends.
+fn set_fields(case: &mut Value, temperature: [f64; 2], mut variables: [Vec<f64>; 2]) {
+    if is_no_variable([&variables[0], &variables[1]]) {
+        variables = [Vec::new(), Vec::new()];
+    }
+    let ([start, end], [first, last]) = (temperature, variables);
+    replay::set_fields(
+        case,
+        &FieldValues { temperature: start, variables: first },
+        &FieldValues { temperature: end, variables: last },
+    );
+}
+
+fn set_length(case: &mut Value, length: &[f64]) {
+    if at(length, 0) > 0.0 {
+        case["characteristic_length"] = json!(at(length, 0));
+    }
+}
+
+/// A case of kind "interface". TIME is that of the increment's end, a case's of its start.
+fn interface(end: &[f64], dtime: &[f64], statev: &[f64], mut arguments: Value, counters: &[f64]) -> Value {
+    arguments["time"] = json!(array::<2>(end));
+    arguments["dtime"] = json!(at(dtime, 0));
+    let time = [0, 1].map(|k| at(end, k) - at(dtime, 0));
+    arguments["step_time"] = json!(time[0]);
+    arguments["kstep"] = json!(integer(counters, 0));
+    arguments["kinc"] = json!(integer(counters, 1));
+    json!({
+        "kind": "interface",
+        "initial": { "statev": statev, "time": time[1].max(0.0) },
+        "arguments": arguments,
+        "steps": [{ "increments": 1, "time": duration(at(dtime, 0)), "target": {} }],
+    })
+}
+
+/// Sets temperature and field variables, of which a call tells the ends and the increments, the same at both surfaces.
+fn set_contact_fields(case: &mut Value, temp: &[f64], predef: &[f64], dpred: &[f64]) {
+    let [end, increment] = array(temp);
+    let ends = || predef.iter().copied().step_by(2);
+    let starts = ends().zip(dpred.iter().step_by(2)).map(|(end, increment)| end - increment);
+    set_fields(case, [end - increment, end], [starts.collect(), ends().collect()]);
+    let arguments = &mut case["arguments"];
+    arguments["dtemp"] = json!(increment);
+    let ends: Vec<f64> = ends().collect();
+    let increments: Vec<f64> = dpred.iter().copied().step_by(2).collect();
+    if !is_no_variable([&ends, &increments]) {
+        arguments["dpred"] = json!(increments);
+    }
+}
+
+/// Sets the slips at both ends.
+fn set_slips(case: &mut Value, ends: &[[f64; 2]]) {
+    for (name, [start, end]) in ["slip", "slip2"].into_iter().zip(ends) {
+        case["initial"][name] = json!(start);
+        case["steps"][0]["target"][name] = json!(end);
+    }
+}
+
+fn uinter_case(call: &UinterRecord) -> Value {
+    let arguments = json!({
+        "traction": array::<3>(&call.stress),
+        "energies": array::<5>(&call.energies),
+        "flags": integers::<2>(&call.flags),
+        "coords": array::<3>(&call.coords),
+        "alocaldir": array::<9>(&call.alocaldir),
+        "area": at(&call.area, 0),
+        "node": integer(&call.node, 0),
+        "kit": integer(&call.counters, 2),
+        "drdisp": array::<3>(&call.drdisp),
+    });
+    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
+    let ends: Vec<[f64; 2]> = call.rdisp.iter().zip(&call.drdisp).map(|(end, by)| [end - by, *end]).collect();
+    let [normal, slips @ ..] = ends.as_slice() else { return case };
+    // RDISP(1) > 0 is penetration
+    [case["initial"]["gap"], case["steps"][0]["target"]["gap"]] = normal.map(|penetration| json!(-penetration));
+    set_slips(&mut case, slips);
+    set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
+    set_length(&mut case, &call.chrlngth);
+    case
+}
+
+fn fric_case(call: &FricRecord) -> Value {
+    let [pressure, increment] = array(&call.press);
+    let arguments = json!({
+        "traction": [pressure - increment, at(&call.tau, 0), at(&call.tau, 1)],
+        "energies": [at(&call.energies, 0), at(&call.energies, 1), 0.0, 0.0, 0.0],
+        "lm": integer(&call.lm, 0),
+        "dpress": increment,
+        "slip": array::<2>(&call.slip),
+        "coords": array::<3>(&call.coords),
+        "rcoord": array::<3>(&call.rcoord),
+        "node": integer(&call.node, 0),
+    });
+    let mut case = interface(&call.time, &call.dtime, &call.statev, arguments, &call.counters);
+    // only the increment of the slip is an argument
+    let slips: Vec<[f64; 2]> = call.dgam.iter().map(|by| [0.0, *by]).collect();
+    set_slips(&mut case, &slips);
+    case["steps"][0]["target"]["p"] = json!(pressure);
+    set_contact_fields(&mut case, &call.temp, &call.predef, &call.dpred);
+    set_length(&mut case, &call.chrlngth);
+    case
+}

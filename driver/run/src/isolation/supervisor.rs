@@ -1,0 +1,232 @@
+//! Starts a worker and watches it.
+
+use super::ending::{Cause, Report, behind_the_end};
+use super::last_words::LastWords;
+use super::prints::{self, Echo};
+use super::worker::{COMMAND, Note};
+use super::{Need, replay, system};
+use crate::input;
+use crate::path::Statistics;
+use crate::signals;
+use serde_json::Value;
+use std::ffi::OsString;
+use std::fs::File;
+use std::io::{self, Write};
+use std::os::unix::process::{CommandExt, ExitStatusExt};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::time::{Duration, Instant};
+use umat_abi::host::recorder::{Beat, Recording};
+use wait_timeout::ChildExt;
+
+/// Time between two looks at the heartbeat.
+const POLL: Duration = Duration::from_millis(20);
+
+/// Lets gfortran's runtime write each record at once: what a plugin printed is there if it then ends the process.
+const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
+
+/// What a worker is started for.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Job<'a> {
+    /// The command line of this program that it carries out, without the program's name.
+    pub command: &'a [OsString],
+    /// The result directory, if what the plugins print there is shown as they do.
+    pub echo: Option<&'a Path>,
+    /// Longest time of all that it does.
+    pub time_limit: Option<Duration>,
+}
+
+/// How a worker ended.
+#[derive(Debug)]
+pub enum End {
+    /// All is done, with this exit code.
+    Done(u8),
+    /// Something ended it.
+    Failed(Box<Failure>),
+}
+
+/// A worker that was ended.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// What ended it, and where.
+    pub report: Report,
+    /// A case that repeats the call, without its title ([`replay::entitle`]).
+    pub replay: Option<Value>,
+    /// Whether the history in the result directory is this run's.
+    pub has_rows: bool,
+    /// What the finished increments cost.
+    pub statistics: Statistics,
+    /// Calls of the check that a plugin did not survive.
+    pub calls_of_check: u64,
+    /// Whether nothing went wrong but that [`Job::time_limit`] has passed.
+    pub is_out_of_time: bool,
+}
+
+/// Runs a worker to its end.
+///
+/// # Errors
+/// It cannot be started or watched.
+pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
+    let (file, path) = system::shared_file()?;
+    let recording = Recording::create(&file)?;
+    let streams = streams()?;
+    let handed_on = streams.iter().map(|(stream, _, content)| [stream, content]);
+    let mut child = command(job, &path, handed_on).stderr(Stdio::piped()).spawn()?;
+    let last_words = LastWords::of(&mut child);
+    let mut echo = job.echo.map(Echo::of);
+    // before the run has begun, the files are an earlier one's
+    let mut tell = || match &mut echo {
+        Some(echo) if recording.note(Note::Running as usize) == 1 => echo.tell(),
+        _ => {}
+    };
+    let ended = watch(&mut child, &recording, need, job.time_limit, &mut tell);
+    tell();
+    if ended.is_err() {
+        // nothing watches it any more
+        let _ = child.kill();
+    }
+    let last_words = last_words.heard();
+    let ended = ended?;
+    let is_out_of_time = matches!(ended, Watched::OutOfTime(_));
+    let cause = match ended {
+        Watched::Ended(status) => cause_of(status, &recording),
+        Watched::Killed(limit) | Watched::OutOfTime(limit) => Cause::TimeLimit(limit),
+    };
+    if let Some(code) = recording.done() {
+        if let Some(words) = behind_the_end(cause, code, &recording) {
+            let _ = writeln!(io::stderr(), "{words}");
+        }
+        return Ok(End::Done(code));
+    }
+    let report = Report::new(cause, &recording, need, &last_words);
+    let note = |note: Note| recording.note(note as usize);
+    Ok(End::Failed(Box::new(Failure {
+        replay: report.call.as_ref().and_then(|call| replay::of(call, need)),
+        report,
+        has_rows: note(Note::Running) == 1,
+        calls_of_check: note(Note::Calls),
+        is_out_of_time,
+        statistics: Statistics {
+            increments: note(Note::Increments),
+            iterations: note(Note::Iterations),
+            plugin_calls: recording.calls(),
+            cutbacks: note(Note::Cutbacks),
+        },
+    })))
+}
+
+/// What this process read from pipes, each in a file that a child can open while it lives.
+fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
+    let handed_on = input::streams().into_iter().map(|(stream, content)| {
+        let (mut file, path) = system::shared_file()?;
+        file.write_all(&content)?;
+        Ok((stream, file, path))
+    });
+    handed_on.collect()
+}
+
+fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'a PathBuf; 2]>) -> Command {
+    let mut command = Command::new(system::program());
+    command.arg0("pullout").stdout(prints::for_child());
+    if std::env::var_os(UNBUFFERED).is_none() {
+        command.env(UNBUFFERED, "y");
+    }
+    // a runtime error tells the routine as well
+    command.env("GFORTRAN_ERROR_BACKTRACE", "y");
+    command.arg(COMMAND).args(["--supervisor", &std::process::id().to_string()]);
+    command.arg("--recorder").arg(recorder);
+    streams.for_each(|stream| {
+        command.arg("--stream").args(stream);
+    });
+    command.arg("--").args(job.command);
+    command
+}
+
+/// What came of watching.
+enum Watched {
+    /// It ended.
+    Ended(ExitStatus),
+    /// It was ended because one call took longer than this, s.
+    Killed(f64),
+    /// It was ended because all of it took longer than this, s.
+    OutOfTime(f64),
+}
+
+fn watch(
+    child: &mut Child,
+    recording: &Recording,
+    need: &Need,
+    time_limit: Option<Duration>,
+    look: &mut dyn FnMut(),
+) -> io::Result<Watched> {
+    let mut heartbeat = Heartbeat::default();
+    let (start, mut last) = (Instant::now(), Instant::now());
+    let mut passed_on = false;
+    loop {
+        if let Some(status) = child.wait_timeout(POLL)? {
+            return Ok(Watched::Ended(status));
+        }
+        look();
+        if let Some(interrupt) = signals::received()
+            && !passed_on
+        {
+            passed_on = true;
+            interrupt.pass_on_to(child);
+        }
+        // Where this process was stopped (Ctrl-Z), so was the worker.
+        let passed = last.elapsed().min(2 * POLL);
+        last = Instant::now();
+        if let Some(limit) = heartbeat.overdue(recording, need, passed) {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Watched::Killed(limit));
+        }
+        if let Some(limit) = time_limit.filter(|limit| start.elapsed() > *limit) {
+            child.kill()?;
+            child.wait()?;
+            return Ok(Watched::OutOfTime(limit.as_secs_f64()));
+        }
+    }
+}
+
+/// For how long each pending call has been pending.
+#[derive(Default)]
+struct Heartbeat {
+    pending: Vec<(Beat, Duration)>,
+    /// Since the done-mark: exit handlers of a library are a call as well.
+    leaving: Duration,
+}
+
+impl Heartbeat {
+    /// The limit that is passed, s; `passed`: since the last look.
+    fn overdue(&mut self, recording: &Recording, need: &Need, passed: Duration) -> Option<f64> {
+        if recording.done().is_some() {
+            self.leaving += passed;
+            let is_overdue = |limit: &f64| self.leaving.as_secs_f64() > *limit || signals::received().is_some();
+            return Some(need.longest_time()).filter(is_overdue);
+        }
+        let before = |beat: Beat| self.pending.iter().find(|(other, _)| *other == beat).map(|(_, time)| *time + passed);
+        let pending: Vec<_> = recording.pending().map(|beat| (beat, before(beat).unwrap_or_default())).collect();
+        self.pending = pending;
+        self.pending.iter().find_map(|(beat, time)| {
+            // what a call is of is read only when it lasts
+            let least = need.libraries.values().copied().fold(f64::INFINITY, f64::min);
+            if time.as_secs_f64() <= least {
+                return None;
+            }
+            let limit = match recording.call(*beat) {
+                Some(call) => need.time_limit(&call.library),
+                None => need.longest_time(),
+            };
+            (time.as_secs_f64() > limit).then_some(limit)
+        })
+    }
+}
+
+fn cause_of(status: ExitStatus, recording: &Recording) -> Cause {
+    match status.signal() {
+        _ if recording.note(Note::ClosedOutput as usize) == 1 => Cause::ClosedOutput,
+        Some(signal) => Cause::Signal(signal),
+        None => Cause::Exit(status.code().unwrap_or_default()),
+    }
+}

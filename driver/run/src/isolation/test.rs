@@ -1,0 +1,111 @@
+use super::need::{Need, need};
+use super::{replay, trust};
+use end_to_end_tests::{SHIPPED_LAWS, plugin};
+use serde_json::{Value, json};
+use std::path::{Path, PathBuf};
+use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
+use umat_abi::metadata::PLUGIN_SYMBOL;
+
+/// What a case with these materials needs: a point's, or a specimen's parts and contact. `foreign.so` is a library that
+/// only mentions our metadata, `linear_elastic` a plugin of ours.
+fn need_of(case: &Value) -> Option<Need> {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("foreign.so"), PLUGIN_SYMBOL).expect("a file");
+    let file = folder.path().join("case.json");
+    let found = need(case, &file, &[end_to_end_tests::plugin_folder()]);
+    found.map(|need| {
+        let name = |path: PathBuf| path.file_stem().map(PathBuf::from).unwrap_or_default();
+        Need { libraries: need.libraries.into_iter().map(|(path, limit)| (name(path), limit)).collect(), ..need }
+    })
+}
+
+fn point(material: Value) -> Option<Need> {
+    need_of(&json!({ "kind": "point", "material": material }))
+}
+
+#[test]
+fn only_what_was_built_with_the_program_runs_in_it_unasked() {
+    for law in SHIPPED_LAWS.into_iter().chain(["pullout_laws"]) {
+        assert!(trust::is_shipped(&plugin(law)), "{law}");
+    }
+    // with metadata, but of another build
+    assert!(!trust::is_shipped(&plugin("sound_damage")));
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = folder.path().join("libcopy.so");
+    std::fs::copy(plugin("linear_elastic"), &copy).expect("a copy");
+    assert!(trust::is_shipped(&copy));
+    let mut content = std::fs::read(&copy).expect("a file");
+    *content.last_mut().expect("bytes") ^= 1;
+    std::fs::write(&copy, content).expect("a file");
+    assert!(!trust::is_shipped(&copy), "it is not the same any more");
+    assert!(!trust::may_run_here(&copy));
+}
+
+#[test]
+fn other_libraries_are_isolated() {
+    let foreign = |need: Option<Need>| need.expect("isolated");
+    let need = foreign(point(json!({ "plugin": "./foreign.so" })));
+    assert_eq!((need.libraries[Path::new("foreign")], need.is_against_a_wish), (60.0, false));
+    assert!(foreign(point(json!({ "plugin": "./foreign.so", "isolate": false }))).is_against_a_wish);
+    for sound in [json!({}), json!({ "isolate": false }), json!({ "call_time_limit_s": 5 })] {
+        let mut material = sound;
+        material["plugin"] = json!("linear_elastic");
+        assert_eq!(point(material.clone()), None);
+        material["symbol"] = json!("linear_elastic_umat_");
+        assert!(point(material.clone()).is_some(), "a symbol of the case's choice");
+        material["symbol"] = json!(null);
+        material["isolate"] = json!(true);
+        assert!(!foreign(point(material)).is_against_a_wish);
+    }
+    let own = json!({ "plugin": "linear_elastic", "isolate": true, "call_time_limit_s": 5 });
+    assert_eq!(foreign(point(own)).libraries[Path::new("liblinear_elastic")], 5.0);
+}
+
+#[test]
+fn one_law_of_a_specimen_isolates_all() {
+    let own = json!({ "plugin": "linear_elastic", "call_time_limit_s": 10 });
+    let foreign = |limit: f64| json!({ "plugin": "./foreign.so", "call_time_limit_s": limit });
+    let case = |fibre: &Value, matrix: &Value, contact: Value| {
+        let parts = json!({ "fibre": { "material": fibre }, "matrix": { "material": matrix } });
+        need_of(&json!({ "kind": "pullout", "parts": parts, "contact": contact }))
+    };
+    assert_eq!(case(&own, &own, json!({ "law": own })), None);
+    let need = case(&own, &foreign(2.0), json!({ "law": own })).expect("isolated");
+    assert!(need.specimen);
+    assert_eq!((need.libraries.len(), need.longest_time()), (2, 10.0));
+    assert!(case(&own, &own, json!({ "law": foreign(2.0) })).is_some());
+    // of two limits for one library the longer one
+    let need = case(&own, &own, json!([{ "law": foreign(20.0) }, { "law": foreign(30.0) }])).expect("isolated");
+    assert_eq!(need.longest_time(), 30.0);
+}
+
+#[test]
+fn what_cannot_be_read_is_not_isolated() {
+    for case in [json!([]), json!({}), json!({ "material": 3 }), json!({ "material": { "plugin": 3 } })] {
+        assert_eq!(need_of(&case), None, "{case}");
+    }
+    assert_eq!(point(json!({ "plugin": "./nowhere.so" })), None);
+    assert_eq!(point(json!({ "plugin": "nowhere" })), None);
+}
+
+#[test]
+fn a_replay_has_numbers_only() {
+    let call = |state: f64| CallRecord {
+        name: "foreign".into(),
+        library: "/somewhere/libforeign.so".into(),
+        symbol: None,
+        cmname: "FOREIGN".into(),
+        wants_tangent: true,
+        arguments: Arguments::Umat(UmatRecord {
+            stran: vec![0.0, 1e-3, 0.0, 0.0],
+            statev: vec![1.0, state],
+            ..UmatRecord::default()
+        }),
+    };
+    let replay = replay::of(&call(2.0), &Need::default()).expect("a case");
+    assert_eq!((&replay["mode"], &replay["initial"]["statev"]), (&json!("plane_strain"), &json!([1.0, 2.0])));
+    assert_eq!((&replay["material"]["nstatv"], replay["material"].get("isolate")), (&json!(2), None));
+    for state in [f64::NAN, f64::INFINITY] {
+        assert_eq!(replay::of(&call(state), &Need::default()), None);
+    }
+}

@@ -1,0 +1,479 @@
+//! A contact point along a path of slip and gap or pressure.
+//!
+//! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
+
+use super::subdivision::{Divisible, Trouble, take_increment};
+use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
+use crate::arguments::ContactArguments;
+use crate::number::exact;
+use crate::program::lerp;
+use crate::program::{
+    FieldValues, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program,
+};
+use umat_abi::host::{Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall};
+
+/// Index of the normal value in \[slip, slip2, normal\].
+const NORMAL: usize = 2;
+
+/// Runs an interface program.
+pub(super) fn run(
+    program: &Program,
+    interface: &InterfaceProgram,
+    databases: &mut ExternalDatabases,
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<(), Stop> {
+    let mut runner = match Runner::new(program, interface, databases) {
+        Ok(runner) => runner,
+        Err(message) => return Err(Stop::unusable(message)),
+    };
+    let mut recorder = Recorder::new(program, observer);
+    recorder.initial(|values| runner.fill(values))?;
+    for (index, step) in interface.steps.iter().enumerate() {
+        let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
+        if runner.step(step, number, program, &mut recorder, statistics)? == Next::EndRun {
+            break;
+        }
+    }
+    Ok(())
+}
+
+/// The entry point in use.
+enum Call {
+    Uinter(Box<UinterCall>),
+    Fric(Box<FricCall>),
+}
+
+/// The state of the point between increments.
+#[derive(Clone, Debug)]
+pub struct Committed {
+    /// \[slip, slip2\], mm.
+    pub slip: [f64; 2],
+    /// gap > 0 open, mm; NaN with FRIC.
+    pub gap: f64,
+    /// Shear tractions, MPa.
+    pub shear: [f64; 2],
+    /// Pressure, MPa.
+    pub pressure: f64,
+    /// Accumulated DSLIP (FRIC).
+    pub inelastic_slip: [f64; 2],
+    /// STATEV.
+    pub statev: Vec<f64>,
+    /// SED, SFD, SPD, SVD, SCD.
+    pub energies: [f64; 5],
+    /// LOPENCLOSE, LSTATE (UINTER); LM of the next call (FRIC).
+    pub flags: [i32; 2],
+    /// Step time, s.
+    pub step_time: f64,
+    /// Total time, s.
+    pub total_time: f64,
+    /// Temperature and field variables.
+    pub fields: FieldValues,
+}
+
+/// Where the current increment leads: \[slip, slip2, normal\] at its ends.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Goal {
+    pub(super) normal: NormalControl,
+    start: [f64; 3],
+    pub(super) end: [f64; 3],
+    /// Step time at the start and at the end of the increment.
+    pub(super) step_time: (f64, f64),
+    /// Total time at the start of the step.
+    pub(super) time_of_step: f64,
+}
+
+struct Runner<'p> {
+    call: Call,
+    databases: &'p mut ExternalDatabases,
+    /// What UEXTERNALDB is told of the present attempt.
+    clock: Clock,
+    directions: usize,
+    arguments: &'p ContactArguments,
+    plugin_name: &'p str,
+    derived: &'p [Derived],
+    max_iterations: u32,
+    committed: Committed,
+    trial: Committed,
+    goal: Goal,
+    /// Temperature and field variables at the start and at the end of the current increment.
+    fields: [FieldValues; 2],
+    /// ∂p/∂penetration of the last evaluation.
+    normal_stiffness: f64,
+    /// Nothing has been attempted yet.
+    is_first_attempt: bool,
+}
+
+impl<'p> Runner<'p> {
+    fn new(
+        program: &'p Program,
+        interface: &'p InterfaceProgram,
+        databases: &'p mut ExternalDatabases,
+    ) -> Result<Self, String> {
+        let plugin = &program.plugin;
+        let directions = interface.tangential_directions;
+        let arguments = &interface.arguments;
+        let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), &plugin.cmname);
+        let call = match interface.entry {
+            InterfaceEntry::Uinter => {
+                UinterCall::new(library, symbol, name, directions + 1, plugin.nstatv, &plugin.props).map(|mut call| {
+                    call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                    arguments.set_uinter(&mut call);
+                    call.fence();
+                    Call::Uinter(Box::new(call))
+                })
+            }
+            InterfaceEntry::Fric => {
+                FricCall::new(library, symbol, name, directions, plugin.nstatv, &plugin.props).map(|mut call| {
+                    call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                    arguments.set_fric(&mut call);
+                    call.fence();
+                    Call::Fric(Box::new(call))
+                })
+            }
+        }
+        .map_err(|error| error.to_string())?;
+        let [slip, slip2, gap] = interface.initial_displacement;
+        let [pressure, shear, shear2] = arguments.traction.unwrap_or_default();
+        let committed = Committed {
+            slip: [slip, slip2],
+            gap: if interface.entry == InterfaceEntry::Fric { f64::NAN } else { gap },
+            shear: [shear, shear2],
+            pressure,
+            inelastic_slip: arguments.slip,
+            statev: interface.initial_statev.clone(),
+            energies: if interface.entry == InterfaceEntry::Fric {
+                let [stored, dissipated, ..] = arguments.energies;
+                [stored, dissipated, f64::NAN, f64::NAN, f64::NAN]
+            } else {
+                arguments.energies
+            },
+            flags: if interface.entry == InterfaceEntry::Fric {
+                [arguments.lm.unwrap_or(FricCall::STICKING), 0]
+            } else {
+                arguments.flags.unwrap_or([-1; 2])
+            },
+            step_time: 0.0,
+            total_time: interface.initial_time,
+            fields: interface.initial_fields.clone(),
+        };
+        let mut runner = Self {
+            call,
+            databases,
+            clock: Clock::default(),
+            directions,
+            arguments,
+            plugin_name: &plugin.name,
+            derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
+            max_iterations: program.controls.max_iterations,
+            trial: committed.clone(),
+            committed,
+            goal: Goal {
+                normal: NormalControl::Gap,
+                start: [0.0; 3],
+                end: [0.0; 3],
+                step_time: (0.0, 0.0),
+                time_of_step: interface.initial_time,
+            },
+            fields: [interface.initial_fields.clone(), interface.initial_fields.clone()],
+            normal_stiffness: 0.0,
+            is_first_attempt: true,
+        };
+        runner.set_fields(1.0, 1.0);
+        runner.find_initial_traction()?;
+        Ok(runner)
+    }
+
+    /// Tells the plugin temperature and field variables at two fractions of the increment.
+    fn set_fields(&mut self, from: f64, to: f64) {
+        let [start, end] = &self.fields;
+        let trial = &mut self.trial.fields;
+        trial.set_between(start, end, from);
+        let fields: &mut SurfaceFields = match &mut self.call {
+            Call::Uinter(call) => &mut call.fields,
+            Call::Fric(call) => &mut call.fields,
+        };
+        let before = trial.clone();
+        trial.set_between(start, end, to);
+        fields.set([before.temperature, trial.temperature], [&before.variables, &trial.variables]);
+    }
+
+    fn surface_fields(&mut self) -> &mut SurfaceFields {
+        match &mut self.call {
+            Call::Uinter(call) => &mut call.fields,
+            Call::Fric(call) => &mut call.fields,
+        }
+    }
+
+    /// A soft contact carries pressure at gap 0: the history's first line shows the traction at the initial place.
+    fn find_initial_traction(&mut self) -> Result<(), String> {
+        if matches!(self.call, Call::Uinter(_)) && self.arguments.traction.is_none() {
+            let place = [self.committed.slip[0], self.committed.slip[1], -self.committed.gap];
+            self.evaluate(place, MOMENT, false, &mut Statistics::default()).map_err(|trouble| match trouble {
+                Trouble::CutBack { reason, .. } => reason,
+                Trouble::Fatal(message) => message,
+            })?;
+            self.committed.shear = self.trial.shear;
+            self.committed.pressure = self.trial.pressure;
+        }
+        Ok(())
+    }
+
+    fn step(
+        &mut self,
+        step: &InterfaceStep,
+        number: u32,
+        program: &Program,
+        recorder: &mut Recorder<'_>,
+        statistics: &mut Statistics,
+    ) -> Result<Next, Stop> {
+        self.committed.step_time = 0.0;
+        self.goal.time_of_step = self.committed.total_time;
+        let normal_now = match step.normal {
+            NormalControl::Gap => self.committed.gap,
+            NormalControl::Pressure => self.committed.pressure,
+        };
+        let start = [self.committed.slip[0], self.committed.slip[1], normal_now];
+        let count = match &step.drive {
+            InterfaceDrive::Ramp { increments, .. } => *increments,
+            InterfaceDrive::Table { rows, .. } => rows.len(),
+        };
+        let fields = self.committed.fields.clone();
+        for index in 0..count {
+            let increment = u32::try_from(index + 1).unwrap_or(u32::MAX);
+            self.set_counters(number, increment);
+            self.set_goal(step, start, index, count);
+            step.fields.set_increment(&fields, &self.committed.fields, [index, count], &mut self.fields);
+            let place = Place { step: number, increment, last: index + 1 == count };
+            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
+            if next != Next::GoOn {
+                return Ok(next);
+            }
+        }
+        Ok(Next::GoOn)
+    }
+
+    fn set_counters(&mut self, step: u32, increment: u32) {
+        let counters = self.arguments.counters(step, increment);
+        [self.clock.step, self.clock.increment, _] = counters;
+        match &mut self.call {
+            Call::Uinter(call) => call.counters = counters,
+            Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
+        }
+    }
+
+    fn set_goal(&mut self, step: &InterfaceStep, start: [f64; 3], index: usize, count: usize) {
+        let goal = &mut self.goal;
+        goal.normal = step.normal;
+        match &step.drive {
+            InterfaceDrive::Ramp { time, end, .. } => {
+                let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
+                goal.step_time = (time * fraction(index), time * fraction(index + 1));
+                for i in 0..3 {
+                    let last = end[i].unwrap_or(start[i]);
+                    goal.start[i] = lerp(start[i], last, fraction(index));
+                    goal.end[i] = lerp(start[i], last, fraction(index + 1));
+                }
+            }
+            InterfaceDrive::Table { time_increments, rows } => {
+                goal.step_time = (self.committed.step_time, self.committed.step_time + time_increments[index]);
+                for i in 0..3 {
+                    goal.start[i] = if index == 0 { start[i] } else { rows[index - 1][i].unwrap_or(start[i]) };
+                    goal.end[i] = rows[index][i].unwrap_or(start[i]);
+                }
+            }
+        }
+    }
+
+    /// One call from the committed state; `place` is \[slip, slip2, penetration\] (UINTER) or \[slip, slip2,
+    /// pressure\] (FRIC) at the end. `is_first`: the case may tell the increments, as sums and differences round.
+    fn evaluate(
+        &mut self,
+        place: [f64; 3],
+        time_increment: f64,
+        is_first: bool,
+        statistics: &mut Statistics,
+    ) -> Result<(), Trouble> {
+        statistics.plugin_calls += 1;
+        let of_path = ContactArguments::default();
+        let given = if is_first { self.arguments } else { &of_path };
+        let committed = &self.committed;
+        let trial = &mut self.trial;
+        trial.slip = [place[0], place[1]];
+        let (outcome, not_finite) = match &mut self.call {
+            Call::Uinter(call) => {
+                let displacement = [place[NORMAL], place[0], place[1]];
+                let before = [-committed.gap, committed.slip[0], committed.slip[1]];
+                call.rdisp = displacement;
+                call.drdisp = given.drdisp.unwrap_or_else(|| std::array::from_fn(|i| displacement[i] - before[i]));
+                let tractions = [committed.pressure, committed.shear[0], committed.shear[1]];
+                call.traction_mut().copy_from_slice(&tractions[..=self.directions]);
+                call.statev_mut().copy_from_slice(&committed.statev);
+                call.energies = committed.energies;
+                call.flags = committed.flags;
+                call.dtime = given.dtime.unwrap_or(time_increment);
+                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
+                let outcome = call.call();
+                trial.gap = -place[NORMAL];
+                trial.pressure = call.traction()[0];
+                trial.shear[..self.directions].copy_from_slice(&call.traction()[1..]);
+                trial.statev.copy_from_slice(call.statev());
+                trial.energies = call.energies;
+                trial.flags = call.flags;
+                self.normal_stiffness = call.tangent(0, 0);
+                (outcome, call.not_finite())
+            }
+            Call::Fric(call) => {
+                call.lm = committed.flags[0];
+                call.dgam = [place[0] - committed.slip[0], place[1] - committed.slip[1]];
+                call.slip = committed.inelastic_slip;
+                call.pressure = [place[NORMAL], given.dpress.unwrap_or(place[NORMAL] - committed.pressure)];
+                call.traction_mut().copy_from_slice(&committed.shear[..self.directions]);
+                call.statev_mut().copy_from_slice(&committed.statev);
+                call.energies = [committed.energies[0], committed.energies[1]];
+                call.dtime = given.dtime.unwrap_or(time_increment);
+                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
+                let outcome = call.call();
+                trial.pressure = place[NORMAL];
+                trial.shear = [0.0; 2];
+                match call.answer() {
+                    Ok(FricAnswer::Tractions) => trial.shear[..self.directions].copy_from_slice(call.traction()),
+                    Ok(FricAnswer::Sticks) => {
+                        return Err(Trouble::Fatal(
+                            "it returned LM = 1 (the host enforces stick): under a prescribed slip the \
+                             traction is then undefined"
+                                .into(),
+                        ));
+                    }
+                    Ok(FricAnswer::NoShear) => {}
+                    Err(message) => return Err(Trouble::Fatal(message)),
+                }
+                trial.statev.copy_from_slice(call.statev());
+                trial.inelastic_slip = std::array::from_fn(|i| committed.inelastic_slip[i] + call.dslip[i]);
+                trial.energies[..2].copy_from_slice(&call.energies);
+                // without pressure nothing touches
+                trial.flags = [if place[NORMAL] > 0.0 { call.next_lm() } else { FricCall::OPEN }, 0];
+                (outcome, call.not_finite())
+            }
+        };
+        Trouble::of_call(outcome, not_finite, self.plugin_name)
+    }
+
+    /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places
+    /// enclose the pressure.
+    fn find_pressure(
+        &mut self,
+        slip: [f64; 2],
+        pressure: f64,
+        dtime: f64,
+        is_first: bool,
+        statistics: &mut Statistics,
+    ) -> Result<u32, Trouble> {
+        let tolerance = STRESS_TOLERANCE * pressure.abs().max(1.0);
+        let mut penetration = -self.committed.gap;
+        let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);
+        for iteration in 1..=self.max_iterations {
+            self.evaluate([slip[0], slip[1], penetration], dtime, is_first && iteration == 1, statistics)?;
+            let residual = self.trial.pressure - pressure;
+            if residual.abs() <= tolerance {
+                return Ok(iteration);
+            }
+            if residual < 0.0 {
+                below = below.max(penetration)
+            } else {
+                above = above.min(penetration)
+            }
+            let newton = penetration - residual / self.normal_stiffness;
+            penetration = if newton.is_finite() && newton > below && newton < above {
+                newton
+            } else if below.is_finite() && above.is_finite() {
+                0.5 * (below + above)
+            } else {
+                break;
+            };
+        }
+        Err(Trouble::CutBack {
+            fraction: 0.5,
+            reason: format!(
+                "no gap found for p = {} MPa (reached {} MPa): the normal law does not carry it; control gap \
+                 instead",
+                exact(pressure),
+                exact(self.committed.pressure)
+            ),
+        })
+    }
+}
+
+impl Divisible for Runner<'_> {
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        let goal = self.goal;
+        let place: [f64; 3] = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));
+        let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
+        let time_increment = at(to) - at(from);
+        self.trial.step_time = at(to);
+        self.trial.total_time = goal.time_of_step + at(to);
+        self.set_fields(from, to);
+        let is_first = std::mem::take(&mut self.is_first_attempt);
+        if is_first {
+            let ContactArguments { dtemp, dpred, .. } = self.arguments;
+            self.surface_fields().set_increments(*dtemp, dpred.as_deref());
+        }
+        let start = [self.committed.step_time, self.committed.total_time];
+        self.clock = Clock { time: start, time_increment, ..self.clock };
+        self.databases.increment_starts(self.clock);
+        let iterations = match (goal.normal, &self.call) {
+            (NormalControl::Pressure, Call::Uinter(_)) => {
+                self.find_pressure([place[0], place[1]], place[NORMAL], time_increment, is_first, statistics)?
+            }
+            (NormalControl::Gap, Call::Uinter(_)) => {
+                self.evaluate([place[0], place[1], -place[NORMAL]], time_increment, is_first, statistics)?;
+                1
+            }
+            (_, Call::Fric(_)) => {
+                self.evaluate(place, time_increment, is_first, statistics)?;
+                1
+            }
+        };
+        statistics.iterations += u64::from(iterations);
+        Ok(iterations)
+    }
+
+    fn commit(&mut self, observer: &mut dyn Observer) {
+        observer.accepted(match &self.call {
+            Call::Uinter(call) => Accepted::Uinter(&self.committed, call),
+            Call::Fric(call) => Accepted::Fric(&self.committed, call),
+        });
+        self.committed.clone_from(&self.trial);
+        let end = [self.committed.step_time, self.committed.total_time];
+        self.databases.increment_ends(Clock { time: end, ..self.clock });
+    }
+
+    fn fill(&self, values: &mut [f64]) {
+        let state = &self.committed;
+        let n = self.directions;
+        values[0] = state.total_time;
+        values[1..=n].copy_from_slice(&state.slip[..n]);
+        values[n + 1] = state.gap;
+        values[n + 2..2 * n + 2].copy_from_slice(&state.shear[..n]);
+        values[2 * n + 2] = state.pressure;
+        let start = 2 * n + 3;
+        let end = start + state.statev.len();
+        values[start..end].copy_from_slice(&state.statev);
+        for (value, derived) in values[end..].iter_mut().zip(self.derived) {
+            *value = derived.value(&state.statev);
+        }
+        let energies = end + self.derived.len();
+        values[energies..energies + 5].copy_from_slice(&state.energies);
+    }
+
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
+        let Clock { step, increment, .. } = self.clock;
+        let mut goal = self.goal;
+        goal.end = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));
+        goal.step_time.1 = lerp(goal.step_time.0, goal.step_time.1, to);
+        let [start, end] = &self.fields;
+        let mut fields_at_end = end.clone();
+        fields_at_end.set_between(start, end, to);
+        replay::interface(program, &self.committed, &goal, &fields_at_end, [step, increment, 1])
+    }
+}

@@ -1,0 +1,245 @@
+//! Driving a point along a path: [`crate::program`] says where to, [`run`] goes there and tells an
+//! [`Observer`] about each increment.
+
+mod finite;
+mod interface;
+mod newton;
+mod point;
+pub mod replay;
+mod subdivision;
+#[cfg(test)]
+mod test;
+
+use crate::program::{Kind, Program, Until};
+use fe_core::assembly::GREATEST_COUNT;
+pub use interface::Committed as ContactPoint;
+pub use point::Committed as MaterialPoint;
+use serde::{Deserialize, Serialize};
+use std::io;
+use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
+
+/// One finished increment (or the initial state), as a line of `history.csv`.
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'a> {
+    /// Step, from 1; 0 for the initial state.
+    pub step: u32,
+    /// Increment within the step, from 1; 0 for the initial state.
+    pub increment: u32,
+    /// The columns between `increment` and `iterations`, in the order of [`Program::columns`].
+    pub values: &'a [f64],
+    /// Newton iterations (1 for an increment controlled by strain alone).
+    pub iterations: u32,
+}
+
+/// Who wants to know.
+pub trait Observer {
+    /// A row to be written: the initial state, every n-th increment, the last of each step.
+    ///
+    /// # Errors
+    /// Whatever prevented it from being written; the run stops.
+    fn row(&mut self, row: Row<'_>) -> io::Result<()>;
+
+    /// An increment is done, whether its row is written or not; the run has cost so much by now.
+    fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
+
+    /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
+    fn accepted(&mut self, _increment: Accepted<'_>) {}
+
+    /// Whether the run shall end with the present increment.
+    fn ends_here(&self) -> bool {
+        false
+    }
+
+    /// Something that the user should know although nothing is wrong.
+    fn warn(&mut self, _message: String) {}
+
+    /// What it needs to go on in another process, with a run that is resumed from here.
+    fn state(&self) -> Vec<u8> {
+        Vec::new()
+    }
+}
+
+/// An increment that a plugin has answered: the point before it, and the last call with its arguments and its answer.
+#[derive(Clone, Copy, Debug)]
+pub enum Accepted<'a> {
+    /// Of a material point.
+    Umat(&'a MaterialPoint, &'a UmatCall),
+    /// Of a contact point.
+    Uinter(&'a ContactPoint, &'a UinterCall),
+    /// Of a contact point under a prescribed pressure.
+    Fric(&'a ContactPoint, &'a FricCall),
+}
+
+/// What a run cost.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Increments finished (sub-increments not counted).
+    pub increments: u64,
+    /// Newton iterations, all attempts together.
+    pub iterations: u64,
+    /// Calls of the plugin.
+    pub plugin_calls: u64,
+    /// Attempts given up for a smaller increment.
+    pub cutbacks: u64,
+}
+
+impl Statistics {
+    /// Whether a run can count on from there.
+    pub fn counts_on(&self) -> bool {
+        let Self { increments, iterations, plugin_calls, cutbacks } = *self;
+        [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < GREATEST_COUNT)
+    }
+}
+
+/// Why a run ended early.
+#[derive(Debug)]
+pub enum Stop {
+    /// The point could not be advanced.
+    Failed(Failure),
+    /// A result could not be written.
+    Write(io::Error),
+}
+
+/// A point that could not be advanced.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Failure {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1.
+    pub increment: u32,
+    /// What happened and what to do.
+    pub message: String,
+    /// A case that repeats the failed increment from the state before it.
+    pub replay: serde_json::Value,
+}
+
+impl Stop {
+    /// Nothing could be run at all.
+    fn unusable(message: String) -> Self {
+        Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
+    }
+}
+
+impl From<io::Error> for Stop {
+    fn from(error: io::Error) -> Self {
+        Self::Write(error)
+    }
+}
+
+/// Runs a program to its end, to an `until`, or to a failure. Rows that were observed stay valid.
+///
+/// # Errors
+/// [`Stop`]; the statistics tell how far it came.
+pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Result<(), Stop>) {
+    let mut databases = ExternalDatabases::begin([&program.plugin.library]);
+    run_within(program, &mut databases, observer)
+}
+
+/// As [`run`], within an analysis that goes on afterwards.
+pub fn run_within(
+    program: &Program,
+    databases: &mut ExternalDatabases,
+    observer: &mut dyn Observer,
+) -> (Statistics, Result<(), Stop>) {
+    let mut statistics = Statistics::default();
+    let result = match &program.kind {
+        Kind::Point(point) => point::run(program, point, databases, observer, &mut statistics),
+        Kind::Interface(interface) => interface::run(program, interface, databases, observer, &mut statistics),
+    };
+    (statistics, result)
+}
+
+/// Number of increments that a program makes at most.
+pub fn increments(program: &Program) -> u64 {
+    use crate::program::{InterfaceDrive, PointDrive};
+    let count = |n: usize| n as u64;
+    match &program.kind {
+        Kind::Point(point) => point
+            .steps
+            .iter()
+            .map(|step| match &step.drive {
+                PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
+                    count(*increments)
+                }
+                PointDrive::Table { rows, .. } => count(rows.len()),
+            })
+            .sum(),
+        Kind::Interface(interface) => interface
+            .steps
+            .iter()
+            .map(|step| match &step.drive {
+                InterfaceDrive::Ramp { increments, .. } => count(*increments),
+                InterfaceDrive::Table { rows, .. } => count(rows.len()),
+            })
+            .sum(),
+    }
+}
+
+/// Which rows are written, and when a step or the run ends early.
+struct Recorder<'a> {
+    observer: &'a mut dyn Observer,
+    every: usize,
+    until: Option<&'a Until>,
+    values: Vec<f64>,
+}
+
+/// What to do after an increment.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Next {
+    GoOn,
+    EndStep,
+    EndRun,
+}
+
+/// Columns before the values of a [`Row`]: step and increment.
+const LEADING_COLUMNS: usize = 2;
+
+impl<'a> Recorder<'a> {
+    fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
+        // step, increment and iterations are no values
+        let length = program.columns().len() - LEADING_COLUMNS - 1;
+        Self { observer, every: program.output.every.max(1), until: program.until.as_ref(), values: vec![0.0; length] }
+    }
+
+    fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {
+        fill(&mut self.values);
+        self.observer.row(Row { step: 0, increment: 0, values: &self.values, iterations: 0 })
+    }
+
+    /// Writes the row if it is due or the last of the step or run.
+    fn increment(
+        &mut self,
+        place: Place,
+        iterations: u32,
+        so_far: Statistics,
+        step_until: Option<&Until>,
+        fill: impl FnOnce(&mut [f64]),
+    ) -> io::Result<Next> {
+        fill(&mut self.values);
+        let place_values = [f64::from(place.step), f64::from(place.increment)];
+        let reached = |until: Option<&Until>| until.is_some_and(|u| u.reached(&place_values, &self.values, iterations));
+        let next = if self.observer.ends_here() || reached(self.until) {
+            Next::EndRun
+        } else if reached(step_until) {
+            Next::EndStep
+        } else {
+            Next::GoOn
+        };
+        let Place { step, increment, last } = place;
+        let row = Row { step, increment, values: &self.values, iterations };
+        if next != Next::GoOn || last || (increment as usize).is_multiple_of(self.every) {
+            self.observer.row(row)?;
+        }
+        self.observer.increment_done(row, so_far);
+        Ok(next)
+    }
+}
+
+/// Where in the program an increment is.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    step: u32,
+    increment: u32,
+    /// It is the step's last one.
+    last: bool,
+}

@@ -1,0 +1,277 @@
+//! Mixed control: strains are found for which the controlled stresses and the linear relations hold.
+//!
+//! Newton on the plugin's tangent, with a backtracking line search. When the tangent predicts the
+//! change of the residual badly, the iteration goes on with Broyden's secant update of the last
+//! matrix that served; a singular or unusable matrix is replaced by one from finite differences.
+
+use crate::program::{Constraint, Control};
+use nalgebra::{SMatrix, SVector};
+
+/// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
+pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
+/// The same for relations that hold strains alone, relative to max(1e-6, largest strain).
+const STRAIN_TOLERANCE: f64 = 1e-10;
+/// A step of the line search is accepted if the residual falls by this fraction of the step length.
+const SUFFICIENT_DECREASE: f64 = 1e-3;
+/// Halvings in the line search.
+const LINE_SEARCH_STEPS: u32 = 6;
+/// A full step should at least halve the residual, else the tangent is called poor.
+const POOR_REDUCTION: f64 = 0.5;
+/// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
+const DIFFERENCE_STEP: f64 = 1e-6;
+
+type Matrix = SMatrix<f64, 6, 6>;
+type Vector = SVector<f64, 6>;
+
+/// Stress and tangent at a strain increment, as the plugin returned them.
+pub(super) struct Evaluation {
+    /// Stress, six components.
+    pub(super) stress: [f64; 6],
+    /// ∂σ_i/∂ε_j.
+    pub(super) tangent: [[f64; 6]; 6],
+}
+
+/// What the increment must satisfy at its end.
+#[derive(Clone, Debug)]
+pub(super) struct Targets<'a> {
+    /// Components that exist.
+    pub(super) components: &'a [usize],
+    /// What determines each component; `Strain` and `Stress` hold the values at the end.
+    pub(super) controls: [Control; 6],
+    /// The relations, with their right sides at the end.
+    pub(super) constraints: &'a [Constraint],
+    /// Total strain at the start.
+    pub(super) strain: [f64; 6],
+}
+
+/// The increment's strains were not found.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Divergence<E> {
+    /// The plugin failed.
+    Evaluation(E),
+    /// No convergence; the residual of each component that is not controlled by strain.
+    NotConverged {
+        /// Target minus stress (or relation), by component.
+        residual: [f64; 6],
+    },
+}
+
+impl Targets<'_> {
+    /// True if every component is given by its strain.
+    pub(super) fn strain_only(&self) -> bool {
+        self.components.iter().all(|&i| matches!(self.controls[i], Control::Strain(_)))
+    }
+
+    /// The strain at the end: exactly the prescribed values, not the sums of their increments.
+    pub(super) fn end(&self, increment: &[f64; 6]) -> [f64; 6] {
+        let mut end = self.strain;
+        for &i in self.components {
+            end[i] = match self.controls[i] {
+                Control::Strain(value) => value,
+                _ => end[i] + increment[i],
+            };
+        }
+        end
+    }
+
+    fn residual(&self, increment: &[f64; 6], stress: &[f64; 6]) -> Vector {
+        let mut residual = Vector::zeros();
+        for &i in self.components {
+            residual[i] = match self.controls[i] {
+                Control::Stress(value) => stress[i] - value,
+                Control::Constraint(k) => {
+                    let relation = &self.constraints[k];
+                    let mut sum = -relation.equals;
+                    for &j in self.components {
+                        sum += relation.strain[j] * (self.strain[j] + increment[j]) + relation.stress[j] * stress[j];
+                    }
+                    sum
+                }
+                Control::Strain(_) | Control::HoldStrain | Control::HoldStress => 0.0,
+            };
+        }
+        residual
+    }
+
+    /// The largest residual that counts as zero, by component.
+    fn tolerance(&self, increment: &[f64; 6], stress: &[f64; 6]) -> Vector {
+        let mut tolerance = Vector::repeat(f64::INFINITY);
+        for &i in self.components {
+            tolerance[i] = match self.controls[i] {
+                Control::Stress(value) => STRESS_TOLERANCE * value.abs().max(1.0),
+                Control::Constraint(k) => {
+                    let relation = &self.constraints[k];
+                    let stresses: f64 = self
+                        .components
+                        .iter()
+                        .map(|&j| relation.stress[j].abs() * STRESS_TOLERANCE * stress[j].abs().max(1.0))
+                        .sum();
+                    let strains: f64 = self
+                        .components
+                        .iter()
+                        .map(|&j| {
+                            let size = (self.strain[j] + increment[j]).abs().max(1e-6);
+                            relation.strain[j].abs() * STRAIN_TOLERANCE * size
+                        })
+                        .sum();
+                    if stresses > 0.0 { stresses } else { strains }
+                }
+                _ => f64::INFINITY,
+            };
+        }
+        tolerance
+    }
+
+    /// ∂residual/∂increment; strain-controlled components get the identity, scaled like the rest.
+    fn matrix(&self, tangent: &[[f64; 6]; 6]) -> Matrix {
+        let scale = self.components.iter().fold(0.0_f64, |m, &i| m.max(tangent[i][i].abs())).max(f64::MIN_POSITIVE);
+        let mut matrix = Matrix::identity() * scale;
+        for &i in self.components {
+            match self.controls[i] {
+                Control::Stress(_) => {
+                    for &j in self.components {
+                        matrix[(i, j)] = tangent[i][j];
+                    }
+                }
+                Control::Constraint(k) => {
+                    let relation = &self.constraints[k];
+                    for &j in self.components {
+                        matrix[(i, j)] = relation.strain[j]
+                            + self.components.iter().map(|&l| relation.stress[l] * tangent[l][j]).sum::<f64>();
+                    }
+                }
+                _ => {}
+            }
+        }
+        matrix
+    }
+
+    /// The end of a Newton step: strain-controlled components do not move.
+    fn solve(&self, matrix: Matrix, residual: &Vector) -> Option<Vector> {
+        let step = matrix.lu().solve(&-residual)?;
+        step.iter().all(|x| x.is_finite()).then_some(step)
+    }
+
+    /// Adds to a guess what the last tangent predicts for the components not controlled by strain.
+    pub(super) fn first_guess(&self, increment: &mut [f64; 6], stress: &[f64; 6], tangent: &[[f64; 6]; 6]) {
+        let mut predicted = *stress;
+        for &i in self.components {
+            predicted[i] += self.components.iter().map(|&j| tangent[i][j] * increment[j]).sum::<f64>();
+        }
+        if let Some(step) = self.solve(self.matrix(tangent), &self.residual(increment, &predicted)) {
+            for &i in self.components {
+                increment[i] += step[i];
+            }
+        }
+    }
+
+    /// Finds the strain increment. `increment` holds the first guess on entry (strain-controlled components exact) and
+    /// the solution on return, whose evaluation is the last one made. Returns the iterations.
+    pub(super) fn solve_increment<E>(
+        &self,
+        increment: &mut [f64; 6],
+        max_iterations: u32,
+        mut evaluate: impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
+    ) -> Result<u32, Divergence<E>> {
+        let mut here = evaluate(increment).map_err(Divergence::Evaluation)?;
+        let mut residual = self.residual(increment, &here.stress);
+        let mut matrix = self.matrix(&here.tangent);
+        let mut secant = false;
+        let not_converged = |residual: &Vector| Divergence::NotConverged { residual: (*residual).into() };
+        for iteration in 1..=max_iterations {
+            let tolerance = self.tolerance(increment, &here.stress);
+            if residual.iter().zip(&tolerance).all(|(r, t)| r.abs() <= *t) {
+                return Ok(iteration);
+            }
+            if !residual.iter().all(|r| r.is_finite()) {
+                return Err(not_converged(&residual));
+            }
+            let step = match self.solve(matrix, &residual) {
+                Some(step) => step,
+                None => {
+                    matrix = self.difference_matrix(increment, &residual, &mut evaluate)?;
+                    secant = true;
+                    self.solve(matrix, &residual).ok_or_else(|| not_converged(&residual))?
+                }
+            };
+            let found = self.line_search(increment, &residual, &tolerance, &step, &mut evaluate)?;
+            let Some((length, evaluation, new_residual)) = found else {
+                // no descent: a matrix from differences is the last resort, once per failure
+                if secant {
+                    return Err(not_converged(&residual));
+                }
+                matrix = self.difference_matrix(increment, &residual, &mut evaluate)?;
+                secant = true;
+                continue;
+            };
+            let moved = step * length;
+            for &i in self.components {
+                increment[i] += moved[i];
+            }
+            let weighted = |r: &Vector| r.component_div(&tolerance).norm();
+            let poor = length < 1.0 || weighted(&new_residual) > POOR_REDUCTION * weighted(&residual);
+            secant = secant || (poor && iteration > 1);
+            if secant {
+                // Broyden: J += (Δr − J Δx) Δxᵀ / |Δx|²
+                let error = new_residual - residual - matrix * moved;
+                matrix += error * moved.transpose() / moved.norm_squared();
+            } else {
+                matrix = self.matrix(&evaluation.tangent);
+            }
+            here = evaluation;
+            residual = new_residual;
+        }
+        Err(not_converged(&residual))
+    }
+
+    /// Backtracks until the residual (in units of its tolerance) falls. The last evaluation made is the accepted one.
+    #[allow(clippy::type_complexity, reason = "length, evaluation and residual of the accepted point")]
+    fn line_search<E>(
+        &self,
+        increment: &[f64; 6],
+        residual: &Vector,
+        tolerance: &Vector,
+        step: &Vector,
+        evaluate: &mut impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
+    ) -> Result<Option<(f64, Evaluation, Vector)>, Divergence<E>> {
+        let merit = |r: &Vector| r.component_div(tolerance).norm();
+        let before = merit(residual);
+        let mut length = 1.0;
+        for _ in 0..LINE_SEARCH_STEPS {
+            let mut trial = *increment;
+            for &i in self.components {
+                trial[i] += length * step[i];
+            }
+            let evaluation = evaluate(&trial).map_err(Divergence::Evaluation)?;
+            let new_residual = self.residual(&trial, &evaluation.stress);
+            let after = merit(&new_residual);
+            if after <= (1.0 - SUFFICIENT_DECREASE * length) * before || after <= 1.0 {
+                return Ok(Some((length, evaluation, new_residual)));
+            }
+            length *= 0.5;
+        }
+        Ok(None)
+    }
+
+    fn difference_matrix<E>(
+        &self,
+        increment: &[f64; 6],
+        residual: &Vector,
+        evaluate: &mut impl FnMut(&[f64; 6]) -> Result<Evaluation, E>,
+    ) -> Result<Matrix, Divergence<E>> {
+        let size = self.components.iter().fold(1e-6_f64, |m, &i| m.max((self.strain[i] + increment[i]).abs()));
+        let h = DIFFERENCE_STEP * size;
+        let mut matrix = Matrix::identity();
+        for &j in self.components {
+            if matches!(self.controls[j], Control::Strain(_)) {
+                continue;
+            }
+            let mut shifted = *increment;
+            shifted[j] += h;
+            let evaluation = evaluate(&shifted).map_err(Divergence::Evaluation)?;
+            let column = (self.residual(&shifted, &evaluation.stress) - residual) / h;
+            matrix.set_column(j, &column);
+        }
+        Ok(matrix)
+    }
+}

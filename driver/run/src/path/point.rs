@@ -1,0 +1,779 @@
+//! A material point along a path.
+
+use super::finite::Finite;
+use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
+use super::subdivision::{Divisible, Trouble, take_increment};
+use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, replay};
+use crate::arguments::UmatArguments;
+use crate::deformation::matrix;
+use crate::number::exact;
+use crate::program::lerp;
+use crate::program::{
+    Constraint, Control, FieldValues, Measure, Mode, Plugin, PointDrive, PointProgram, PointStep, Program,
+};
+use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
+use nalgebra::Matrix3;
+use umat_abi::host::{
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall,
+};
+use umat_abi::law::Request;
+
+const INVERTED: &str = "the deformation gradient inverts the volume (det F <= 0)";
+
+/// Runs a point program.
+pub(super) fn run(
+    program: &Program,
+    point: &PointProgram,
+    databases: &mut ExternalDatabases,
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<(), Stop> {
+    let mut runner = match Runner::new(program, point, databases) {
+        Ok(runner) => runner,
+        Err(message) => return Err(Stop::unusable(message)),
+    };
+    let mut recorder = Recorder::new(program, observer);
+    if let Some(reason) = runner.find_components(&program.plugin).map_err(Stop::unusable)? {
+        recorder.observer.warn(format!("{} is called with NTENS = 6: {reason}", program.plugin.name));
+    }
+    // at finite strain the case says so, with what follows for DFGRD
+    let is_untold = runner.plane_stress && runner.finite.is_none() && program.plugin.law.is_none();
+    if is_untold && !runner.call.is_through_solid() {
+        recorder.observer.warn(format!(
+            "the column e33 is NaN: in plane stress UMAT is not given the strain 33, and the library of '{}' does not say \
+             which state variable holds it (\"as\": \"3d\" finds it)",
+            program.plugin.name
+        ));
+    }
+    recorder.initial(|values| runner.fill(values))?;
+    let mut result = Ok(());
+    for (index, step) in point.steps.iter().enumerate() {
+        let number = to_u32(index + 1);
+        match runner.step(step, number, program, &mut recorder, statistics) {
+            Ok(Next::EndRun) => break,
+            Ok(Next::GoOn | Next::EndStep) => {}
+            Err(stop) => {
+                result = Err(stop);
+                break;
+            }
+        }
+    }
+    if let Some(deviation) = runner.call.take_largest_deviation() {
+        recorder.observer.warn(format!("{}: {deviation}", program.plugin.name));
+    }
+    result
+}
+
+fn to_u32(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
+}
+
+/// The state of the point between increments.
+#[derive(Clone, Debug)]
+pub struct Committed {
+    /// STRAN, six components.
+    pub strain: [f64; 6],
+    /// STRESS, six components, MPa.
+    pub stress: [f64; 6],
+    /// STATEV.
+    pub statev: Vec<f64>,
+    /// SSE, SPD, SCD.
+    pub energies: [f64; 3],
+    /// TIME(1), s.
+    pub step_time: f64,
+    /// TIME(2), s.
+    pub total_time: f64,
+    /// F.
+    pub deformation_gradient: Matrix3<f64>,
+    /// TEMP and PREDEF.
+    pub fields: FieldValues,
+}
+
+/// Where the current increment leads.
+#[derive(Clone, Debug)]
+pub(super) struct Goal {
+    /// Values at the start of the increment, by component (of the controlled quantity).
+    start: [f64; 6],
+    /// Controls with the values at the end of the increment.
+    pub(super) controls: [Control; 6],
+    /// Left sides of the relations at the start of the increment.
+    relations_at_start: Vec<f64>,
+    /// Relations with the right sides at the end of the increment.
+    pub(super) relations: Vec<Constraint>,
+    /// Step time at the start and at the end of the increment.
+    pub(super) step_time: (f64, f64),
+    /// Total time at the start of the step.
+    time_of_step: f64,
+    pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
+    /// At the start and at the end of the increment.
+    pub(super) fields: [FieldValues; 2],
+}
+
+impl Goal {
+    /// Whether any component is not given by its strain.
+    fn controls_stress(&self, components: &[usize]) -> bool {
+        components.iter().any(|&i| !matches!(self.controls[i], Control::Strain(_)))
+    }
+}
+
+struct Runner<'p> {
+    components: &'static [usize],
+    controllable: &'static [usize],
+    /// `None`: small strain.
+    finite: Option<Finite>,
+    arguments: &'p UmatArguments,
+    plane_stress: bool,
+    /// State that tells ε33, if the law has one.
+    strain_33: Option<usize>,
+    plugin_name: &'p str,
+    max_iterations: u32,
+    derived: &'p [Derived],
+    databases: &'p mut ExternalDatabases,
+    call: UmatCall,
+    committed: Committed,
+    /// Tangent at the last committed state, for the first guess.
+    tangent: Option<[[f64; 6]; 6]>,
+    goal: Goal,
+    trial: Trial,
+    /// Nothing has been attempted yet.
+    is_first_attempt: bool,
+}
+
+/// The end of the last attempt.
+#[derive(Clone, Debug)]
+struct Trial {
+    strain: [f64; 6],
+    tangent: Option<[[f64; 6]; 6]>,
+    step_time: f64,
+    total_time: f64,
+    fields: FieldValues,
+}
+
+impl<'p> Runner<'p> {
+    fn new(
+        program: &'p Program,
+        point: &'p PointProgram,
+        databases: &'p mut ExternalDatabases,
+    ) -> Result<Self, String> {
+        let plugin = &program.plugin;
+        let stress_state = point.mode.stress_state();
+        let make = |state| plugin.plain_umat(state);
+        let prepared = plugin.manner.prepare(stress_state, plugin.law.as_ref(), make);
+        let mut call = prepared.map_err(|error| error.to_string())?;
+        if let Some(length) = program.characteristic_length {
+            call.celent = length;
+        }
+        call.jstep[2] = i32::from(point.nlgeom);
+        point.arguments.set(&mut call);
+        let initial = &point.initial;
+        let variables = &initial.fields.variables;
+        if !variables.is_empty() {
+            call.predef.clone_from(variables);
+            call.dpred = vec![0.0; variables.len()];
+        }
+        let plane_stress = stress_state.components().len() == 3;
+        let strain_33 = plugin.strain_33();
+        let committed = Committed {
+            strain: initial.strain,
+            stress: initial_stress(program, point, &call)?,
+            statev: InitialStates::new(&plugin.library, initial.statev.as_deref(), plugin.nstatv)
+                .of_point(&initial_point(&call))?,
+            energies: point.arguments.energies,
+            step_time: 0.0,
+            total_time: initial.time,
+            deformation_gradient: matrix(&initial.deformation_gradient),
+            fields: initial.fields.clone(),
+        };
+        let finite = point.nlgeom.then(|| Finite::new(point, plugin, &committed));
+        let goal = Goal {
+            start: [0.0; 6],
+            controls: [Control::FREE; 6],
+            relations_at_start: Vec::new(),
+            relations: Vec::new(),
+            step_time: (0.0, 0.0),
+            time_of_step: initial.time,
+            deformation_gradient: None,
+            fields: [initial.fields.clone(), initial.fields.clone()],
+        };
+        Ok(Self {
+            components: stress_state.components(),
+            controllable: point.mode.controllable(),
+            finite,
+            arguments: &point.arguments,
+            plane_stress,
+            strain_33,
+            plugin_name: &plugin.name,
+            max_iterations: program.controls.max_iterations,
+            derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
+            databases,
+            call,
+            trial: Trial {
+                strain: committed.strain,
+                tangent: None,
+                step_time: 0.0,
+                total_time: initial.time,
+                fields: initial.fields.clone(),
+            },
+            committed,
+            tangent: None,
+            goal,
+            is_first_attempt: true,
+        })
+    }
+
+    /// ε33 of plane stress where the program finds it: ln F₃₃, or F₃₃ − 1.
+    fn known_thickness_strain(&self) -> f64 {
+        let strain = self.committed.strain[2];
+        let is_nominal = self.finite.as_ref().is_some_and(|finite| finite.measure == Measure::Nominal);
+        if is_nominal { strain.exp_m1() } else { strain }
+    }
+
+    /// Lets the call go through six components if the UMAT needs it; then says why.
+    fn find_components(&mut self, plugin: &Plugin) -> Result<Option<String>, String> {
+        self.call.statev_mut().copy_from_slice(&self.committed.statev);
+        for (k, &i) in self.components.iter().enumerate() {
+            (self.call.stran[k], self.call.stress_mut()[k]) = (self.committed.strain[i], self.committed.stress[i]);
+        }
+        self.call.strain_33 = self.committed.strain[2];
+        let make = |state| plugin.plain_umat(state);
+        plugin.manner.probe(&mut self.call, plugin.law.as_ref(), make).map_err(|error| error.to_string())
+    }
+
+    fn step(
+        &mut self,
+        step: &PointStep,
+        number: u32,
+        program: &Program,
+        recorder: &mut Recorder<'_>,
+        statistics: &mut Statistics,
+    ) -> Result<Next, Stop> {
+        self.committed.step_time = 0.0;
+        if let Some(finite) = &self.finite
+            && finite.measure == Measure::Logarithmic
+            && finite.is_turned()
+            && step.mixes_strain_and_stress(self.controllable)
+        {
+            let message = format!("plugin '{}', step {number}: {TURNED}", program.plugin.name);
+            return Err(Stop::Failed(Failure { step: number, increment: 1, message, replay: serde_json::Value::Null }));
+        }
+        let plan = Plan::new(step, self);
+        let count = plan.increments();
+        for index in 0..count {
+            let increment = to_u32(index + 1);
+            [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, increment);
+            plan.set_goal(index, self);
+            // the first call of a replay is not to depend on another before it
+            if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
+                self.unloading_tangent(statistics);
+            }
+            let place = Place { step: number, increment, last: index + 1 == count };
+            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
+            if next != Next::GoOn {
+                return Ok(next);
+            }
+        }
+        Ok(Next::GoOn)
+    }
+
+    /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
+    ///
+    /// Below the peak of a softening law two strains have the same lower stress: further along the softening branch
+    /// and back along the unloading branch. A step that asks for a lower stress means the latter; the tangent of the
+    /// last loading increment would lead to the former.
+    fn unloading_tangent(&mut self, statistics: &mut Statistics) {
+        self.tangent = None;
+        if self.goal.deformation_gradient.is_some() || !self.goal.controls_stress(self.components) {
+            return;
+        }
+        self.prepare_call(0.0, 1.0);
+        self.databases.increment_starts(clock(&self.call, self.call.time));
+        let strain = *self.strain();
+        let evaluation = self.point(statistics).evaluate(&[0.0; 6], || strain, Request::StressAndTangent);
+        if let Ok(evaluation) = evaluation
+            && evaluation.tangent.as_flattened().iter().all(|x| x.is_finite())
+        {
+            self.tangent = Some(evaluation.tangent);
+        }
+    }
+
+    /// Left side of a relation at the committed state.
+    fn relation(&self, relation: &Constraint) -> f64 {
+        self.components
+            .iter()
+            .map(|&i| relation.strain[i] * self.strain()[i] + relation.stress[i] * self.stress()[i])
+            .sum()
+    }
+
+    /// The case's strain.
+    fn strain(&self) -> &[f64; 6] {
+        self.finite.as_ref().map_or(&self.committed.strain, Finite::strain)
+    }
+
+    /// The case's stress.
+    fn stress(&self) -> &[f64; 6] {
+        self.finite.as_ref().map_or(&self.committed.stress, Finite::stress)
+    }
+
+    /// Controls and relations at a fraction of the increment.
+    fn targets_at(&self, fraction: f64, relations: &mut Vec<Constraint>) -> [Control; 6] {
+        let mut controls = self.goal.controls;
+        for (control, &start) in controls.iter_mut().zip(&self.goal.start) {
+            match control {
+                Control::Strain(end) | Control::Stress(end) => *end = lerp(start, *end, fraction),
+                _ => {}
+            }
+        }
+        relations.clone_from(&self.goal.relations);
+        for (relation, &start) in relations.iter_mut().zip(&self.goal.relations_at_start) {
+            relation.equals = lerp(start, relation.equals, fraction);
+        }
+        controls
+    }
+
+    /// Sets what does not change during the iterations of an attempt.
+    fn prepare_call(&mut self, from: f64, to: f64) {
+        let goal = &self.goal;
+        let call = &mut self.call;
+        let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
+        call.time = [self.arguments.step_time + at(from), goal.time_of_step + at(from)];
+        call.dtime = at(to) - at(from);
+        let [start, end] = &goal.fields;
+        call.temp = lerp(start.temperature, end.temperature, from);
+        let variables = call.predef.iter_mut().zip(&mut call.dpred);
+        for ((value, increment), (start, end)) in variables.zip(start.variables.iter().zip(&end.variables)) {
+            *value = lerp(*start, *end, from);
+            *increment = lerp(*start, *end, to) - *value;
+        }
+        self.trial.fields.set_between(start, end, to);
+        call.dtemp = self.trial.fields.temperature - call.temp;
+        self.trial.step_time = at(to);
+        self.trial.total_time = goal.time_of_step + at(to);
+    }
+
+    /// The point that the plugin is called at.
+    fn point<'r>(&'r mut self, statistics: &'r mut Statistics) -> Point<'r> {
+        Point {
+            call: &mut self.call,
+            committed: &self.committed,
+            finite: self.finite.as_mut(),
+            components: self.components,
+            plugin: self.plugin_name,
+            statistics,
+        }
+    }
+
+    /// Replaces the increments by those that the case tells of the first call: sums and differences round.
+    fn hand_over(&mut self) {
+        let UmatArguments { dtime, dtemp, dpred, .. } = self.arguments;
+        self.call.dtime = dtime.unwrap_or(self.call.dtime);
+        self.call.dtemp = dtemp.unwrap_or(self.call.dtemp);
+        if let Some(dpred) = dpred {
+            self.call.dpred.clone_from(dpred);
+        }
+    }
+
+    /// What the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
+    fn first_increment<'r>(&self, to: f64, relations: &'r mut Vec<Constraint>) -> (Targets<'r>, [f64; 6]) {
+        let controls = self.targets_at(to, relations);
+        let targets = Targets { components: self.components, controls, constraints: relations, strain: *self.strain() };
+        let mut increment = [0.0; 6];
+        for &i in self.components {
+            if let Control::Strain(end) = controls[i] {
+                increment[i] = end - targets.strain[i];
+            }
+        }
+        if !targets.strain_only()
+            && let Some(tangent) = &self.tangent
+        {
+            targets.first_guess(&mut increment, self.stress(), tangent);
+        }
+        (targets, increment)
+    }
+
+    /// F at a fraction of the increment.
+    fn gradient_at(&self, to: f64) -> Option<Matrix3<f64>> {
+        let (start, end) = self.goal.deformation_gradient?;
+        Some(if to == 1.0 { end } else { start + (end - start) * to })
+    }
+
+    /// Goes to F at a fraction of the increment.
+    fn attempt_deformation(&mut self, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        let Some(end) = self.gradient_at(to) else { return Ok(0) };
+        let mut point = self.point(statistics);
+        let Some(finite) = point.finite.as_mut() else { return Ok(0) };
+        let strain = finite.strain_of_case(&end);
+        let entry = finite.deform(point.committed, &end, point.call).ok_or_else(|| Trouble::Fatal(INVERTED.into()))?;
+        let compares = point.call.tangent_source() == TangentSource::Compared;
+        let request = if compares { Request::StressAndTangent } else { Request::Stress };
+        point.call(&entry.strain, &entry.stress, &entry.increment, request)?;
+        self.trial.strain = strain;
+        self.trial.tangent = None;
+        statistics.iterations += 1;
+        Ok(1)
+    }
+}
+
+/// The point of a call as SDVINI and SIGINI are told of it.
+fn initial_point(call: &UmatCall) -> InitialPoint {
+    InitialPoint { coordinates: call.coords, element: call.noel, point: call.npt }
+}
+
+/// Stress at the start: the case's, or SIGINI's, or none.
+fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> Result<[f64; 6], String> {
+    let components = call.stress_state().components();
+    let given = point.initial.stress.as_ref().map(|stress| components.iter().map(|&i| stress[i]).collect::<Vec<_>>());
+    let element_type = match point.mode {
+        Mode::ThreeD => "C3D8",
+        Mode::PlaneStrain => "CPE4",
+        Mode::Axisymmetric => "CAX4",
+        Mode::PlaneStress => "CPS4",
+    };
+    let mut stress = [0.0; 6];
+    let values = InitialStresses::new(&program.plugin.library, given.as_deref(), components.len())
+        .of_point(&initial_point(call), element_type)?;
+    components.iter().zip(values).for_each(|(&i, value)| stress[i] = value);
+    Ok(stress)
+}
+
+/// What UEXTERNALDB is told of the increment of a call.
+fn clock(call: &UmatCall, time: [f64; 2]) -> Clock {
+    Clock { time, time_increment: call.dtime, step: call.jstep[0], increment: call.kinc }
+}
+
+/// Calls the plugin from the committed state.
+struct Point<'r> {
+    call: &'r mut UmatCall,
+    committed: &'r Committed,
+    finite: Option<&'r mut Finite>,
+    components: &'static [usize],
+    plugin: &'r str,
+    statistics: &'r mut Statistics,
+}
+
+impl Point<'_> {
+    /// Stress and tangent of the case after an increment of its strain, or at its `end`.
+    #[inline]
+    fn evaluate(
+        &mut self,
+        increment: &[f64; 6],
+        end: impl FnOnce() -> [f64; 6],
+        request: Request,
+    ) -> Result<Evaluation, Trouble> {
+        let Some(finite) = self.finite.as_mut() else {
+            let Committed { strain, stress, .. } = self.committed;
+            self.call(strain, stress, increment, request)?;
+            return Ok(evaluation(self.call, self.components));
+        };
+        let end = end();
+        let entry = finite
+            .stretch(self.committed, &end, self.call)
+            .ok_or_else(|| Trouble::CutBack { fraction: 0.5, reason: INVERTED.into() })?;
+        self.call(&entry.strain, &entry.stress, &entry.increment, request)?;
+        let returned = evaluation(self.call, self.components);
+        let Some(finite) = &self.finite else { return Ok(returned) };
+        Ok(finite.evaluation(&returned, &end, self.components, self.call.statev()))
+    }
+
+    /// One call.
+    #[inline]
+    fn call(
+        &mut self,
+        strain: &[f64; 6],
+        stress: &[f64; 6],
+        increment: &[f64; 6],
+        request: Request,
+    ) -> Result<(), Trouble> {
+        let call = &mut *self.call;
+        for (k, &i) in self.components.iter().enumerate() {
+            call.stran[k] = strain[i];
+            call.dstran[k] = increment[i];
+            call.stress_mut()[k] = stress[i];
+        }
+        call.strain_33 = strain[2];
+        call.statev_mut().copy_from_slice(&self.committed.statev);
+        call.energies = self.committed.energies;
+        self.statistics.plugin_calls += 1;
+        let outcome = call.call(request);
+        Trouble::of_call(outcome, call.not_finite(), self.plugin)
+    }
+}
+
+/// The result of a call in six components.
+#[inline]
+fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
+    let mut evaluation = Evaluation { stress: [0.0; 6], tangent: [[0.0; 6]; 6] };
+    for (row, &i) in components.iter().enumerate() {
+        evaluation.stress[i] = call.stress()[row];
+        for (column, &j) in components.iter().enumerate() {
+            evaluation.tangent[i][j] = call.tangent(row, column);
+        }
+    }
+    evaluation
+}
+
+impl Divisible for Runner<'_> {
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
+        self.prepare_call(from, to);
+        let is_first = std::mem::take(&mut self.is_first_attempt);
+        if is_first {
+            self.hand_over();
+        }
+        self.databases.increment_starts(clock(&self.call, self.call.time));
+        if self.goal.deformation_gradient.is_some() {
+            return self.attempt_deformation(to, statistics);
+        }
+        let mut relations = Vec::new();
+        let (targets, mut increment) = self.first_increment(to, &mut relations);
+        if is_first && let Some(dstran) = &self.arguments.dstran {
+            self.components.iter().zip(dstran).for_each(|(&i, value)| increment[i] = *value);
+        }
+        let strain_only = targets.strain_only();
+        let ddsdde = self.arguments.ddsdde || self.call.tangent_source() == TangentSource::Compared;
+        let max_iterations = self.max_iterations;
+        let mut point = self.point(statistics);
+        let mut last_tangent = None;
+        let solved = if strain_only {
+            let request = if ddsdde { Request::StressAndTangent } else { Request::Stress };
+            point.evaluate(&increment, || targets.end(&increment), request).map_err(Divergence::Evaluation).map(|_| 1)
+        } else {
+            targets.solve_increment(&mut increment, max_iterations, |increment| {
+                let evaluation = point.evaluate(increment, || targets.end(increment), Request::StressAndTangent)?;
+                last_tangent = Some(evaluation.tangent);
+                Ok(evaluation)
+            })
+        };
+        self.trial.tangent = last_tangent;
+        let iterations = match solved {
+            Ok(iterations) => iterations,
+            Err(Divergence::Evaluation(trouble)) => return Err(trouble),
+            Err(Divergence::NotConverged { residual }) => {
+                return Err(Trouble::CutBack { fraction: 0.5, reason: self.not_converged(&residual) });
+            }
+        };
+        statistics.iterations += u64::from(iterations);
+        self.trial.strain = targets.end(&increment);
+        Ok(iterations)
+    }
+
+    fn commit(&mut self, observer: &mut dyn Observer) {
+        observer.accepted(Accepted::Umat(&self.committed, &self.call));
+        let state = &mut self.committed;
+        for (k, &i) in self.components.iter().enumerate() {
+            state.stress[i] = self.call.stress()[k];
+        }
+        state.statev.copy_from_slice(self.call.statev());
+        match &mut self.finite {
+            None => state.strain = self.trial.strain,
+            Some(finite) => finite.commit(self.trial.strain, state),
+        }
+        if self.plane_stress && self.call.is_through_solid() {
+            state.strain[2] = self.call.strain_33;
+        }
+        state.energies = self.call.energies;
+        state.step_time = self.trial.step_time;
+        state.total_time = self.trial.total_time;
+        state.fields.clone_from(&self.trial.fields);
+        self.tangent = self.trial.tangent;
+        self.databases.increment_ends(clock(&self.call, [self.trial.step_time, self.trial.total_time]));
+    }
+
+    fn fill(&self, values: &mut [f64]) {
+        let state = &self.committed;
+        values[0] = state.total_time;
+        values[1..7].copy_from_slice(self.strain());
+        if self.plane_stress {
+            values[3] = match &self.finite {
+                _ if self.call.is_through_solid() => self.known_thickness_strain(),
+                Some(finite) => finite.thickness(&state.statev)[1],
+                None => self.strain_33.map_or(f64::NAN, |k| state.statev[k]),
+            };
+        }
+        values[7..13].copy_from_slice(self.stress());
+        let mut next = 13;
+        if let Some(finite) = &self.finite {
+            let gradient = finite.gradient(state);
+            for i in 0..3 {
+                for j in 0..3 {
+                    values[next] = gradient[(i, j)];
+                    next += 1;
+                }
+            }
+        }
+        let end = next + state.statev.len();
+        values[next..end].copy_from_slice(&state.statev);
+        next = end;
+        for derived in self.derived {
+            values[next] = derived.value(&state.statev);
+            next += 1;
+        }
+        values[next..next + 3].copy_from_slice(&state.energies);
+    }
+
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
+        let mut goal = self.goal.clone();
+        let (targets, increment) = self.first_increment(to, &mut goal.relations);
+        goal.controls = targets.controls;
+        goal.step_time.1 = lerp(goal.step_time.0, goal.step_time.1, to);
+        let [start, end] = &self.goal.fields;
+        goal.fields[1].set_between(start, end, to);
+        let strain_only = targets.strain_only();
+        let state = &self.committed;
+        goal.deformation_gradient = match (self.gradient_at(to), &self.finite) {
+            (None, Some(finite)) if strain_only => finite.end_of(state, &targets.end(&increment)),
+            (end, _) => end,
+        }
+        .map(|end| (state.deformation_gradient, end));
+        let is_found = self.finite.is_none() && !strain_only;
+        let guess = is_found.then(|| self.components.iter().map(|&i| increment[i]).collect());
+        replay::point(program, state, &goal, &self.call, guess)
+    }
+}
+
+impl Runner<'_> {
+    /// Words for a residual that does not vanish.
+    fn not_converged(&self, residual: &[f64; 6]) -> String {
+        let worst = |i: &usize| residual[*i].abs();
+        // a ramped stress is the culprit rather than the free components that it drags along; those may start as far
+        // from their target as the last increment was allowed to leave them
+        let far = |from: f64, to: f64| (to - from).abs() > STRESS_TOLERANCE * to.abs().max(1.0);
+        let ramped =
+            |i: &usize| matches!(self.goal.controls[*i], Control::Stress(end) if far(self.goal.start[*i], end));
+        let candidates: Vec<usize> = self.components.iter().copied().filter(ramped).collect();
+        let by_residual = |a: &usize, b: &usize| worst(a).total_cmp(&worst(b));
+        if let Some(i) = candidates.into_iter().max_by(by_residual) {
+            let Control::Stress(end) = self.goal.controls[i] else { return String::new() };
+            return format!(
+                "no equilibrium found for {stress} = {end} MPa (reached {reached} MPa): stress control cannot pass a \
+                 peak; control {strain} by strain instead",
+                stress = STRESS_NAMES[i],
+                end = exact(end),
+                reached = exact(self.stress()[i]),
+                strain = STRAIN_NAMES[i],
+            );
+        }
+        match self.components.iter().copied().max_by(by_residual) {
+            Some(i) => format!(
+                "no equilibrium found: {} stays {:.3e} MPa off its target; control {} by strain, or use smaller \
+                 increments",
+                STRESS_NAMES[i], residual[i], STRAIN_NAMES[i]
+            ),
+            None => "no equilibrium found".into(),
+        }
+    }
+}
+
+/// A step's end values, and its values at the start.
+struct Plan<'s> {
+    step: &'s PointStep,
+    start: [f64; 6],
+    relations: Vec<f64>,
+    constraints: Vec<Constraint>,
+    time: f64,
+    gradient: Matrix3<f64>,
+    fields: FieldValues,
+}
+
+impl<'s> Plan<'s> {
+    fn new(step: &'s PointStep, runner: &Runner<'_>) -> Self {
+        let state = &runner.committed;
+        let controls = match &step.drive {
+            PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => *controls,
+            PointDrive::DeformationGradient { .. } => [Control::FREE; 6],
+        };
+        let start = std::array::from_fn(|i| match controls[i] {
+            _ if !runner.controllable.contains(&i) => runner.strain()[i],
+            Control::Strain(_) | Control::HoldStrain => runner.strain()[i],
+            Control::Stress(_) | Control::HoldStress => runner.stress()[i],
+            Control::Constraint(_) => 0.0,
+        });
+        let relations: Vec<f64> = step.constraints.iter().map(|relation| runner.relation(relation)).collect();
+        let mut constraints = step.constraints.clone();
+        for (constraint, start) in constraints.iter_mut().zip(&relations).filter(|(constraint, _)| constraint.hold) {
+            constraint.equals = *start;
+        }
+        Self {
+            step,
+            start,
+            relations,
+            constraints,
+            time: state.total_time,
+            gradient: state.deformation_gradient,
+            fields: state.fields.clone(),
+        }
+    }
+
+    fn increments(&self) -> usize {
+        match &self.step.drive {
+            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => *increments,
+            PointDrive::Table { rows, .. } => rows.len(),
+        }
+    }
+
+    /// Describes increment `index` (from 0) of the step.
+    fn set_goal(&self, index: usize, runner: &mut Runner<'_>) {
+        let count = self.increments();
+        let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
+        let (before, after) = (fraction(index), fraction(index + 1));
+        let controllable = runner.controllable;
+        let (strain, stress) = (*runner.strain(), *runner.stress());
+        let goal = &mut runner.goal;
+        goal.time_of_step = self.time;
+        goal.deformation_gradient = None;
+        self.step.fields.set_increment(&self.fields, &runner.committed.fields, [index, count], &mut goal.fields);
+        goal.relations.clone_from(&self.constraints);
+        goal.relations_at_start.clear();
+        for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
+            goal.relations_at_start.push(lerp(start, relation.equals, before));
+            relation.equals = lerp(start, relation.equals, after);
+        }
+        match &self.step.drive {
+            PointDrive::Ramp { time, controls, .. } => {
+                goal.step_time = (time * before, time * after);
+                for i in 0..6 {
+                    let start = self.start[i];
+                    goal.controls[i] = match controls[i] {
+                        _ if !controllable.contains(&i) => Control::Strain(start),
+                        Control::Strain(end) => Control::Strain(lerp(start, end, after)),
+                        Control::Stress(end) => Control::Stress(lerp(start, end, after)),
+                        Control::HoldStrain => Control::Strain(start),
+                        Control::HoldStress => Control::Stress(start),
+                        relation @ Control::Constraint(_) => relation,
+                    };
+                    goal.start[i] = match controls[i] {
+                        Control::Strain(end) | Control::Stress(end) if controllable.contains(&i) => {
+                            lerp(start, end, before)
+                        }
+                        _ => start,
+                    };
+                }
+            }
+            PointDrive::Table { controls, time_increments, rows } => {
+                let start = runner.committed.step_time;
+                goal.step_time = (start, start + time_increments[index]);
+                for i in 0..6 {
+                    let present = match controls[i] {
+                        Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => stress[i],
+                        _ => strain[i],
+                    };
+                    goal.start[i] = present;
+                    goal.controls[i] = match controls[i] {
+                        _ if !controllable.contains(&i) => Control::Strain(self.start[i]),
+                        Control::Strain(_) => Control::Strain(rows[index][i]),
+                        Control::Stress(_) => Control::Stress(rows[index][i]),
+                        Control::HoldStrain => Control::Strain(self.start[i]),
+                        Control::HoldStress => Control::Stress(self.start[i]),
+                        relation @ Control::Constraint(_) => relation,
+                    };
+                }
+            }
+            PointDrive::DeformationGradient { time, end, .. } => {
+                goal.step_time = (time * before, time * after);
+                let end = matrix(end);
+                let at = |fraction: f64| {
+                    if fraction == 1.0 { end } else { self.gradient + (end - self.gradient) * fraction }
+                };
+                goal.deformation_gradient = Some((at(before), at(after)));
+            }
+        }
+    }
+}

@@ -1,0 +1,215 @@
+//! The replay case: the state before a failed increment, and the increment, as a case file.
+//!
+//! Its first call is to the bit that of the first attempt from the state before. Only where an increment at finite strain
+//! is given stresses the strain of that call is another, as it begins without the tangent of the increment before. (A call that
+//! ended the process is repeated as it was.)
+
+use super::{interface, point};
+use crate::program::job_folder;
+use crate::program::{
+    Control, FieldValues, InterfaceEntry, Kind, Mode, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES,
+};
+use serde_json::{Map, Value, json};
+use umat_abi::host::{self, UmatCall};
+use umat_abi::law::StressState;
+
+/// How a case of kind "point" repeats a call that was given all its strains.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StrainDrive {
+    /// Its `mode`.
+    pub mode: &'static str,
+    /// The six components of a case that the call's arrays hold, in their order.
+    pub components: &'static [usize],
+    /// Those whose strains are targets; the others are 0, or the law's business.
+    pub driven: &'static [usize],
+}
+
+impl StrainDrive {
+    /// `has_strain_33`: with NTENS 4, whether the strain 33 is not 0, as in axial symmetry, or in plane strain where an
+    /// element's dilatation is averaged. The axisymmetric mode has the NTENS and NDI of both, and drives all four.
+    pub fn new(stress_state: StressState, has_strain_33: bool) -> Self {
+        let (mode, driven): (_, &[usize]) = match stress_state {
+            StressState::ThreeD => ("3d", &[0, 1, 2, 3, 4, 5]),
+            StressState::PlaneStress => ("plane_stress", &[0, 1, 3]),
+            StressState::PlaneStrainOrAxisymmetric if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3]),
+            StressState::PlaneStrainOrAxisymmetric => ("plane_strain", &[0, 1, 3]),
+        };
+        Self { mode, components: stress_state.components(), driven }
+    }
+}
+
+/// A duration of a step, s, which takes some time; equilibrium before the first step takes none.
+pub fn duration(time_increment: f64) -> f64 {
+    if time_increment > 0.0 { time_increment } else { 1.0 }
+}
+
+const TITLE: &str = "Replay of a failed increment: ";
+
+/// The case with its steps and initial state replaced; plugin and files by absolute path.
+fn frame(program: &Program) -> Map<String, Value> {
+    let mut case = program.document.as_object().cloned().unwrap_or_default();
+    for key in ["until", "compare", "output", "temperature", "predef"] {
+        case.remove(key);
+    }
+    let title = program.title.strip_prefix(TITLE).unwrap_or(&program.title);
+    case.insert("title".into(), json!(format!("{TITLE}{title}")));
+    let folder = job_folder(&program.case_file, &program.document);
+    case.insert("job_folder".into(), json!(folder.to_string_lossy()));
+    if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
+        // a plugin found by name is found again; a path is relative to the case file, which moves
+        let is_path = material.get("plugin").and_then(Value::as_str).is_some_and(host::names_a_file);
+        if is_path {
+            let path = program.plugin.library.path();
+            let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
+            material.insert("plugin".into(), json!(absolute.to_string_lossy()));
+        }
+        material.remove("statev0");
+    }
+    case
+}
+
+/// Replays an attempt of a material point. `first_strain_increment`: DSTRAN of its first call if stresses determine it.
+pub(super) fn point(
+    program: &Program,
+    state: &point::Committed,
+    goal: &point::Goal,
+    call: &UmatCall,
+    first_strain_increment: Option<Vec<f64>>,
+) -> Value {
+    let Kind::Point(point) = &program.kind else { return Value::Null };
+    let mut case = frame(program);
+    if point.mode != Mode::ThreeD && program.plugin.law.is_none() {
+        // what probing found out at the start of the run
+        case["material"]["as"] = json!(if call.is_through_solid() { "3d" } else { "plane" });
+    }
+    let components = point.mode.stress_state().components();
+    // what the program finds of plane stress it goes on from
+    let strains = if call.is_through_solid() && components.len() == 3 { &[0, 1, 2, 3] } else { components };
+    let mut initial = json!({
+        "strain": named(&STRAIN_NAMES, strains, &state.strain),
+        "stress": named(&STRESS_NAMES, components, &state.stress),
+        "statev": state.statev,
+        "time": state.total_time,
+    });
+    if point.nlgeom {
+        initial["F"] = rows(&state.deformation_gradient);
+    }
+    let mut step = json!({ "increments": 1, "time": goal.step_time.1 - state.step_time });
+    if let Some((_, end)) = &goal.deformation_gradient {
+        step["F"] = rows(end);
+    } else {
+        let mut target = Map::new();
+        for &i in point.mode.controllable() {
+            match goal.controls[i] {
+                Control::Strain(value) => target.insert(STRAIN_NAMES[i].into(), json!(value)),
+                Control::Stress(value) => target.insert(STRESS_NAMES[i].into(), json!(value)),
+                Control::HoldStrain | Control::HoldStress | Control::Constraint(_) => None,
+            };
+        }
+        step["target"] = target.into();
+        if !goal.relations.is_empty() {
+            let relations = goal.relations.iter().map(|relation| {
+                let mut terms = Map::new();
+                for &i in components {
+                    for (names, values) in [(STRAIN_NAMES, relation.strain), (STRESS_NAMES, relation.stress)] {
+                        if values[i] != 0.0 {
+                            terms.insert(names[i].into(), json!(values[i]));
+                        }
+                    }
+                }
+                terms.insert("equals".into(), json!(relation.equals));
+                Value::Object(terms)
+            });
+            step["constraints"] = relations.collect();
+        }
+    }
+    case.insert("initial".into(), initial);
+    case.insert("steps".into(), json!([step]));
+    let mut case = Value::Object(case);
+    set_fields(&mut case, &state.fields, &goal.fields[1]);
+    let arguments = &mut case["arguments"];
+    arguments["energies"] = json!(state.energies);
+    arguments["step_time"] = json!(point.arguments.step_time + state.step_time);
+    arguments["jstep"] = json!(call.jstep);
+    arguments["kinc"] = json!(call.kinc);
+    if let Some(arguments) = arguments.as_object_mut() {
+        for key in ["dstran", "dtime", "dtemp", "dpred"] {
+            arguments.remove(key);
+        }
+    }
+    if let Some(increment) = first_strain_increment {
+        arguments["dstran"] = json!(increment);
+    }
+    case
+}
+
+/// Sets temperature and field variables before and at the end of the only step.
+pub fn set_fields(case: &mut Value, start: &FieldValues, end: &FieldValues) {
+    case["temperature"] = json!(start.temperature);
+    case["steps"][0]["temperature"] = json!(end.temperature);
+    if !start.variables.is_empty() {
+        case["predef"] = json!(start.variables);
+        case["steps"][0]["predef"] = json!(end.variables);
+    }
+}
+
+/// Replays an increment of a contact point.
+pub(super) fn interface(
+    program: &Program,
+    state: &interface::Committed,
+    goal: &interface::Goal,
+    fields_at_end: &FieldValues,
+    counters: [i32; 3],
+) -> Value {
+    let Kind::Interface(interface) = &program.kind else { return Value::Null };
+    let mut case = frame(program);
+    let mut initial = json!({ "statev": state.statev, "time": state.total_time, "slip": state.slip[0] });
+    let mut target = json!({ "slip": goal.end[0] });
+    if interface.tangential_directions == 2 {
+        initial["slip2"] = json!(state.slip[1]);
+        target["slip2"] = json!(goal.end[1]);
+    }
+    if state.gap.is_finite() {
+        initial["gap"] = json!(state.gap);
+    }
+    let normal = match goal.normal {
+        NormalControl::Gap => "gap",
+        NormalControl::Pressure => "p",
+    };
+    target[normal] = json!(goal.end[2]);
+    case.insert("initial".into(), initial);
+    case.insert(
+        "steps".into(),
+        json!([{ "increments": 1, "time": goal.step_time.1 - state.step_time, "target": target }]),
+    );
+    let mut case = Value::Object(case);
+    set_fields(&mut case, &state.fields, fields_at_end);
+    let arguments = &mut case["arguments"];
+    arguments["traction"] = json!([state.pressure, state.shear[0], state.shear[1]]);
+    arguments["energies"] = json!(state.energies.map(|energy| if energy.is_nan() { 0.0 } else { energy }));
+    match interface.entry {
+        InterfaceEntry::Uinter => arguments["flags"] = json!(state.flags),
+        InterfaceEntry::Fric => {
+            arguments["lm"] = json!(state.flags[0]);
+            arguments["slip"] = json!(state.inelastic_slip);
+        }
+    }
+    arguments["step_time"] = json!(interface.arguments.step_time + state.step_time);
+    if let Some(arguments) = arguments.as_object_mut() {
+        for key in ["dtime", "drdisp", "dpress", "dtemp", "dpred"] {
+            arguments.remove(key);
+        }
+    }
+    arguments["time"] = json!([interface.arguments.step_time + goal.step_time.1, goal.time_of_step + goal.step_time.1]);
+    [arguments["kstep"], arguments["kinc"], _] = counters.map(|counter| json!(counter));
+    case
+}
+
+fn named(names: &[&str; 6], components: &[usize], values: &[f64; 6]) -> Value {
+    let entries = components.iter().map(|&i| (names[i].to_owned(), json!(values[i])));
+    Value::Object(entries.collect())
+}
+
+fn rows(matrix: &nalgebra::Matrix3<f64>) -> Value {
+    json!(std::array::from_fn::<[f64; 3], 3, _>(|i| std::array::from_fn(|j| matrix[(i, j)])))
+}

@@ -1,0 +1,136 @@
+//! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
+
+use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
+use crate::program::{Controls, Program, Until};
+use umat_abi::host::{CallOutcome, NotFinite, Overrun};
+
+/// An attempt that did not succeed.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum Trouble {
+    /// Try a smaller piece: this fraction of it.
+    CutBack {
+        /// 0 < fraction < 1.
+        fraction: f64,
+        /// What to tell if no piece is small enough.
+        reason: String,
+    },
+    /// No smaller piece can help.
+    Fatal(String),
+}
+
+impl Trouble {
+    /// Judges a call of a plugin, with what it returned that is no number.
+    #[inline]
+    pub(super) fn of_call(
+        outcome: Result<CallOutcome, Overrun>,
+        not_finite: Option<NotFinite>,
+        plugin: &str,
+    ) -> Result<(), Self> {
+        match outcome {
+            Ok(CallOutcome::Done) => match not_finite {
+                None => Ok(()),
+                Some(result) => Err(Self::CutBack { fraction: 0.5, reason: format!("it returned {result}") }),
+            },
+            Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
+                fraction,
+                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction:?})"),
+            }),
+            Err(overrun) => Err(Self::Fatal(overrun.to_string())),
+        }
+    }
+}
+
+/// A point that can go from one fraction of an increment to another.
+pub(super) trait Divisible {
+    /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
+    /// Returns the number of iterations.
+    fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
+
+    /// Makes the state of the last attempt the committed one, after the observer was told of both.
+    fn commit(&mut self, observer: &mut dyn Observer);
+
+    /// The history's columns from `time` to before `iterations`, at the committed state.
+    fn fill(&self, values: &mut [f64]);
+
+    /// A case that repeats the attempt from the committed state to a fraction of the present increment.
+    fn replay(&self, program: &Program, to: f64) -> serde_json::Value;
+}
+
+/// Takes one increment of a program and records it.
+pub(super) fn take_increment(
+    point: &mut impl Divisible,
+    program: &Program,
+    place: Place,
+    step_until: Option<&Until>,
+    recorder: &mut Recorder<'_>,
+    statistics: &mut Statistics,
+) -> Result<Next, Stop> {
+    match advance(point, program.controls, recorder.observer, statistics) {
+        Ok(iterations) => {
+            statistics.increments += 1;
+            Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
+        }
+        Err(GivenUp { reason, first }) => {
+            let Place { step, increment, .. } = place;
+            let message = format!("plugin '{}', step {step}, increment {increment}: {reason}", program.plugin.name);
+            Err(Stop::Failed(Failure { step, increment, message, replay: point.replay(program, first) }))
+        }
+    }
+}
+
+/// A piece that succeeds is followed by one this much longer.
+const GROWTH: f64 = 2.0;
+/// A plugin may ask for a tiny fraction for ever: no single cut is smaller than this.
+const SMALLEST_CUT: f64 = 0.05;
+/// PNEWDT close to 1 must still shorten the piece.
+const LARGEST_CUT: f64 = 0.75;
+
+/// An increment that no piece was small enough for.
+struct GivenUp {
+    reason: String,
+    /// Where the first attempt from the committed state led, as a fraction of the increment.
+    first: f64,
+}
+
+/// Takes a whole increment. Returns the iterations of all successful pieces; on failure what is
+/// committed is the state after the last successful piece.
+fn advance(
+    point: &mut impl Divisible,
+    controls: Controls,
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<u32, GivenUp> {
+    let mut done = 0.0;
+    let mut piece = 1.0;
+    let mut first = None;
+    let mut cutbacks = 0;
+    let mut iterations = 0;
+    let smallest = 0.5_f64.powi(i32::try_from(controls.max_cutbacks).unwrap_or(i32::MAX));
+    loop {
+        let to = if done + piece >= 1.0 - 0.5 * smallest { 1.0 } else { done + piece };
+        let first_to = *first.get_or_insert(to);
+        let given_up = |reason| GivenUp { reason, first: first_to };
+        match point.attempt(done, to, statistics) {
+            Ok(count) => {
+                point.commit(observer);
+                iterations += count;
+                if to == 1.0 {
+                    return Ok(iterations);
+                }
+                piece = (to - done) * GROWTH;
+                done = to;
+                cutbacks = 0;
+                first = None;
+            }
+            Err(Trouble::Fatal(message)) => return Err(given_up(message)),
+            Err(Trouble::CutBack { fraction, reason }) => {
+                statistics.cutbacks += 1;
+                cutbacks += 1;
+                piece = (to - done) * fraction.clamp(SMALLEST_CUT, LARGEST_CUT);
+                if cutbacks > controls.max_cutbacks || piece < smallest {
+                    return Err(given_up(format!("{reason} (given up after {cutbacks} cut-backs in a row)")));
+                }
+            }
+        }
+    }
+}

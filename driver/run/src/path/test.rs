@@ -1,0 +1,279 @@
+//! Paths with closed-form answers, driven through the shipped plugins.
+
+use super::{Observer, Row, Statistics, Stop, run};
+use crate::program::*;
+use std::io;
+use std::path::PathBuf;
+use umat_abi::host::{Found, Manner, search_paths};
+
+/// Keeps every row.
+#[derive(Default)]
+struct Rows(Vec<Vec<f64>>);
+
+impl Observer for Rows {
+    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        let mut line = vec![f64::from(row.step), f64::from(row.increment)];
+        line.extend_from_slice(row.values);
+        line.push(f64::from(row.iterations));
+        self.0.push(line);
+        Ok(())
+    }
+
+    fn increment_done(&mut self, _row: Row<'_>, _so_far: Statistics) {}
+}
+
+fn plugin(name: &str, props: &[f64]) -> Plugin {
+    let found = Found::by_name(name, &search_paths(&[])).expect("plugins are built beside the tests");
+    let library = crate::isolation::load(&found.path).expect("a library");
+    let law = library.laws()[0].clone();
+    Plugin {
+        nstatv: law.states.len(),
+        cmname: name.to_uppercase(),
+        name: name.into(),
+        symbol: None,
+        props: props.to_vec(),
+        law: Some(law),
+        library,
+        manner: Manner::default(),
+    }
+}
+
+const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+
+fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> Program {
+    Program {
+        case_file: PathBuf::from("case.json"),
+        title: "test".into(),
+        description: String::new(),
+        document: serde_json::json!({ "kind": "point", "material": { "plugin": plugin.name } }),
+        plugin,
+        kind: Kind::Point(PointProgram {
+            mode,
+            nlgeom,
+            measure: Measure::Logarithmic,
+            arguments: crate::arguments::UmatArguments::default(),
+            initial: PointState {
+                strain: [0.0; 6],
+                stress: None,
+                statev: None,
+                time: 0.0,
+                deformation_gradient: IDENTITY,
+                fields: FieldValues::default(),
+            },
+            steps,
+        }),
+        characteristic_length: None,
+        until: None,
+        controls: Controls::default(),
+        output: Output { every: 1, plots: false },
+        compare: Vec::new(),
+        warnings: Vec::new(),
+        defaults: Vec::new(),
+    }
+}
+
+fn step(drive: PointDrive) -> PointStep {
+    PointStep { drive, constraints: Vec::new(), until: None, fields: StepFields::default() }
+}
+
+fn ramp(increments: usize, controls: [Control; 6]) -> PointStep {
+    step(PointDrive::Ramp { increments, time: 1.0, controls })
+}
+
+fn rows(program: &Program) -> (Vec<Vec<f64>>, Statistics) {
+    let mut rows = Rows::default();
+    let (statistics, result) = run(program, &mut rows);
+    result.unwrap_or_else(|stop| panic!("{stop:?}"));
+    (rows.0, statistics)
+}
+
+const FREE: Control = Control::FREE;
+const STRAIN: usize = 3;
+const STRESS: usize = 9;
+
+#[test]
+fn uniaxial_stress_by_mixed_control() {
+    let controls = [Control::Strain(1e-3), FREE, FREE, FREE, FREE, FREE];
+    let case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::ThreeD, false, vec![ramp(10, controls)]);
+    let (rows, statistics) = rows(&case);
+    assert_eq!(rows.len(), 11);
+    let last = rows.last().expect("rows");
+    assert!((last[STRESS] - 31.8).abs() < 1e-12);
+    assert!((last[STRAIN + 1] + 0.18e-3).abs() < 1e-15);
+    assert!(last[STRESS + 1].abs() < 1e-8);
+    assert_eq!(last[2], 1.0);
+    // the elastic tangent predicts every increment but the first exactly
+    assert!(statistics.plugin_calls <= 11, "{statistics:?}");
+}
+
+#[test]
+fn stress_control_in_every_mode_gives_hookes_law() {
+    for (mode, transverse) in [
+        (Mode::ThreeD, -0.18),
+        (Mode::PlaneStress, -0.18),
+        (Mode::Axisymmetric, -0.18),
+        (Mode::PlaneStrain, -0.18 / (1.0 - 0.18)),
+    ] {
+        let controls = [Control::Stress(3.0), FREE, FREE, FREE, FREE, FREE];
+        let case = program(plugin("linear_elastic", &[31800.0, 0.18]), mode, false, vec![ramp(3, controls)]);
+        let (rows, _) = rows(&case);
+        let last = rows.last().expect("rows");
+        assert!((last[STRESS] - 3.0).abs() < 1e-8);
+        assert!((last[STRAIN + 1] / last[STRAIN] - transverse).abs() < 1e-9, "{mode:?}");
+        assert!(last.iter().all(|x| x.is_finite()), "{mode:?}: every column is known");
+    }
+}
+
+#[test]
+fn hardening_is_followed_under_stress_control_to_the_plateau_and_refused_beyond() {
+    // 347 MPa, hardening to 400 at 2 % plastic strain, then perfect
+    let props = [210_000.0, 0.3, 347.0, 0.0, 400.0, 0.02];
+    let to = |stress| [Control::Stress(stress), FREE, FREE, FREE, FREE, FREE];
+    let case = program(plugin("j2_plasticity", &props), Mode::ThreeD, false, vec![ramp(20, to(399.0))]);
+    let last = rows(&case).0.pop().expect("rows");
+    let expected = 399.0 / 210_000.0 + 0.02 * (399.0 - 347.0) / 53.0;
+    assert!((last[STRAIN] - expected).abs() < 1e-10, "{} {expected}", last[STRAIN]);
+
+    let case = program(plugin("j2_plasticity", &props), Mode::ThreeD, false, vec![ramp(20, to(420.0))]);
+    let mut observed = Rows::default();
+    let (statistics, result) = run(&case, &mut observed);
+    let Err(Stop::Failed(failure)) = result else { panic!("{result:?}") };
+    assert!(failure.message.contains("control e11 by strain"), "{}", failure.message);
+    assert_eq!(observed.0.len() as u64, statistics.increments + 1);
+    assert_eq!(failure.increment as u64, statistics.increments + 1);
+    let attempted = failure.replay["steps"][0]["target"]["s11"].as_f64().expect("the end of the last attempt");
+    assert!((400.0..420.0).contains(&attempted), "{attempted}");
+}
+
+#[test]
+fn a_linear_relation_takes_the_place_of_a_free_component() {
+    let mut controls = [Control::Strain(-1e-3), Control::Constraint(0), FREE, FREE, FREE, FREE];
+    let relation =
+        |equals| Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals, hold: false };
+    let mut first = ramp(5, controls);
+    first.constraints = vec![relation(0.0)];
+    controls[0] = Control::HoldStrain;
+    let mut second = ramp(5, controls);
+    second.constraints = vec![relation(2.0)];
+    let case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::ThreeD, false, vec![first, second]);
+    let (rows, _) = rows(&case);
+    for row in &rows[1..=5] {
+        assert!((row[STRESS + 1] - 0.52 * row[STRESS]).abs() < 1e-7);
+    }
+    let last = rows.last().expect("rows");
+    assert!((last[STRESS + 1] - 0.52 * last[STRESS] - 2.0).abs() < 1e-7);
+    assert_eq!(last[STRAIN], -1e-3);
+}
+
+#[test]
+fn a_table_is_followed_row_by_row_and_until_ends_it() {
+    let mut controls = [FREE; 6];
+    controls[0] = Control::Strain(0.0);
+    let table: Vec<[f64; 6]> = [1e-4, 3e-4, -2e-4, 5e-4].iter().map(|&e| [e, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
+    let drive = PointDrive::Table { controls, time_increments: vec![0.5, 0.25, 1.0, 1.0], rows: table };
+    let mut case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::PlaneStress, false, vec![step(drive)]);
+    case.until = Some(Until { column: STRESS, absolute: false, greater_than: None, less_than: Some(-1.0) });
+    let (rows, _) = rows(&case);
+    assert_eq!(rows.len(), 4, "the row that passes the bound is kept, the rest is not run");
+    assert_eq!([rows[1][2], rows[2][2], rows[3][2]], [0.5, 0.75, 1.75]);
+    assert!((rows[3][STRESS] + 2e-4 * 31800.0).abs() < 1e-9);
+    assert!((rows[3][STRAIN + 2] - 0.18 * 2e-4).abs() < 1e-15, "plane stress tells e33");
+}
+
+/// A stretched point is spun rigidly: the stress rotates, nothing else changes.
+#[test]
+fn rigid_rotation_rotates_the_stress() {
+    let stretch = [[1.001, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+    let quarter_turn = [[0.0, -1.0, 0.0], [1.001, 0.0, 0.0], [0.0, 0.0, 1.0]];
+    let to = |end, increments| step(PointDrive::DeformationGradient { increments, time: 1.0, end });
+    // F = R U with R turning in many increments: a table of rotations keeps each increment rigid
+    let mut steps = vec![to(stretch, 1)];
+    let turns = 4000;
+    for k in 1..=turns {
+        let angle = std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(turns);
+        let (s, c) = angle.sin_cos();
+        steps.push(to([[1.001 * c, -s, 0.0], [1.001 * s, c, 0.0], [0.0, 0.0, 1.0]], 1));
+    }
+    let case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::ThreeD, true, steps);
+    let (rows, _) = rows(&case);
+    let (start, last) = (&rows[1], rows.last().expect("rows"));
+    for (i, j) in [(0, 1), (1, 0), (2, 2)] {
+        assert!((last[STRESS + j] - start[STRESS + i]).abs() < 1e-6 * start[STRESS]);
+        assert!((last[STRAIN + i] - start[STRAIN + i]).abs() < 1e-12, "U does not turn");
+    }
+    assert!((last[15] - quarter_turn[0][0]).abs() < 1e-12 && (last[18] - quarter_turn[1][0]).abs() < 1e-12);
+}
+
+/// Simple shear of an elastic law in rotated total strain: with Jaumann's rate σ12 = μ sin γ,
+/// σ11 = −σ22 = μ (1 − cos γ). The unrotated strain increment of ABAQUS's convention is first-order in the
+/// increment: the error must be small and halve.
+#[test]
+fn simple_shear_follows_the_jaumann_solution() {
+    let mu = 400.0;
+    let errors = [1000, 2000].map(|increments| {
+        let end = [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        let drive = PointDrive::DeformationGradient { increments, time: 1.0, end };
+        let case = program(plugin("linear_elastic", &[1000.0, 0.25]), Mode::ThreeD, true, vec![step(drive)]);
+        let last = rows(&case).0.pop().expect("rows");
+        assert!((last[STRESS + 1] + last[STRESS]).abs() < 1e-9);
+        let shear = last[STRESS + 3] - mu * 1.0_f64.sin();
+        let normal = last[STRESS] - mu * (1.0 - 1.0_f64.cos());
+        shear.hypot(normal) / mu
+    });
+    assert!(errors[0] < 1e-3, "{errors:?}");
+    assert!((errors[0] / errors[1] - 2.0).abs() < 0.01, "{errors:?}");
+}
+
+/// Beyond the peak a step to zero stress unloads; it does not follow the softening branch.
+#[test]
+fn a_step_to_zero_stress_unloads_a_softening_law() {
+    // pure_damage, table 5.1 tension: peak 3.58 MPa at 1.14e-4
+    let props = [31800.0, 0.18, 5000.0, 1.3, 2e-4];
+    for mode in [Mode::PlaneStrain, Mode::PlaneStress, Mode::ThreeD] {
+        let controls = |first| [first, FREE, FREE, FREE, FREE, FREE];
+        let steps = vec![ramp(20, controls(Control::Strain(2e-4))), ramp(10, controls(Control::Stress(0.0)))];
+        let case = program(plugin("pure_damage", &props), mode, false, steps);
+        let (rows, _) = rows(&case);
+        let (top, last) = (&rows[20], rows.last().expect("rows"));
+        assert!(last[STRAIN].abs() < 1e-12 && last[STRESS].abs() < 1e-8, "{mode:?}: back at the origin");
+        assert_eq!(last[15], top[15], "{mode:?}: eta does not grow");
+    }
+}
+
+/// A step without F that follows one with F must not rotate the tensor states again and again.
+#[test]
+fn a_step_after_a_rotation_does_not_rotate_on() {
+    let (s, c) = 0.1_f64.sin_cos();
+    let turned = [[1.01 * c, -0.99 * s, 0.0], [1.01 * s, 0.99 * c, 0.0], [0.0, 0.0, 1.0]];
+    let hold = ramp(5, [Control::HoldStrain; 6]);
+    let rotate = step(PointDrive::DeformationGradient { increments: 1, time: 1.0, end: turned });
+    let case = program(plugin("j2_plasticity", &[210_000.0, 0.3, 347.0, 0.0]), Mode::ThreeD, true, vec![rotate, hold]);
+    let (rows, statistics) = rows(&case);
+    assert_eq!(statistics.iterations, 6);
+    let plastic_shear = 15 + 9 + 4;
+    assert!(rows[1][plastic_shear].abs() > 1e-4, "the step with F yields in shear");
+    for row in &rows[2..] {
+        assert_eq!(row[plastic_shear], rows[1][plastic_shear]);
+    }
+}
+
+/// Uniaxial stress to 30 % in logarithmic strain: E ln λ and −ν ln λ as the midpoint rule has them, of second order.
+#[test]
+fn hypoelastic_stress_converges_to_the_logarithmic_law() {
+    let (modulus, ratio, strain) = (1000.0, 0.25, 0.3);
+    let errors = [10, 20, 40].map(|increments| {
+        let controls = [Control::Strain(strain), FREE, FREE, FREE, FREE, FREE];
+        let case =
+            program(plugin("linear_elastic", &[modulus, ratio]), Mode::ThreeD, true, vec![ramp(increments, controls)]);
+        let last = rows(&case).0.pop().expect("rows");
+        assert_eq!(last[STRAIN], strain);
+        let across = last[STRAIN + 1] + ratio * strain;
+        // 9 components of F follow the stresses
+        let stretch = last[STRESS + 6];
+        assert!((stretch - strain.exp()).abs() < 1e-15);
+        (last[STRESS] / modulus - strain).abs().max(across.abs())
+    });
+    let orders = [(errors[0] / errors[1]).log2(), (errors[1] / errors[2]).log2()];
+    assert!(orders.iter().all(|order| (order - 2.0).abs() < 0.05), "{errors:?}");
+    assert!(errors[2] < 2e-6, "{errors:?}");
+}

@@ -1,0 +1,555 @@
+//! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
+//! tables read. [`pullout_case`] makes it; [`super`] runs it.
+
+use crate::arguments::{ContactArguments, UmatArguments};
+use crate::input::folder_of;
+pub use fe_core::model::FieldValues;
+use std::path::{Path, PathBuf};
+use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
+use umat_abi::law::StressState;
+
+/// Names of the strain components in case files and `history.csv`.
+pub const STRAIN_NAMES: [&str; 6] = ["e11", "e22", "e33", "g12", "g13", "g23"];
+/// Names of the stress components.
+pub const STRESS_NAMES: [&str; 6] = ["s11", "s22", "s33", "s12", "s13", "s23"];
+
+/// The plugin of a case, ready to be called.
+#[derive(Clone, Debug)]
+pub struct Plugin {
+    /// The loaded library.
+    pub library: Library,
+    /// Its metadata for the law in question; `None` for a plain UMAT.
+    pub law: Option<host::Law>,
+    /// How messages and results call it: the law's name or the file's stem.
+    pub name: String,
+    /// A symbol that the case names.
+    pub symbol: Option<String>,
+    /// CMNAME or CINAME.
+    pub cmname: String,
+    /// PROPS.
+    pub props: Vec<f64>,
+    /// NSTATV.
+    pub nstatv: usize,
+    /// How its UMAT is called.
+    pub manner: Manner,
+}
+
+impl Plugin {
+    /// Plain calls of its UMAT.
+    ///
+    /// # Errors
+    /// The library has no such entry point.
+    pub fn plain_umat(&self, state: StressState) -> Result<UmatCall, LoadError> {
+        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, state, self.nstatv, &self.props)
+    }
+
+    /// A law of a library; its PROPS stay those of the metadata.
+    pub fn with_defaults(library: &Library, law: &host::Law) -> Self {
+        Self {
+            library: library.clone(),
+            name: law.name.clone(),
+            symbol: None,
+            cmname: law.name.to_uppercase(),
+            props: Vec::new(),
+            nstatv: law.states.len(),
+            law: Some(law.clone()),
+            manner: Manner::default(),
+        }
+    }
+
+    /// State that is the strain 33 of plane stress, if the law has one.
+    pub fn strain_33(&self) -> Option<usize> {
+        self.law.as_ref()?.state_index(c"strain_33")
+    }
+
+    /// Column names of the states and the derived outputs (abi: metadata names, or `sdv1`…).
+    pub fn state_names(&self) -> Vec<String> {
+        match &self.law {
+            Some(law) => {
+                let extra = (law.states.len() + 1..=self.nstatv).map(|k| format!("sdv{k}"));
+                let derived = law.derived.iter().map(|d| d.name.clone());
+                law.states.iter().map(|s| s.name.clone()).chain(extra).chain(derived).collect()
+            }
+            None => (1..=self.nstatv).map(|k| format!("sdv{k}")).collect(),
+        }
+    }
+}
+
+/// The kinematic mode of a point case.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mode {
+    /// NTENS 6.
+    ThreeD,
+    /// NTENS 4, e33 = 0.
+    PlaneStrain,
+    /// NTENS 4, 11 rr, 22 zz, 33 θθ.
+    Axisymmetric,
+    /// NTENS 3.
+    PlaneStress,
+}
+
+impl Mode {
+    /// As cases have it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::ThreeD => "3d",
+            Self::PlaneStrain => "plane_strain",
+            Self::Axisymmetric => "axisymmetric",
+            Self::PlaneStress => "plane_stress",
+        }
+    }
+
+    /// The components that the plugin sees.
+    pub fn stress_state(self) -> StressState {
+        match self {
+            Self::ThreeD => StressState::ThreeD,
+            Self::PlaneStrain | Self::Axisymmetric => StressState::PlaneStrainOrAxisymmetric,
+            Self::PlaneStress => StressState::PlaneStress,
+        }
+    }
+
+    /// Indices (of six) of the components that a case may control; the others are fixed by the mode.
+    pub fn controllable(self) -> &'static [usize] {
+        match self {
+            Self::ThreeD => &[0, 1, 2, 3, 4, 5],
+            Self::PlaneStrain | Self::PlaneStress => &[0, 1, 3],
+            Self::Axisymmetric => &[0, 1, 2, 3],
+        }
+    }
+}
+
+/// The strain and stress of steps and history at finite strain, where F = R U.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Measure {
+    /// ln U and Cauchy's stress σ.
+    #[default]
+    Logarithmic,
+    /// U − 1 (twice the shear components) and Biot's stress: the symmetric part of RᵀP with P = J σ F⁻ᵀ.
+    Nominal,
+}
+
+/// Everything a run needs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// The case file, for messages and replay cases.
+    pub case_file: PathBuf,
+    /// The case's title.
+    pub title: String,
+    /// The case's description, for the report.
+    pub description: String,
+    /// The case as JSON after `--set`, for the replay case.
+    pub document: serde_json::Value,
+    /// The plugin.
+    pub plugin: Plugin,
+    /// What is driven.
+    pub kind: Kind,
+    /// CELENT, or the contact surface's characteristic length; `None` if the case names none (hosts pass 1).
+    pub characteristic_length: Option<f64>,
+    /// Stops the run early, after any increment of any step.
+    pub until: Option<Until>,
+    /// Iteration limits.
+    pub controls: Controls,
+    /// What is written.
+    pub output: Output,
+    /// Curves to compare with.
+    pub compare: Vec<Compare>,
+    /// Things the user should know although nothing is wrong.
+    pub warnings: Vec<String>,
+    /// What the case leaves to defaults, a line for each place.
+    pub defaults: Vec<String>,
+}
+
+/// What is driven.
+#[derive(Clone, Debug)]
+pub enum Kind {
+    /// A material point through UMAT.
+    Point(PointProgram),
+    /// A contact point through UINTER or FRIC.
+    Interface(InterfaceProgram),
+}
+
+/// A material point along a path.
+#[derive(Clone, Debug)]
+pub struct PointProgram {
+    /// Kinematic mode.
+    pub mode: Mode,
+    /// Finite strain: DFGRD0, DFGRD1, DROT; STRAN and STRESS rotated.
+    pub nlgeom: bool,
+    /// What strains and stresses of the steps and of the history are at finite strain.
+    pub measure: Measure,
+    /// The state before the first step.
+    pub initial: PointState,
+    /// What the path leaves open.
+    pub arguments: UmatArguments,
+    /// Steps in order, cycles expanded.
+    pub steps: Vec<PointStep>,
+}
+
+/// Initial values of a material point.
+#[derive(Clone, Debug)]
+pub struct PointState {
+    /// STRAN, six components, engineering shear.
+    pub strain: [f64; 6],
+    /// STRESS, MPa: Cauchy's at finite strain; `None`: what the library's SIGINI says, or zeros.
+    pub stress: Option<Box<[f64; 6]>>,
+    /// STATEV, NSTATV values; `None`: what the library's SDVINI says, or zeros.
+    pub statev: Option<Vec<f64>>,
+    /// Total time.
+    pub time: f64,
+    /// Deformation gradient, row by row.
+    pub deformation_gradient: [[f64; 3]; 3],
+    /// Temperature and field variables, of which there may be none.
+    pub fields: FieldValues,
+}
+
+/// One step of a material point.
+#[derive(Clone, Debug)]
+pub struct PointStep {
+    /// How it is driven.
+    pub drive: PointDrive,
+    /// Linear relations, each in place of one stress-free component ([`Control::Constraint`]).
+    pub constraints: Vec<Constraint>,
+    /// Ends this step early.
+    pub until: Option<Until>,
+    /// Temperature and field variables.
+    pub fields: StepFields,
+}
+
+/// Why a step is not taken whose s11 and e11 would belong to different directions.
+pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so that strains along its directions and Cauchy \
+                      stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
+                      or take \"measure\": \"nominal\", whose stresses turn with the material";
+
+impl PointStep {
+    /// Whether it controls strains of some of these components, and stresses of others.
+    pub fn mixes_strain_and_stress(&self, components: &[usize]) -> bool {
+        let (PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. }) = &self.drive else {
+            return false;
+        };
+        let (mut strain, mut stress) = (false, false);
+        for &i in components {
+            match controls[i] {
+                Control::Strain(_) | Control::HoldStrain => strain = true,
+                Control::Stress(_) | Control::HoldStress => stress = true,
+                Control::Constraint(k) => {
+                    strain |= self.constraints[k].strain.iter().any(|coefficient| *coefficient != 0.0);
+                    stress |= self.constraints[k].stress.iter().any(|coefficient| *coefficient != 0.0);
+                }
+            }
+        }
+        strain && stress
+    }
+}
+
+/// How a step is driven.
+#[derive(Clone, Debug)]
+pub enum PointDrive {
+    /// Controlled components ramp linearly to their end values.
+    Ramp {
+        /// Number of increments, ≥ 1.
+        increments: usize,
+        /// Duration.
+        time: f64,
+        /// Of each of the six components; those that the mode fixes are ignored.
+        controls: [Control; 6],
+    },
+    /// One increment per row.
+    Table {
+        /// Which quantity of each component the rows hold ([`Control::Strain`]/[`Control::Stress`] with any value:
+        /// the row's value counts; `FREE` for components without a column).
+        controls: [Control; 6],
+        /// Time increments.
+        time_increments: Vec<f64>,
+        /// End-of-increment values of each row, by component; unused entries 0.
+        rows: Vec<[f64; 6]>,
+    },
+    /// The deformation gradient ramps linearly to this one (row by row).
+    DeformationGradient {
+        /// Number of increments, ≥ 1.
+        increments: usize,
+        /// Duration.
+        time: f64,
+        /// End value.
+        end: [[f64; 3]; 3],
+    },
+}
+
+/// Where temperature and field variables go in a step: linearly to the values at its end, or from row to row of its table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StepFields {
+    /// Temperature at the end (`None`: unchanged).
+    pub temperature: Option<f64>,
+    /// Field variables at the end (`None`: unchanged).
+    pub predef: Option<Vec<f64>>,
+    /// Column of the temperature at the end of each row.
+    pub temperatures: Option<Vec<f64>>,
+    /// Of each field variable, likewise; empty: without a table.
+    pub predefs: Vec<Option<Vec<f64>>>,
+}
+
+impl StepFields {
+    /// Sets the values at the start and at the end of increment `index` (from 0) of `count`. `first`: those at the start
+    /// of the step; `present`: those before the increment.
+    pub fn set_increment(
+        &self,
+        first: &FieldValues,
+        present: &FieldValues,
+        [index, count]: [usize; 2],
+        increment: &mut [FieldValues; 2],
+    ) {
+        for (k, values) in increment.iter_mut().enumerate() {
+            let fraction = if index + k == count { 1.0 } else { (index + k) as f64 / count as f64 };
+            values.temperature = lerp(first.temperature, self.temperature.unwrap_or(first.temperature), fraction);
+            values.variables.clone_from(&first.variables);
+            for (value, end) in values.variables.iter_mut().zip(self.predef.iter().flatten()) {
+                *value = lerp(*value, *end, fraction);
+            }
+        }
+        let [start, end] = increment;
+        if let Some(column) = &self.temperatures {
+            (start.temperature, end.temperature) = (present.temperature, column[index]);
+        }
+        for (k, column) in self.predefs.iter().enumerate() {
+            if let Some(column) = column {
+                (start.variables[k], end.variables[k]) = (present.variables[k], column[index]);
+            }
+        }
+    }
+}
+
+/// What determines a component.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Control {
+    /// The strain ends at this value.
+    Strain(f64),
+    /// The strain stays as it is at the start of the step.
+    HoldStrain,
+    /// The stress ends at this value.
+    Stress(f64),
+    /// The stress stays as it is at the start of the step.
+    HoldStress,
+    /// Constraint number k of the step takes the place of "stress-free".
+    Constraint(usize),
+}
+
+impl Control {
+    /// Named by nothing: stress-free.
+    pub const FREE: Self = Self::Stress(0.0);
+}
+
+/// Σ strain_i ε_i + Σ stress_i σ_i = equals, reached linearly from the present value of the left side.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Constraint {
+    /// Coefficients of the strain components.
+    pub strain: [f64; 6],
+    /// Coefficients of the stress components.
+    pub stress: [f64; 6],
+    /// Right side at the end of the step.
+    pub equals: f64,
+    /// The right side stays what the left side is at the start of the step, whatever `equals`.
+    pub hold: bool,
+}
+
+/// A contact point along a path.
+#[derive(Clone, Debug)]
+pub struct InterfaceProgram {
+    /// Which entry point is called.
+    pub entry: InterfaceEntry,
+    /// Tangential directions, 1 or 2 (2 if the case controls `slip2`).
+    pub tangential_directions: usize,
+    /// STATEV at the start.
+    pub initial_statev: Vec<f64>,
+    /// What the path leaves open.
+    pub arguments: ContactArguments,
+    /// Total time at the start.
+    pub initial_time: f64,
+    /// \[slip, slip2, gap\] and p at the start (gap > 0 open).
+    pub initial_displacement: [f64; 3],
+    /// Temperature and field variables at the start.
+    pub initial_fields: FieldValues,
+    /// Steps in order, cycles expanded.
+    pub steps: Vec<InterfaceStep>,
+}
+
+/// UINTER or FRIC.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InterfaceEntry {
+    /// Normal and tangential tractions from the plugin.
+    Uinter,
+    /// Tangential traction; the pressure is prescribed.
+    Fric,
+}
+
+/// One step of a contact point. Values: \[slip, slip2, normal\].
+#[derive(Clone, Debug)]
+pub struct InterfaceStep {
+    /// Whether the normal value is a gap (> 0 open) or a pressure (> 0 compression).
+    pub normal: NormalControl,
+    /// End values or rows.
+    pub drive: InterfaceDrive,
+    /// Ends this step early.
+    pub until: Option<Until>,
+    /// Temperature and field variables.
+    pub fields: StepFields,
+}
+
+/// What the normal value of an interface step means.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NormalControl {
+    /// mm, > 0 open.
+    Gap,
+    /// MPa, > 0 compression.
+    Pressure,
+}
+
+/// How an interface step is driven.
+#[derive(Clone, Debug)]
+pub enum InterfaceDrive {
+    /// Values ramp linearly to these; `None` holds a value.
+    Ramp {
+        /// Number of increments, ≥ 1.
+        increments: usize,
+        /// Duration.
+        time: f64,
+        /// \[slip, slip2, normal\].
+        end: [Option<f64>; 3],
+    },
+    /// One increment per row; `None`: no column, the value is held.
+    Table {
+        /// Time increments.
+        time_increments: Vec<f64>,
+        /// \[slip, slip2, normal\] of each row.
+        rows: Vec<[Option<f64>; 3]>,
+    },
+}
+
+/// Ends a step or a run when a column of the history passes a bound.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Until {
+    /// Index among the history's columns.
+    pub column: usize,
+    /// Compare its absolute value.
+    pub absolute: bool,
+    /// Stop above this.
+    pub greater_than: Option<f64>,
+    /// Stop below this.
+    pub less_than: Option<f64>,
+}
+
+/// Iteration limits.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Controls {
+    /// Newton iterations per increment.
+    pub max_iterations: u32,
+    /// Halvings of an increment.
+    pub max_cutbacks: u32,
+}
+
+impl Default for Controls {
+    fn default() -> Self {
+        Self { max_iterations: 25, max_cutbacks: 12 }
+    }
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Output {
+    /// Every n-th increment (and the last of each step and of the run) goes to the history.
+    pub every: usize,
+    /// Draw plots and the report.
+    pub plots: bool,
+}
+
+/// A curve from a file to draw and to compare with.
+#[derive(Clone, Debug)]
+pub struct Compare {
+    /// As the case names it.
+    pub file: String,
+    /// The points of the file (before scaling).
+    pub points: Vec<(f64, f64)>,
+    /// Name of the file's x column.
+    pub file_x: String,
+    /// Name of the file's y column.
+    pub file_y: String,
+    /// Index among the history's columns.
+    pub x: usize,
+    /// Index among the history's columns.
+    pub y: usize,
+    /// file x · `scale_x` is compared with the history's x.
+    pub scale_x: f64,
+    /// file y · `scale_y` is compared with the history's y.
+    pub scale_y: f64,
+    /// Label of the curve.
+    pub label: String,
+}
+
+/// The history's columns of a material point, in the order of the CSV (docs/reference/result-folder.md).
+pub fn point_columns(nlgeom: bool, plugin: &Plugin) -> Vec<String> {
+    let mut columns: Vec<String> = ["step", "increment", "time"].map(String::from).to_vec();
+    columns.extend(STRAIN_NAMES.iter().chain(&STRESS_NAMES).map(ToString::to_string));
+    if nlgeom {
+        for row in 1..=3 {
+            columns.extend((1..=3).map(|column| format!("F{row}{column}")));
+        }
+    }
+    columns.extend(plugin.state_names());
+    columns.extend(["sse", "spd", "scd", "iterations"].map(String::from));
+    columns
+}
+
+/// The history's columns of a contact point.
+pub fn interface_columns(tangential_directions: usize, plugin: &Plugin) -> Vec<String> {
+    let mut columns: Vec<String> = ["step", "increment", "time", "slip"].map(String::from).to_vec();
+    if tangential_directions == 2 {
+        columns.push("slip2".into());
+    }
+    columns.extend(["gap", "tau"].map(String::from));
+    if tangential_directions == 2 {
+        columns.push("tau2".into());
+    }
+    columns.push("p".into());
+    columns.extend(plugin.state_names());
+    columns.extend(["sed", "sfd", "spd", "svd", "scd", "iterations"].map(String::from));
+    columns
+}
+
+impl Program {
+    /// The history's columns, in the order of the CSV.
+    pub fn columns(&self) -> Vec<String> {
+        match &self.kind {
+            Kind::Point(point) => point_columns(point.nlgeom, &self.plugin),
+            Kind::Interface(interface) => interface_columns(interface.tangential_directions, &self.plugin),
+        }
+    }
+}
+
+impl Until {
+    /// Whether the bound is passed in a row whose columns are `place` (step, increment), `values`, iterations.
+    pub(crate) fn reached(&self, place: &[f64], values: &[f64], iterations: u32) -> bool {
+        let column = self.column;
+        let value = if column < place.len() {
+            place[column]
+        } else {
+            values.get(column - place.len()).copied().unwrap_or(f64::from(iterations))
+        };
+        let value = if self.absolute { value.abs() } else { value };
+        self.greater_than.is_some_and(|bound| value > bound) || self.less_than.is_some_and(|bound| value < bound)
+    }
+}
+
+/// Between two values; exact at both ends.
+pub(crate) fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
+    match fraction {
+        0.0 => from,
+        1.0 => to,
+        _ => from + fraction * (to - from),
+    }
+}
+
+/// The folder that GETOUTDIR answers: as in ABAQUS the one from which the job is submitted, so that what a UMAT reads lies
+/// beside the case. A replay, which lies elsewhere, names its original's.
+pub fn job_folder(path: &Path, document: &serde_json::Value) -> PathBuf {
+    let mut folder = Path::new(".").join(folder_of(path));
+    folder.extend(document["job_folder"].as_str());
+    std::path::absolute(&folder).unwrap_or(folder)
+}

@@ -1,0 +1,19 @@
+//! Specimens in two dimensions: what a case asks for, checked and resolved, its run, and what it leaves behind besides
+//! the history.
+
+pub mod checkpoint;
+mod crack_band;
+pub mod fibre;
+mod fields;
+mod findings;
+mod overlap;
+mod peak;
+mod program;
+mod recorder;
+mod replay;
+
+pub use findings::{Failure, Findings, Place};
+pub use overlap::Overlap;
+pub use peak::PeakLoad;
+pub use program::{COLUMNS, Output, Program};
+pub use recorder::{Outcome, State, run};

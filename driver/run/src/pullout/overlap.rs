@@ -1,0 +1,92 @@
+//! How far deformed bodies lie in each other at the greatest load and at the end of a run.
+
+use super::{Findings, Program};
+use crate::number::significant;
+use fe_core::mesh::ElementEdge;
+use fe_core::model::Model;
+use serde::{Deserialize, Serialize};
+
+/// A part of the length that overlaps are compared with, up to which there is no warning.
+const LARGE_OVERLAP: f64 = 0.01;
+
+/// The deepest overlap of one state.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Overlap {
+    /// How deep a point of a boundary lies in a body, mm.
+    pub depth: f64,
+    /// Where it was then, mm.
+    pub position: [f64; 2],
+    /// The part that it belongs to.
+    pub part: String,
+    /// The part that it lies in; may be its own.
+    pub inside: String,
+}
+
+impl Overlap {
+    /// Of a model whose nodes have these displacements, without what was released; `None` where nothing overlaps.
+    fn of(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Self> {
+        let mesh = &model.mesh;
+        let behind = model.parts_behind();
+        let is_left_out =
+            |element: usize| behind.contains(&mesh.elements()[element].part()) || spalled.contains(&element);
+        let found = mesh.overlap(displacements, is_left_out)?;
+        let name = |part: usize| mesh.parts()[part].name.clone();
+        let (part, inside) = (name(found.part), name(found.inside));
+        Some(Self { depth: found.depth, position: found.position, part, inside })
+    }
+}
+
+/// Measures overlaps at the peak, if there was one, and at the end, by displacements and the elements that had been released.
+/// Returns a warning of a large one.
+pub fn measure(
+    program: &Program,
+    peak: Option<(&[f64], &[usize])>,
+    end: (&[f64], &[usize]),
+    findings: &mut Findings,
+) -> Option<String> {
+    let states = [("peak", peak), ("end", Some(end))];
+    for (when, state) in states {
+        let overlap = state.and_then(|state| Overlap::of(&program.model, state));
+        findings.overlaps.extend(overlap.map(|overlap| (when.to_owned(), overlap)));
+    }
+    let depth = |(_, overlap): &(&String, &Overlap)| overlap.depth;
+    let (when, deepest) = findings.overlaps.iter().max_by(|a, b| depth(a).total_cmp(&depth(b)))?;
+    let (length, whose) = reference(program)?;
+    findings.overlap_max = deepest.depth;
+    findings.overlap_relative = deepest.depth / length;
+    if findings.overlap_relative <= LARGE_OVERLAP {
+        return None;
+    }
+    let Overlap { depth, position: [x, y], part, inside } = deepest;
+    let what = if part == inside {
+        format!("part '{part}' lies in itself")
+    } else {
+        format!("part '{part}' lies in part '{inside}'")
+    };
+    let when = if when == "peak" { "greatest load" } else { "end" };
+    Some(format!(
+        "bodies overlap: at the {when} {what} by {} mm, {} % of {whose}, at ({}, {}): no contact pair keeps them apart \
+         there, or an edge of one turned",
+        significant(*depth, 3),
+        significant(100.0 * findings.overlap_relative, 3),
+        significant(*x, 4),
+        significant(*y, 4)
+    ))
+}
+
+/// The length that overlaps are compared with, mm, and its name.
+fn reference(program: &Program) -> Option<(f64, &'static str)> {
+    if let Some(diameter) = program.fibre_diameter {
+        return Some((diameter, "the fibre's diameter"));
+    }
+    let Model { mesh, contacts, .. } = &program.model;
+    let length = |edge: ElementEdge| {
+        let [start, end] = [0, 1].map(|k| mesh.nodes()[mesh.edge_nodes(edge).nodes()[k]]);
+        (end[0] - start[0]).hypot(end[1] - start[1])
+    };
+    let surfaces = contacts.iter().flat_map(|pair| pair.slave.iter().chain(&pair.master)).copied();
+    let of_contact = surfaces.map(length).reduce(f64::min).map(|least| (least, "the shortest edge in contact"));
+    let of_boundary =
+        || mesh.boundary_edges().map(length).reduce(f64::min).map(|least| (least, "the shortest outer edge"));
+    of_contact.or_else(of_boundary)
+}

@@ -1,0 +1,455 @@
+//! Runs a model, and turns its records into rows of the history.
+
+use super::checkpoint::{Checkpoints, Saved};
+use super::fields::{FieldWriter, WrittenFields};
+use super::findings::{self, Findings};
+use super::peak::{KeptPeak, PeakKeeper};
+use super::{COLUMNS, Program, crack_band, overlap, replay};
+use crate::number::significant;
+use crate::path::{self, Failure, Row, Statistics, Stop};
+use crate::program::Until;
+use fe_core::model::{Model, Step, StepControl};
+use fe_core::output::Fields;
+use fe_core::stepping::{
+    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, Snapshot,
+};
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+#[cfg(test)]
+pub(super) mod test;
+
+/// Columns before the values of a [`Row`]: step and increment.
+const LEADING_COLUMNS: usize = 2;
+/// Values of a [`Row`]: the columns but step, increment and iterations.
+const VALUES: usize = COLUMNS.len() - LEADING_COLUMNS - 1;
+/// A step is at its end within this part of its duration: increments add up with rounding.
+const END_TOLERANCE: f64 = 1e-9;
+
+/// What a run gives: what it cost, how it ended, what it found, and the states that pictures show.
+#[derive(Debug)]
+pub struct Outcome<'p> {
+    /// What it cost.
+    pub statistics: Statistics,
+    /// How it ended. Rows that were observed stay valid.
+    pub result: Result<(), Stop>,
+    /// What it says besides its history.
+    pub findings: Findings,
+    /// The state at the greatest load, if the run went on from there and pictures are wanted.
+    pub peak: Option<State<'p>>,
+    /// The state at the end, if pictures are wanted and anything was computed.
+    pub end: Option<State<'p>>,
+}
+
+impl Outcome<'_> {
+    fn stopped(stop: Stop) -> Self {
+        Self {
+            statistics: Statistics::default(),
+            result: Err(stop),
+            findings: Findings::default(),
+            peak: None,
+            end: None,
+        }
+    }
+}
+
+/// A state that pictures show.
+#[derive(Debug)]
+pub struct State<'p> {
+    /// Slip, mm.
+    pub slip: f64,
+    /// Load, N.
+    pub load: f64,
+    /// The fields.
+    pub fields: Fields<'p>,
+}
+
+/// Runs a program to its end, to an `until`, or to a failure; fields and checkpoints go to `folder`.
+pub fn run<'p>(
+    program: &'p Program,
+    folder: &Path,
+    checkpoints: &Checkpoints,
+    observer: &mut dyn path::Observer,
+) -> Outcome<'p> {
+    let model = &program.model;
+    let from = checkpoints.from.as_deref();
+    let start = Instant::now();
+    let analysis = from.map_or_else(|| Analysis::new(model), |saved| Analysis::resume(model, &saved.analysis));
+    let mut analysis = match analysis {
+        Ok(analysis) => analysis,
+        Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
+    };
+    analysis.set_threads(program.threads.clone());
+    if let Some(every) = checkpoints.every {
+        analysis.checkpoint_every(every);
+    }
+    let set_up = start.elapsed();
+    let written = from.and_then(|saved| saved.recorder.fields.as_ref());
+    let writer = || match written {
+        Some(written) => FieldWriter::resume(folder, model, written),
+        None => FieldWriter::create(folder, model, checkpoints.every.is_some()),
+    };
+    let fields = match program.output.fields_every.map(|_| writer()).transpose() {
+        Ok(fields) => fields,
+        Err(error) => return Outcome::stopped(Stop::Write(error)),
+    };
+    let mut recorder = Recorder::new(program, observer, fields);
+    recorder.destination = checkpoints.every.map(|_| (folder.to_owned(), checkpoints));
+    if let Some(saved) = from {
+        recorder.resume(saved.recorder.clone());
+    }
+    let start = Instant::now();
+    let ended = analysis.run(&mut recorder);
+    let snapshot = analysis.snapshot();
+    let mut findings = Findings { failure: ended.as_ref().err().and_then(failure_of), ..Findings::default() };
+    let ended = ended.map_err(|error| match error {
+        RunError::Failed { step, increment, ref trouble, .. } => {
+            failure(step, increment, error.to_string(), replay::of(program, trouble, &snapshot))
+        }
+        RunError::Write(error) => Stop::Write(error),
+    });
+    let result = recorder.finish(&snapshot).map_err(Stop::Write).and(ended);
+    analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
+        recorder.observer.warn(remark);
+    });
+    findings.stabilisation_share = analysis.stabilisation_share();
+    if findings.stabilisation_share > LARGE_STABILISATION {
+        recorder.observer.warn(format!(
+            "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result (a shorter relaxation_time or smaller \
+             increments take less)",
+            100.0 * findings.stabilisation_share
+        ));
+    }
+    let spalled = snapshot.solids().spalled();
+    let (at_peak, at_end) = (recorder.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
+    if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
+        recorder.observer.warn(warning);
+    }
+    for warning in crack_band::warnings(model, snapshot.solids()) {
+        recorder.observer.warn(warning);
+    }
+    let elapsed = start.elapsed();
+    let done = analysis.statistics();
+    let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;
+    let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
+    findings.peak_load = peak.peak();
+    findings.energy_error_max = energy_error;
+    findings.initial_displacement = initial_displacement;
+    findings.energies = findings::energies(&energies);
+    findings.statistics = findings::statistics(&analysis);
+    findings.times = findings::times(set_up, elapsed.saturating_sub(writing), &analysis.times(), writing);
+    let pairs = model.contacts.iter().map(|pair| pair.name.clone());
+    findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
+    let [_, slip, load, ..] = present.values;
+    let end = || State { slip, load, fields: Fields::of(&snapshot).kept(&model.mesh) };
+    let goes_on = |state: &State<'_>| state.fields.time < snapshot.time();
+    Outcome {
+        statistics: Statistics {
+            increments: done.increments,
+            iterations: done.iterations,
+            plugin_calls: snapshot.solids().counters().umat_calls + snapshot.contact().law_calls(),
+            cutbacks: done.cutbacks,
+        },
+        result,
+        findings,
+        peak: peak.into_state().filter(goes_on),
+        end: program.output.plots.then(end),
+    }
+}
+
+/// What users should know of energies that miss the work by more than increments are chosen for.
+fn imbalance(model: &Model, error: f64) -> Option<String> {
+    // what temperature and fields do is no work of the drives
+    if error <= ENERGY_BUDGET || model.fields.change() {
+        return None;
+    }
+    let is_equal = |step: &Step| matches!(step.control, StepControl::Fixed { .. });
+    let advice = if model.steps.iter().any(is_equal) {
+        "; the work of equal increments is a sum of trapezoids, which more of them, or increments that the program chooses \
+         (no number), make exact"
+    } else {
+        ""
+    };
+    Some(format!(
+        "the energies miss the work of the drives by up to {} % of it, more than {} %{advice}",
+        significant(100.0 * error, 2),
+        100.0 * ENERGY_BUDGET
+    ))
+}
+
+fn failure(step: u32, increment: u32, message: String, replay: Value) -> Stop {
+    Stop::Failed(Failure { step, increment, message, replay })
+}
+
+fn failure_of(error: &RunError) -> Option<findings::Failure> {
+    match error {
+        RunError::Failed { step, increment, progress, trouble } => Some(findings::Failure {
+            step: *step,
+            increment: *increment,
+            progress: *progress,
+            place: (&trouble.place).into(),
+            reason: trouble.reason.clone(),
+        }),
+        RunError::Write(_) => None,
+    }
+}
+
+/// A part of the work that stabilisation may take without a warning.
+const LARGE_STABILISATION: f64 = 0.01;
+
+/// Which increments are written, and when a step or the run ends early.
+struct Recorder<'p, 'o> {
+    program: &'p Program,
+    observer: &'o mut dyn path::Observer,
+    fields: Option<FieldWriter>,
+    peak: PeakKeeper<'p>,
+    present: Present,
+    energies: Energies,
+    /// What finished increments cost, but for calls of plugins and attempts that were given up.
+    so_far: Statistics,
+    /// The greatest energy error so far.
+    energy_error: f64,
+    /// By how much an initial stress moved the specimen, mm.
+    initial_displacement: Option<f64>,
+    /// Total time at the start of the present step.
+    step_start: f64,
+    /// Where checkpoints go, and whose they are.
+    destination: Option<(PathBuf, &'o Checkpoints)>,
+}
+
+/// What a recorder needs to go on.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(super) struct RecorderState {
+    pub(super) fields: Option<WrittenFields>,
+    peak: KeptPeak,
+    present: Present,
+    energies: Energies,
+    so_far: Statistics,
+    energy_error: f64,
+    step_start: f64,
+}
+
+impl RecorderState {
+    /// Whether a run of this program can have come to it.
+    pub(super) fn fits(&self, program: &Program) -> bool {
+        let Self { fields, peak, present: _, energies, so_far, energy_error, step_start } = self;
+        fields.is_some() == program.output.fields_every.is_some()
+            && fields.as_ref().is_none_or(WrittenFields::is_sound)
+            && peak.fits(&program.model.mesh)
+            && energies.is_finite()
+            && so_far.counts_on()
+            && energy_error.is_finite()
+            && step_start.is_finite()
+    }
+}
+
+/// The last row, and whether it was written.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Present {
+    step: u32,
+    increment: u32,
+    values: [f64; VALUES],
+    iterations: u32,
+    written: bool,
+}
+
+impl Present {
+    fn row(&self) -> Row<'_> {
+        Row { step: self.step, increment: self.increment, values: &self.values, iterations: self.iterations }
+    }
+
+    fn time(&self) -> f64 {
+        self.values[0]
+    }
+
+    fn has_reached(&self, until: Option<&Until>) -> bool {
+        let place = [f64::from(self.step), f64::from(self.increment)];
+        until.is_some_and(|until| until.reached(&place, &self.values, self.iterations))
+    }
+}
+
+impl<'p, 'o> Recorder<'p, 'o> {
+    fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
+        let present = Present { step: 0, increment: 0, values: [0.0; VALUES], iterations: 0, written: true };
+        let peak = PeakKeeper::new(program.output.plots.then_some(&program.model.mesh));
+        Self {
+            program,
+            observer,
+            fields,
+            peak,
+            present,
+            energies: Energies::default(),
+            so_far: Statistics::default(),
+            energy_error: 0.0,
+            initial_displacement: None,
+            step_start: 0.0,
+            destination: None,
+        }
+    }
+
+    /// Goes on where another recorder was.
+    fn resume(&mut self, state: RecorderState) {
+        let RecorderState { fields: _, peak, present, energies, so_far, energy_error, step_start } = state;
+        self.peak = PeakKeeper::resumed(self.program.output.plots.then_some(&self.program.model.mesh), peak);
+        (self.present, self.energies, self.so_far) = (present, energies, so_far);
+        (self.energy_error, self.step_start) = (energy_error, step_start);
+    }
+
+    fn state(&self) -> RecorderState {
+        RecorderState {
+            fields: self.fields.as_ref().map(FieldWriter::written),
+            peak: self.peak.kept(),
+            present: self.present.clone(),
+            energies: self.energies,
+            so_far: self.so_far,
+            energy_error: self.energy_error,
+            step_start: self.step_start,
+        }
+    }
+
+    /// Writes the last row and the last fields if they were not due: a run that fails keeps all that it reached.
+    fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
+        self.finish_history()?;
+        self.fields.as_mut().map_or(Ok(()), |fields| fields.finish(snapshot))
+    }
+
+    fn finish_history(&mut self) -> io::Result<()> {
+        if self.present.written { Ok(()) } else { self.observer.row(self.present.row()) }
+    }
+
+    fn directive(&self) -> Directive {
+        let step = (self.present.step as usize).checked_sub(1);
+        let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
+        if self.observer.ends_here() || self.present.has_reached(self.program.until.as_ref()) {
+            Directive::EndRun
+        } else if self.present.has_reached(step_until) {
+            Directive::EndStep
+        } else {
+            Directive::GoOn
+        }
+    }
+
+    /// Whether the present step ends with the present row.
+    fn is_at_end_of_step(&self) -> bool {
+        let step = (self.present.step as usize).checked_sub(1).and_then(|step| self.program.model.steps.get(step));
+        step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
+    }
+
+    /// Whether the present row is the last of its step or run, or its turn has come.
+    fn is_due(&self, directive: Directive, every: usize) -> bool {
+        directive != Directive::GoOn
+            || self.is_at_end_of_step()
+            || (self.present.increment as usize).is_multiple_of(every)
+    }
+
+    /// Takes an increment down; says how the run goes on.
+    fn accept(&mut self, record: &Record) -> io::Result<Directive> {
+        if record.step != self.present.step {
+            self.step_start = self.present.time();
+        }
+        self.energies = record.energies;
+        self.energy_error = self.energy_error.max(record.energy_error.abs());
+        self.present = Present {
+            step: record.step,
+            increment: record.increment,
+            values: values(record),
+            iterations: u32::try_from(record.iterations.len()).unwrap_or(u32::MAX),
+            written: false,
+        };
+        if record.step == 0 {
+            self.present.written = true;
+            self.observer.row(self.present.row())?;
+            return Ok(Directive::GoOn);
+        }
+        let directive = self.directive();
+        if self.is_due(directive, self.program.output.every) {
+            self.present.written = true;
+            self.observer.row(self.present.row())?;
+        }
+        self.so_far.increments += 1;
+        self.so_far.iterations += u64::from(self.present.iterations);
+        self.so_far.cutbacks += u64::from(record.cutbacks);
+        self.observer.increment_done(self.present.row(), self.so_far);
+        Ok(directive)
+    }
+}
+
+impl Observer for Recorder<'_, '_> {
+    fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
+        if record.step == 0 {
+            self.initial_displacement = initial_displacement(snapshot);
+        }
+        let directive = self.accept(record)?;
+        self.peak.observe(record, snapshot);
+        if let Some(every) = self.program.output.fields_every
+            && self.is_due(directive, every)
+            && let Some(fields) = &mut self.fields
+        {
+            fields.write(snapshot)?;
+        }
+        Ok(directive)
+    }
+
+    fn checkpoint(&mut self, checkpoint: &Checkpoint) -> io::Result<()> {
+        let Some((folder, checkpoints)) = &self.destination else { return Ok(()) };
+        let saved = Saved { analysis: checkpoint.clone(), recorder: self.state(), observer: self.observer.state() };
+        checkpoints.write(folder, &saved)
+    }
+}
+
+/// The greatest displacement, mm, if there is an initial stress and it moved anything but by rounding.
+fn initial_displacement(snapshot: &Snapshot<'_>) -> Option<f64> {
+    /// Part of the specimen's size.
+    const ROUNDING: f64 = 1e-9;
+    let model = snapshot.model();
+    if !model.has_initial_stress() {
+        return None;
+    }
+    let greatest =
+        |values: &mut dyn Iterator<Item = f64>| values.fold(0.0, |greatest: f64, value| greatest.max(value.abs()));
+    let size = greatest(&mut model.mesh.nodes().iter().flatten().copied());
+    let moved = greatest(&mut snapshot.displacements().iter().copied());
+    (moved > ROUNDING * size).then_some(moved)
+}
+
+/// In the order of [`COLUMNS`].
+fn values(record: &Record) -> [f64; VALUES] {
+    let energies = &record.energies;
+    let count = |count: usize| count as f64;
+    [
+        record.time,
+        record.slip,
+        record.load,
+        record.load_lateral,
+        record.load_axial,
+        record.load_shear,
+        record.slip_exit,
+        record.slip_tail,
+        energies.external_work,
+        energies.elastic,
+        energies.plastic,
+        energies.damage,
+        energies.interface,
+        energies.interface_stored,
+        energies.interface_dissipation(),
+        energies.opening,
+        energies.stabilisation,
+        energies.spalled,
+        record.energy_error,
+        count(record.counts.damaged),
+        count(record.counts.yielding),
+        count(record.counts.sticking),
+        count(record.counts.slipping),
+        count(record.counts.open),
+        count(record.counts.released),
+        record.damaged_volume,
+        record.spalled_volume,
+        record.spalled_depth,
+        record.separation_length,
+        record.greatest_bearing_pressure,
+        f64::from(record.cutbacks),
+    ]
+}

@@ -1,0 +1,202 @@
+//! Runs what has to be run, each in a process of its own, so many at a time.
+
+use super::{Run, Study};
+use pullout_report::directory::{Kind, ResultDirectory};
+use pullout_report::summary::{Status, Summary};
+use pullout_run::input::{self, Input};
+use pullout_run::isolation;
+use pullout_run::signals;
+use serde::{Deserialize, Serialize};
+use std::fs;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+use wait_timeout::ChildExt;
+
+/// File in a result directory that says which case it is of.
+const MARK: &str = "run.json";
+/// File in a result directory with what the run printed, if it printed anything.
+const PRINTED: &str = "output.txt";
+
+/// Time between two looks at signals.
+const POLL: Duration = Duration::from_millis(50);
+
+/// How a study is executed.
+#[derive(Clone, Debug)]
+pub struct Execution<'a> {
+    /// The study's directory.
+    pub out: &'a Path,
+    /// Most processes at a time.
+    pub jobs: usize,
+    /// Threads of each.
+    pub threads: usize,
+    /// Folders of plugins.
+    pub plugin_paths: &'a [PathBuf],
+    /// SERIES, SERIES/LABEL or */LABEL: these are run in any case and no others; empty: all, as far as it is needed.
+    pub only: &'a [String],
+    /// Run again what is done already.
+    pub force: bool,
+    /// Replace what stands in the way in result directories.
+    pub overwrite: bool,
+    /// Nobody has looked at the study and its cases.
+    pub is_untrusted: bool,
+}
+
+/// What became of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum State {
+    /// It was run; its exit code.
+    Ran(u8),
+    /// Its results were there.
+    Kept,
+    /// It has no results, because others were asked for.
+    NotRun,
+}
+
+/// What is left in a result directory when the run is over.
+#[derive(Debug, Serialize, Deserialize)]
+struct Mark {
+    /// What `pullout run` was called with.
+    arguments: Vec<String>,
+    /// Of everything that the results depend on.
+    fingerprint: String,
+}
+
+impl Execution<'_> {
+    /// Whether a run is asked for.
+    pub fn wants(&self, study: &Study, run: &Run) -> bool {
+        let (series, member) = (&study.series[run.series].name, &study.members[run.member].label);
+        self.only.is_empty()
+            || self.only.iter().any(|wanted| {
+                let (of_series, of_member) = wanted.split_once('/').unwrap_or((wanted, "*"));
+                (of_series == "*" || of_series == series) && (of_member == "*" || of_member == member)
+            })
+    }
+
+    /// What becomes of a run if nothing more is run.
+    fn present(&self, study: &Study, run: &Run) -> Option<State> {
+        let folder = self.out.join(&run.folder);
+        let is_its_own = input::read(&folder.join(MARK), Input::Result)
+            .ok()
+            .and_then(|text| serde_json::from_slice::<Mark>(&text).ok())
+            .is_some_and(|mark| mark.fingerprint == run.fingerprint);
+        let summary = is_its_own.then(|| Summary::read(&folder.join("summary.json")).ok()).flatten();
+        let is_done = summary.as_ref().is_some_and(|summary| summary.status == Status::Done);
+        let again = self.force || !self.only.is_empty();
+        match self.wants(study, run) {
+            false => Some(if summary.is_some() { State::Kept } else { State::NotRun }),
+            true if is_done && !again => Some(State::Kept),
+            true => None,
+        }
+    }
+
+    /// Whether a run has to be run.
+    pub fn is_due(&self, study: &Study, run: &Run) -> bool {
+        self.present(study, run).is_none()
+    }
+
+    fn run(&self, run: &Run) -> io::Result<u8> {
+        let folder = self.out.join(&run.folder);
+        fs::create_dir_all(&folder)?;
+        let mut arguments = vec![run.base.display().to_string()];
+        arguments.extend(run.overrides.iter().map(|text| format!("--set={text}")));
+        let mut command = Command::new(isolation::program());
+        command.arg0("pullout").args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
+        command.args(["--threads", &self.threads.to_string()]);
+        command.arg("--out").arg(&folder).args(&arguments[1..]);
+        if self.overwrite {
+            command.arg("--overwrite");
+        }
+        if self.is_untrusted {
+            command.arg("--untrusted");
+        }
+        if isolation::all_are_let_in() {
+            command.arg("--in-process");
+        }
+        self.plugin_paths.iter().for_each(|path| {
+            command.arg("--plugin-path").arg(path);
+        });
+        let mut output = tempfile::tempfile()?;
+        command.arg(&run.base).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output.try_clone()?);
+        let mut child = command.spawn()?;
+        let mut passed_on = false;
+        let status = loop {
+            if let Some(status) = child.wait_timeout(POLL)? {
+                break status;
+            }
+            if let Some(interrupt) = signals::received()
+                && !passed_on
+            {
+                passed_on = true;
+                interrupt.pass_on_to(&child);
+            }
+        };
+        let mut printed = Vec::new();
+        output.seek(SeekFrom::Start(0))?;
+        output.read_to_end(&mut printed)?;
+        let mut directory = ResultDirectory::join(&folder, Kind::Member)?;
+        if !printed.is_empty() {
+            directory.write(PRINTED, printed)?;
+        }
+        // a signal has no exit code
+        let code = status.code().and_then(|code| u8::try_from(code).ok()).unwrap_or(1);
+        if is_refused(code) {
+            // what is there is of an earlier run
+            directory.finish()?;
+            return Ok(code);
+        }
+        let mark = Mark { arguments, fingerprint: run.fingerprint.clone() };
+        directory.write(MARK, format!("{}\n", serde_json::to_string_pretty(&mark)?))?;
+        directory.finish()?;
+        Ok(code)
+    }
+}
+
+/// Whether an exit code says that nothing was run.
+pub(super) fn is_refused(code: u8) -> bool {
+    matches!(code, 2 | 3)
+}
+
+/// Runs what is asked for and not there yet. `finished` hears of each run that was started when it is over (how many, of
+/// how many).
+///
+/// # Errors
+/// Directories that cannot be written, processes that cannot be started. The others run nevertheless.
+pub fn execute(
+    study: &Study,
+    execution: &Execution<'_>,
+    finished: &(dyn Fn(&Run, u8, usize, usize) + Sync),
+) -> io::Result<Vec<State>> {
+    let states: Vec<Option<State>> = study.runs.iter().map(|run| execution.present(study, run)).collect();
+    let due: Vec<usize> = (0..states.len()).filter(|&index| states[index].is_none()).collect();
+    let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let ended: Mutex<Vec<(usize, io::Result<u8>)>> = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..execution.jobs.clamp(1, due.len().max(1)) {
+            scope.spawn(|| {
+                while signals::received().is_none()
+                    && let Some(&index) = due.get(next.fetch_add(1, Ordering::Relaxed))
+                {
+                    let run = &study.runs[index];
+                    let code = execution.run(run);
+                    let count = over.fetch_add(1, Ordering::Relaxed) + 1;
+                    finished(run, *code.as_ref().unwrap_or(&1), count, due.len());
+                    if let Ok(mut ended) = ended.lock() {
+                        ended.push((index, code));
+                    }
+                }
+            });
+        }
+    });
+    let mut states: Vec<State> = states.into_iter().map(|state| state.unwrap_or(State::NotRun)).collect();
+    for (index, code) in ended.into_inner().unwrap_or_default() {
+        let name = study.name_of(&study.runs[index]);
+        states[index] =
+            State::Ran(code.map_err(|error| io::Error::new(error.kind(), format!("{name}: cannot be run: {error}")))?);
+    }
+    Ok(states)
+}

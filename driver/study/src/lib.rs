@@ -1,0 +1,162 @@
+//! A family of runs: a case that is varied, its results side by side, and what is claimed of them.
+//!
+//! A study file (`document`) is read and every run's case is checked (`read`) before anything runs. Each run is a process
+//! of its own, so that a plugin meets the same program as in a single run; its results are an ordinary result directory
+//! (`execution`). What is done already is not done again while neither the case, nor its files, nor the program changed
+//! (`fingerprint`). Then the runs are compared ([`results`]), the claims are tested ([`claims`]), and pictures, tables and
+//! a report are made ([`pictures`], `table`, `report`).
+
+pub mod claims;
+
+mod execution;
+mod fingerprint;
+pub mod pictures;
+mod read;
+mod report;
+pub mod results;
+mod table;
+
+pub use claims::{Expectation, Finding, Verdict};
+pub use execution::{Execution, State, execute};
+pub use pullout_case::study::{ColumnValue, Columns, Direction, NamedPlace, NamedQuantity, Where};
+pub use read::read;
+pub use report::write as write_report;
+pub use results::{Results, RunResult};
+pub use table::{write_csv, write_json};
+
+use std::collections::BTreeSet;
+use std::path::PathBuf;
+
+/// A study that was read.
+#[derive(Clone, Debug)]
+pub struct Study {
+    /// The study file.
+    pub file: PathBuf,
+    /// Title of pictures and report.
+    pub title: String,
+    /// Text for the report.
+    pub description: String,
+    /// What is varied, if members have an x.
+    pub x: Option<Abscissa>,
+    /// The runs of each series.
+    pub members: Vec<Member>,
+    /// Lists of runs with the same members.
+    pub series: Vec<Series>,
+    /// All runs, series by series.
+    pub runs: Vec<Run>,
+    /// The curve whose peak and work count.
+    pub curve: Columns,
+    /// Units of the curve's columns.
+    pub units: [String; 2],
+    /// Where the work ends; `None`: the smallest end of all runs that are done.
+    pub work_to: Option<f64>,
+    /// More pictures of all runs.
+    pub overlays: Vec<Columns>,
+    /// What is tested.
+    pub claims: Vec<Claim>,
+}
+
+impl Study {
+    /// The history columns that it looks at.
+    pub fn columns(&self) -> BTreeSet<&str> {
+        let pairs = std::iter::once(&self.curve).chain(&self.overlays).flat_map(|pair| [&pair.x, &pair.y]);
+        let of_claims = self.claims.iter().filter_map(|claim| match &claim.quantity {
+            Quantity::Named(_) => None,
+            Quantity::Column { column, over, .. } => Some(std::iter::once(column).chain(over)),
+        });
+        pairs.chain(of_claims.flatten()).map(String::as_str).collect()
+    }
+}
+
+/// What is varied.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Abscissa {
+    /// Name, in the markup of the pictures.
+    pub name: String,
+    /// Unit; empty for a pure number.
+    pub unit: String,
+    /// Whether its axis is logarithmic.
+    pub logarithmic: bool,
+}
+
+/// One run of each series.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member {
+    /// Short name, and name of the result directory.
+    pub label: String,
+    /// In legends and tables.
+    pub title: String,
+    /// Its x.
+    pub x: Option<f64>,
+}
+
+/// A list of runs.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Series {
+    /// Short name, and name of the directory of its runs.
+    pub name: String,
+    /// In legends and tables.
+    pub title: String,
+}
+
+/// A run of the study.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// Index of its series.
+    pub series: usize,
+    /// Index of its member.
+    pub member: usize,
+    /// The case file.
+    pub base: PathBuf,
+    /// Overrides, as texts of `--set`.
+    pub overrides: Vec<String>,
+    /// Result directory below the study's.
+    pub folder: PathBuf,
+    /// Of everything that its results depend on.
+    pub fingerprint: String,
+    /// Things the user should know of its case although nothing is wrong.
+    pub warnings: Vec<String>,
+}
+
+/// A claim and its test.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// In words.
+    pub claim: String,
+    /// Indices of the series in each of which it must be found.
+    pub series: Vec<usize>,
+    /// Indices of the members that are looked at, in the order of their x.
+    pub members: Vec<usize>,
+    /// What is looked at.
+    pub quantity: Quantity,
+    /// The test.
+    pub expectation: Expectation,
+}
+
+/// A number that a run gives.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Quantity {
+    /// By name.
+    Named(NamedQuantity),
+    /// A history column somewhere, possibly over the sum of others.
+    Column {
+        /// The column.
+        column: String,
+        /// Where.
+        at: Where,
+        /// Columns that it is divided by the sum of; empty: it stands alone.
+        over: Vec<String>,
+    },
+}
+
+impl Study {
+    /// The run of a member in a series.
+    pub fn run_of(&self, series: usize, member: usize) -> usize {
+        series * self.members.len() + member
+    }
+
+    /// "bent/45".
+    pub fn name_of(&self, run: &Run) -> String {
+        format!("{}/{}", self.series[run.series].name, self.members[run.member].label)
+    }
+}

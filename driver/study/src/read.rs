@@ -1,0 +1,536 @@
+//! From a study file to a [`Study`], with everything that is wrong with it and with the cases of its runs at once.
+
+use super::claims::Expectation;
+use super::fingerprint::Fingerprints;
+use super::{Abscissa, Claim, Columns, Member, Quantity, Run, Series, Study};
+use pullout_case::study::{
+    ClaimOfFile, ExpectationOfFile, MemberName, MemberOfFile, NamedPlace, NamedQuantity, OneOrMany, QuantityOfFile,
+    SeriesOfFile, StudyFile, Where,
+};
+use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
+use pullout_report::plots::quantity::Quantity as Shown;
+use pullout_run::input::{folder_of, is_stream};
+use pullout_run::number;
+use serde_json::{Map, Value};
+use std::collections::{BTreeSet, HashMap};
+use std::path::{Path, PathBuf};
+
+/// Name of the only series of a study that has none.
+const ONLY_SERIES: &str = "runs";
+/// Names in the study's directory that are no series.
+const RESERVED: [&str; 8] = [
+    "plots",
+    "study.csv",
+    "study.json",
+    "report.html",
+    "manifest.json",
+    "previous",
+    // of the runs below them
+    "summary.json",
+    "history.csv",
+];
+/// Bytes of a name: file systems take 255.
+const LONGEST_NAME: usize = 200;
+
+/// Reads a study file and checks the cases of all its runs.
+///
+/// `overrides` are texts of `--set`, for all runs and behind their own; `plugin_paths` are searched for plugins before the
+/// usual folders; `is_untrusted`: nobody has looked at the study and its cases. Cases for which `isolated` says so are not
+/// read here, because their plugins must not be loaded.
+///
+/// # Errors
+/// Everything that is wrong with the file and with the cases.
+pub fn read(
+    file: &Path,
+    overrides: &[String],
+    plugin_paths: &[PathBuf],
+    is_untrusted: bool,
+    isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
+) -> Result<Study, CaseErrors> {
+    let folder = folder_of(file);
+    let (mut reader, read_case): (_, ReadCase) = match is_untrusted {
+        true => (Reader::of_untrusted(folder, plugin_paths), pullout_case::read_untrusted),
+        false => (Reader::new(folder, plugin_paths), pullout_case::read),
+    };
+    let study = read_study(&mut reader, file, |reader, document: StudyFile| {
+        Resolver { reader, read_case, file, overrides, plugin_paths }.study(&document, isolated)
+    });
+    let problems = reader.into_problems();
+    match study {
+        Some(study) if problems.is_empty() => Ok(study),
+        _ => Err(CaseErrors { file: file.into(), problems }),
+    }
+}
+
+/// Reads the case of a run.
+type ReadCase = fn(&Path, &[String], &[PathBuf]) -> Result<Case, CaseErrors>;
+
+struct Resolver<'r, 'p> {
+    reader: &'r mut Reader<'p>,
+    read_case: ReadCase,
+    file: &'r Path,
+    overrides: &'r [String],
+    plugin_paths: &'r [PathBuf],
+}
+
+/// A list's entry with its place in the file.
+type Placed<'d, T> = (JsonPlace, &'d T);
+
+impl Resolver<'_, '_> {
+    fn problem(&mut self, place: &JsonPlace, message: impl Into<String>) {
+        self.reader.problem(place, message);
+    }
+
+    fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Path, &[String]) -> bool) -> Option<Study> {
+        let root = JsonPlace::root();
+        let title = self.reader.optional(document.title.as_ref(), &root.key("title")).cloned();
+        let description = self.reader.optional(document.description.as_ref(), &root.key("description")).cloned();
+        let x = self.reader.optional(document.x.as_ref(), &root.key("x")).map(|x| Abscissa {
+            name: x.name.clone(),
+            unit: x.unit.clone().unwrap_or_default(),
+            logarithmic: x.logarithmic.unwrap_or(false),
+        });
+        let base = self.reader.piece(&document.base, &root.key("base")).cloned();
+        let set = self.reader.optional(document.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
+        let members_of_file = self.list(Some(&document.members), &root.key("members"));
+        let series_of_file = self.list(document.series.as_ref(), &root.key("series"));
+        let members = self.members(&members_of_file, x.as_ref());
+        let series = self.series(&series_of_file);
+        let work_to = self.reader.optional(document.work_to.as_ref(), &root.key("work_to")).map(|end| end.0);
+        let given = self.reader.optional(document.curve.as_ref(), &root.key("curve")).cloned();
+        let overlays = self.list(document.overlays.as_ref(), &root.key("overlays"));
+        let claims = self.list(document.claims.as_ref(), &root.key("claims"));
+        let is_complete = members.len() == members_of_file.len() && !members.is_empty();
+        let base = base?;
+        let base_file = self.reader.file(&base, &root.key("base"))?;
+        if !is_complete || (series.len() != series_of_file.len() && document.series.is_some()) {
+            return None;
+        }
+        let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
+        let (runs, columns) = self.runs(&runs, &members, &series, isolated);
+        let curve = given.clone().unwrap_or_else(|| default_curve(&base_file));
+        let place = root.key("curve");
+        if given.is_some() {
+            self.columns(&curve, columns.as_deref(), &place);
+        }
+        let overlays = overlays.into_iter().map(|(place, pair)| {
+            self.columns(pair, columns.as_deref(), &place);
+            pair.clone()
+        });
+        let overlays = overlays.collect();
+        let cast = Cast { members: &members, series: &series, columns: columns.as_deref() };
+        let claims: Vec<Claim> =
+            claims.into_iter().filter_map(|(place, claim)| self.claim(claim, &cast, &place)).collect();
+        let unit = |column: &str| Shown::of(column, &Default::default()).unit;
+        Some(Study {
+            file: self.file.into(),
+            title: title.unwrap_or_else(|| stem(self.file)),
+            description: description.unwrap_or_default(),
+            x: x.filter(|_| members.iter().all(|member| member.x.is_some())),
+            units: [unit(&curve.x), unit(&curve.y)],
+            members,
+            series,
+            runs: runs?,
+            curve,
+            work_to,
+            overlays,
+            claims,
+        })
+    }
+
+    /// The entries of a list that could be read.
+    fn list<'d, T>(
+        &mut self,
+        list: Option<&'d pullout_case::Piece<Vec<pullout_case::Piece<T>>>>,
+        place: &JsonPlace,
+    ) -> Vec<Placed<'d, T>> {
+        let entries = self.reader.optional(list, place).map_or(&[][..], Vec::as_slice);
+        let placed = entries.iter().enumerate().map(|(k, entry)| (place.index(k), entry));
+        placed.filter_map(|(place, entry)| Some((place.clone(), self.reader.piece(entry, &place)?))).collect()
+    }
+
+    fn members(&mut self, of_file: &[Placed<'_, MemberOfFile>], x: Option<&Abscissa>) -> Vec<Member> {
+        let mut labels = BTreeSet::new();
+        let with_x = of_file.iter().filter(|(_, member)| member.x.is_some()).count();
+        let mut members = Vec::new();
+        for (place, member) in of_file {
+            self.directory_name(&member.label, &mut labels, &place.key("label"));
+            if member.x.is_none() && with_x > 0 {
+                self.problem(&place.key("x"), "is missing: other members have one");
+            }
+            if x.is_some_and(|x| x.logarithmic) && member.x.is_some_and(|x| x <= 0.0) {
+                self.problem(&place.key("x"), "must be > 0 on a logarithmic axis");
+            }
+            let of_x = member.x.zip(x).map(|(value, x)| titled(value, &x.unit));
+            members.push(Member {
+                label: member.label.clone(),
+                title: member.title.clone().or(of_x).unwrap_or_else(|| member.label.clone()),
+                x: member.x,
+            });
+        }
+        if with_x > 0 && x.is_none() {
+            self.problem(&JsonPlace::root().key("x"), "is missing: members have an x, and this is its name");
+        }
+        if with_x == 0 && x.is_some() && !of_file.is_empty() {
+            self.problem(&JsonPlace::root().key("x"), "no member has an x");
+        }
+        members
+    }
+
+    fn series(&mut self, of_file: &[Placed<'_, SeriesOfFile>]) -> Vec<Series> {
+        if of_file.is_empty() {
+            return vec![Series { name: ONLY_SERIES.into(), title: String::new() }];
+        }
+        let mut names = BTreeSet::new();
+        let mut all = Vec::new();
+        for (place, series) in of_file {
+            self.directory_name(&series.name, &mut names, &place.key("name"));
+            if RESERVED.contains(&series.name.to_lowercase().as_str()) {
+                self.problem(&place.key("name"), "is a name in the study's own directory; choose another");
+            }
+            let title = series.title.clone().unwrap_or_else(|| series.name.clone());
+            all.push(Series { name: series.name.clone(), title });
+        }
+        all
+    }
+
+    /// A name that becomes a directory.
+    fn directory_name(&mut self, name: &str, taken: &mut BTreeSet<String>, place: &JsonPlace) {
+        let is_allowed = |c: char| c.is_alphanumeric() || "_-+.,=".contains(c);
+        if !name.chars().all(is_allowed) || name.starts_with('.') {
+            let message = format!(
+                "'{name}' names a directory: letters, digits and _ - + . , = without a leading dot; \"title\" is free"
+            );
+            self.problem(place, message);
+        }
+        if name.is_empty() || name.len() > LONGEST_NAME {
+            let message =
+                format!("names a directory: 1 to {LONGEST_NAME} bytes, not {}; \"title\" is free", name.len());
+            self.problem(place, message);
+        }
+        // some file systems do not tell capitals from small letters
+        if !taken.insert(name.to_lowercase()) {
+            self.problem(place, format!("'{name}' is given twice"));
+        }
+    }
+
+    /// All runs with their cases checked, and the history columns that they have in common.
+    fn runs(
+        &mut self,
+        plan: &Runs<'_>,
+        members: &[Member],
+        series: &[Series],
+        isolated: &mut dyn FnMut(&Path, &[String]) -> bool,
+    ) -> (Option<Vec<Run>>, Option<Vec<String>>) {
+        let mut runs = Vec::new();
+        let mut complaints: Vec<Complaint> = Vec::new();
+        let mut columns: Option<Vec<String>> = None;
+        let fingerprints = Fingerprints::new();
+        for (s, one_series) in series.iter().enumerate() {
+            let given = plan.series.get(s).map(|(_, series)| *series);
+            let base = given.and_then(|series| series.base.as_deref()).unwrap_or(plan.base);
+            let place = JsonPlace::root();
+            let place = given
+                .filter(|series| series.base.is_some())
+                .map_or(place.key("base"), |_| place.key("series").index(s).key("base"));
+            let Some(base) = self.reader.file(base, &place) else { return (None, None) };
+            if is_stream(&base) {
+                self.problem(
+                    &place,
+                    format!("{}: is a pipe or a device: each run reads its case from a file", base.display()),
+                );
+                return (None, None);
+            }
+            for (m, member) in members.iter().enumerate() {
+                let of_series = given.and_then(|series| series.set.as_ref());
+                let own = plan.members[m].1.set.as_ref();
+                let sets = [Some(plan.set), of_series, own].into_iter().flatten();
+                let mut overrides: Vec<String> = sets.flat_map(texts).collect();
+                overrides.extend_from_slice(self.overrides);
+                let mut run = Run {
+                    series: s,
+                    member: m,
+                    folder: Path::new(&one_series.name).join(&member.label),
+                    base: base.clone(),
+                    overrides,
+                    fingerprint: String::new(),
+                    warnings: Vec::new(),
+                };
+                if isolated(&run.base, &run.overrides) {
+                    run.fingerprint = fingerprints.of_isolated(&run, self.plugin_paths);
+                } else {
+                    match (self.read_case)(&run.base, &run.overrides, self.plugin_paths) {
+                        Ok(case) => {
+                            run.fingerprint = fingerprints.of(&run, &case);
+                            run.warnings = case.warnings().to_vec();
+                            let own = columns_of(&case);
+                            let common = columns.take();
+                            columns = Some(common.map_or(own.clone(), |common| {
+                                common.into_iter().filter(|column| own.contains(column)).collect()
+                            }));
+                        }
+                        Err(errors) => complaints.extend(errors.problems.into_iter().map(|problem| Complaint {
+                            problem,
+                            base: errors.file.clone(),
+                            runs: vec![(s, m)],
+                        })),
+                    }
+                }
+                runs.push(run);
+            }
+        }
+        let is_fine = complaints.is_empty();
+        self.complain(complaints, runs.len(), members, series);
+        (is_fine.then_some(runs), columns)
+    }
+
+    /// Tells what is wrong with cases, each thing once.
+    fn complain(&mut self, complaints: Vec<Complaint>, count: usize, members: &[Member], series: &[Series]) {
+        let mut gathered: Vec<Complaint> = Vec::new();
+        let mut known: HashMap<(PathBuf, String), usize> = HashMap::new();
+        for complaint in complaints {
+            let key = (complaint.base.clone(), complaint.problem.to_string());
+            match known.get(&key) {
+                Some(&index) => gathered[index].runs.extend(complaint.runs),
+                None => {
+                    known.insert(key, gathered.len());
+                    gathered.push(complaint);
+                }
+            }
+        }
+        for Complaint { problem, base, runs } in gathered {
+            let root = JsonPlace::root();
+            let first_member = runs[0].1;
+            let place = if runs.len() == count {
+                root.key("base")
+            } else if runs.iter().all(|&(_, member)| member == first_member) {
+                root.key("members").index(first_member)
+            } else {
+                root.key("series").index(runs[0].0)
+            };
+            let names: Vec<String> =
+                runs.iter().take(3).map(|&(s, m)| format!("{}/{}", series[s].name, members[m].label)).collect();
+            let names = match runs.len() {
+                all if all == count => "all runs".to_owned(),
+                more if more > 3 => format!("{} and {} more", names.join(", "), more - 3),
+                _ => names.join(", "),
+            };
+            let message = format!("{names}: {}: {problem}", base.display());
+            let problem = match problem.kind {
+                ProblemKind::Input => CaseProblem::new(place, message),
+                ProblemKind::PluginNotLoadable => CaseProblem::plugin(place, message),
+            };
+            self.reader.push(problem);
+        }
+    }
+
+    fn columns(&mut self, pair: &Columns, known: Option<&[String]>, place: &JsonPlace) {
+        self.column(&pair.x, known, &place.key("x"));
+        self.column(&pair.y, known, &place.key("y"));
+    }
+
+    fn column(&mut self, column: &str, known: Option<&[String]>, place: &JsonPlace) {
+        if let Some(known) = known
+            && !known.iter().any(|name| name == column)
+        {
+            self.problem(place, format!("the histories have no column '{column}'{}", hint(column, known)));
+        }
+    }
+
+    fn claim(&mut self, claim: &ClaimOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Claim> {
+        let series = match &claim.series {
+            None => (0..cast.series.len()).map(Some).collect(),
+            Some(OneOrMany::One(name)) => vec![self.series_named(name, cast, &place.key("series"))],
+            Some(OneOrMany::Many(names)) => {
+                let place = place.key("series");
+                names.iter().enumerate().map(|(k, name)| self.series_named(name, cast, &place.index(k))).collect()
+            }
+        };
+        let series: Option<Vec<usize>> = series.into_iter().collect();
+        let members: Option<Vec<usize>> = match &claim.members {
+            None => Some((0..cast.members.len()).collect()),
+            Some(names) => {
+                let place = place.key("members");
+                let found = names.iter().enumerate().map(|(k, name)| self.member(name, cast, &place.index(k)));
+                found.collect::<Vec<_>>().into_iter().collect()
+            }
+        };
+        let quantity = self.quantity(claim.quantity.as_ref(), cast, &place.key("quantity"));
+        let expectation = self.expectation(&claim.expect, cast, &place.key("expect"));
+        let mut members = members?;
+        let x = |member: &usize| cast.members[*member].x.unwrap_or(0.0);
+        members.sort_by(|a, b| x(a).total_cmp(&x(b)));
+        if matches!(expectation, Some(Expectation::Trend { .. })) && members.len() < 2 {
+            self.problem(&place.key("expect"), "a trend needs two members");
+        }
+        Some(Claim { claim: claim.claim.clone(), series: series?, members, quantity, expectation: expectation? })
+    }
+
+    fn quantity(&mut self, given: Option<&QuantityOfFile>, cast: &Cast<'_>, place: &JsonPlace) -> Quantity {
+        match given {
+            None => Quantity::Named(NamedQuantity::Peak),
+            Some(QuantityOfFile::Named(name)) => Quantity::Named(*name),
+            Some(QuantityOfFile::Column(value)) => {
+                self.column(&value.column, cast.columns, &place.key("column"));
+                let over = match &value.over {
+                    None => Vec::new(),
+                    Some(OneOrMany::One(column)) => vec![column.clone()],
+                    Some(OneOrMany::Many(columns)) => columns.clone(),
+                };
+                over.iter().for_each(|column| self.column(column, cast.columns, &place.key("over")));
+                let at = value.at.unwrap_or(Where::Named(NamedPlace::End));
+                Quantity::Column { column: value.column.clone(), at, over }
+            }
+        }
+    }
+
+    fn expectation(&mut self, given: &ExpectationOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Expectation> {
+        Some(match given {
+            ExpectationOfFile::Trend(trend) => {
+                Expectation::Trend { direction: trend.trend, tolerance: trend.tolerance.unwrap_or(0.0) }
+            }
+            ExpectationOfFile::Maximum(at) => {
+                Expectation::MaximumAt(self.member(&at.maximum_at, cast, &place.key("maximum_at"))?)
+            }
+            ExpectationOfFile::Minimum(at) => {
+                Expectation::MinimumAt(self.member(&at.minimum_at, cast, &place.key("minimum_at"))?)
+            }
+            ExpectationOfFile::Within(near) => {
+                Expectation::Within { tolerance: near.within.0, of: self.member(&near.of, cast, &place.key("of"))? }
+            }
+            ExpectationOfFile::Curve(near) => Expectation::CurveWithin {
+                tolerance: near.curve_within.0,
+                of: self.member(&near.of, cast, &place.key("of"))?,
+            },
+            ExpectationOfFile::Above(other) => {
+                Expectation::Above(self.series_named(&other.above, cast, &place.key("above"))?)
+            }
+            ExpectationOfFile::Below(other) => {
+                Expectation::Below(self.series_named(&other.below, cast, &place.key("below"))?)
+            }
+            ExpectationOfFile::Ratio(ratio) => {
+                self.bounds(ratio.greater_than, ratio.less_than, place)?;
+                Expectation::Ratio {
+                    of: self.member(&ratio.ratio_of, cast, &place.key("ratio_of"))?,
+                    to: self.member(&ratio.to, cast, &place.key("to"))?,
+                    greater_than: ratio.greater_than,
+                    less_than: ratio.less_than,
+                }
+            }
+            ExpectationOfFile::OverSeries(ratio) => {
+                self.bounds(ratio.greater_than, ratio.less_than, place)?;
+                Expectation::OverSeries {
+                    series: self.series_named(&ratio.over_series, cast, &place.key("over_series"))?,
+                    greater_than: ratio.greater_than,
+                    less_than: ratio.less_than,
+                }
+            }
+            ExpectationOfFile::Bounds(bounds) => {
+                self.bounds(bounds.greater_than, bounds.less_than, place)?;
+                Expectation::Bounds { greater_than: bounds.greater_than, less_than: bounds.less_than }
+            }
+            ExpectationOfFile::Done(done) => Expectation::Done(done.done),
+        })
+    }
+
+    fn bounds(&mut self, lower: Option<f64>, upper: Option<f64>, place: &JsonPlace) -> Option<()> {
+        match (lower, upper) {
+            (None, None) => {
+                self.problem(place, "give greater_than, less_than or both");
+                None
+            }
+            (Some(lower), Some(upper)) if lower >= upper => {
+                self.problem(place, format!("nothing is greater than {lower} and less than {upper}"));
+                None
+            }
+            _ => Some(()),
+        }
+    }
+
+    fn series_named(&mut self, name: &str, cast: &Cast<'_>, place: &JsonPlace) -> Option<usize> {
+        let found = cast.series.iter().position(|series| series.name == name);
+        if found.is_none() {
+            let names = cast.series.iter().map(|series| series.name.as_str());
+            self.problem(place, format!("there is no series '{name}'{}", hint(name, names)));
+        }
+        found
+    }
+
+    fn member(&mut self, name: &MemberName, cast: &Cast<'_>, place: &JsonPlace) -> Option<usize> {
+        let found = match name {
+            MemberName::X(x) => cast.members.iter().position(|member| member.x == Some(*x)),
+            MemberName::Label(label) => cast.members.iter().position(|member| member.label == *label),
+        };
+        if found.is_none() {
+            let message = match name {
+                MemberName::X(x) => {
+                    let all: Vec<String> = cast.members.iter().filter_map(|m| m.x).map(|x| x.to_string()).collect();
+                    format!("no member has x = {x}; valid are {}", all.join(", "))
+                }
+                MemberName::Label(label) => {
+                    let labels = cast.members.iter().map(|member| member.label.as_str());
+                    format!("there is no member '{label}'{}", hint(label, labels))
+                }
+            };
+            self.problem(place, message);
+        }
+        found
+    }
+}
+
+/// What the runs are made of.
+struct Runs<'d> {
+    base: &'d str,
+    set: &'d Map<String, Value>,
+    members: &'d [Placed<'d, MemberOfFile>],
+    series: &'d [Placed<'d, SeriesOfFile>],
+}
+
+/// What claims refer to; the columns are not known if no case could be read.
+struct Cast<'a> {
+    members: &'a [Member],
+    series: &'a [Series],
+    columns: Option<&'a [String]>,
+}
+
+/// Something that is wrong with the case of runs, by series and member.
+struct Complaint {
+    problem: CaseProblem,
+    base: PathBuf,
+    runs: Vec<(usize, usize)>,
+}
+
+/// As `--set` has them.
+fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
+    set.iter().map(|(path, value)| format!("{path}={value}"))
+}
+
+/// Columns that hold numbers of the run, behind step and increment.
+fn columns_of(case: &Case) -> Vec<String> {
+    case.columns().split_off(2)
+}
+
+/// Load against slip, τ against slip, σ11 against ε11.
+fn default_curve(base: &Path) -> Columns {
+    let kind = pullout_case::document(base, &[]).map(|document| document["kind"].clone()).unwrap_or_default();
+    let (x, y) = match kind.as_str() {
+        Some("point") => ("e11", "s11"),
+        Some("interface") => ("slip", "tau"),
+        _ => ("slip", "load"),
+    };
+    Columns { x: x.into(), y: y.into() }
+}
+
+/// "45°", "1000 MPa".
+fn titled(value: f64, unit: &str) -> String {
+    let value = number::significant(value, 6);
+    match unit {
+        "" => value,
+        "°" => format!("{value}°"),
+        unit => format!("{value} {unit}"),
+    }
+}
+
+fn stem(file: &Path) -> String {
+    file.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into())
+}

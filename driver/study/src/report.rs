@@ -1,0 +1,149 @@
+//! `report.html` of a study: one page that needs nothing but itself.
+
+use super::Study;
+use super::claims::{Finding, Verdict, work_unit};
+use super::results::Results;
+use super::table::lines;
+use maud::{Markup, PreEscaped, html};
+use pullout_report::directory::ResultDirectory;
+use pullout_report::page::page;
+use pullout_report::plots::Picture;
+use pullout_run::number::{rounded, significant};
+use std::io;
+
+/// Writes the page.
+///
+/// # Errors
+/// The file cannot be written.
+pub fn write(
+    directory: &mut ResultDirectory,
+    study: &Study,
+    results: &Results,
+    findings: &[Finding],
+    pictures: &[Picture],
+) -> io::Result<()> {
+    let body = html! {
+        (state(results))
+        @if !study.description.is_empty() { p.description { (study.description) } }
+        (claims(findings))
+        h2 { "Pictures" }
+        div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        (table(study, results))
+        (troubles(study, results))
+        (what_was_run(study))
+    };
+    directory.write("report.html", page(&study.title, &body).into_string()).map(|_| ())
+}
+
+fn state(results: &Results) -> Markup {
+    let count = results.runs.len();
+    let done = results.runs.iter().filter(|run| run.is_done()).count();
+    let not_run = results.runs.iter().filter(|run| run.status.is_none()).count();
+    html! {
+        p {
+            @if done == count { span.done { "done" } } @else { span.failed { (done) " of " (count) " runs done" } }
+            " " (count) " runs"
+            @if not_run > 0 { ", " (not_run) " not run" }
+        }
+    }
+}
+
+fn claims(findings: &[Finding]) -> Markup {
+    html! {
+        @if !findings.is_empty() {
+            h2 { "Claims" }
+            div.scroll { table {
+                tr { th { "Claim" } th { "Found" } th { "Figures" } }
+                @for finding in findings {
+                    tr {
+                        td { (finding.claim) br; small { (finding.expected) } }
+                        td.key {
+                            @match finding.verdict {
+                                Verdict::Found => span.done { (finding.verdict.words()) },
+                                _ => span.failed { (finding.verdict.words()) },
+                            }
+                        }
+                        td { @for line in &finding.figures { (line) br; } }
+                    }
+                }
+            } }
+        }
+    }
+}
+
+fn table(study: &Study, results: &Results) -> Markup {
+    let number = |value: Option<f64>| value.map_or("–".into(), rounded);
+    let count = |value: Option<u64>| value.map_or("–".into(), |count| count.to_string());
+    let short = |value: Option<f64>| value.map_or("–".into(), |value| significant(value, 3));
+    let with = |name: &str, unit: &str| if unit.is_empty() { name.to_owned() } else { format!("{name} [{unit}]") };
+    let [x_unit, y_unit] = &study.units;
+    let several = study.series.len() > 1;
+    html! {
+        h2 { "Runs" }
+        div.scroll { table {
+            tr {
+                @if several { th { "Series" } }
+                th { "Run" } th { "Status" }
+                th.number { (with("Peak", y_unit)) }
+                th.number { (with("at", x_unit)) }
+                th.number { (with("Work", &work_unit(study))) }
+                th.number { "Increments" } th.number { "Cutbacks" } th.number { "Energy error" }
+                th.number { "CPU [s]" }
+            }
+            @for (run, line) in lines(study, results) {
+                tr {
+                    @if several { td { (study.series[run.series].title) } }
+                    td { (study.members[run.member].title) }
+                    td { (line.status) }
+                    td.number { (number(line.result.peak)) }
+                    td.number { (number(line.result.slip_at_peak)) }
+                    td.number { (number(line.result.work)) }
+                    td.number { (count(line.increments)) }
+                    td.number { (count(line.cutbacks)) }
+                    td.number { (short(line.energy_error_max)) }
+                    td.number { (short(line.cpu_time_s)) }
+                }
+            }
+        } }
+        @if let Some(end) = results.work_to {
+            p { "Peak: the greatest " (study.curve.y) " in magnitude. Work: up to " (study.curve.x) " = "
+                (significant(end, 6)) @if !x_unit.is_empty() { " " (x_unit) } "." }
+        }
+    }
+}
+
+fn troubles(study: &Study, results: &Results) -> Markup {
+    let messages = study.runs.iter().zip(&results.runs);
+    let messages: Vec<(String, &str)> =
+        messages.filter_map(|(run, result)| Some((study.name_of(run), result.message.as_deref()?))).collect();
+    let mut warnings: Vec<&str> = study.runs.iter().flat_map(|run| &run.warnings).map(String::as_str).collect();
+    warnings.sort_unstable();
+    warnings.dedup();
+    html! {
+        @if !messages.is_empty() {
+            h2 { "Runs that failed" }
+            @for (name, message) in messages { div.message { (name) ": " (message) } }
+        }
+        @if !warnings.is_empty() {
+            h2 { "Warnings" }
+            ul.warnings { @for warning in warnings { li { (warning) } } }
+        }
+    }
+}
+
+fn what_was_run(study: &Study) -> Markup {
+    html! {
+        h2 { "What was run" }
+        div.scroll { table {
+            tr { th { "Results" } th { "Case" } th { "Overrides" } }
+            @for run in &study.runs {
+                tr {
+                    td { code { (run.folder.display()) } }
+                    td { code { (run.base.display()) } }
+                    td { @for text in &run.overrides { code { (text) } br; } }
+                }
+            }
+        } }
+        p { "pullout " (env!("CARGO_PKG_VERSION")) }
+    }
+}

@@ -1,0 +1,217 @@
+//! What the runs gave, and the numbers that are compared.
+//!
+//! # Equations
+//!
+//! Work up to x_c, with y linear between the lines of the history, and x_c where the curve's |x| first reaches it:
+//!
+//! ```text
+//! W(x_c) = ∫ y dx, trapezoidal
+//! ```
+
+use super::execution::{State, is_refused};
+use super::{Columns, Quantity, Run, Study};
+use pullout_case::study::{NamedPlace, NamedQuantity, Where};
+use pullout_report::history::{History, HistoryFile};
+use pullout_report::summary::{Status, Summary};
+use std::path::Path;
+
+/// A common end is reached within this part of it: the last increment of a step ends where rounding leaves it.
+const END_TOLERANCE: f64 = 1e-9;
+
+/// What all runs gave.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// By run, in the study's order.
+    pub runs: Vec<RunResult>,
+    /// Where the work ends; `None` if no run is done.
+    pub work_to: Option<f64>,
+}
+
+/// What a run gave.
+#[derive(Clone, Debug, Default)]
+pub struct RunResult {
+    /// `None`: it was not run.
+    pub status: Option<Status>,
+    /// Why it failed.
+    pub message: Option<String>,
+    /// Whether the results were there before.
+    pub is_kept: bool,
+    /// What was written of it, as far as the study looks at it.
+    pub history: History,
+    /// Its summary, if it came so far.
+    pub summary: Option<Summary>,
+    /// Greatest ordinate of the curve in magnitude, with its sign.
+    pub peak: Option<f64>,
+    /// The abscissa there.
+    pub slip_at_peak: Option<f64>,
+    /// The last ordinate.
+    pub end: Option<f64>,
+    /// The greatest abscissa in magnitude.
+    pub reach: Option<f64>,
+    /// The area below the curve up to the common end; `None` if the run does not reach it.
+    pub work: Option<f64>,
+}
+
+impl Results {
+    /// Reads the result directories below `out`.
+    pub fn read(study: &Study, out: &Path, states: &[State]) -> Self {
+        let mut runs: Vec<RunResult> =
+            study.runs.iter().zip(states).map(|(run, state)| RunResult::read(run, study, out, *state)).collect();
+        let ends = runs.iter().filter(|run| run.is_done()).filter_map(|run| run.reach);
+        let work_to = study.work_to.or_else(|| ends.reduce(f64::min));
+        for run in &mut runs {
+            run.work = work_to.and_then(|end| work(&run.curve(&study.curve), end));
+        }
+        Self { runs, work_to }
+    }
+}
+
+impl RunResult {
+    /// Of a run that has just ended.
+    pub fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
+        Self::read(run, study, out, State::Ran(code))
+    }
+
+    fn read(run: &Run, study: &Study, out: &Path, state: State) -> Self {
+        let folder = out.join(&run.folder);
+        if state == State::NotRun {
+            return Self::default();
+        }
+        if let State::Ran(code) = state
+            && is_refused(code)
+        {
+            let message = Some("it was not run; output.txt has the reason".into());
+            return Self { status: Some(Status::Failed), message, ..Self::default() };
+        }
+        let history = HistoryFile::open(&folder.join("history.csv"));
+        let history =
+            history.and_then(|history| history.read_columns(&Vec::from_iter(study.columns()))).unwrap_or_default();
+        let summary = Summary::read(&folder.join("summary.json")).ok();
+        let mut result = Self {
+            // without a summary it did not come to an end of its own
+            status: Some(summary.as_ref().map_or(Status::Failed, |summary| summary.status)),
+            message: match &summary {
+                Some(summary) => summary.message.clone(),
+                None => Some("it ended without a summary; output.txt has what it printed".into()),
+            },
+            is_kept: state == State::Kept,
+            history,
+            summary,
+            ..Self::default()
+        };
+        let curve = result.curve(&study.curve);
+        let finite = || curve.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
+        let greatest = finite().reduce(|best, point| if point.1.abs() > best.1.abs() { point } else { best });
+        (result.slip_at_peak, result.peak) = greatest.unzip();
+        // what output.every left out of the history counts as well
+        let of_summary = result.summary.as_ref().and_then(|summary| summary.specimen.as_ref()?.peak_load);
+        if let Some(peak) = of_summary.filter(|_| study.curve.y == "load") {
+            result.peak = Some(peak.load);
+            result.slip_at_peak = Some(peak.slip).filter(|_| study.curve.x == "slip").or(result.slip_at_peak);
+        }
+        result.end = finite().next_back().map(|(_, y)| y);
+        result.reach = finite().map(|(x, _)| x.abs()).reduce(f64::max);
+        result
+    }
+
+    /// Whether it came to its end.
+    pub fn is_done(&self) -> bool {
+        self.status == Some(Status::Done)
+    }
+
+    /// Two columns of the history.
+    pub fn curve(&self, columns: &Columns) -> Vec<(f64, f64)> {
+        let column = |name: &str| self.history.column(name).unwrap_or_default();
+        column(&columns.x).iter().copied().zip(column(&columns.y).iter().copied()).collect()
+    }
+
+    /// A number of a run that is done; `None` if it is not, or has no such number.
+    pub fn value(&self, quantity: &Quantity, study: &Study) -> Option<f64> {
+        if !self.is_done() {
+            return None;
+        }
+        let summary = self.summary.as_ref();
+        let number = match quantity {
+            Quantity::Named(NamedQuantity::Peak) => self.peak?,
+            Quantity::Named(NamedQuantity::SlipAtPeak) => self.slip_at_peak?,
+            Quantity::Named(NamedQuantity::Work) => self.work?,
+            Quantity::Named(NamedQuantity::End) => self.end?,
+            Quantity::Named(NamedQuantity::Increments) => summary?.increments as f64,
+            Quantity::Named(NamedQuantity::Iterations) => summary?.iterations as f64,
+            Quantity::Named(NamedQuantity::Cutbacks) => summary?.cutbacks as f64,
+            Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max,
+            Quantity::Named(NamedQuantity::CpuTime) => summary?.cpu_time_s?,
+            Quantity::Column { column, at, over } => {
+                let line = self.line(column, *at, study)?;
+                let of = |name: &str| self.history.column(name)?.get(line).copied();
+                let whole: Option<f64> = over.iter().map(|name| of(name)).sum();
+                of(column)? / if over.is_empty() { 1.0 } else { whole? }
+            }
+        };
+        number.is_finite().then_some(number)
+    }
+
+    /// Index of a line of the history.
+    fn line(&self, column: &str, at: Where, study: &Study) -> Option<usize> {
+        let column_of = |name: &str| self.history.column(name);
+        let extreme = |values: &[f64], sign: f64| {
+            let finite = (0..values.len()).filter(|&k| values[k].is_finite());
+            finite.reduce(|best, k| if sign * values[k] > sign * values[best] { k } else { best })
+        };
+        match at {
+            Where::Named(NamedPlace::End) => self.history.rows().checked_sub(1),
+            Where::Named(NamedPlace::Greatest) => extreme(column_of(column)?, 1.0),
+            Where::Named(NamedPlace::Least) => extreme(column_of(column)?, -1.0),
+            Where::Named(NamedPlace::Peak) => {
+                let magnitudes: Vec<f64> = column_of(&study.curve.y)?.iter().map(|y| y.abs()).collect();
+                extreme(&magnitudes, 1.0)
+            }
+            Where::X(end) => {
+                let reached = |x: &f64| x.abs() >= end.abs() * (1.0 - END_TOLERANCE);
+                column_of(&study.curve.x)?.iter().position(reached)
+            }
+        }
+    }
+}
+
+/// ∫ y dx up to where |x| first reaches `end`; `None` if it does not.
+fn work(curve: &[(f64, f64)], end: f64) -> Option<f64> {
+    let mut sum = 0.0;
+    for ends in curve.windows(2) {
+        let [(a_x, a_y), (b_x, b_y)] = [ends[0], ends[1]];
+        if b_x.abs() >= end {
+            let to = end.copysign(b_x);
+            let share = if b_x == a_x { 1.0 } else { (to - a_x) / (b_x - a_x) };
+            return Some(sum + 0.5 * (to - a_x) * (a_y + a_y + share * (b_y - a_y)));
+        }
+        sum += 0.5 * (b_x - a_x) * (a_y + b_y);
+    }
+    let (x, _) = *curve.last()?;
+    (x.abs() >= end * (1.0 - END_TOLERANCE)).then_some(sum)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn work_is_that_of_a_triangle_and_ends_between_lines() {
+        // y = 2x to x = 3
+        let curve = [(0.0, 0.0), (1.0, 2.0), (3.0, 6.0)];
+        for (end, expected) in [(1.0, 1.0), (2.0, 4.0), (3.0, 9.0), (3.0 * (1.0 + 1e-12), 9.0)] {
+            let found = work(&curve, end).expect("reached");
+            assert!((found - expected).abs() < 1e-10, "{end}: {found}");
+        }
+        assert_eq!(work(&curve, 3.1), None);
+        assert_eq!(work(&[], 1.0), None);
+    }
+
+    #[test]
+    fn work_counts_what_a_snap_back_gives_back_and_signs() {
+        let back = [(0.0, 0.0), (1.0, 1.0), (0.5, 0.5), (2.0, 0.5)];
+        let expected = 0.5 - 0.5 * 0.75 + 1.5 * 0.5;
+        assert!((work(&back, 2.0).expect("reached") - expected).abs() < 1e-14);
+        let compression = [(0.0, 0.0), (-1.0, -2.0), (-2.0, -2.0)];
+        assert!((work(&compression, 1.5).expect("reached") - 2.0).abs() < 1e-14);
+    }
+}
