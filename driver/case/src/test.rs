@@ -22,6 +22,8 @@ struct Bench(TempDir);
 
 impl Bench {
     fn new() -> Self {
+        // cases of libraries of all kinds are read here, as workers do
+        pullout_run::isolation::let_all_in();
         let folder = tempfile::tempdir().expect("a temporary folder");
         let files = [
             ("path.csv", "# a comment\ntime, e11, s22\n0.5, 1e-4, 0\n2.0, 2e-4, -1.5\n"),
