@@ -7,9 +7,9 @@ use models::{
     pure_damage::PureDamage, reverse_cyclic_damage::ReverseCyclicDamage,
 };
 use umat_abi::host::{CallOutcome, Found, Library, UmatCall, search_paths};
-use umat_abi::law::{Increment, Law, Request, Response, StressState};
+use umat_abi::law::{Increment, Law, Request, Response, StressState, advance_values, parameters_of};
 
-/// One update of the law itself: PROPS are read as a UMAT reads them, but nothing is checked.
+/// One update of the law itself, without the arguments of a UMAT: PROPS, strains and results are checked as there.
 pub type Direct = fn(props: &[f64], increment: &Increment, state: &mut [f64], request: Request) -> Option<Response>;
 
 /// A law with parameters.
@@ -28,8 +28,8 @@ pub(super) struct Solid {
 }
 
 fn direct<L: Law>(props: &[f64], increment: &Increment, state: &mut [f64], request: Request) -> Option<Response> {
-    let parameters = L::parameters(props).ok()?;
-    L::update(&parameters, increment, state, request).ok()
+    let parameters = parameters_of::<L>(props).ok()?;
+    advance_values::<L>(&parameters, increment, state, request).ok()
 }
 
 fn solid<L: Law>(law: &'static str, strain: f64, props: Option<&[f64]>) -> Solid {

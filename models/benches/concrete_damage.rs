@@ -5,7 +5,7 @@
 use models::concrete_damage::ConcreteDamage;
 use std::hint::black_box;
 use std::time::Instant;
-use umat_abi::law::{Increment, Law, Request, StressState};
+use umat_abi::law::{Increment, Law, Request, StressState, advance_values, parameters_of};
 
 /// Few enough to fit between two interruptions by the scheduler.
 const UPDATES: usize = 10_000;
@@ -34,8 +34,9 @@ fn run(props: &[f64], length: Option<f64>, path: &Path, request: Request) -> f64
                 characteristic_length: length,
                 time_increment: 1.0,
             };
-            let parameters = ConcreteDamage::parameters(black_box(props)).expect("consistent");
-            let response = ConcreteDamage::update(&parameters, &increment, &mut state, request).expect("an update");
+            let parameters = parameters_of::<ConcreteDamage>(black_box(props)).expect("consistent");
+            let response =
+                advance_values::<ConcreteDamage>(&parameters, &increment, &mut state, request).expect("an update");
             stress = response.stress;
             black_box(&response.tangent);
         }

@@ -13,7 +13,7 @@ use models::{
 use std::hint::black_box;
 use std::time::Instant;
 use umat_abi::export::umat;
-use umat_abi::law::{Increment, Law, Request, StressState};
+use umat_abi::law::{Increment, Law, Request, StressState, advance_values, parameters_of};
 use umat_abi::umat::UmatFunction;
 
 /// Calls of each way in all.
@@ -80,7 +80,7 @@ fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
     let function = black_box(library.umat(None).expect("umat_"));
     let mut start = Start::new(law, function);
     let linked = black_box(linked);
-    let parameters = L::parameters(law.props).expect("valid parameters");
+    let parameters = parameters_of::<L>(law.props).expect("valid parameters");
     let increment = Increment {
         stress_state: StressState::ThreeD,
         strain: std::array::from_fn(|i| start.point.stran[i] + start.point.dstran[i]),
@@ -104,8 +104,12 @@ fn measure<L: Law>(law: &Sample, linked: UmatFunction, calls: usize) -> bool {
         }));
         nanoseconds[2].push(time(calls, || {
             state.copy_from_slice(&start.statev);
-            let response =
-                L::update(black_box(&parameters), black_box(&increment), &mut state, Request::StressAndTangent);
+            let response = advance_values::<L>(
+                black_box(&parameters),
+                black_box(&increment),
+                &mut state,
+                Request::StressAndTangent,
+            );
             black_box(&response).as_ref().expect("a usable increment");
         }));
     }

@@ -2,8 +2,11 @@
 
 use end_to_end_tests::{LAWS, PointMemory, Random, Sample, plugin, sample, strain_path};
 use umat_abi::host::{BatchCall, Library};
-use umat_abi::law::{LANES, Request, StressState};
+use umat_abi::law::{Request, StressState};
 use umat_abi::metadata::batch_results;
+
+/// Points of a small batch.
+const FEW: usize = 8;
 
 /// A batch, and the same points one by one.
 struct Both {
@@ -111,10 +114,10 @@ fn follow_random_paths(law: &Sample, stress_state: StressState, count: usize, re
 fn batches_of_all_laws_give_the_bits_of_single_calls() {
     for law in LAWS {
         for stress_state in Sample::STRESS_STATES {
-            for count in [1, LANES - 1, 5 * LANES + 3] {
+            for count in [1, FEW - 1, 5 * FEW + 3] {
                 follow_random_paths(law, stress_state, count, Request::Stress);
             }
-            follow_random_paths(law, stress_state, LANES + 1, Request::StressAndTangent);
+            follow_random_paths(law, stress_state, FEW + 1, Request::StressAndTangent);
         }
     }
 }
@@ -129,7 +132,7 @@ fn batches_of_concrete_damage_give_the_bits_of_single_calls_for_all_its_forms() 
     for props in [IV_H, CONFINED] {
         let law = Sample { props, ..*own };
         for stress_state in Sample::STRESS_STATES {
-            follow_random_paths(&law, stress_state, 12 * LANES, Request::Stress);
+            follow_random_paths(&law, stress_state, 12 * FEW, Request::Stress);
         }
     }
 }
@@ -139,13 +142,13 @@ fn lengths_of_a_crack_band_are_those_of_each_point() {
     const CRACK_BAND: &[f64] =
         &[31800.0, 0.18, 5000.0, 1.3, 1.905_077e-4, 31.47479, 1.05, 3e-4, 0.17227, 0.0, 0.0, 0.0, 0.1, 0.0];
     let law = Sample { props: CRACK_BAND, ..*sample("concrete_damage") };
-    let mut both = Both::new(&law, StressState::ThreeD, 2 * LANES);
-    for k in 0..2 * LANES {
+    let mut both = Both::new(&law, StressState::ThreeD, 2 * FEW);
+    for k in 0..2 * FEW {
         // without a length, as long as it may be, and longer
         both.set_length(k, [0.0, 10.0, 40.0, 1e4, f64::NAN][k % 5]);
     }
     for _ in 0..8 {
-        for k in 0..2 * LANES {
+        for k in 0..2 * FEW {
             both.set_strain(k, &[6e-5, -1e-5, -1e-5, 1e-5, 0.0, 0.0]);
         }
         both.call(Request::Stress);
@@ -158,10 +161,10 @@ fn a_bad_point_leaves_its_neighbours_alone() {
     for name in ["linear_elastic", "concrete_damage"] {
         let law = sample(name);
         for bad in [f64::NAN, f64::INFINITY, 1e200, 1e300] {
-            let mut both = Both::new(law, StressState::ThreeD, 3 * LANES);
+            let mut both = Both::new(law, StressState::ThreeD, 3 * FEW);
             for step in 0..4 {
-                for k in 0..3 * LANES {
-                    let strain = if step == 2 && k == LANES + 2 { bad } else { 2e-4 * (k as f64 - 9.0) };
+                for k in 0..3 * FEW {
+                    let strain = if step == 2 && k == FEW + 2 { bad } else { 2e-4 * (k as f64 - 9.0) };
                     both.set_strain(k, &[strain, 1e-5, 0.0, 3e-5, 0.0, -2e-5]);
                 }
                 both.call(Request::Stress);

@@ -1,11 +1,11 @@
 //! FRIC: the tangential law of a contact point. 39 pointers and three CHARACTER lengths (docs/reference/abi.md).
 
 use crate::umat::entry_point;
-use std::ffi::c_char;
 
 entry_point! {
+    ($)
     /// `fric_` as gfortran compiles it on Linux.
-    type FricFunction;
+    type FricFunction, fric_symbol;
     /// The arguments of FRIC in order.
     struct FricArguments {
         /// On entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
@@ -51,11 +51,11 @@ entry_point! {
         /// element number.
         noel: *const i32,
         /// `(80)` name of the interaction property, blank-padded.
-        ciname: *const c_char,
+        ciname: *const std::ffi::c_char,
         /// `(80)` slave surface.
-        slname: *const c_char,
+        slname: *const std::ffi::c_char,
         /// `(80)` master surface.
-        msname: *const c_char,
+        msname: *const std::ffi::c_char,
         /// contact point.
         npt: *const i32,
         /// slave node.

@@ -5,11 +5,11 @@
 //! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
 
 use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable, open_bounds, stress_states};
+use crate::table::{Parameters, States};
 use std::ffi::CStr;
 use std::fmt;
 
-/// Largest number of state variables of a law exported by this crate: the boundary keeps the trial
-/// state on the stack, so that a failed update leaves the caller's STATEV as it was.
+/// Largest number of state variables of a law exported by this crate.
 pub const MAX_STATES: usize = 64;
 
 /// Which components a stress state has. Components are always embedded in six,
@@ -93,7 +93,7 @@ pub struct Increment {
     pub stress: [f64; 6],
     /// CELENT, mm; `None` if the host passed NULL, zero, a negative number or NaN.
     pub characteristic_length: Option<f64>,
-    /// DTIME, s, where the law asks for it; 1 if the host passed NULL, zero, a negative number or NaN.
+    /// DTIME, s; 1 if the host passed NULL, zero, a negative number or NaN.
     pub time_increment: f64,
 }
 
@@ -108,20 +108,6 @@ impl Increment {
             stress: [0.0; 6],
             characteristic_length: None,
             time_increment: 1.0,
-        }
-    }
-
-    /// Refuses NaN and infinity, which comparisons in a law could hide.
-    ///
-    /// # Errors
-    /// [`Failure::CutBack`].
-    #[inline]
-    pub fn check_strain(&self) -> Result<(), Failure> {
-        // 0 · ±∞ and 0 · NaN are NaN
-        if self.strain.iter().map(|x| 0.0 * x).sum::<f64>() == 0.0 {
-            Ok(())
-        } else {
-            Err(Failure::CutBack { fraction: 0.25, reason: "the strain is not finite" })
         }
     }
 }
@@ -140,36 +126,36 @@ pub struct Response {
     pub dissipated_energy: f64,
 }
 
+/// The fraction that is suggested where an increment cannot be computed at all.
+const CUT_BACK: f64 = 0.5;
+
+/// Refuses results that are no numbers. What overflows here may not in a smaller increment.
+#[inline]
+fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure> {
+    if state.is_finite() && numbers.iter().all(|numbers| all_finite(numbers)) {
+        Ok(())
+    } else {
+        Err(Failure::CutBack { fraction: 0.25, reason: NO_NUMBER })
+    }
+}
+
+/// Why a result is refused.
+const NO_NUMBER: &str = "a result is not a finite number";
+
 impl Response {
-    /// The response itself if every number of it and of the new state is finite. What overflows at
-    /// this strain may not at a smaller one.
+    /// Refuses a response or a state with a number that is none. What overflows at this strain may not at a smaller one.
     ///
     /// # Errors
-    /// [`Failure::CutBack`] otherwise.
+    /// [`Failure::CutBack`].
     #[inline(always)]
-    pub fn finite(self, state: &[f64]) -> Result<Self, Failure> {
-        let is_finite = all_finite(self.tangent.as_flattened());
-        self.finite_beside_tangent(is_finite, state)
-    }
-
-    /// [`Self::finite`] of a law whose tangent is isotropic, or that and a symmetric dyad: its diagonal is finite only where all of
-    /// it is (|a_i a_j| ≤ max(a_i², a_j²)). `state`: what the stress and the energies do not tell of the new state.
-    ///
-    /// # Errors
-    /// As [`Self::finite`].
-    #[inline(always)]
-    pub fn finite_by_diagonal(self, state: &[f64]) -> Result<Self, Failure> {
-        let diagonal: [f64; 6] = std::array::from_fn(|i| self.tangent[i][i]);
-        self.finite_beside_tangent(all_finite(&diagonal), state)
-    }
-
-    #[inline(always)]
-    fn finite_beside_tangent(self, tangent_is_finite: bool, state: &[f64]) -> Result<Self, Failure> {
+    pub fn check(&self, state: &impl States, request: Request) -> Result<(), Failure> {
         let energies = [self.stored_energy, self.dissipated_energy];
-        if tangent_is_finite & all_finite(&self.stress) & all_finite(&energies) & all_finite(state) {
-            Ok(self)
+        let tangent_is_finite = !request.wants_tangent() || all_finite(self.tangent.as_flattened());
+        // one decision: they are independent, a branch for each would not be
+        if tangent_is_finite & all_finite(&self.stress) & all_finite(&energies) & state.is_finite() {
+            Ok(())
         } else {
-            Err(Failure::CutBack { fraction: 0.25, reason: "a result is not a finite number" })
+            Err(Failure::CutBack { fraction: 0.25, reason: NO_NUMBER })
         }
     }
 }
@@ -191,36 +177,6 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
         bits[0] |= (x - x).to_bits();
     }
     bits[0] | bits[1] == 0
-}
-
-/// How many points [`Law::update_block`] advances: two registers of AVX2, four of SSE2.
-pub const LANES: usize = 8;
-
-/// One number of each point of a block.
-pub type Lane = [f64; LANES];
-
-/// [`Increment`]s of LANES points, component by component.
-#[derive(Clone, Copy, Debug)]
-pub struct Block {
-    /// Which components exist.
-    pub stress_state: StressState,
-    /// Total strain at the end of the increment; finite.
-    pub strain: [Lane; 6],
-    /// Strain increment.
-    pub strain_increment: [Lane; 6],
-    /// Stress at the start of the increment.
-    pub stress: [Lane; 6],
-    /// CELENT, mm.
-    pub characteristic_length: [Option<f64>; LANES],
-}
-
-/// What the boundary needs of the [`Response`]s of LANES points.
-#[derive(Clone, Copy, Debug)]
-pub struct BlockResponse {
-    /// Stress at the end of the increment, MPa.
-    pub stress: [Lane; 6],
-    /// Stored energy per volume at the end of the increment, N·mm/mm³.
-    pub stored_energy: Lane,
 }
 
 /// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
@@ -357,69 +313,135 @@ pub trait Law {
     const INFO: LawInfo;
     /// [`crate::metadata::stress_states`] that the law can compute.
     const STRESS_STATES: u32 = crate::metadata::stress_states::ALL;
-    /// The parameters as the law's equations name them; may borrow tables from PROPS.
-    type Parameters<'p>;
+    /// The parameters as the law's equations name them ([`crate::parameters!`]).
+    type Parameters<'p>: Parameters<'p>;
+    /// The state variables ([`crate::states!`]).
+    type State: States;
 
-    /// Reads PROPS. Number, finiteness, bounds and choices were checked against
-    /// [`LawInfo::parameters`] before; what remains are relations between parameters.
-    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError>;
-
-    /// Advances `state` (exactly [`LawInfo::states`] values) over the increment.
-    /// On `Err` the contents of `state` do not matter: the caller discards them.
+    /// Advances `state` over the increment, whose numbers are finite. On `Err` the contents of `state` do not matter, nor on a
+    /// result that is not finite: the caller discards them.
     ///
     /// A law ends its states with `strain_33` and `dissipated_energy` and writes both.
     fn update(
         parameters: &Self::Parameters<'_>,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut Self::State,
         request: Request,
     ) -> Result<Response, Failure>;
 
-    /// The early way out of [`Self::update`], where nothing irreversible happens and that is quickly told: the same response,
-    /// to the same bits. The boundary asks for it first, and writes it down on a path of its own, where an isotropic
-    /// tangent stays the few numbers that it is made of.
-    ///
-    /// `increment` is not looked at before, `state` is. `Some`: every number of the response and of the new state is finite.
-    /// `None`: `state` is as it was. `#[inline(always)]` wherever it is implemented.
+    /// The response where nothing irreversible happens and that is quickly told: [`Self::update`] is asked where this is `None`,
+    /// with `state` as it was. `increment` may hold NaN and infinity, which are no such case. `#[inline(always)]` wherever it is
+    /// implemented: an isotropic tangent stays the few numbers that it is made of.
     #[inline(always)]
     fn elastic(
         _parameters: &Self::Parameters<'_>,
         _increment: &Increment,
-        _state: &mut [f64],
+        _state: &mut Self::State,
         _request: Request,
     ) -> Option<Response> {
         None
     }
 
-    /// Whether every number of a response and of a new state is finite, [`Self::update`] failing otherwise
-    /// ([`Response::finite`]): the boundary does not look at them again.
-    const FINITE_OR_FAILS: bool = false;
-
-    /// Whether [`Self::update`] looks at [`Increment::time_increment`], which is not even read otherwise.
-    const USES_TIME_INCREMENT: bool = false;
-
-    /// Whether [`Self::update_block`] is there.
-    const UPDATES_BLOCKS: bool = false;
-
-    /// Advances LANES points at once, stress only: to the same bits as [`Self::update`] point by point. `None`: this is
-    /// for single updates (any of them may fail, or the law has no such form for these parameters); `state` does not
-    /// matter then.
+    /// Refuses parameters that contradict each other.
     ///
-    /// `#[inline(always)]` wherever it is implemented: the boundary compiles it for wider registers.
+    /// # Errors
+    /// The rule that is broken.
     #[inline(always)]
-    fn update_block(_parameters: &Self::Parameters<'_>, _block: &Block, _state: &mut [Lane]) -> Option<BlockResponse> {
-        None
-    }
-
-    /// Whether these parameters need a characteristic length (their crack band is on).
-    fn needs_characteristic_length(_parameters: &Self::Parameters<'_>) -> bool {
-        false
-    }
-
-    /// Refuses a characteristic length that these parameters cannot work with.
-    fn check_characteristic_length(_parameters: &Self::Parameters<'_>, _length: f64) -> Result<(), ConfigurationError> {
+    fn check(_parameters: &Self::Parameters<'_>) -> Result<(), ConfigurationError> {
         Ok(())
     }
+
+    /// Refuses a characteristic length that these parameters cannot work with, or the lack of one.
+    ///
+    /// # Errors
+    /// [`ConfigurationError::CharacteristicLengthMissing`] or [`ConfigurationError::CharacteristicLengthTooLarge`].
+    fn check_characteristic_length(
+        _parameters: &Self::Parameters<'_>,
+        _length: Option<f64>,
+    ) -> Result<(), ConfigurationError> {
+        Ok(())
+    }
+}
+
+/// Reads PROPS as a host passes them.
+///
+/// # Errors
+/// What the table or [`Law::check`] does not admit.
+#[inline(always)]
+pub fn parameters_of<L: Law>(props: &[f64]) -> Result<L::Parameters<'_>, ConfigurationError> {
+    let parameters = read_parameters::<L::Parameters<'_>>(&L::INFO, props)?;
+    L::check(&parameters)?;
+    Ok(parameters)
+}
+
+/// Reads PROPS of any law.
+///
+/// # Errors
+/// What the table does not admit, or values that contradict each other.
+#[inline(always)]
+pub fn read_parameters<'p, P: Parameters<'p>>(info: &LawInfo, props: &'p [f64]) -> Result<P, ConfigurationError> {
+    if !P::admits(props) {
+        check_properties(info, props)?;
+    }
+    P::read(props)
+}
+
+/// [`Law::elastic`] with its numbers looked at.
+///
+/// # Errors
+/// A result that is not finite.
+#[inline(always)]
+pub fn elastic<L: Law>(
+    parameters: &L::Parameters<'_>,
+    increment: &Increment,
+    state: &mut L::State,
+    request: Request,
+) -> Result<Option<Response>, Failure> {
+    let response = L::elastic(parameters, increment, state, request);
+    if let Some(response) = &response {
+        response.check(state, request)?;
+    }
+    Ok(response)
+}
+
+/// [`Law::update`] where [`elastic`] said nothing, with the strain and the results looked at.
+///
+/// # Errors
+/// NaN or infinity in the strain or in a result, or the law's own refusal; `state` does not matter then.
+#[inline(always)]
+pub fn update<L: Law>(
+    parameters: &L::Parameters<'_>,
+    increment: &Increment,
+    state: &mut L::State,
+    request: Request,
+) -> Result<Response, Failure> {
+    if !all_finite(&increment.strain) {
+        return Err(Failure::CutBack { fraction: CUT_BACK, reason: "NaN or infinity in STRAN or DSTRAN" });
+    }
+    let response = L::update(parameters, increment, state, request);
+    if let Ok(response) = &response {
+        response.check(state, request)?;
+    }
+    response
+}
+
+/// One update as hosts get it, on the values of STATEV, which stay as they are where it fails.
+///
+/// # Errors
+/// As [`update`].
+pub fn advance_values<L: Law>(
+    parameters: &L::Parameters<'_>,
+    increment: &Increment,
+    values: &mut [f64],
+    request: Request,
+) -> Result<Response, Failure> {
+    let mut state = L::State::read(values);
+    let response = match elastic::<L>(parameters, increment, &mut state, request)? {
+        Some(response) => response,
+        None => update::<L>(parameters, increment, &mut state, request)?,
+    };
+    state.write(values);
+    Ok(response)
 }
 
 /// One increment of a contact point: normal and tangential together (UINTER).
@@ -480,17 +502,16 @@ pub struct TangentialResponse {
 pub trait InterfaceLaw {
     /// Name, parameters, states.
     const INFO: LawInfo;
-    /// The parameters as the law's equations name them; may borrow tables from PROPS.
-    type Parameters<'p>;
-
-    /// Reads PROPS; see [`Law::parameters`].
-    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError>;
+    /// The parameters as the law's equations name them ([`crate::parameters!`]).
+    type Parameters<'p>: Parameters<'p>;
+    /// The state variables ([`crate::states!`]).
+    type State: States;
 
     /// Normal and tangential traction; see [`Law::update`] for the rules of `state`.
     fn update(
         parameters: &Self::Parameters<'_>,
         increment: &InterfaceIncrement,
-        state: &mut [f64],
+        state: &mut Self::State,
         request: Request,
     ) -> Result<InterfaceResponse, Failure>;
 
@@ -498,9 +519,49 @@ pub trait InterfaceLaw {
     fn update_tangential(
         parameters: &Self::Parameters<'_>,
         increment: &TangentialIncrement,
-        state: &mut [f64],
+        state: &mut Self::State,
         request: Request,
     ) -> Result<TangentialResponse, Failure>;
+}
+
+/// One update of a contact point as hosts get it.
+///
+/// # Errors
+/// NaN or infinity in the displacements or in a result, or the law's own refusal; `state` does not matter then.
+pub fn advance_contact<L: InterfaceLaw>(
+    parameters: &L::Parameters<'_>,
+    increment: &InterfaceIncrement,
+    state: &mut L::State,
+    request: Request,
+) -> Result<InterfaceResponse, Failure> {
+    if !(all_finite(&increment.relative_displacement) && all_finite(&increment.increment)) {
+        return Err(Failure::CutBack { fraction: CUT_BACK, reason: "NaN or infinity in RDISP or DRDISP" });
+    }
+    let response = L::update(parameters, increment, state, request)?;
+    let energies = [response.stored_energy, response.dissipated_energy];
+    require_finite(&[&response.traction, response.tangent.as_flattened(), &energies], state)?;
+    Ok(response)
+}
+
+/// One update of the tangential part as hosts get it.
+///
+/// # Errors
+/// NaN or infinity in the slip, the pressure or a result, or the law's own refusal; `state` does not matter then.
+pub fn advance_sliding<L: InterfaceLaw>(
+    parameters: &L::Parameters<'_>,
+    increment: &TangentialIncrement,
+    state: &mut L::State,
+    request: Request,
+) -> Result<TangentialResponse, Failure> {
+    if !(all_finite(&increment.slip_increment) && increment.pressure.is_finite()) {
+        return Err(Failure::CutBack { fraction: CUT_BACK, reason: "NaN or infinity in DGAM or PRESS" });
+    }
+    let response = L::update_tangential(parameters, increment, state, request)?;
+    let by_slip = response.slip_tangent.as_flattened();
+    let energies = [response.stored_energy, response.dissipated_energy];
+    let TangentialResponse { traction, pressure_tangent, inelastic_slip_increment, .. } = &response;
+    require_finite(&[traction, by_slip, pressure_tangent, inelastic_slip_increment, &energies], state)?;
+    Ok(response)
 }
 
 /// The error for a value that the parameter's row of the table does not admit.
@@ -551,93 +612,22 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
         }
     };
     for (parameter, &value) in table[..fixed].iter().zip(props) {
-        parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+        check_value(parameter, value)?;
     }
     for group in props[fixed..].chunks_exact(group_size.max(1)).take(occurrences) {
         for (parameter, &value) in table[fixed..].iter().zip(group) {
-            parameter.check(value).map_err(|()| parameter_error(parameter, value))?;
+            check_value(parameter, value)?;
         }
     }
     Ok(())
 }
 
-/// [`check_properties`] of a law, without a look at the table where all is well: this runs in every call.
-///
-/// # Errors
-/// As [`check_properties`].
-#[inline(always)]
-pub fn check_properties_of<L: Law>(props: &[f64]) -> Result<(), ConfigurationError> {
-    let bounds = const { &ClosedBounds::of(&L::INFO) };
-    if bounds.admit(props) { Ok(()) } else { check_properties(&L::INFO, props) }
-}
-
-/// Most parameters of a table that is looked at at once.
-const MOST_BOUNDS: usize = 16;
-
-/// The admissible numbers of each parameter, bounds included.
-struct ClosedBounds {
-    /// How many parameters are there once, how many the group at the end has, and how often it is there at least;
-    /// `None`: more is to be looked at than bounds.
-    counts: Option<[usize; 3]>,
-    lower: [f64; MOST_BOUNDS],
-    upper: [f64; MOST_BOUNDS],
-}
-
-impl ClosedBounds {
-    const fn of(info: &LawInfo) -> Self {
-        let table = info.parameters;
-        let mut bounds = Self { counts: None, lower: [0.0; MOST_BOUNDS], upper: [0.0; MOST_BOUNDS] };
-        let [size, minimum] = match info.repeating {
-            None => [0, 0],
-            Some(group) if group.count_parameter < 0 => [group.size as usize, group.minimum as usize],
-            Some(_) => return bounds,
-        };
-        if table.len() > MOST_BOUNDS {
-            return bounds;
-        }
-        let mut k = 0;
-        while k < table.len() {
-            let Some([lower, upper]) = table[k].closed_bounds() else { return bounds };
-            (bounds.lower[k], bounds.upper[k]) = (lower, upper);
-            k += 1;
-        }
-        bounds.counts = Some([table.len() - size, size, minimum]);
-        bounds
-    }
-
-    /// Whether these are as many as there may be, all within their bounds; no NaN is.
-    #[inline(always)]
-    fn admit(&self, props: &[f64]) -> bool {
-        let Some([fixed, size, minimum]) = self.counts else { return false };
-        let Some((once, groups)) = props.split_at_checked(fixed) else { return false };
-        let within = |k: usize, x: f64| (self.lower[k] <= x) & (x <= self.upper[k]);
-        // one decision: they are independent, a branch for each would not be
-        let mut all_within = true;
-        for k in 0..fixed {
-            all_within &= within(k, once[k]);
-        }
-        if !all_within || size == 0 {
-            return all_within && groups.is_empty();
-        }
-        let groups = groups.chunks_exact(size);
-        if groups.len() < minimum || !groups.remainder().is_empty() {
-            return false;
-        }
-        for group in groups {
-            for k in 0..size {
-                if !within(fixed + k, group[k]) {
-                    return false;
-                }
-            }
-        }
-        true
-    }
-}
-
-fn parameter_error(parameter: &'static Parameter, value: f64) -> ConfigurationError {
-    if parameter.choices().is_empty() {
-        out_of_bounds(parameter, value)
+fn check_value(parameter: &'static Parameter, value: f64) -> Result<(), ConfigurationError> {
+    if parameter.admits(value) {
+        Ok(())
+    } else if parameter.choices().is_empty() {
+        Err(out_of_bounds(parameter, value))
     } else {
-        ConfigurationError::NotAChoice { parameter: parameter.name(), value }
+        Err(ConfigurationError::NotAChoice { parameter: parameter.name(), value })
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! - [`umat`], [`fric`], [`uinter`]: the three entry points exactly as gfortran passes them.
 //! - [`law`]: what a law is in Rust: pure functions and one table.
+//! - [`table`]: the macros that make its parameters and states of one table.
 //! - [`metadata`]: the optional self-description of a plugin, `pullout_plugin_v1`.
 //! - [`export`]: from a law to the symbols of a shared library ([`export_umat!`], [`export_interface!`],
 //!   [`export_library!`]).
@@ -14,6 +15,7 @@ pub mod fric;
 pub mod host;
 pub mod law;
 pub mod metadata;
+pub mod table;
 pub mod uinter;
 pub mod umat;
 

@@ -278,25 +278,11 @@ impl Parameter {
     }
 
     /// Whether the value is finite, within bounds and, for a selecting parameter, listed.
-    ///
-    /// # Errors
-    /// `Err(())` if not; the caller knows the parameter and words the message.
-    #[allow(clippy::result_unit_err, reason = "the one reason is the parameter's own row of the table")]
-    pub fn check(&self, value: f64) -> Result<(), ()> {
+    pub fn admits(&self, value: f64) -> bool {
         let above = if self.open_bounds & open_bounds::LOWER != 0 { value > self.lower } else { value >= self.lower };
         let below = if self.open_bounds & open_bounds::UPPER != 0 { value < self.upper } else { value <= self.upper };
         let listed = self.choices.count == 0 || self.choices().iter().any(|choice| choice.value == value);
-        if value.is_finite() && above && below && listed { Ok(()) } else { Err(()) }
-    }
-
-    /// The least and the greatest admissible number; `None`: only some numbers between them are.
-    pub(crate) const fn closed_bounds(&self) -> Option<[f64; 2]> {
-        if self.choices.count != 0 {
-            return None;
-        }
-        let lower = if self.open_bounds & open_bounds::LOWER != 0 { self.lower.next_up() } else { self.lower };
-        let upper = if self.open_bounds & open_bounds::UPPER != 0 { self.upper.next_down() } else { self.upper };
-        Some([lower.max(f64::MIN), upper.min(f64::MAX)])
+        value.is_finite() && above && below && listed
     }
 }
 
@@ -320,6 +306,13 @@ impl RepeatingGroup {
     /// A group.
     pub const fn new(name: &'static CStr, size: u32, minimum: u32, count_parameter: i32) -> Self {
         Self { name: Text::new(name), size, minimum, count_parameter, reserved: 0 }
+    }
+
+    /// Whether there may be so many of them behind the other parameters.
+    #[inline(always)]
+    pub fn admits(&self, occurrences: usize, others: &[f64]) -> bool {
+        let is_counted = self.count_parameter < 0 || others[self.count_parameter as usize] == occurrences as f64;
+        is_counted & (occurrences >= self.minimum as usize)
     }
 
     /// Its key in case files.

@@ -4,11 +4,11 @@
 //! are values at the end of the increment.
 
 use crate::umat::entry_point;
-use std::ffi::c_char;
 
 entry_point! {
+    ($)
     /// `uinter_` as gfortran compiles it on Linux.
-    type UinterFunction;
+    type UinterFunction, uinter_symbol;
     /// The arguments of UINTER in order.
     struct UinterArguments {
         /// `(ndir)` traction; (1) is normal, positive in compression.
@@ -60,11 +60,11 @@ entry_point! {
         /// frequency.
         freqr: *const f64,
         /// `(80)` name of the interaction property, blank-padded.
-        ciname: *const c_char,
+        ciname: *const std::ffi::c_char,
         /// `(80)` slave surface.
-        slname: *const c_char,
+        slname: *const std::ffi::c_char,
         /// `(80)` master surface.
-        msname: *const c_char,
+        msname: *const std::ffi::c_char,
         /// `(nprops)` parameters.
         props: *const f64,
         /// `(mcrd)` the point.

@@ -1,15 +1,14 @@
 //! UMAT: a material point. 37 pointers and one trailing CHARACTER length (docs/reference/abi.md).
 
-use std::ffi::c_char;
-
-/// Declares an entry point's function type, the struct that names its arguments, and the call with
-/// that struct: one list, so that order and types cannot drift apart.
+/// Declares an entry point's function type, the struct that names its arguments, the call with that struct, and the macro that
+/// defines a symbol of it: one list, so that order and types cannot drift apart.
 ///
-/// The C header and the Fortran module are generated from this list as well: where a field's
-/// documentation begins with a shape in backticks, the argument is an array of that shape.
+/// The C header and the Fortran module are generated from this list as well: where a field's documentation begins with a shape in
+/// backticks, the argument is an array of that shape. `$` stands first because a macro cannot write one for the macro it makes.
 macro_rules! entry_point {
     (
-        $(#[$type_doc:meta])* type $function:ident;
+        ($d:tt)
+        $(#[$type_doc:meta])* type $function:ident, $symbol:ident;
         $(#[$struct_doc:meta])* struct $arguments:ident { $($(#[$doc:meta])* $name:ident: $type:ty,)+ }
     ) => {
         $(#[$type_doc])*
@@ -30,13 +29,33 @@ macro_rules! entry_point {
                 unsafe { function($(self.$name),+) }
             }
         }
+
+        /// Defines one symbol of this entry point, which runs `$body` on its arguments.
+        #[doc(hidden)]
+        #[macro_export]
+        macro_rules! $symbol {
+            ($d symbol:expr, $d ident:ident, $d body:expr) => {
+                /// An entry point; see the C header.
+                ///
+                /// # Safety
+                /// Every pointer is NULL or valid for what ABAQUS defines.
+                #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
+                #[unsafe(export_name = $d symbol)]
+                pub unsafe extern "C" fn $d ident($($name: $type),+) {
+                    let arguments = $d crate::export::$arguments { $($name),+ };
+                    // SAFETY: forwarded to the caller.
+                    unsafe { $d body(&arguments) }
+                }
+            };
+        }
     };
 }
 pub(crate) use entry_point;
 
 entry_point! {
+    ($)
     /// `umat_` as gfortran compiles it on Linux.
-    type UmatFunction;
+    type UmatFunction, umat_symbol;
     /// The arguments of UMAT in order. Arrays are Fortran arrays: DDSDDE(NTENS,NTENS) column-major.
     struct UmatArguments {
         /// `(ntens)` in: stress at the start, rotated by the host; out: at the end.
@@ -76,7 +95,7 @@ entry_point! {
         /// `(*)` their increments.
         dpred: *const f64,
         /// `(80)` material name, blank-padded.
-        cmname: *const c_char,
+        cmname: *const std::ffi::c_char,
         /// number of direct components.
         ndi: *const i32,
         /// number of shear components.

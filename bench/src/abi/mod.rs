@@ -187,7 +187,7 @@ fn measure_recorder(solids: &[Solid], rows: &mut [Row], settings: &Settings) -> 
 const METHOD: &str = "\
 One increment in three dimensions, stress and tangent, repeated from the same state (restored before each call): *elastic*,
 a virgin point far below its limit, and *inelastic*, a point beyond it that goes on, with six strain components and three different
-principal strains. *Direct*: the linked law, PROPS read as in a UMAT, nothing checked. *Plugin*: `umat_` of the loaded library,
+principal strains. *Direct*: the linked law with its checks of parameters and results, without the 38 arguments. *Plugin*: `umat_` of the loaded library,
 38 arguments, with all checks of the boundary. *Host*: the program's own call of it (arrays cleared, canaries looked at).
 *Recorder*: what noting all arguments for a supervising process adds to that (isolated libraries). *Fortran*: the same law
 written by hand as a UMAT for three dimensions that checks nothing, gfortran -O3, called like the plugin; the figure is its time

@@ -7,7 +7,7 @@ use models::{
     inelastic_damage::InelasticDamage, j2_plasticity::J2Plasticity, linear_elastic::LinearElastic,
     pure_damage::PureDamage, reverse_cyclic_damage::ReverseCyclicDamage,
 };
-use umat_abi::law::{Increment, Law, MAX_STATES, Request, StressState};
+use umat_abi::law::{Increment, Law, MAX_STATES, Request, StressState, advance_values, parameters_of};
 
 /// Follows strains from the virgin state and keeps every k-th stress.
 pub type Follow = fn(props: &[f64], strains: &[Components], every: usize) -> Result<Vec<Components>, String>;
@@ -43,7 +43,7 @@ pub fn follow_in<L: Law>(
     strains: &[Components],
     every: usize,
 ) -> Result<Vec<Components>, String> {
-    let parameters = L::parameters(props).map_err(|error| error.to_string())?;
+    let parameters = parameters_of::<L>(props).map_err(|error| error.to_string())?;
     let mut states = [0.0; MAX_STATES];
     let state = &mut states[..L::INFO.states.len()];
     let mut increment = Increment::at_rest(stress_state);
@@ -53,8 +53,8 @@ pub fn follow_in<L: Law>(
             increment.strain_increment[k] = strain[k] - increment.strain[k];
         }
         increment.strain = *strain;
-        let response =
-            L::update(&parameters, &increment, state, Request::Stress).map_err(|failure| format!("{failure:?}"))?;
+        let response = advance_values::<L>(&parameters, &increment, state, Request::Stress)
+            .map_err(|failure| format!("{failure:?}"))?;
         increment.stress = response.stress;
         if (i + 1).is_multiple_of(every) {
             stresses.push(response.stress);

@@ -13,7 +13,6 @@ use batch::Batch;
 use cores::Cores;
 use pullout_report::plots::figure::{Figure, Line, Scale, Style};
 use pullout_report::plots::quantity::Quantity;
-use pullout_run::number::significant;
 use umat_abi::law::Request;
 
 /// A law in a situation.
@@ -53,9 +52,6 @@ their throughput over that of one thread in the same turns, by the clock. *Batch
 points one by one; the figure is the time of the calls over that of the batch, and both give the same bits, which is checked
 first. Medians of turns that alternate.";
 
-/// Least accepted ratios of batches.
-const BATCH_TARGETS: [(&str, f64); 2] = [("linear_elastic", 3.0), ("concrete_damage", 2.0)];
-
 fn page(solids: &[Solid], rows: &[Row]) -> Page {
     let mut data = Table::new([
         "law",
@@ -76,7 +72,6 @@ fn page(solids: &[Solid], rows: &[Row]) -> Page {
         "all cores / one",
     ]);
     let mut batches = Table::new(["law", "situation", "batch [10⁶/s]", "one by one / batch"]);
-    let mut notes = Vec::new();
     for row in rows {
         let name = solids[row.solid].law;
         let situation = row.situation.name();
@@ -101,14 +96,6 @@ fn page(solids: &[Solid], rows: &[Row]) -> Page {
             stress.all_over_one.into(),
         ]);
         batches.push([name.into(), situation.into(), millions(row.batch.per_second), row.batch.gain.into()]);
-        if let Some((_, target)) = BATCH_TARGETS.iter().find(|(law, _)| *law == name) {
-            let word = if row.batch.gain >= *target { "reaches" } else { "**misses**" };
-            notes.push(format!(
-                "The batch of {name}, {situation}, {word} its target: {} of {}.",
-                significant(row.batch.gain, 3),
-                significant(*target, 2)
-            ));
-        }
     }
     Page {
         title: "Throughput of the laws",
@@ -118,7 +105,7 @@ fn page(solids: &[Solid], rows: &[Row]) -> Page {
             ("Updates per second".into(), throughput),
             ("Batches against single calls, stress only".into(), batches),
         ],
-        notes,
+        notes: Vec::new(),
         figures: vec![figure(solids, rows)],
         failed: None,
     }

@@ -173,13 +173,9 @@ impl BondLaw {
     /// # Errors
     /// What the plugin would not accept.
     pub fn tractions(&self, slips: &[f64], residual: f64) -> Result<Vec<f64>, ConfigurationError> {
-        let points: Vec<f64>;
         let envelope = match self {
             Self::Powers(law) => Envelope::powers(law.elastic_stiffness, law.rise, law.fall, residual)?,
-            Self::Piecewise(law) => {
-                points = law.points.iter().flatten().copied().collect();
-                Envelope::piecewise(law.elastic_stiffness(), &points, residual)?
-            }
+            Self::Piecewise(law) => Envelope::piecewise(law.elastic_stiffness(), &law.points, residual)?,
         };
         Ok(slips.iter().map(|&slip| envelope.strength(slip).traction).collect())
     }

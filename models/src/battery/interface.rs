@@ -2,8 +2,9 @@
 //! differences, dissipation, monotone states, repeatability, energy balance.
 
 use super::Random;
-use umat_abi::law::{InterfaceIncrement, InterfaceLaw, InterfaceResponse, Request, check_properties};
-use umat_abi::law::{TangentialIncrement, TangentialResponse};
+use umat_abi::law::{InterfaceIncrement, InterfaceLaw, InterfaceResponse, Request, read_parameters};
+use umat_abi::law::{TangentialIncrement, TangentialResponse, advance_contact, advance_sliding};
+use umat_abi::table::States;
 
 /// A contact point of law `L`, driven by relative displacements (UINTER).
 pub struct ContactPoint<'p, L: InterfaceLaw> {
@@ -16,9 +17,8 @@ pub struct ContactPoint<'p, L: InterfaceLaw> {
 
 impl<'p, L: InterfaceLaw> ContactPoint<'p, L> {
     pub fn virgin(props: &'p [f64], directions: usize) -> Self {
-        check_properties(&L::INFO, props).expect("properties within bounds");
         Self {
-            parameters: L::parameters(props).expect("consistent properties"),
+            parameters: read_parameters(&L::INFO, props).expect("properties within bounds, consistent"),
             directions,
             displacement: [0.0; 3],
             traction: [0.0; 3],
@@ -28,16 +28,18 @@ impl<'p, L: InterfaceLaw> ContactPoint<'p, L> {
 
     /// The response at a displacement from the committed state, which stays as it is.
     pub fn trial(&self, displacement: &[f64; 3]) -> (InterfaceResponse, Vec<f64>) {
-        let mut state = self.state.clone();
+        let mut state = L::State::read(&self.state);
         let increment = InterfaceIncrement {
             directions: self.directions,
             relative_displacement: *displacement,
             increment: std::array::from_fn(|i| displacement[i] - self.displacement[i]),
             traction: self.traction,
         };
-        let response = L::update(&self.parameters, &increment, &mut state, Request::StressAndTangent)
+        let response = advance_contact::<L>(&self.parameters, &increment, &mut state, Request::StressAndTangent)
             .unwrap_or_else(|failure| panic!("{failure:?} at {displacement:?} from {:?}", self.state));
-        (response, state)
+        let mut values = self.state.clone();
+        state.write(&mut values);
+        (response, values)
     }
 
     /// Goes to a displacement and commits.
@@ -69,11 +71,13 @@ impl<'p, L: InterfaceLaw> SlidingPoint<'p, L> {
     }
 
     pub fn trial(&self, slip_increment: [f64; 2], pressure: f64) -> (TangentialResponse, Vec<f64>) {
-        let mut state = self.state.clone();
+        let mut state = L::State::read(&self.state);
         let increment = TangentialIncrement { directions: self.directions, slip_increment, pressure };
-        let response = L::update_tangential(&self.parameters, &increment, &mut state, Request::StressAndTangent)
+        let response = advance_sliding::<L>(&self.parameters, &increment, &mut state, Request::StressAndTangent)
             .unwrap_or_else(|failure| panic!("{failure:?} at {slip_increment:?} from {:?}", self.state));
-        (response, state)
+        let mut values = self.state.clone();
+        state.write(&mut values);
+        (response, values)
     }
 
     pub fn advance(&mut self, slip_increment: [f64; 2], pressure: f64) -> TangentialResponse {

@@ -14,6 +14,8 @@ pub mod interface;
 #[cfg(test)]
 mod invariants;
 #[cfg(test)]
+mod pages;
+#[cfg(test)]
 mod path;
 #[cfg(test)]
 pub mod peak;
@@ -31,7 +33,7 @@ pub use {
 };
 
 use crate::tensor::Spectral;
-use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, check_properties};
+use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, advance_values, parameters_of};
 
 /// Deterministic pseudo-random numbers (splitmix64), so that a failing state can be named.
 pub struct Random(pub u64);
@@ -129,9 +131,8 @@ pub struct Point<'p, L: Law> {
 
 impl<'p, L: Law> Point<'p, L> {
     pub fn virgin(props: &'p [f64], stress_state: StressState) -> Self {
-        check_properties(&L::INFO, props).expect("properties within bounds");
         Self {
-            parameters: L::parameters(props).expect("consistent properties"),
+            parameters: parameters_of::<L>(props).expect("properties within bounds, consistent"),
             stress_state,
             strain: [0.0; 6],
             stress: [0.0; 6],
@@ -144,7 +145,7 @@ impl<'p, L: Law> Point<'p, L> {
     /// The response at a strain from the committed state, which stays as it is, and the states there.
     pub fn respond(&self, strain: &[f64; 6], request: Request) -> (Result<Response, Failure>, Vec<f64>) {
         let mut state = self.state.clone();
-        (L::update(&self.parameters, &self.increment(strain), &mut state, request), state)
+        (advance_values::<L>(&self.parameters, &self.increment(strain), &mut state, request), state)
     }
 
     /// The increment to a strain.

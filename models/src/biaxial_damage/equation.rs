@@ -1,9 +1,9 @@
 //! The scalar equation m = M(m) of one update: weights, damage and M at any m, and its solution.
 
-use super::Parameters;
 use super::effective::{EffectiveStress, MOST_BREAK_POINTS};
 use super::root::{self, Equation};
 use super::weights::Weights;
+use super::{Parameters, State};
 use crate::damage_law::{DamageLaw, integrity};
 
 /// A residual larger than this fraction of m may be a jump of β instead of a root.
@@ -11,23 +11,14 @@ const SUSPICIOUS: f64 = 1e-9;
 /// M ≤ 1 + max(η_t, η_c) but for rounding.
 const UPPER_MARGIN: f64 = 1.0 + 1e-13;
 
-/// Committed damage.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct History {
-    pub eta_t: f64,
-    pub eta_c: f64,
-    pub y_t_max: f64,
-    pub y_c_max: f64,
-}
-
-impl History {
+impl State {
     /// η_t of an energy release rate: the committed one unless Y exceeds all before.
-    fn eta_t(&self, law: &DamageLaw, y: f64) -> f64 {
+    fn eta_t_at(&self, law: &DamageLaw, y: f64) -> f64 {
         if y > self.y_t_max { self.eta_t.max(law.eta(y)) } else { self.eta_t }
     }
 
     /// η_c likewise.
-    fn eta_c(&self, law: &DamageLaw, y: f64) -> f64 {
+    fn eta_c_at(&self, law: &DamageLaw, y: f64) -> f64 {
         if y > self.y_c_max { self.eta_c.max(law.eta(y)) } else { self.eta_c }
     }
 }
@@ -75,7 +66,7 @@ impl Trial {
     }
 
     /// dD_t/dY_t and dD_c/dY_c, 0 where damage does not grow.
-    pub fn damage_rates(&self, parameters: &Parameters, history: &History) -> (f64, f64) {
+    pub fn damage_rates(&self, parameters: &Parameters, history: &State) -> (f64, f64) {
         let rate = |law: &DamageLaw, y: f64, eta: f64, before: f64| {
             if eta > before { law.damage_rate(y, eta) } else { 0.0 }
         };
@@ -95,7 +86,7 @@ fn mixed_ratio(r_t: f64, r_c: f64, eta_t: f64, eta_c: f64) -> f64 {
 /// One update: everything but m.
 pub(super) struct Update<'u> {
     pub parameters: &'u Parameters,
-    pub history: &'u History,
+    pub history: &'u State,
     pub effective: &'u EffectiveStress,
     /// Weights that do not follow m.
     pub fixed: Option<Weights>,
@@ -114,8 +105,8 @@ impl Equation for Update<'_> {
             None => self.parameters.hydrostatic.weights(&self.effective.principal(m), (a, b), self.biaxial)?,
         };
         let y = a + weights.beta * b;
-        let eta_t = self.history.eta_t(&self.parameters.tension, weights.r_t * y);
-        let eta_c = self.history.eta_c(&self.parameters.compression, weights.r_c * y);
+        let eta_t = self.history.eta_t_at(&self.parameters.tension, weights.r_t * y);
+        let eta_c = self.history.eta_c_at(&self.parameters.compression, weights.r_c * y);
         let ratio = mixed_ratio(weights.r_t, weights.r_c, eta_t, eta_c);
         Some(Trial { m, weights, energy_release_rate: y, eta_t, eta_c, ratio, a, b })
     }
@@ -145,8 +136,8 @@ impl Equation for Update<'_> {
             None => self.parameters.hydrostatic.beta_bounds(ends, self.biaxial, end.a + start.b),
         };
         let y = start.a + beta_lower * end.b;
-        let eta_t = self.history.eta_t(&self.parameters.tension, y * ends[0].r_t.min(ends[1].r_t));
-        let eta_c = self.history.eta_c(&self.parameters.compression, y * ends[0].r_c.min(ends[1].r_c));
+        let eta_t = self.history.eta_t_at(&self.parameters.tension, y * ends[0].r_t.min(ends[1].r_t));
+        let eta_c = self.history.eta_c_at(&self.parameters.compression, y * ends[0].r_c.min(ends[1].r_c));
         // linear in r_t at given η: least at one of the ends
         let [first, second] = ends.map(|weights| mixed_ratio(weights.r_t, weights.r_c, eta_t, eta_c));
         (1.0 - beta_upper) * first.min(second) > (m - 1.0) * UPPER_MARGIN

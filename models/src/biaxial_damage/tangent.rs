@@ -1,9 +1,9 @@
 //! The consistent tangent (doc.md), with ε33 eliminated exactly in plane stress.
 
-use super::Parameters;
 use super::effective::{EffectiveStress, Gradient};
-use super::equation::{History, Trial};
+use super::equation::Trial;
 use super::weights::WeightGradients;
+use super::{Parameters, State};
 use crate::tensor::add_dyad;
 
 /// 1 − ∂M/∂m below this fraction of its terms is a fold: the response has no derivative there.
@@ -12,7 +12,7 @@ const FOLD: f64 = 1e-10;
 /// dm/dε and dD/dε of the solution, through m = M(m).
 fn total_derivatives(
     parameters: &Parameters,
-    history: &History,
+    history: &State,
     effective: &EffectiveStress,
     trial: &Trial,
     weights: &WeightGradients,
@@ -44,7 +44,7 @@ fn total_derivatives(
 /// the secant at frozen D and β.
 pub(super) fn consistent_tangent(
     parameters: &Parameters,
-    history: &History,
+    history: &State,
     effective: &EffectiveStress,
     trial: &Trial,
     weights: &WeightGradients,

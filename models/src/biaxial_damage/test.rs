@@ -8,13 +8,14 @@ use crate::battery::{
 };
 use crate::tensor::{Spectral, trace};
 use approx::assert_relative_eq;
+use umat_abi::law::{advance_values, parameters_of};
 
 fn virgin(props: &[f64; 12], stress_state: StressState) -> Point<'_, BiaxialDamage> {
     Point::virgin(props, stress_state)
 }
 
 fn proportional(direction: [f64; 3], props: &[f64; 12]) -> Proportional {
-    Proportional { direction, parameters: BiaxialDamage::parameters(props).expect("parameters") }
+    Proportional { direction, parameters: parameters_of::<BiaxialDamage>(props).expect("parameters") }
 }
 
 fn largest(values: &[f64; 6]) -> f64 {
@@ -372,7 +373,7 @@ fn strain_that_is_no_number_is_refused() {
         for stress_state in STRESS_STATES {
             for (bad, component) in [f64::NAN, f64::INFINITY, 1e200].map(|bad| [0, 1, 3].map(|i| (bad, i))).concat() {
                 let props = props(BLEND, weights);
-                let parameters = BiaxialDamage::parameters(&props).expect("parameters");
+                let parameters = parameters_of::<BiaxialDamage>(&props).expect("parameters");
                 let mut strain = [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0];
                 strain[component] = bad;
                 let increment = Increment {
@@ -383,7 +384,8 @@ fn strain_that_is_no_number_is_refused() {
                     characteristic_length: None,
                     time_increment: 1.0,
                 };
-                let result = BiaxialDamage::update(&parameters, &increment, &mut [0.0; 9], Request::StressAndTangent);
+                let result =
+                    advance_values::<BiaxialDamage>(&parameters, &increment, &mut [0.0; 9], Request::StressAndTangent);
                 assert!(matches!(result, Err(Failure::CutBack { .. })), "{bad} {result:?}");
             }
         }
@@ -410,11 +412,12 @@ fn states_beyond_all_strains_are_answered_or_refused() {
             for (component, size) in (0..9).flat_map(|k| [-1e304, -1e150, 1e150, 1e304, f64::MAX].map(|size| (k, size)))
             {
                 let props = props(BLEND, weights);
-                let parameters = BiaxialDamage::parameters(&props).expect("parameters");
+                let parameters = parameters_of::<BiaxialDamage>(&props).expect("parameters");
                 let mut state = sound;
                 state[component] = size;
                 let increment = Increment { strain, ..Increment::at_rest(stress_state) };
-                let result = BiaxialDamage::update(&parameters, &increment, &mut state, Request::StressAndTangent);
+                let result =
+                    advance_values::<BiaxialDamage>(&parameters, &increment, &mut state, Request::StressAndTangent);
                 let is_sound = match &result {
                     Ok(response) => response.stress.iter().all(|stress| stress.is_finite()),
                     Err(failure) => matches!(failure, Failure::CutBack { .. }),

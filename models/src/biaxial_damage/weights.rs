@@ -2,6 +2,8 @@
 //! hydrostatic part (eqs 5.30, 5.31 as repaired in doc.md).
 
 use super::effective::{EffectiveStress, Gradient, Kinks};
+use umat_abi::law::ConfigurationError;
+use umat_abi::table::Field;
 
 /// ω₀: from this ratio of the second to the largest principal stress on, the state is biaxial.
 const BLEND_RATIO: f64 = 0.2;
@@ -12,15 +14,26 @@ const BETA_CELLS: u32 = 64;
 /// Bisection alone takes 53; Newton, which leads, takes 3.
 const BETA_ITERATIONS: u32 = 80;
 
-/// `beta_mode`.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum BetaMode {
-    /// β_u = |σ_m|/max|σ_p| (eq. 5.30).
-    Uniaxial,
-    /// β_b = g(a + β_b b) (eq. 5.31).
-    Biaxial,
-    /// (1 − w) β_u + w β_b with w from the ratio of the two largest |σ_p|.
-    Blend,
+umat_abi::choices! {
+    /// `beta_mode`.
+    pub enum BetaMode {
+        /// β_u = |σ_m|/max|σ_p| (eq. 5.30).
+        Uniaxial = 0.0 c"uniaxial",
+        /// β_b = g(a + β_b b) (eq. 5.31).
+        Biaxial = 1.0 c"biaxial",
+        /// (1 − w) β_u + w β_b with w from the ratio of the two largest |σ_p|.
+        Blend = 2.0 c"blend",
+    }
+}
+
+umat_abi::choices! {
+    /// `weights`.
+    pub enum WeightTime {
+        /// Of the stress sought.
+        Implicit = 0.0 c"implicit",
+        /// Of the last converged stress (Box 5.1).
+        Lagged = 1.0 c"lagged",
+    }
 }
 
 /// A_m, B_m of g(y) = 1 − 1/(1 + A_m y e^(−B_m y)), and which β is used.
@@ -97,6 +110,12 @@ fn blend(ratio: f64) -> (f64, f64) {
 /// β_u of principal stresses whose largest is number `largest`.
 fn uniaxial(q: &[f64; 3], largest: usize) -> f64 {
     ((q[0] + q[1] + q[2]).abs() / (3.0 * q[largest].abs())).min(1.0)
+}
+
+impl Field<3> for HydrostaticWeight {
+    fn read([a, b, mode]: [f64; 3]) -> Result<Self, ConfigurationError> {
+        Ok(Self { a, b, mode: BetaMode::read([mode])? })
+    }
 }
 
 impl HydrostaticWeight {

@@ -11,7 +11,7 @@ enum Form<'p> {
     /// a₁ s^b₁ up to the peak, then a₂ s^b₂ (6.24).
     Powers { rise: [f64; 2], fall: [f64; 2] },
     /// Straight lines through (slip, traction) pairs, one after the other; constant after the last (6.23).
-    Piecewise { points: &'p [f64] },
+    Piecewise { points: &'p [[f64; 2]] },
 }
 
 /// A bond envelope: k_e s up to `critical_slip`, then the form; after the peak not below the residual.
@@ -70,16 +70,18 @@ impl<'p> Envelope<'p> {
     /// # Errors
     /// Slips that do not increase, a secant stiffness that grows or exceeds k_e (unloading could then
     /// return more energy than was spent), no traction at all.
-    pub fn piecewise(elastic_stiffness: f64, points: &'p [f64], residual: f64) -> Result<Self, ConfigurationError> {
+    pub fn piecewise(
+        elastic_stiffness: f64,
+        points: &'p [[f64; 2]],
+        residual: f64,
+    ) -> Result<Self, ConfigurationError> {
         require(elastic_stiffness > 0.0, "laws A and B need k_e > 0", elastic_stiffness)?;
         // a written (0, 0) is the one that is meant anyway
-        let points = if points.starts_with(&[0.0, 0.0]) { &points[2..] } else { points };
-        require(
-            points.len() >= 2,
-            "the piecewise form needs at least one point beside (0, 0)",
-            points.len() as f64 / 2.0,
-        )?;
-        let (first_slip, first_traction) = (points[0], points[1]);
+        let points = if points.first() == Some(&[0.0; 2]) { &points[1..] } else { points };
+        let rule = "the piecewise form needs at least one point beside (0, 0)";
+        let [Some(&[first_slip, first_traction]), Some(&[_, last_traction])] = [points.first(), points.last()] else {
+            return Err(ConfigurationError::Inconsistent { rule, value: 0.0 });
+        };
         let within = first_traction <= elastic_stiffness * first_slip * (1.0 + SLOPE_ROUNDING);
         require(first_slip == 0.0 || within, "the first segment must not be steeper than k_e", first_traction)?;
         let (mut peak_slip, mut peak) = (first_slip, first_traction);
@@ -101,7 +103,7 @@ impl<'p> Envelope<'p> {
             }
         }
         require(peak > 0.0, "the piecewise form needs a traction > 0", peak)?;
-        let critical_slip = critical_slip.unwrap_or(points[points.len() - 1] / elastic_stiffness);
+        let critical_slip = critical_slip.unwrap_or(last_traction / elastic_stiffness);
         let form = Form::Piecewise { points };
         let peak_slip = peak_slip.max(critical_slip);
         Self { elastic_stiffness, residual, critical_slip, peak_slip, form }.with_residual_below_peak()
@@ -187,25 +189,18 @@ impl<'p> Envelope<'p> {
 }
 
 /// Consecutive pairs of points as (g_i, τ_i, g_j, τ_j).
-fn segments(points: &[f64]) -> impl Iterator<Item = [f64; 4]> {
-    points.chunks_exact(2).zip(points.chunks_exact(2).skip(1)).map(|(i, j)| [i[0], i[1], j[0], j[1]])
+fn segments(points: &[[f64; 2]]) -> impl Iterator<Item = [f64; 4]> {
+    points.windows(2).map(|pair| [pair[0][0], pair[0][1], pair[1][0], pair[1][1]])
 }
 
 /// The piecewise linear function through (0, 0) (unless the first slip is 0) and the points, constant
 /// after the last; at a point the slope before it.
-fn interpolated(points: &[f64], slip: f64) -> Strength {
-    let count = points.len() / 2;
-    let (mut low, mut high) = (0, count);
-    // low: number of points with a slip below `slip`
-    while low < high {
-        let middle = (low + high) / 2;
-        if points[2 * middle] < slip { low = middle + 1 } else { high = middle }
-    }
-    if low == count {
-        return Strength { traction: points[2 * count - 1], slope: 0.0 };
-    }
-    let (g_i, tau_i) = if low == 0 { (0.0, 0.0) } else { (points[2 * low - 2], points[2 * low - 1]) };
-    let (g_j, tau_j) = (points[2 * low], points[2 * low + 1]);
+fn interpolated(points: &[[f64; 2]], slip: f64) -> Strength {
+    let before = points.partition_point(|[g, _]| *g < slip);
+    let Some(&[g_j, tau_j]) = points.get(before) else {
+        return Strength { traction: points[points.len() - 1][1], slope: 0.0 };
+    };
+    let [g_i, tau_i] = if before == 0 { [0.0; 2] } else { points[before - 1] };
     if g_j <= g_i {
         return Strength { traction: tau_j, slope: 0.0 };
     }

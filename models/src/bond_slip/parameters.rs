@@ -7,56 +7,94 @@ use super::law_b::LawB;
 use super::normal::{Hard, NormalLaw, Soft};
 use super::tangential::TangentialLaw;
 use umat_abi::law::ConfigurationError;
-use umat_abi::metadata::{Choice, Parameter, RepeatingGroup};
+use umat_abi::metadata::{Parameter, RepeatingGroup};
+use umat_abi::table::Parameters;
 
-/// Parameters before the points of the piecewise form.
-const FIXED: usize = 17;
 /// Index of `n_points`.
 const POINT_COUNT: i32 = 16;
 /// k_f = 0 means this many times k_e.
 const FRICTION_STIFFNESS_FACTOR: f64 = 10.0;
 
-/// The points of the piecewise form.
-pub(super) const POINTS: RepeatingGroup = RepeatingGroup::new(c"points", 2, 0, POINT_COUNT);
+umat_abi::choices! {
+    /// `law`.
+    enum Tangential {
+        /// Bond with pinched unloading.
+        A = 0.0 c"A",
+        /// Interfacial damage.
+        B = 1.0 c"B",
+        /// No bond.
+        None = 2.0 c"none",
+    }
+}
 
-/// PROPS; the defaults are those of the thesis's chapter 8 (bar of 32 mm).
-pub(super) const PARAMETERS: [Parameter; FIXED + 2] = [
-    Parameter::new(c"law", c"-", 0.0, c"tangential law: bond with pinched unloading, interfacial damage, no bond")
-        .one_of(&[Choice::new(0.0, c"A"), Choice::new(1.0, c"B"), Choice::new(2.0, c"none")]),
-    Parameter::new(c"form", c"-", 0.0, c"form of the bond envelope")
-        .one_of(&[Choice::new(0.0, c"powers"), Choice::new(1.0, c"piecewise")]),
-    Parameter::new(c"normal_law", c"-", 1.0, c"normal law")
-        .one_of(&[Choice::new(0.0, c"hard"), Choice::new(1.0, c"soft")]),
-    Parameter::new(c"normal_stiffness", c"MPa/mm", 0.0, c"penalty of the hard normal law; 0: the host fills it")
-        .at_least(0.0)
-        .with_role(c"normal_penalty"),
-    Parameter::new(c"p_0", c"MPa", 2.0, c"hard: tension that opens; soft: pressure at gap 0; unused by hard law none")
-        .at_least(0.0),
-    Parameter::new(c"delta_N", c"mm", 0.32, c"opening over which the tension cap and the bond fade; 0: brittle")
-        .at_least(0.0),
-    Parameter::new(c"g_0", c"mm", 0.05, c"gap at which the soft repulsion begins and the bond ends").at_least(0.0),
-    Parameter::new(c"k_e", c"MPa/mm", 950.0, c"elastic stiffness of the bond").at_least(0.0),
-    Parameter::new(c"a_1", c"MPa/mm^b_1", 1.5921, c"factor of the rising power"),
-    Parameter::new(c"b_1", c"-", 0.0832, c"exponent of the rising power, 0 < b_1 < 1"),
-    Parameter::new(c"a_2", c"MPa/mm^b_2", 0.87, c"factor of the falling power"),
-    Parameter::new(c"b_2", c"-", -0.2678, c"exponent of the falling power, b_2 < 0"),
-    Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond")
-        .at_least(0.0)
-        .typically(0.0, 100.0),
-    Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e").at_least(0.0),
-    Parameter::new(c"mu", c"-", 0.1, c"coefficient of friction").at_least(0.0).typically(0.0, 2.0),
-    Parameter::new(
-        c"k_f",
-        c"MPa/mm",
-        0.0,
-        c"stiffness of the friction spring; 0: 10 k_e, law none: the host may fill it",
-    )
-    .at_least(0.0)
-    .with_role(c"tangential_penalty"),
-    Parameter::new(c"n_points", c"-", 0.0, c"number of points of the piecewise form").at_least(0.0),
-    Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form").at_least(0.0),
-    Parameter::new(c"traction", c"MPa", 0.0, c"bond traction of that point").at_least(0.0),
-];
+umat_abi::choices! {
+    /// `form`.
+    enum Form {
+        /// Two powers.
+        Powers = 0.0 c"powers",
+        /// Straight lines.
+        Piecewise = 1.0 c"piecewise",
+    }
+}
+
+umat_abi::choices! {
+    /// `normal_law`.
+    enum Normal {
+        /// Penalty contact.
+        Hard = 0.0 c"hard",
+        /// Exponential repulsion.
+        Soft = 1.0 c"soft",
+    }
+}
+
+umat_abi::parameters! {
+    /// PROPS; the defaults are those of the thesis's chapter 8 (bar of 32 mm).
+    struct Properties<'p> {
+        law: Tangential =
+            Parameter::new(c"law", c"-", 0.0, c"tangential law: bond with pinched unloading, interfacial damage, no bond")
+                .one_of(Tangential::CHOICES);
+        form: Form = Parameter::new(c"form", c"-", 0.0, c"form of the bond envelope").one_of(Form::CHOICES);
+        normal_law: Normal = Parameter::new(c"normal_law", c"-", 1.0, c"normal law").one_of(Normal::CHOICES);
+        /// ε_N.
+        normal_stiffness: f64 =
+            Parameter::new(c"normal_stiffness", c"MPa/mm", 0.0, c"penalty of the hard normal law; 0: the host fills it")
+                .at_least(0.0)
+                .with_role(c"normal_penalty");
+        p_0: f64 = Parameter::new(
+            c"p_0", c"MPa", 2.0, c"hard: tension that opens; soft: pressure at gap 0; unused by hard law none",
+        ).at_least(0.0);
+        /// δ_N.
+        delta_n: f64 =
+            Parameter::new(c"delta_N", c"mm", 0.32, c"opening over which the tension cap and the bond fade; 0: brittle")
+                .at_least(0.0);
+        g_0: f64 = Parameter::new(c"g_0", c"mm", 0.05, c"gap at which the soft repulsion begins and the bond ends")
+            .at_least(0.0);
+        k_e: f64 = Parameter::new(c"k_e", c"MPa/mm", 950.0, c"elastic stiffness of the bond").at_least(0.0);
+        /// a_1, b_1.
+        rise: [f64; 2] =
+            Parameter::new(c"a_1", c"MPa/mm^b_1", 1.5921, c"factor of the rising power"),
+            Parameter::new(c"b_1", c"-", 0.0832, c"exponent of the rising power, 0 < b_1 < 1");
+        /// a_2, b_2.
+        fall: [f64; 2] =
+            Parameter::new(c"a_2", c"MPa/mm^b_2", 0.87, c"factor of the falling power"),
+            Parameter::new(c"b_2", c"-", -0.2678, c"exponent of the falling power, b_2 < 0");
+        /// τ_res.
+        tau_res: f64 = Parameter::new(c"tau_res", c"MPa", 0.5, c"residual friction of the broken bond")
+            .at_least(0.0)
+            .typically(0.0, 100.0);
+        k_u: f64 = Parameter::new(c"k_u", c"MPa/mm", 850.0, c"unloading stiffness of law A; 0: k_e").at_least(0.0);
+        /// μ.
+        mu: f64 = Parameter::new(c"mu", c"-", 0.1, c"coefficient of friction").at_least(0.0).typically(0.0, 2.0);
+        k_f: f64 = Parameter::new(
+            c"k_f", c"MPa/mm", 0.0, c"stiffness of the friction spring; 0: 10 k_e, law none: the host may fill it",
+        ).at_least(0.0).with_role(c"tangential_penalty");
+        n_points: f64 = Parameter::new(c"n_points", c"-", 0.0, c"number of points of the piecewise form").at_least(0.0);
+        ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT) =>
+        points: &'p [[f64; 2]] =
+            Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form").at_least(0.0),
+            Parameter::new(c"traction", c"MPa", 0.0, c"bond traction of that point").at_least(0.0);
+    }
+}
 
 /// The parameters as the equations name them; a piecewise envelope borrows its points from PROPS.
 #[derive(Clone, Copy, Debug)]
@@ -66,43 +104,47 @@ pub struct BondSlipParameters<'p> {
     pub(super) normal: NormalLaw,
 }
 
-impl<'p> BondSlipParameters<'p> {
-    /// Reads PROPS that passed the table's checks.
-    pub(super) fn read(props: &'p [f64]) -> Result<Self, ConfigurationError> {
-        let [law, form, normal_law, normal_stiffness, p_0, delta_n, g_0, k_e, a_1, b_1, a_2, b_2, ..] = *props else {
-            return Err(ConfigurationError::ParameterCount { given: props.len(), expected: FIXED });
-        };
-        let (Some(&[tau_res, k_u, mu, k_f, _]), Some(points)) = (props.get(12..FIXED), props.get(FIXED..)) else {
-            return Err(ConfigurationError::ParameterCount { given: props.len(), expected: FIXED });
-        };
+impl<'p> Parameters<'p> for BondSlipParameters<'p> {
+    const TABLE: &'static [Parameter] = Properties::TABLE;
+    const REPEATING: Option<RepeatingGroup> = Properties::REPEATING;
+
+    fn admits(props: &[f64]) -> bool {
+        Properties::admits(props)
+    }
+
+    fn read(props: &'p [f64]) -> Result<Self, ConfigurationError> {
+        let properties = Properties::read(props)?;
+        let Properties { law, form, normal_law, normal_stiffness, p_0, delta_n, g_0, .. } = properties;
+        let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, points, .. } = properties;
         let envelope = || match form {
-            0.0 => Envelope::powers(k_e, [a_1, b_1], [a_2, b_2], tau_res),
-            _ => Envelope::piecewise(k_e, points, tau_res),
+            Form::Powers => Envelope::powers(k_e, rise, fall, tau_res),
+            Form::Piecewise => Envelope::piecewise(k_e, points, tau_res),
         };
         let tangential = match law {
-            0.0 => TangentialLaw::A(LawA {
+            Tangential::A => TangentialLaw::A(LawA {
                 envelope: envelope()?,
                 unloading_stiffness: if k_u == 0.0 { k_e } else { k_u },
             }),
-            1.0 => {
+            Tangential::B => {
                 let envelope = envelope()?;
                 envelope.check_damage()?;
                 TangentialLaw::B(LawB { envelope })
             }
-            _ => TangentialLaw::None,
+            Tangential::None => TangentialLaw::None,
         };
-        let soft = normal_law == 1.0;
-        let bonded = law != 2.0;
-        require(!soft || g_0 > 0.0, "the soft normal law needs g_0 > 0", g_0)?;
-        let normal = if soft {
-            NormalLaw::Soft(Soft { pressure: p_0, clearance: g_0 })
-        } else {
-            let tension = if bonded { p_0 } else { 0.0 };
-            NormalLaw::Hard(Hard { stiffness: normal_stiffness, tension, fade: delta_n })
+        let normal = match normal_law {
+            Normal::Soft => {
+                require(g_0 > 0.0, "the soft normal law needs g_0 > 0", g_0)?;
+                NormalLaw::Soft(Soft { pressure: p_0, clearance: g_0 })
+            }
+            Normal::Hard => {
+                let tension = if law == Tangential::None { 0.0 } else { p_0 };
+                NormalLaw::Hard(Hard { stiffness: normal_stiffness, tension, fade: delta_n })
+            }
         };
         let stiffness = if k_f == 0.0 { FRICTION_STIFFNESS_FACTOR * k_e } else { k_f };
         require(stiffness > 0.0, "friction needs k_f > 0, or k_e > 0 to derive it from", k_f)?;
-        let friction = Friction { stiffness, coefficient: mu, reference_pressure: if soft { p_0 } else { 0.0 } };
-        Ok(Self { tangential, friction, normal })
+        let reference_pressure = if normal_law == Normal::Soft { p_0 } else { 0.0 };
+        Ok(Self { tangential, friction: Friction { stiffness, coefficient: mu, reference_pressure }, normal })
     }
 }

@@ -5,7 +5,7 @@
 //! −1/−1 (Kupfer), both closed functions of D_c.
 
 use super::crack_band::peak;
-use super::degraded::degraded_elasticity;
+use super::stress_and_tangent::degraded_elasticity;
 use super::uniaxial::Uniaxial;
 use super::{ConcreteDamage, Parameters};
 use crate::damage_law::DamageLaw;
@@ -69,7 +69,7 @@ pub fn properties_with_exponent(
     }
     let table = ConcreteDamage::INFO.parameters;
     for (index, value) in [(0, e), (1, nu), (6, compressive_exponent)] {
-        if table[index].check(value).is_err() {
+        if !table[index].admits(value) {
             return Err(out_of_bounds(&table[index], value));
         }
     }

@@ -4,9 +4,66 @@
 //! x̃ = x + (r − 1)(x_in(x) − x_in(x_p)), x_in = x − σ/E, which adds (r − 1)(g − W_p + σ_p²/2E) to
 //! g = ∫ σ dx. The factor r follows from the wanted energy; D̃ from f(D̃) = σ(x)/(E x̃).
 
+use super::Parameters;
 use super::uniaxial::{Point, Uniaxial};
 use crate::damage_law::{ETA_MAX, damage, integrity};
 use umat_abi::law::ConfigurationError;
+
+impl Parameters {
+    /// Whether a fracture energy is given.
+    #[inline(always)]
+    pub(super) fn wants_crack_band(&self) -> bool {
+        self.fracture_energy > 0.0 || self.crushing_energy > 0.0
+    }
+
+    /// ∫ σ dε of the curve itself is infinite for B ≤ 1: no stretch gives it an energy.
+    #[inline(always)]
+    pub(super) fn check_exponents(&self) -> Result<(), ConfigurationError> {
+        if self.fracture_energy > 0.0 && self.tension.b <= 1.0 {
+            let rule = "G_f > 0 needs B_t > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: self.tension.b });
+        }
+        if self.crushing_energy > 0.0 && self.compression.b <= 1.0 {
+            let rule = "G_c > 0 needs B_c > 1: otherwise the curve dissipates without limit";
+            return Err(ConfigurationError::Inconsistent { rule, value: self.compression.b });
+        }
+        Ok(())
+    }
+
+    /// Refuses a length that the crack bands cannot work with, and none where there are any.
+    #[inline(never)]
+    pub(super) fn check_characteristic_length(&self, length: Option<f64>) -> Result<(), ConfigurationError> {
+        if self.wants_crack_band() && length.is_none() {
+            let parameter = if self.fracture_energy > 0.0 { "G_f" } else { "G_c" };
+            return Err(ConfigurationError::CharacteristicLengthMissing { parameter });
+        }
+        for (softening, name) in self.softening(length).iter().zip(["G_f", "G_c"]) {
+            if let Some(band) = &softening.band {
+                band.check(&softening.curve, name)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// The two branches, with crack bands as far as energies and a length are given.
+    #[inline]
+    pub(super) fn softening(&self, length: Option<f64>) -> [Softening; 2] {
+        let band = |fracture_energy: f64, inelastic_fraction: f64| {
+            let length = length.filter(|_| fracture_energy > 0.0)?;
+            Some(CrackBand { fracture_energy, length, inelastic_fraction })
+        };
+        [
+            Softening {
+                curve: Uniaxial::tension(&self.elasticity, self.tension),
+                band: band(self.fracture_energy, self.b_t),
+            },
+            Softening {
+                curve: Uniaxial::compression(&self.elasticity, self.compression, self.beta),
+                band: band(self.crushing_energy, self.b_c),
+            },
+        ]
+    }
+}
 
 /// What the crack band of one branch shall dissipate.
 #[derive(Clone, Copy, Debug)]
@@ -222,5 +279,48 @@ impl Stretch {
         let stretched = self.peak_work + self.factor * (work - self.peak_work)
             - (self.factor - 1.0) * (now * now - peak * peak) / (2.0 * e);
         curve.modulus / e * (stretched - 0.5 * now * state.strain)
+    }
+}
+
+/// One branch's D(Y): D̂, stretched beyond the peak if there is a crack band.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Softening {
+    /// The branch in uniaxial stress.
+    pub curve: Uniaxial,
+    /// The crack band, if any.
+    pub band: Option<CrackBand>,
+}
+
+/// Damage at an energy release rate.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Damage {
+    /// η.
+    pub eta: f64,
+    /// dD/dY.
+    pub rate: f64,
+    /// Where it is that of the stretched curve.
+    pub stretched: Option<(Stretch, Stretched)>,
+}
+
+impl Softening {
+    /// η and dD/dY at an energy release rate above the threshold.
+    #[inline]
+    pub fn damage(&self, energy: f64) -> Damage {
+        let eta = self.curve.law.eta(energy);
+        let rate = self.curve.law.damage_rate(energy, eta);
+        if let Some(band) = &self.band {
+            // before the peak the curve itself holds, and its slope tells without knowing the peak
+            if self.curve.slope(energy, eta, rate) < 0.0 {
+                let stretch = band.stretch(&self.curve);
+                if !band.allows(&self.curve, &stretch) {
+                    // CELENT grew beyond the limit after the first call: the update reports it
+                    return Damage { eta: f64::NAN, rate: f64::NAN, stretched: None };
+                }
+                if let Some(state) = stretch.at(&self.curve, energy, None) {
+                    return Damage { eta: state.eta, rate: state.rate, stretched: Some((stretch, state)) };
+                }
+            }
+        }
+        Damage { eta, rate, stretched: None }
     }
 }

@@ -1,7 +1,7 @@
 //! The two damage energy release rates, explicit in strain (doc.md), and their gradients.
 
 use super::Parameters;
-use super::no_tension::{Split, principal_stress};
+use super::split::{Split, principal_stress};
 
 /// M v of a 3×3 matrix.
 #[inline]

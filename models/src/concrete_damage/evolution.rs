@@ -1,18 +1,52 @@
-//! One update in principal strains: inelastic strain, damage, stress, tangent (doc.md).
+//! One update in principal strains: how inelastic strain and damage grow (doc.md).
 //!
 //! Everything is coaxial with the trial strain, so the whole law is an isotropic function of its three
 //! principal values.
 
-use super::criteria::{Criteria, times};
-use super::degraded::Degraded;
+use super::crack_band::{Damage, Softening};
+use super::criteria::Criteria;
 use super::inelastic::Flow;
-use super::softening::{Damage, Softening};
-use super::{Branch, History, Parameters};
+use super::stress_and_tangent::Degraded;
+use super::{Parameters, State};
+
+/// Damage η and the largest energy release rate so far, of one branch.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Branch {
+    /// η.
+    pub eta: f64,
+    /// The largest Y.
+    pub maximum: f64,
+}
+
+/// Both branches.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct History {
+    pub tension: Branch,
+    pub compression: Branch,
+}
+
+impl History {
+    /// As it stands among the states.
+    #[inline(always)]
+    pub fn of(state: &State) -> Self {
+        Self {
+            tension: Branch { eta: state.eta_t, maximum: state.y_t_max },
+            compression: Branch { eta: state.eta_c, maximum: state.y_c_max },
+        }
+    }
+
+    /// Whether nothing is damaged.
+    #[inline]
+    pub fn is_undamaged(&self) -> bool {
+        self.tension.eta == 0.0 && self.compression.eta == 0.0
+    }
+}
 
 /// The response to one principal trial strain from one committed history.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evolution {
-    criteria: Criteria,
+    /// At the elastic strain of the end.
+    pub criteria: Criteria,
     /// Inelastic strain of this increment, if there is any.
     pub flow: Option<Flow>,
     /// The history at the end.
@@ -69,42 +103,5 @@ impl Evolution {
     ) -> Self {
         let solid = Degraded::new(parameters, eta_t, eta_c, strain);
         Self { growth: [None; 2], solid, ..Self::new(parameters, softening, history, strain) }
-    }
-
-    /// The consistent tangent in principal axes: H_ij = ∂s_i/∂e_j and d_12, d_13, d_23.
-    #[inline]
-    pub fn tangent(&self, parameters: &Parameters) -> ([[f64; 3]; 3], [f64; 3]) {
-        let (mut tangent, mut shear) = self.solid.stiffness();
-        let mut add = |rate: f64, softening: [f64; 3], gradient: [f64; 3]| {
-            for i in 0..3 {
-                for j in 0..3 {
-                    tangent[i][j] += rate * softening[i] * gradient[j];
-                }
-            }
-        };
-        if let Some(damage) = &self.growth[0] {
-            add(damage.rate, self.solid.tensile_softening(), self.criteria.tension_gradient(parameters));
-        }
-        if let Some(damage) = &self.growth[1] {
-            let softening = self.solid.compressive_softening(parameters);
-            add(damage.rate, softening, self.criteria.compression_gradient(parameters));
-        }
-        if let Some(flow) = &self.flow {
-            let (gradient, factors) = flow.gradient(parameters);
-            let columns: [[f64; 3]; 3] = std::array::from_fn(|j| times(&tangent, &[0, 1, 2].map(|i| gradient[i][j])));
-            tangent = std::array::from_fn(|i| std::array::from_fn(|j| columns[j][i]));
-            for (d, factor) in shear.iter_mut().zip(factors) {
-                *d *= factor;
-            }
-        }
-        (tangent, shear)
-    }
-}
-
-impl Evolution {
-    /// Whether the solid is still virgin at the end.
-    #[inline]
-    pub fn is_undamaged(&self) -> bool {
-        self.history.tension.eta == 0.0 && self.history.compression.eta == 0.0
     }
 }

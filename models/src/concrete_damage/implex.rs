@@ -1,15 +1,13 @@
 #![doc = include_str!("implex.md")]
 
-use super::degraded::Degraded;
-use super::evolution::Evolution;
-use super::{
-    CRACK_BAND, ConcreteDamage, DISSIPATED_ENERGY_STATE, HISTORY_STATES, History, PARAMETERS, Parameters,
-    STATES as IMPLICIT_STATES, STRAIN_33_STATE, begin, crack_band, overflow, solve_point, trial_strain,
-};
+use super::evolution::{Evolution, History};
+use super::stress_and_tangent::{Degraded, Point};
+use super::{ConcreteDamage, HISTORY, Parameters, State as ImplicitState, begin};
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::work;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 /// The law.
 pub struct ConcreteDamageImplex;
@@ -21,61 +19,81 @@ const FADING: f64 = 0.5;
 /// R: of the virgin stiffness of a crack against its opening.
 const RESISTANCE: f64 = 2e-5;
 
-const STATES: [StateVariable; 14] = [
-    HISTORY_STATES[0],
-    HISTORY_STATES[1],
-    HISTORY_STATES[2],
-    HISTORY_STATES[3],
-    HISTORY_STATES[4],
-    StateVariable::new(c"eta_t_rate", c"1/s", c"rate of eta_t in the last increment"),
-    StateVariable::new(c"eta_c_rate", c"1/s", c"rate of eta_c in the last increment"),
-    StateVariable::new(c"eta_t_applied", c"-", c"eta_t that the stress was computed with"),
-    StateVariable::new(c"eta_c_applied", c"-", c"eta_c that the stress was computed with"),
-    StateVariable::new(c"lag_time", c"s", c"time in which the applied damage follows"),
-    StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"energy stored at the applied damage"),
-    StateVariable::new(
-        OVERSTRESS_WORK,
-        c"N*mm/mm^3",
-        c"work of the stress beyond that of the implicit law, its amount",
-    ),
-    STRAIN_33,
-    DISSIPATED_ENERGY,
-];
-
-const RATE: [usize; 2] = [5, 6];
-const APPLIED: [usize; 2] = [7, 8];
-const LAG_TIME: usize = 9;
-const STORED_ENERGY: usize = 10;
-const OVERSTRESS: usize = 11;
-/// Where STRAIN_33 and DISSIPATED_ENERGY stand here, and in the implicit law.
-const LAST: [(usize, usize); 2] = [(12, STRAIN_33_STATE), (13, DISSIPATED_ENERGY_STATE)];
-
-/// The states of the implicit law; it has no inelastic strain here.
-#[inline(always)]
-fn implicit_states(state: &[f64]) -> [f64; IMPLICIT_STATES.len()] {
-    let mut states = [0.0; IMPLICIT_STATES.len()];
-    let common = ..HISTORY_STATES.len();
-    states[common].copy_from_slice(&state[common]);
-    LAST.iter().for_each(|&(here, there)| states[there] = state[here]);
-    states
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        /// η_t.
+        pub eta_t: f64 = HISTORY[0];
+        /// η_c.
+        pub eta_c: f64 = HISTORY[1];
+        /// The largest Y_t.
+        pub y_t_max: f64 = HISTORY[2];
+        /// The largest Y_c.
+        pub y_c_max: f64 = HISTORY[3];
+        /// 1 where the characteristic length was found good.
+        pub crack_band: f64 = HISTORY[4];
+        /// Of η_t and η_c, 1/s.
+        pub rate: [f64; 2] =
+            StateVariable::new(c"eta_t_rate", c"1/s", c"rate of eta_t in the last increment"),
+            StateVariable::new(c"eta_c_rate", c"1/s", c"rate of eta_c in the last increment");
+        /// η̃_t and η̃_c.
+        pub applied: [f64; 2] =
+            StateVariable::new(c"eta_t_applied", c"-", c"eta_t that the stress was computed with"),
+            StateVariable::new(c"eta_c_applied", c"-", c"eta_c that the stress was computed with");
+        /// τ.
+        pub lag_time: f64 = StateVariable::new(c"lag_time", c"s", c"time in which the applied damage follows");
+        /// Ψ at η̃.
+        pub stored_energy: f64 =
+            StateVariable::new(c"stored_energy", c"N*mm/mm^3", c"energy stored at the applied damage");
+        /// Σ |Δσ : Δε|.
+        pub overstress_work: f64 = StateVariable::new(
+            OVERSTRESS_WORK, c"N*mm/mm^3", c"work of the stress beyond that of the implicit law, its amount",
+        );
+        /// ε33.
+        pub strain_33: f64 = STRAIN_33;
+        /// Work that is not stored.
+        pub dissipated_energy: f64 = DISSIPATED_ENERGY;
+    }
 }
 
-/// Writes them down, with the energy stored.
-#[inline(always)]
-fn put_implicit_states(implicit: &[f64; IMPLICIT_STATES.len()], stored_energy: f64, state: &mut [f64]) {
-    let common = ..HISTORY_STATES.len();
-    state[common].copy_from_slice(&implicit[common]);
-    LAST.iter().for_each(|&(here, there)| state[here] = implicit[there]);
-    state[STORED_ENERGY] = stored_energy;
+impl State {
+    /// The states of the implicit law; it has no inelastic strain here.
+    #[inline(always)]
+    fn implicit(&self) -> ImplicitState {
+        let &Self { eta_t, eta_c, y_t_max, y_c_max, crack_band, strain_33, dissipated_energy, .. } = self;
+        let inelastic_strain = [0.0; 6];
+        ImplicitState { eta_t, eta_c, y_t_max, y_c_max, crack_band, inelastic_strain, strain_33, dissipated_energy }
+    }
+
+    /// Takes them over, with the energy stored.
+    #[inline(always)]
+    fn follow(&mut self, implicit: &ImplicitState, stored_energy: f64) {
+        let &ImplicitState { eta_t, eta_c, y_t_max, y_c_max, crack_band, strain_33, dissipated_energy, .. } = implicit;
+        let (rate, applied, lag_time, overstress_work) = (self.rate, self.applied, self.lag_time, self.overstress_work);
+        *self = Self {
+            eta_t,
+            eta_c,
+            y_t_max,
+            y_c_max,
+            crack_band,
+            rate,
+            applied,
+            lag_time,
+            stored_energy,
+            overstress_work,
+            strain_33,
+            dissipated_energy,
+        };
+    }
 }
 
 impl Law for ConcreteDamageImplex {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_damage_implex",
         description: c"Concrete: concrete_damage (IV-H) with IMPL-EX integration: damage is extrapolated",
-        parameters: &PARAMETERS,
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
@@ -83,83 +101,68 @@ impl Law for ConcreteDamageImplex {
             | flags::STRESS_ONLY
             | flags::ISOTROPIC,
     };
-
-    const FINITE_OR_FAILS: bool = true;
-    const USES_TIME_INCREMENT: bool = true;
-
     type Parameters<'p> = Parameters;
+    type State = State;
 
     #[inline(always)]
-    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        let parameters = ConcreteDamage::parameters(props)?;
+    fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
+        ConcreteDamage::check(parameters)?;
         if parameters.has_inelastic_strain() {
             let rule = "IMPL-EX knows no inelastic strain: b_t and b_c must be 0";
             return Err(ConfigurationError::Inconsistent { rule, value: parameters.b_t.max(parameters.b_c) });
         }
-        Ok(parameters)
+        Ok(())
     }
 
-    fn needs_characteristic_length(parameters: &Parameters) -> bool {
-        ConcreteDamage::needs_characteristic_length(parameters)
-    }
-
-    fn check_characteristic_length(parameters: &Parameters, length: f64) -> Result<(), ConfigurationError> {
-        ConcreteDamage::check_characteristic_length(parameters, length)
+    fn check_characteristic_length(parameters: &Parameters, length: Option<f64>) -> Result<(), ConfigurationError> {
+        parameters.check_characteristic_length(length)
     }
 
     #[inline(always)]
     fn elastic(
         parameters: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Option<Response> {
-        let mut implicit = implicit_states(state);
+        let mut implicit = state.implicit();
         let response = ConcreteDamage::elastic(parameters, increment, &mut implicit, request)?;
-        put_implicit_states(&implicit, response.stored_energy, state);
+        state.follow(&implicit, response.stored_energy);
         Some(response)
     }
 
-    #[inline]
+    #[inline(never)]
     fn update(
         parameters: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
-        if let Some(response) = Self::elastic(parameters, increment, state, request) {
-            return Ok(response);
-        }
-        let mut implicit = implicit_states(state);
+        let mut implicit = state.implicit();
         if let Some(response) = begin(parameters, increment, &mut implicit, request)? {
-            put_implicit_states(&implicit, response.stored_energy, state);
+            state.follow(&implicit, response.stored_energy);
             return Ok(response);
         }
         let history = History::of(&implicit);
-        let lag_time = increment.time_increment.max(state[LAG_TIME] - FADING * increment.time_increment);
+        let lag_time = increment.time_increment.max(state.lag_time - FADING * increment.time_increment);
         let share = increment.time_increment / lag_time;
         let reached = [history.tension.eta, history.compression.eta];
-        let extrapolated: [f64; 2] = std::array::from_fn(|i| {
-            let eta = extrapolated(reached[i], state[RATE[i]], increment.time_increment);
-            if share < 1.0 { approached(state[APPLIED[i]], eta, share) } else { eta }
+        let applied: [f64; 2] = std::array::from_fn(|i| {
+            let eta = extrapolated(reached[i], state.rate[i], increment.time_increment);
+            if share < 1.0 { approached(state.applied[i], eta, share) } else { eta }
         });
         let softening = parameters.softening(increment.characteristic_length);
-        let evolve =
-            |strain: &[f64; 3]| Evolution::at_given_damage(parameters, &softening, &history, extrapolated, strain);
-        let trial = trial_strain(increment, &implicit);
-        let point = solve_point(parameters, evolve, &history, increment, &implicit, trial)?;
-        let resistance = resistance(parameters, increment.stress_state, extrapolated[0], share);
+        let evolve = |strain: &[f64; 3]| Evolution::at_given_damage(parameters, &softening, &history, applied, strain);
+        let point = Point::solve(parameters, evolve, &history, increment, &implicit)?;
+        let resistance = resistance(parameters, increment.stress_state, applied[0], share);
         let resisting = resistance.map(|row| work(&row, &increment.strain_increment));
         let stress: [f64; 6] = {
             let stress = point.stress(parameters);
             std::array::from_fn(|i| stress[i] + resisting[i])
         };
-        let energy = point.evolution.solid.energy();
+        let stored_energy = point.evolution.solid.energy();
         let mean = std::array::from_fn(|i| 0.5 * (increment.stress[i] + stress[i]));
-        let dissipation = work(&mean, &increment.strain_increment) - (energy - state[STORED_ENERGY]);
-        if !point.is_finite(energy, dissipation, &stress) {
-            return Err(overflow(parameters, increment));
-        }
+        let dissipation = work(&mean, &increment.strain_increment) - (stored_energy - state.stored_energy);
         let tangent = if request.wants_tangent() {
             let tangent = point.tangent(parameters);
             std::array::from_fn(|i| std::array::from_fn(|j| tangent[i][j] + resistance[i][j]))
@@ -172,17 +175,14 @@ impl Law for ConcreteDamageImplex {
             let implicit = point.axes.stress(&end.stress);
             std::array::from_fn(|i| stress[i] - implicit[i])
         };
-        point.commit(&mut implicit, dissipation);
-        implicit[CRACK_BAND] = crack_band(parameters);
-        put_implicit_states(&implicit, energy, state);
-        for (i, end) in [tension.eta, compression.eta].into_iter().enumerate() {
-            state[RATE[i]] = (end - reached[i]) / increment.time_increment;
-            state[APPLIED[i]] = extrapolated[i];
-        }
-        state[LAG_TIME] = lag_time;
-        state[OVERSTRESS] += work(&overstress, &increment.strain_increment).abs();
-        let dissipated_energy = implicit[DISSIPATED_ENERGY_STATE];
-        Response { stress, tangent, stored_energy: energy, dissipated_energy }.finite(state)
+        point.commit(parameters, increment, &mut implicit, dissipation)?;
+        state.follow(&implicit, stored_energy);
+        let end = [tension.eta, compression.eta];
+        state.rate = std::array::from_fn(|i| (end[i] - reached[i]) / increment.time_increment);
+        state.applied = applied;
+        state.lag_time = lag_time;
+        state.overstress_work += work(&overstress, &increment.strain_increment).abs();
+        Ok(Response { stress, tangent, stored_energy, dissipated_energy: state.dissipated_energy })
     }
 }
 

@@ -2,11 +2,20 @@
 //! its part of the strain stays behind: cracks that do not close fully, compaction that does not
 //! recover.
 
+use super::Parameters;
 use super::criteria::{Criteria, times};
-use super::degraded::degraded_elasticity;
-use super::no_tension::Split;
-use super::{History, Parameters};
+use super::evolution::History;
+use super::split::Split;
+use super::stress_and_tangent::degraded_elasticity;
 use crate::tensor::Elasticity;
+
+impl Parameters {
+    /// IV-HP rather than IV-H.
+    #[inline(always)]
+    pub(super) fn has_inelastic_strain(&self) -> bool {
+        self.b_t != 0.0 || self.b_c != 0.0
+    }
+}
 
 /// What one increment leaves behind, in the principal axes of the trial strain ε_tr = ε − ε_p,n.
 #[derive(Clone, Copy, Debug)]

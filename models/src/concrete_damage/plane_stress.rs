@@ -2,8 +2,8 @@
 //!
 //! Direction 3 is principal and stays so, hence the search needs one in-plane decomposition only.
 
-use super::evolution::Evolution;
-use super::{History, Parameters};
+use super::Parameters;
+use super::evolution::{Evolution, History};
 use crate::tensor::Spectral;
 
 /// Newton takes 3–8 steps, bisection at most about 60 to exhaust the digits.
@@ -93,13 +93,13 @@ pub(super) fn solve(
         let evolution = evolve(&axes.values);
         Solution { strain_33, axes, normal, evolution }
     };
-    let undamaged = history.tension.eta == 0.0 && history.compression.eta == 0.0;
+    let undamaged = history.is_undamaged();
     let size = plane.values[0].abs().max(plane.values[1].abs());
     // |ε33| ≤ 2 max|ε| at frozen damage, whatever ν. A guess from a much larger strain is farther away than
     // halving can come back from.
     let guess = guess.max(-2.0 * size).min(2.0 * size);
     let mut point = at(if undamaged { elastic } else { guess });
-    if undamaged && point.evolution.is_undamaged() {
+    if undamaged && point.evolution.history.is_undamaged() {
         return Some(point);
     }
     let (mut below, mut above) = (f64::NEG_INFINITY, f64::INFINITY);

@@ -1,17 +1,18 @@
 //! Parameter sets that the law is tried at.
 
-use super::PARAMETERS;
+use super::Parameters;
 use crate::battery::Sample;
+use umat_abi::table::Parameters as _;
 
 /// The parameters that PROPS have by default.
 pub fn defaults() -> [f64; 14] {
-    std::array::from_fn(|i| PARAMETERS[i].default_value)
+    std::array::from_fn(|i| Parameters::TABLE[i].default_value)
 }
 
 /// A parameter set with some values replaced.
 pub fn with(mut props: [f64; 14], changes: &[(&str, f64)]) -> [f64; 14] {
     for &(name, value) in changes {
-        let index = PARAMETERS.iter().position(|p| p.name() == name).expect("a parameter's name");
+        let index = Parameters::TABLE.iter().position(|p| p.name() == name).expect("a parameter's name");
         props[index] = value;
     }
     props

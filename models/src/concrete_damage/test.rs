@@ -10,6 +10,12 @@ mod strength;
 use super::samples::*;
 use super::*;
 use crate::battery::{self, PATH_COUNTS, Point, STRESS_STATES, Sample, reference};
+use umat_abi::law::StressState;
+
+/// Positions in STATEV.
+const CRACK_BAND: usize = 4;
+const INELASTIC_STRAIN: usize = 5;
+const DISSIPATED_ENERGY_STATE: usize = 12;
 
 /// Reference sets (README of `tests/reference`), IV-H.
 const B094: [f64; 14] =

@@ -5,7 +5,7 @@
 //! - tension: E* = E, β = ρ = 1, so f = 1 − D. The axial strain is x (1 − κD), κ = 2ν²/(1−ν), because the
 //!   cracked sides recover their contraction (usually neglected).
 
-use super::Branch;
+use super::evolution::Branch;
 use crate::damage_law::{DamageLaw, damage, excess_integrals, integrity};
 use crate::tensor::Elasticity;
 

@@ -6,7 +6,9 @@
 //! digits (1 − D = 1/(1 + η)), and zero is virgin.
 
 use std::ffi::CStr;
+use umat_abi::law::ConfigurationError;
 use umat_abi::metadata::Parameter;
+use umat_abi::table::Field;
 
 #[cfg(test)]
 mod test;
@@ -50,6 +52,13 @@ pub struct DamageLaw {
     pub b: f64,
     /// Threshold Y₀, MPa.
     pub threshold: f64,
+}
+
+impl Field<3> for DamageLaw {
+    #[inline(always)]
+    fn read([a, b, threshold]: [f64; 3]) -> Result<Self, ConfigurationError> {
+        Ok(Self { a, b, threshold })
+    }
 }
 
 impl DamageLaw {

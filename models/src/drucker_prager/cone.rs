@@ -1,6 +1,7 @@
 //! The cone in stress space: α and k of eq. 5.22, ᾱ of the potential.
 
 use umat_abi::law::ConfigurationError;
+use umat_abi::table::Field;
 
 /// α, k, ᾱ.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -13,34 +14,25 @@ pub struct Cone {
     pub dilation: f64,
 }
 
-/// What cohesion and angles mean; the numbers in PROPS.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Match {
-    /// 0: β and d of ABAQUS' linear model.
-    Abaqus,
-    /// 1: Mohr–Coulomb's compression edges.
-    Outer,
-    /// 2: Mohr–Coulomb in plane strain.
-    PlaneStrain,
+umat_abi::choices! {
+    /// What cohesion and angles mean.
+    pub enum Match {
+        /// β and d of ABAQUS' linear model.
+        Abaqus = 0.0 c"abaqus",
+        /// Mohr–Coulomb's compression edges.
+        Outer = 1.0 c"outer",
+        /// Mohr–Coulomb in plane strain.
+        PlaneStrain = 2.0 c"plane_strain",
+    }
 }
 
 impl Match {
-    /// From PROPS, where only listed numbers arrive.
-    pub(super) fn from_number(value: f64) -> Self {
-        match value {
-            1.0 => Self::Outer,
-            2.0 => Self::PlaneStrain,
-            _ => Self::Abaqus,
-        }
-    }
-
     /// α of an angle.
     fn slope(self, angle: f64) -> f64 {
-        let (sin, tan) = (angle.sin(), angle.tan());
         match self {
-            Self::Abaqus => tan / (3.0 * 3.0_f64.sqrt()),
-            Self::Outer => 2.0 * sin / (3.0_f64.sqrt() * (3.0 - sin)),
-            Self::PlaneStrain => tan / (9.0 + 12.0 * tan * tan).sqrt(),
+            Self::Abaqus => angle.tan() / (3.0 * 3.0_f64.sqrt()),
+            Self::Outer => 2.0 * angle.sin() / (3.0_f64.sqrt() * (3.0 - angle.sin())),
+            Self::PlaneStrain => angle.tan() / (9.0 + 12.0 * angle.tan() * angle.tan()).sqrt(),
         }
     }
 
@@ -51,6 +43,12 @@ impl Match {
             Self::Outer => 6.0 * cohesion * angle.cos() / (3.0_f64.sqrt() * (3.0 - angle.sin())),
             Self::PlaneStrain => 3.0 * cohesion / (9.0 + 12.0 * angle.tan().powi(2)).sqrt(),
         }
+    }
+}
+
+impl Field<4> for Cone {
+    fn read([cohesion, friction_degrees, dilation_degrees, matched]: [f64; 4]) -> Result<Self, ConfigurationError> {
+        Self::new(cohesion, friction_degrees, dilation_degrees, Match::read([matched])?)
     }
 }
 

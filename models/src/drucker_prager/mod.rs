@@ -6,12 +6,13 @@ mod return_map;
 
 pub use cone::{Cone, Match};
 
-use crate::j2_plasticity::{PlasticHistory, STATES, check_trial_strain};
+use crate::j2_plasticity::{State, check_trial_strain};
 use crate::linear_elastic::{poisson_ratio, youngs_modulus};
 use crate::tensor::{Elasticity, strain_norm_squared};
 use return_map::{Regime, Returned, invariants};
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
-use umat_abi::metadata::{Choice, Parameter, flags};
+use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::metadata::{Parameter, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 #[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
@@ -21,78 +22,66 @@ mod test;
 /// The law.
 pub struct DruckerPrager;
 
-/// Elasticity and cone.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Parameters {
-    /// E and ν.
-    pub elasticity: Elasticity,
-    /// α, k, ᾱ.
-    pub cone: Cone,
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// E, ν; soils are softer than other solids.
+        pub elasticity: Elasticity = youngs_modulus(23_700.0).typically(0.5, 1.2e6), poisson_ratio(0.15);
+        /// α, k, ᾱ.
+        pub cone: Cone =
+            Parameter::new(c"cohesion", c"MPa", 38.1, c"cohesion; cone abaqus: d, the intercept in the p-t plane")
+                .above(0.0)
+                .typically(1e-4, 1e3),
+            Parameter::new(c"friction_angle_deg", c"deg", 18.8, c"friction angle; cone abaqus: beta")
+                .at_least(0.0)
+                .below(90.0),
+            Parameter::new(c"dilation_angle_deg", c"deg", 18.8, c"dilation angle, at most the friction angle")
+                .at_least(0.0)
+                .below(90.0),
+            Parameter::new(c"cone", c"-", 0.0, c"what cohesion and angles mean").one_of(Match::CHOICES);
+    }
 }
-
-const CONES: &[Choice] = &[Choice::new(0.0, c"abaqus"), Choice::new(1.0, c"outer"), Choice::new(2.0, c"plane_strain")];
 
 impl Law for DruckerPrager {
     const INFO: LawInfo = LawInfo {
         name: c"drucker_prager",
         description: c"Perfectly plastic Drucker-Prager cone, associated or not",
-        parameters: &const {
-            [
-                // soils are softer than other solids
-                youngs_modulus(23_700.0).typically(0.5, 1.2e6),
-                poisson_ratio(0.15),
-                Parameter::new(c"cohesion", c"MPa", 38.1, c"cohesion; cone abaqus: d, the intercept in the p-t plane")
-                    .above(0.0)
-                    .typically(1e-4, 1e3),
-                Parameter::new(c"friction_angle_deg", c"deg", 18.8, c"friction angle; cone abaqus: beta")
-                    .at_least(0.0)
-                    .below(90.0),
-                Parameter::new(c"dilation_angle_deg", c"deg", 18.8, c"dilation angle, at most the friction angle")
-                    .at_least(0.0)
-                    .below(90.0),
-                Parameter::new(c"cone", c"-", 0.0, c"what cohesion and angles mean").one_of(CONES),
-            ]
-        },
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &[],
         flags: flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
     };
 
     type Parameters<'p> = Parameters;
+    type State = State;
 
-    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        let cone = Cone::new(props[2], props[3], props[4], Match::from_number(props[5]))?;
-        Ok(Parameters { elasticity: Elasticity::new(props[0], props[1]), cone })
-    }
-
+    #[inline(always)]
     fn update(
         parameters: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
         let Parameters { elasticity, cone } = parameters;
-        let mut history = PlasticHistory::read(state);
         let plane_stress = increment.stress_state == StressState::PlaneStress;
-        let start = elastic_strain_at_start(&history, increment);
-        let trial = history.elastic_strain(&increment.strain);
+        let start = elastic_strain_at_start(state, increment);
+        let trial = state.elastic_strain(&increment.strain);
         check_trial_strain(&trial)?;
         let returned = if plane_stress {
             let returned = plane_stress::plane_stress_return(parameters, &trial)?;
-            history.strain_33 = history.plastic_strain[2] + returned.trial_strain_33();
+            state.strain_33 = state.plastic_strain[2] + returned.trial_strain_33();
             returned
         } else {
-            history.strain_33 = increment.strain[2];
+            state.strain_33 = increment.strain[2];
             Returned::new(elasticity, cone, &trial)
         };
-        history.dissipated_energy += dissipation(parameters, &start, &returned);
+        state.dissipated_energy += dissipation(parameters, &start, &returned);
         let plastic_increment = returned.plastic_increment();
-        history.peeq += (2.0 / 3.0 * strain_norm_squared(&plastic_increment)).sqrt();
+        state.peeq += (2.0 / 3.0 * strain_norm_squared(&plastic_increment)).sqrt();
         for i in 0..6 {
-            history.plastic_strain[i] += plastic_increment[i];
+            state.plastic_strain[i] += plastic_increment[i];
         }
-        history.write(state);
         let mut stress = returned.stress();
         if plane_stress {
             stress[2] = 0.0;
@@ -102,22 +91,18 @@ impl Law for DruckerPrager {
             (true, false) => returned.tangent(),
             (true, true) => plane_stress::condensed_tangent(&returned, elasticity.youngs_modulus),
         };
-        Ok(Response {
-            stress,
-            tangent,
-            stored_energy: returned.stored_energy(),
-            dissipated_energy: history.dissipated_energy,
-        })
+        let (stored_energy, dissipated_energy) = (returned.stored_energy(), state.dissipated_energy);
+        Ok(Response { stress, tangent, stored_energy, dissipated_energy })
     }
 }
 
 /// εᵉ at the start of the increment; in plane stress with the stored ε33.
-fn elastic_strain_at_start(history: &PlasticHistory, increment: &Increment) -> [f64; 6] {
+fn elastic_strain_at_start(state: &State, increment: &Increment) -> [f64; 6] {
     let mut strain = std::array::from_fn(|i| increment.strain[i] - increment.strain_increment[i]);
     if increment.stress_state == StressState::PlaneStress {
-        strain[2] = history.strain_33;
+        strain[2] = state.strain_33;
     }
-    history.elastic_strain(&strain)
+    state.elastic_strain(&strain)
 }
 
 /// ∫ σ : dεᵖ over the increment. On the cone σ : ∂Ψ/∂σ = k − (α − ᾱ) I₁, with I₁ in the middle

@@ -7,7 +7,7 @@ use crate::battery::{
 use crate::j2_plasticity::J2Plasticity;
 use crate::tensor::{add_dyad, stress_norm_squared, trace, work};
 use approx::assert_relative_eq;
-use umat_abi::law::check_properties;
+use umat_abi::law::{advance_values, parameters_of};
 
 fn root_j2(stress: &[f64; 6]) -> f64 {
     let mean = trace(stress) / 3.0;
@@ -306,7 +306,10 @@ fn extremes_stay_finite_and_admissible() {
                     characteristic_length: None,
                     time_increment: 1.0,
                 };
-                assert!(DruckerPrager::update(&virgin.parameters, &increment, &mut state, Request::Stress).is_err());
+                assert!(
+                    advance_values::<DruckerPrager>(&virgin.parameters, &increment, &mut state, Request::Stress)
+                        .is_err()
+                );
             }
         }
     }
@@ -314,9 +317,7 @@ fn extremes_stay_finite_and_admissible() {
 
 #[test]
 fn parameters_that_make_no_sense_are_refused() {
-    let rejected = |props: &[f64]| {
-        check_properties(&DruckerPrager::INFO, props).is_err() || DruckerPrager::parameters(props).is_err()
-    };
+    let rejected = |props: &[f64]| parameters_of::<DruckerPrager>(props).is_err();
     assert!(!rejected(&props(ANGLE, 0.0)));
     assert!(rejected(&props(ANGLE + 1e-9, 0.0)));
     assert!(rejected(&props(-1.0, 0.0)));

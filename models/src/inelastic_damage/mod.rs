@@ -4,42 +4,56 @@ use crate::damage_law::{DamageLaw, ETA_MAX, exponent_parameter, integrity, scale
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
 use crate::tensor::{IsotropicSplit, add_dyad, isotropic_stiffness};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
-use umat_abi::metadata::{Choice, DerivedOutput, Parameter, StateVariable, flags};
+use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 mod closed_criterion;
 mod marched_criterion;
 mod poisson_effect;
 
-use poisson_effect::{LambdaForm, PoissonEffect};
+use poisson_effect::PoissonEffect;
+
+pub use poisson_effect::LambdaForm;
 
 #[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
-const PARAMETERS: [Parameter; 8] = [
-    youngs_modulus(31800.0),
-    poisson_ratio(0.2),
-    scale_parameter(c"A", 2e18),
-    exponent_parameter(c"B", 6.4),
-    threshold_parameter(c"Y_0", 6.45e-4),
-    Parameter::new(c"kappa", c"MPa", 3.5, c"measure of the inelastic strain: > 0 tension, < 0 compression"),
-    Parameter::new(c"alpha", c"-", 1.0, c"Poisson effect: the apparent Poisson ratio tends to nu/alpha").above(0.0),
-    Parameter::new(c"lambda_form", c"-", 0.0, c"growth of the Poisson effect with damage")
-        .one_of(&const { [Choice::new(0.0, c"rational"), Choice::new(1.0, c"power")] }),
-];
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// E.
+        youngs_modulus: f64 = youngs_modulus(31800.0);
+        /// ν.
+        poisson_ratio: f64 = poisson_ratio(0.2);
+        /// A, B, Y_0.
+        damage_law: DamageLaw =
+            scale_parameter(c"A", 2e18), exponent_parameter(c"B", 6.4), threshold_parameter(c"Y_0", 6.45e-4);
+        /// κ.
+        kappa: f64 =
+            Parameter::new(c"kappa", c"MPa", 3.5, c"measure of the inelastic strain: > 0 tension, < 0 compression");
+        /// α.
+        alpha: f64 = Parameter::new(
+            c"alpha", c"-", 1.0, c"Poisson effect: the apparent Poisson ratio tends to nu/alpha",
+        ).above(0.0);
+        /// Which λ.
+        lambda_form: LambdaForm =
+            Parameter::new(c"lambda_form", c"-", 0.0, c"growth of the Poisson effect with damage")
+                .one_of(LambdaForm::CHOICES);
+    }
+}
 
-const STATES: [StateVariable; 3] = [StateVariable::new(c"eta", c"-", c"D/(1 - D)"), STRAIN_33, DISSIPATED_ENERGY];
-
-/// E, ν, the damage function, κ, α and the form of λ.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameters {
-    youngs_modulus: f64,
-    poisson_ratio: f64,
-    damage_law: DamageLaw,
-    kappa: f64,
-    alpha: f64,
-    lambda_form: LambdaForm,
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        /// η.
+        pub eta: f64 = StateVariable::new(c"eta", c"-", c"D/(1 - D)");
+        /// ε33.
+        pub strain_33: f64 = STRAIN_33;
+        /// ∫ Y dD.
+        pub dissipated_energy: f64 = DISSIPATED_ENERGY;
+    }
 }
 
 /// The law.
@@ -49,9 +63,9 @@ impl Law for InelasticDamage {
     const INFO: LawInfo = LawInfo {
         name: c"inelastic_damage",
         description: c"Model II: one damage variable with isotropic inelastic strain",
-        parameters: &PARAMETERS,
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D", 0)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
@@ -60,63 +74,52 @@ impl Law for InelasticDamage {
             | flags::ISOTROPIC,
     };
 
-    const FINITE_OR_FAILS: bool = true;
-
     type Parameters<'p> = Parameters;
+    type State = State;
 
-    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        let parameters = Parameters {
-            youngs_modulus: props[0],
-            poisson_ratio: props[1],
-            damage_law: DamageLaw { a: props[2], b: props[3], threshold: props[4] },
-            kappa: props[5],
-            alpha: props[6],
-            lambda_form: if props[7] == 0.0 { LambdaForm::Rational } else { LambdaForm::Power },
-        };
-        parameters.check_definiteness(2.0)?;
-        Ok(parameters)
+    fn check(parameters: &Parameters) -> Result<(), ConfigurationError> {
+        parameters.check_definiteness(2.0)
     }
 
     fn update(
         parameters: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
         let split = IsotropicSplit::new(increment.stress_state, &increment.strain);
         parameters.check_definiteness(split.dimension())?;
-        let eta_before = state[0];
-        let eta = parameters.eta(&split, eta_before)?;
+        let before = state.eta;
+        let eta = parameters.eta(&split, before)?;
         let end = parameters.equilibrium(&split, eta);
 
         let mut tangent = [[0.0; 6]; 6];
         if request.wants_tangent() {
             tangent = isotropic_stiffness(increment.stress_state, end.twice_shear, end.bulk);
-            if eta > eta_before && eta < ETA_MAX {
+            if eta > before && eta < ETA_MAX {
                 let gradient = parameters.release_rate_gradient(&split, eta);
                 let resistance = parameters.damage_law.excess_rate(eta) - parameters.release_rate_slope(&split, eta);
                 let omega = integrity(eta);
                 add_dyad(&mut tangent, -omega * omega / resistance, &gradient, &gradient);
             }
         }
-        state[0] = eta;
-        state[1] = match increment.stress_state {
+        state.eta = eta;
+        state.strain_33 = match increment.stress_state {
             StressState::PlaneStress => end.strain_33,
             _ => increment.strain[2],
         };
         // dearer than all the rest: only where it can change (0: of a state that a host began with)
-        if eta > eta_before || (state[2] == 0.0 && eta > 0.0) {
+        if eta > before || (state.dissipated_energy == 0.0 && eta > 0.0) {
             // the closed form is monotone but for its last digit
-            state[2] = state[2].max(parameters.damage_law.dissipation(eta));
+            state.dissipated_energy = state.dissipated_energy.max(parameters.damage_law.dissipation(eta));
         }
-        let response = Response {
+        Ok(Response {
             stress: split.stress(end.twice_shear, end.bulk * end.elastic_trace),
             tangent,
             stored_energy: 0.5
                 * (end.twice_shear * split.deviator_norm_squared() + end.bulk * end.elastic_trace * end.elastic_trace),
-            dissipated_energy: state[2],
-        };
-        response.finite_by_diagonal(state)
+            dissipated_energy: state.dissipated_energy,
+        })
     }
 }
 

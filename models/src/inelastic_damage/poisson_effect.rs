@@ -2,13 +2,14 @@
 
 use crate::damage_law::integrity;
 
-/// Which λ.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum LambdaForm {
-    /// λ = (1 + cD)/(1 − D), c = 1/α − 1, that is 1 + η/α.
-    Rational,
-    /// λ = 1/(1 − D^α) (4.19).
-    Power,
+umat_abi::choices! {
+    /// Which λ.
+    pub enum LambdaForm {
+        /// λ = (1 + cD)/(1 − D), c = 1/α − 1, that is 1 + η/α.
+        Rational = 0.0 c"rational",
+        /// λ = 1/(1 − D^α) (4.19).
+        Power = 1.0 c"power",
+    }
 }
 
 /// ρ = (1−D)λ, the apparent Poisson ratio over ν, and λ' = dλ/dη, all that Ψ and Y need; both stay

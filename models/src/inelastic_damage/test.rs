@@ -7,6 +7,7 @@ use crate::battery::{
     check_rotation, check_tangents, check_virgin, reference,
 };
 use approx::assert_relative_eq;
+use umat_abi::law::{advance_values, parameters_of};
 
 /// The thesis's ill-posed form.
 const GS_POWER_BELOW_1: [f64; 8] = [31800.0, 0.2, 2e18, 6.4, 6.45e-4, 3.5, 0.7, 1.0];
@@ -175,7 +176,7 @@ fn uniaxial_tension_softens_to_nothing() {
 fn an_indefinite_energy_is_refused() {
     let mut props = GS_RATIONAL;
     props[6] = 0.3;
-    let parameters = InelasticDamage::parameters(&props).expect("definite in plane stress");
+    let parameters = parameters_of::<InelasticDamage>(&props).expect("definite in plane stress");
     let increment = |stress_state| Increment {
         stress_state,
         strain: [1e-4, 0.0, 0.0, 0.0, 0.0, 0.0],
@@ -185,10 +186,15 @@ fn an_indefinite_energy_is_refused() {
         time_increment: 1.0,
     };
     let run = |stress_state| {
-        InelasticDamage::update(&parameters, &increment(stress_state), &mut [0.0; 3], Request::StressAndTangent)
+        advance_values::<InelasticDamage>(
+            &parameters,
+            &increment(stress_state),
+            &mut [0.0; 3],
+            Request::StressAndTangent,
+        )
     };
     assert!(run(StressState::PlaneStress).is_ok());
     assert!(matches!(run(StressState::ThreeD), Err(Failure::Configuration(_))));
     props[6] = 0.2;
-    assert!(InelasticDamage::parameters(&props).is_err());
+    assert!(parameters_of::<InelasticDamage>(&props).is_err());
 }

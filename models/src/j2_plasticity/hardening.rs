@@ -5,17 +5,24 @@ use crate::tensor::Elasticity;
 use umat_abi::law::ConfigurationError;
 
 /// A view of the (yield stress, equivalent plastic strain) pairs in PROPS.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hardening<'p> {
     points: &'p [[f64; 2]],
 }
 
-impl<'p> Hardening<'p> {
+impl<'p> From<&'p [[f64; 2]]> for Hardening<'p> {
+    #[inline(always)]
+    fn from(points: &'p [[f64; 2]]) -> Self {
+        Self { points }
+    }
+}
+
+impl Hardening<'_> {
     /// Checks the table: starts at p = 0, p strictly increasing, softening slopes mild enough for a
     /// unique return in every stress state (see the notes of the law).
     #[inline(always)]
-    pub(super) fn new(props: &'p [f64], elasticity: &Elasticity) -> Result<Self, ConfigurationError> {
-        let (points, _) = props.as_chunks::<2>();
+    pub(super) fn check(&self, elasticity: &Elasticity) -> Result<(), ConfigurationError> {
+        let points = self.points;
         if points[0][1] != 0.0 {
             return Err(ConfigurationError::Inconsistent {
                 rule: "the hardening table must start at equivalent plastic strain 0",
@@ -40,7 +47,7 @@ impl<'p> Hardening<'p> {
                 });
             }
         }
-        Ok(Self { points })
+        Ok(())
     }
 
     /// The least yield stress of the table, MPa.

@@ -1,10 +1,10 @@
 //! Plane stress: the projected return of Simo & Taylor. In sum, difference and shear
 //! S = σ11 + σ22, D = σ11 − σ22, T = σ12 everything is diagonal, and one scalar κ remains.
 
-use super::{Parameters, Returned, Start, admissible_stress};
+use super::{Parameters, Returned, State, admissible_stress};
 use crate::bracketed_newton::bracketed_newton;
 use crate::tensor::{Elasticity, add_dyad};
-use umat_abi::law::{Failure, Request, Response};
+use umat_abi::law::Request;
 
 /// The moduli of S and D at a given κ = 3Δp/(2q), and the in-plane stress that goes with them.
 struct Projected {
@@ -99,16 +99,15 @@ fn solve_kappa(parameters: &Parameters<'_>, trial: &[f64; 6], trial_stress: f64,
 }
 
 /// Returns the trial state with in-plane elastic strain `trial`.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn plane_stress_return(
     parameters: &Parameters<'_>,
-    start: &Start,
-    state: &mut [f64],
+    trial: &[f64; 6],
+    state: &State,
     request: Request,
-) -> Result<Response, Failure> {
+) -> Returned {
     let Parameters { elasticity, hardening } = parameters;
-    let Start { trial, history, .. } = start;
-    let peeq = history.peeq;
+    let peeq = state.peeq;
     let elastic = Projected::new(elasticity, trial, 0.0);
     let trial_stress = elastic.equivalent_stress();
     let plastic = trial_stress > admissible_stress(hardening, peeq);
@@ -138,7 +137,6 @@ pub(super) fn plane_stress_return(
         tangent,
         peeq_increment,
         plastic_increment,
-        strain_33: history.plastic_strain[2] + (elastic_strain_33 + plastic_increment[2]),
+        strain_33: state.plastic_strain[2] + (elastic_strain_33 + plastic_increment[2]),
     }
-    .finish(parameters, *history, state)
 }

@@ -1,9 +1,9 @@
 //! Three dimensions, plane strain, axisymmetry: the return is radial in deviatoric stress and
 //! ends in closed form.
 
-use super::{Parameters, Returned, Start};
+use super::{Parameters, Returned};
 use crate::tensor::{Elasticity, add_dyad, deviator, strain_norm_squared, trace};
-use umat_abi::law::{Failure, Request, Response};
+use umat_abi::law::{Request, Response};
 
 /// The stress without flow: s = 2μ e, mean stress k tr ε.
 pub(super) struct TrialState {
@@ -18,10 +18,10 @@ impl TrialState {
     /// The volumetric strain is that of the total strain: plastic flow keeps the volume, and the trace of the
     /// stored plastic strain is only rounding, which a bulk modulus at ν → ½ would magnify.
     #[inline(always)]
-    pub fn new(elasticity: &Elasticity, start: &Start) -> Self {
-        let deviator = deviator(&start.trial);
+    pub fn new(elasticity: &Elasticity, elastic_strain: &[f64; 6], strain: &[f64; 6]) -> Self {
+        let deviator = deviator(elastic_strain);
         let norm_squared = strain_norm_squared(&deviator);
-        let volumetric = trace(&start.strain);
+        let volumetric = trace(strain);
         Self { deviator, norm_squared, volumetric, mean_stress: elasticity.bulk_modulus * volumetric }
     }
 
@@ -58,16 +58,16 @@ impl TrialState {
 }
 
 /// Returns the trial state to the yield surface.
-#[inline(never)]
+#[inline(always)]
 pub(super) fn radial_return(
-    parameters: &Parameters<'_>,
-    start: &Start,
-    trial: &TrialState,
-    state: &mut [f64],
+    Parameters { elasticity, hardening }: &Parameters<'_>,
+    elastic_strain: &[f64; 6],
+    strain: &[f64; 6],
+    peeq: f64,
     request: Request,
-) -> Result<Response, Failure> {
-    let Parameters { elasticity, hardening } = parameters;
-    let (mu, peeq) = (elasticity.shear_modulus, start.history.peeq);
+) -> Returned {
+    let trial = TrialState::new(elasticity, elastic_strain, strain);
+    let mu = elasticity.shear_modulus;
     let trial_stress = mu * (6.0 * trial.norm_squared).sqrt();
     let (peeq_increment, slope) = hardening.radial_return(trial_stress, peeq, 3.0 * mu);
     let yield_stress = hardening.yield_stress(peeq + peeq_increment);
@@ -89,7 +89,6 @@ pub(super) fn radial_return(
         peeq_increment,
         // Δεᵖ = Δp (3/2) s/q, as a strain
         plastic_increment: trial.deviator.map(|e| 3.0 * mu * peeq_increment / trial_stress * e),
-        strain_33: start.strain[2],
+        strain_33: strain[2],
     }
-    .finish(parameters, start.history, state)
 }

@@ -1,11 +1,9 @@
 #![doc = include_str!("doc.md")]
 
 use crate::tensor::Elasticity;
-use umat_abi::law::{
-    Block, BlockResponse, ConfigurationError, Failure, Increment, LANES, Lane, Law, LawInfo, Request, Response,
-    StressState,
-};
+use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 #[cfg(test)]
 mod test;
@@ -29,18 +27,34 @@ pub(crate) const STRAIN_33: StateVariable =
 pub(crate) const DISSIPATED_ENERGY: StateVariable =
     StateVariable::new(c"dissipated_energy", c"N*mm/mm^3", c"energy dissipated since the virgin state");
 
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// E, ν.
+        pub elasticity: Elasticity = youngs_modulus(31800.0), poisson_ratio(0.18);
+    }
+}
+
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        /// ε33.
+        pub strain_33: f64 = STRAIN_33;
+        /// Stays 0.
+        pub dissipated_energy: f64 = DISSIPATED_ENERGY;
+    }
+}
+
 /// The law.
 pub struct LinearElastic;
-
-const STATES: [StateVariable; 2] = [STRAIN_33, DISSIPATED_ENERGY];
 
 impl Law for LinearElastic {
     const INFO: LawInfo = LawInfo {
         name: c"linear_elastic",
         description: c"Isotropic linear elasticity",
-        parameters: &const { [youngs_modulus(31800.0), poisson_ratio(0.18)] },
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &[],
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
@@ -48,71 +62,18 @@ impl Law for LinearElastic {
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
     };
-
-    type Parameters<'p> = Elasticity;
-
-    #[inline(always)]
-    fn parameters(props: &[f64]) -> Result<Elasticity, ConfigurationError> {
-        Ok(Elasticity::new(props[0], props[1]))
-    }
+    type Parameters<'p> = Parameters;
+    type State = State;
 
     #[inline(always)]
     fn update(
-        elasticity: &Elasticity,
+        Parameters { elasticity }: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
         let plane_stress = increment.stress_state == StressState::PlaneStress;
-        let Elastic { strain_33, stress, energy } = Elastic::new(elasticity, plane_stress, increment.strain);
-        let tangent = elasticity.tangent(plane_stress, request);
-        let response = Response { stress, tangent, stored_energy: energy, dissipated_energy: 0.0 };
-        let response = response.finite_by_diagonal(&[strain_33])?;
-        state[..2].copy_from_slice(&[strain_33, 0.0]);
-        Ok(response)
-    }
-
-    #[inline(always)]
-    fn elastic(
-        elasticity: &Elasticity,
-        increment: &Increment,
-        state: &mut [f64],
-        request: Request,
-    ) -> Option<Response> {
-        Self::update(elasticity, increment, state, request).ok()
-    }
-
-    const FINITE_OR_FAILS: bool = true;
-    const UPDATES_BLOCKS: bool = true;
-
-    #[inline(always)]
-    fn update_block(elasticity: &Elasticity, block: &Block, state: &mut [Lane]) -> Option<BlockResponse> {
-        let mut response = BlockResponse { stress: [[0.0; LANES]; 6], stored_energy: [0.0; LANES] };
-        let mut strain_33 = [0.0; LANES];
-        let plane_stress = block.stress_state == StressState::PlaneStress;
-        for lane in 0..LANES {
-            let elastic = Elastic::new(elasticity, plane_stress, std::array::from_fn(|i| block.strain[i][lane]));
-            for i in 0..6 {
-                response.stress[i][lane] = elastic.stress[i];
-            }
-            response.stored_energy[lane] = elastic.energy;
-            strain_33[lane] = elastic.strain_33;
-        }
-        state[..2].copy_from_slice(&[strain_33, [0.0; LANES]]);
-        Some(response)
-    }
-}
-
-/// The elastic solid at a strain.
-struct Elastic {
-    strain_33: f64,
-    stress: [f64; 6],
-    energy: f64,
-}
-
-impl Elastic {
-    #[inline(always)]
-    fn new(elasticity: &Elasticity, plane_stress: bool, mut strain: [f64; 6]) -> Self {
+        let mut strain = increment.strain;
         if plane_stress {
             strain[2] = elasticity.plane_stress_strain_33(&strain);
         }
@@ -120,6 +81,12 @@ impl Elastic {
         if plane_stress {
             stress[2] = 0.0;
         }
-        Self { strain_33: strain[2], stress, energy: elasticity.stored_energy(&strain) }
+        *state = State { strain_33: strain[2], dissipated_energy: 0.0 };
+        Ok(Response {
+            stress,
+            tangent: elasticity.tangent(plane_stress, request),
+            stored_energy: elasticity.stored_energy(&strain),
+            dissipated_energy: 0.0,
+        })
     }
 }

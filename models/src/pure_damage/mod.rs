@@ -3,37 +3,38 @@
 use crate::damage_law::{DamageLaw, exponent_parameter, integrity, scale_parameter, threshold_parameter};
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_modulus};
 use crate::tensor::{Elasticity, IsotropicSplit, add_dyad, isotropic_stiffness};
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
-use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
+use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::metadata::{DerivedOutput, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 #[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
-const PARAMETERS: [Parameter; 5] = [
-    youngs_modulus(31800.0),
-    poisson_ratio(0.18),
-    scale_parameter(c"A", 5000.0),
-    exponent_parameter(c"B", 1.3),
-    threshold_parameter(c"Y_0", 2e-4),
-];
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// E, ν.
+        pub elasticity: Elasticity = youngs_modulus(31800.0), poisson_ratio(0.18);
+        /// A, B, Y_0.
+        pub damage_law: DamageLaw =
+            scale_parameter(c"A", 5000.0), exponent_parameter(c"B", 1.3), threshold_parameter(c"Y_0", 2e-4);
+    }
+}
 
-const STATES: [StateVariable; 4] = [
-    StateVariable::new(c"eta", c"-", c"D/(1 - D)"),
-    StateVariable::new(c"Y_max", c"MPa", c"largest damage energy release rate so far"),
-    STRAIN_33,
-    DISSIPATED_ENERGY,
-];
-
-/// Number of the dissipated energy among them.
-const DISSIPATED: usize = 3;
-
-/// E, ν and the damage function.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameters {
-    elasticity: Elasticity,
-    damage_law: DamageLaw,
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        /// η.
+        pub eta: f64 = StateVariable::new(c"eta", c"-", c"D/(1 - D)");
+        /// The largest Y.
+        pub release_rate: f64 = StateVariable::new(c"Y_max", c"MPa", c"largest damage energy release rate so far");
+        /// ε33.
+        pub strain_33: f64 = STRAIN_33;
+        /// ∫ Y dD.
+        pub dissipated_energy: f64 = DISSIPATED_ENERGY;
+    }
 }
 
 /// The law.
@@ -43,9 +44,9 @@ impl Law for PureDamage {
     const INFO: LawInfo = LawInfo {
         name: c"pure_damage",
         description: c"Model I: one isotropic damage variable, no inelastic strain",
-        parameters: &PARAMETERS,
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D", 0)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
@@ -53,69 +54,51 @@ impl Law for PureDamage {
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
     };
-
-    const FINITE_OR_FAILS: bool = true;
-
     type Parameters<'p> = Parameters;
-
-    #[inline(always)]
-    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        let damage_law = DamageLaw { a: props[2], b: props[3], threshold: props[4] };
-        Ok(Parameters { elasticity: Elasticity::new(props[0], props[1]), damage_law })
-    }
+    type State = State;
 
     #[inline(always)]
     fn elastic(
-        parameters: &Parameters,
+        Parameters { elasticity, damage_law }: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Option<Response> {
-        let Parameters { elasticity, damage_law } = parameters;
         let undamaged = Undamaged::new(elasticity, increment);
-        let eta = state[0];
         // false for NaN too (0: of a damaged state that a host began with)
         let is_below = undamaged.release_rate <= damage_law.threshold;
-        if !is_below || (state[DISSIPATED] == 0.0 && eta > 0.0) {
+        if !is_below || (state.dissipated_energy == 0.0 && state.eta > 0.0) {
             return None;
         }
-        let response = undamaged.response(increment.stress_state, eta, state[DISSIPATED], request);
-        let response = response.finite_by_diagonal(&[]).ok()?;
         undamaged.record(elasticity, increment, state);
-        Some(response)
+        Some(undamaged.response(increment.stress_state, state, request))
     }
 
     #[inline(always)]
     fn update(
-        parameters: &Parameters,
+        Parameters { elasticity, damage_law }: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
-        if let Some(response) = Self::elastic(parameters, increment, state, request) {
-            return Ok(response);
-        }
-        let Parameters { elasticity, damage_law } = parameters;
         let undamaged = Undamaged::new(elasticity, increment);
-        let (before, grown) = (state[0], damage_law.eta(undamaged.release_rate));
-        let eta = before.max(grown);
-        let mut dissipated = state[DISSIPATED];
+        let (before, grown) = (state.eta, damage_law.eta(undamaged.release_rate));
+        state.eta = before.max(grown);
         // dearer than all the rest: only where it can change
         // the closed form is monotone but for its last digit
         if grown > before {
-            dissipated = dissipated.max(damage_law.dissipation_on_curve(eta, undamaged.release_rate));
-        } else if dissipated == 0.0 {
-            dissipated = damage_law.dissipation(eta);
+            let dissipation = damage_law.dissipation_on_curve(state.eta, undamaged.release_rate);
+            state.dissipated_energy = state.dissipated_energy.max(dissipation);
+        } else if state.dissipated_energy == 0.0 {
+            state.dissipated_energy = damage_law.dissipation(state.eta);
         }
-        let mut response = undamaged.response(increment.stress_state, eta, dissipated, request);
+        undamaged.record(elasticity, increment, state);
+        let mut response = undamaged.response(increment.stress_state, state, request);
         if request.wants_tangent() && grown > before {
-            let rate = damage_law.damage_rate(undamaged.release_rate, eta);
+            let rate = damage_law.damage_rate(undamaged.release_rate, state.eta);
             add_dyad(&mut response.tangent, -rate, &undamaged.stress, &undamaged.stress);
         }
-        state[0] = eta;
-        state[DISSIPATED] = dissipated;
-        undamaged.record(elasticity, increment, state);
-        response.finite_by_diagonal(state)
+        Ok(response)
     }
 }
 
@@ -143,10 +126,10 @@ impl Undamaged {
         }
     }
 
-    /// With η, and a tangent that knows nothing of growth.
+    /// With the η of a state, and a tangent that knows nothing of growth.
     #[inline(always)]
-    fn response(&self, stress_state: StressState, eta: f64, dissipated_energy: f64, request: Request) -> Response {
-        let omega = integrity(eta);
+    fn response(&self, stress_state: StressState, state: &State, request: Request) -> Response {
+        let omega = integrity(state.eta);
         Response {
             stress: self.stress.map(|s| omega * s),
             tangent: if request.wants_tangent() {
@@ -155,18 +138,14 @@ impl Undamaged {
                 [[0.0; 6]; 6]
             },
             stored_energy: omega * self.release_rate,
-            dissipated_energy,
+            dissipated_energy: state.dissipated_energy,
         }
     }
 
     /// The states that do not depend on damage.
     #[inline(always)]
-    fn record(&self, elasticity: &Elasticity, increment: &Increment, state: &mut [f64]) {
-        state[1] = state[1].max(self.release_rate);
-        state[2] = if increment.stress_state == StressState::PlaneStress {
-            elasticity.plane_stress_strain_33(&increment.strain)
-        } else {
-            increment.strain[2]
-        };
+    fn record(&self, elasticity: &Elasticity, increment: &Increment, state: &mut State) {
+        state.release_rate = state.release_rate.max(self.release_rate);
+        state.strain_33 = elasticity.strain_33(increment);
     }
 }

@@ -7,6 +7,7 @@ use crate::battery::{
     check_rotation, check_tangents, check_virgin, reference, tangent_error,
 };
 use approx::assert_relative_eq;
+use umat_abi::law::{advance_values, parameters_of};
 
 #[test]
 fn agrees_with_40_digits() {
@@ -77,7 +78,7 @@ fn damage_tends_to_one_without_overflow() {
         for (props, size) in SETS {
             for strain in [1e3 * size, 1e-12 * size, 1e-300, 5e-324, 0.0, 10.0] {
                 let mut point = Point::<PureDamage>::virgin(&props, stress_state);
-                let undamaged = PureDamage::parameters(&props).unwrap().elasticity.stiffness()[0][0] * strain;
+                let undamaged = parameters_of::<PureDamage>(&props).unwrap().elasticity.stiffness()[0][0] * strain;
                 let response = point.advance(&[strain, 0.0, 0.0, 0.0, 0.0, 0.0]);
                 // a third of the least subnormal number is 0: there a stress is known to its modulus times 5e-324
                 let rounding = 1e-15 * undamaged + 1e-317;
@@ -102,7 +103,7 @@ fn what_overflows_asks_for_a_cut_back() {
         characteristic_length: None,
         time_increment: 1.0,
     };
-    let result = PureDamage::update(&point.parameters, &increment, &mut [0.0; 4], Request::StressAndTangent);
+    let result = advance_values::<PureDamage>(&point.parameters, &increment, &mut [0.0; 4], Request::StressAndTangent);
     assert!(matches!(result, Err(Failure::CutBack { .. })));
 }
 

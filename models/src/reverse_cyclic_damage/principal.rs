@@ -3,13 +3,14 @@
 use crate::damage_law::{DamageLaw, damage, integrity};
 use crate::tensor::{Elasticity, Spectral};
 
-/// How the volumetric energy is split.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Variant {
-    /// By the sums of the positive and of the negative principal strains (5.1).
-    Thesis,
-    /// By the sign of the volume change.
-    Regular,
+umat_abi::choices! {
+    /// How the volumetric energy is split.
+    pub enum Variant {
+        /// By the sums of the positive and of the negative principal strains (5.1).
+        Thesis = 0.0 c"thesis",
+        /// By the sign of the volume change.
+        Regular = 1.0 c"regular",
+    }
 }
 
 /// One damage variable at the end of an increment.

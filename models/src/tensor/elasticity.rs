@@ -2,7 +2,8 @@
 
 use super::isotropic::stiffness_of;
 use super::{strain_norm_squared, trace};
-use umat_abi::law::Request;
+use umat_abi::law::{ConfigurationError, Increment, Request, StressState};
+use umat_abi::table::Field;
 
 /// Lamé's constants and relatives of an isotropic solid, MPa.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -17,6 +18,13 @@ pub struct Elasticity {
     pub shear_modulus: f64,
     /// k = E/(3(1−2ν)).
     pub bulk_modulus: f64,
+}
+
+impl Field<2> for Elasticity {
+    #[inline(always)]
+    fn read([youngs_modulus, poisson_ratio]: [f64; 2]) -> Result<Self, ConfigurationError> {
+        Ok(Self::new(youngs_modulus, poisson_ratio))
+    }
 }
 
 impl Elasticity {
@@ -92,6 +100,15 @@ impl Elasticity {
     pub fn plane_stress_strain_33(&self, strain: &[f64; 6]) -> f64 {
         let nu = self.poisson_ratio;
         -nu / (1.0 - nu) * (strain[0] + strain[1])
+    }
+
+    /// Total strain 33 at the end of an increment of a solid that is elastic, or damaged alike in all directions.
+    #[inline(always)]
+    pub fn strain_33(&self, increment: &Increment) -> f64 {
+        match increment.stress_state {
+            StressState::PlaneStress => self.plane_stress_strain_33(&increment.strain),
+            _ => increment.strain[2],
+        }
     }
 
     /// The stiffness between the plane-stress components 11, 22, 12 (rows and columns 0, 1, 3).

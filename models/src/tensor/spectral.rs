@@ -34,51 +34,32 @@ impl Spectral {
     }
 
     #[inline]
-    fn of_matrix(m: [[f64; 3]; 3]) -> Self {
-        let mut m = m.map(|row| row.map(|entry| [entry]));
-        let mut directions = identity();
-        if m[0][2] == [0.0] && m[1][2] == [0.0] {
+    fn of_matrix(mut m: [[f64; 3]; 3]) -> Self {
+        let mut directions = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        if m[0][2] == 0.0 && m[1][2] == 0.0 {
             // direction 3 is principal: one rotation at most, which leaves exact zeros
-            rotate::<1, 0, 1>(&mut m, &mut directions, &[0.0]);
+            rotate::<0, 1>(&mut m, &mut directions, 0.0);
         } else {
-            let negligible = [NEGLIGIBLE * largest(&m, 0)];
-            sweep(&mut m, &mut directions, &negligible);
-        }
-        Self::of_lane(&m, &directions, 0)
-    }
-
-    /// Decomposes W strains at once, component by component: to the same bits as [`Self::of_strain`], one by one.
-    #[inline(always)]
-    pub fn of_strains<const W: usize>(strains: &[[f64; W]; 6]) -> [Self; W] {
-        let [a, b, c, d, e, f] = strains;
-        let [d, e, f] = [d, e, f].map(|shear| shear.map(|gamma| 0.5 * gamma));
-        let mut m = [[*a, d, e], [d, *b, f], [e, f, *c]];
-        let mut directions = identity();
-        let negligible = std::array::from_fn(|lane| {
-            let is_planar = m[0][2][lane] == 0.0 && m[1][2][lane] == 0.0;
-            if is_planar { 0.0 } else { NEGLIGIBLE * largest(&m, lane) }
-        });
-        sweep(&mut m, &mut directions, &negligible);
-        std::array::from_fn(|lane| Self::of_lane(&m, &directions, lane))
-    }
-
-    #[inline(always)]
-    fn of_lane<const W: usize>(m: &Lanes<W>, directions: &Lanes<W>, lane: usize) -> Self {
-        let values = [m[0][0][lane], m[1][1][lane], m[2][2][lane]];
-        Self { values, directions: directions.map(|row| row.map(|entry| entry[lane])) }.sorted()
-    }
-
-    /// The same with e_1 ≥ e_2 ≥ e_3.
-    #[inline]
-    fn sorted(mut self) -> Self {
-        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
-            if self.values[i] < self.values[j] {
-                self.values.swap(i, j);
-                self.directions.swap(i, j);
+            let negligible = NEGLIGIBLE * m.iter().flatten().fold(0.0_f64, |scale, entry| scale.max(entry.abs()));
+            for _ in 0..MAX_SWEEPS {
+                let first = rotate::<0, 1>(&mut m, &mut directions, negligible);
+                let second = rotate::<0, 2>(&mut m, &mut directions, negligible);
+                let third = rotate::<1, 2>(&mut m, &mut directions, negligible);
+                if !(first || second || third) {
+                    break;
+                }
             }
         }
-        self
+        let mut this = Self { values: [m[0][0], m[1][1], m[2][2]], directions };
+        for (i, j) in [(0, 1), (1, 2), (0, 1)] {
+            if this.values[i] < this.values[j] {
+                this.values.swap(i, j);
+                this.directions.swap(i, j);
+            }
+        }
+        this
     }
+
     /// The coordinate axis of each principal direction if all are coordinate axes.
     #[inline]
     fn coordinate_axes(&self) -> Option<[usize; 3]> {
@@ -180,89 +161,33 @@ fn along_axes(axes: [usize; 3], principal: &[[f64; 3]; 3], shear: &[f64; 3]) -> 
     tangent
 }
 
-/// W matrices at once, entry by entry.
-type Lanes<const W: usize> = [[[f64; W]; 3]; 3];
-
+/// One Jacobi rotation that annihilates entry P, Q if it is not negligible (Rutishauser's stable form); false: none.
 #[inline(always)]
-fn identity<const W: usize>() -> Lanes<W> {
-    std::array::from_fn(|i| std::array::from_fn(|j| [if i == j { 1.0 } else { 0.0 }; W]))
-}
-
-/// The largest entry of a matrix in magnitude.
-#[inline(always)]
-fn largest<const W: usize>(m: &Lanes<W>, lane: usize) -> f64 {
-    m.iter().flatten().fold(0.0_f64, |scale, entry| scale.max(entry[lane].abs()))
-}
-
-/// Jacobi rotations until nothing is left off the diagonals.
-#[inline(always)]
-fn sweep<const W: usize>(m: &mut Lanes<W>, directions: &mut Lanes<W>, negligible: &[f64; W]) {
-    for _ in 0..MAX_SWEEPS {
-        let first = rotate::<W, 0, 1>(m, directions, negligible);
-        let second = rotate::<W, 0, 2>(m, directions, negligible);
-        let third = rotate::<W, 1, 2>(m, directions, negligible);
-        if !(first || second || third) {
-            break;
-        }
-    }
-}
-
-/// One Jacobi rotation that annihilates entry P, Q of each matrix where it is not negligible (Rutishauser's stable form);
-/// false: nowhere. The other matrices stay as they are. Short loops over the lanes: those become vector instructions.
-#[inline(always)]
-fn rotate<const W: usize, const P: usize, const Q: usize>(
-    m: &mut Lanes<W>,
-    directions: &mut Lanes<W>,
-    negligible: &[f64; W],
+fn rotate<const P: usize, const Q: usize>(
+    m: &mut [[f64; 3]; 3],
+    directions: &mut [[f64; 3]; 3],
+    negligible: f64,
 ) -> bool {
     let off_diagonal = m[P][Q];
-    let mut any = false;
-    for lane in 0..W {
-        any |= off_diagonal[lane].abs() > negligible[lane];
-    }
-    if !any {
+    // NaN is no reason either
+    let is_wanted = off_diagonal.abs() > negligible;
+    if !is_wanted {
         return false;
     }
     let r = 3 - P - Q;
-    let (pp, qq) = (m[P][P], m[Q][Q]);
-    let (mut t, mut c, mut s) = ([0.0; W], [0.0; W], [0.0; W]);
-    for lane in 0..W {
-        let theta = 0.5 * (qq[lane] - pp[lane]) / off_diagonal[lane];
-        let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
-        let signed = if theta < 0.0 { -magnitude } else { magnitude };
-        // an infinite θ is no rotation
-        t[lane] = if theta.abs() < f64::INFINITY { signed } else { 0.0 };
-        c[lane] = 1.0 / (t[lane] * t[lane] + 1.0).sqrt();
-        s[lane] = t[lane] * c[lane];
-    }
-    let choose = |new: [f64; W], old: [f64; W]| {
-        let mut chosen = [0.0; W];
-        for lane in 0..W {
-            let wanted = off_diagonal[lane].abs() > negligible[lane];
-            chosen[lane] = if wanted { new[lane] } else { old[lane] };
-        }
-        chosen
-    };
-    let turn = |a: [f64; W], b: [f64; W]| {
-        let (mut first, mut second) = ([0.0; W], [0.0; W]);
-        for lane in 0..W {
-            first[lane] = c[lane] * a[lane] - s[lane] * b[lane];
-            second[lane] = s[lane] * a[lane] + c[lane] * b[lane];
-        }
-        (choose(first, a), choose(second, b))
-    };
-    let (mut less, mut more) = ([0.0; W], [0.0; W]);
-    for lane in 0..W {
-        less[lane] = pp[lane] - t[lane] * off_diagonal[lane];
-        more[lane] = qq[lane] + t[lane] * off_diagonal[lane];
-    }
-    m[P][P] = choose(less, pp);
-    m[Q][Q] = choose(more, qq);
-    m[P][Q] = choose([0.0; W], off_diagonal);
-    m[Q][P] = m[P][Q];
+    let theta = 0.5 * (m[Q][Q] - m[P][P]) / off_diagonal;
+    let magnitude = 1.0 / (theta.abs() + (theta * theta + 1.0).sqrt());
+    let signed = if theta < 0.0 { -magnitude } else { magnitude };
+    // an infinite θ is no rotation
+    let t = if theta.abs() < f64::INFINITY { signed } else { 0.0 };
+    let c = 1.0 / (t * t + 1.0).sqrt();
+    let s = t * c;
+    let turn = |a: f64, b: f64| (c * a - s * b, s * a + c * b);
+    m[P][P] -= t * off_diagonal;
+    m[Q][Q] += t * off_diagonal;
+    (m[P][Q], m[Q][P]) = (0.0, 0.0);
     (m[r][P], m[r][Q]) = turn(m[r][P], m[r][Q]);
-    m[P][r] = m[r][P];
-    m[Q][r] = m[r][Q];
+    (m[P][r], m[Q][r]) = (m[r][P], m[r][Q]);
     for k in 0..3 {
         (directions[P][k], directions[Q][k]) = turn(directions[P][k], directions[Q][k]);
     }

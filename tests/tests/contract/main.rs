@@ -47,15 +47,6 @@ fn entry_points_have_the_vendors_number_of_arguments() {
     assert_eq!(counts, [("umat".into(), 37), ("fric".into(), 39), ("uinter".into(), 47)]);
 }
 
-/// The export macros fill the structs by name: nothing else would notice two arguments in the wrong order.
-#[test]
-fn exported_functions_take_their_arguments_in_the_order_of_the_contract() {
-    for entry in EntryPoint::read_all() {
-        let names: Vec<_> = entry.arguments.iter().map(|argument| argument.name.clone()).collect();
-        assert_eq!(source::exported_arguments(&entry.name), names, "{}", entry.name);
-    }
-}
-
 fn compile_header(tool: Tool, standard: &str, suffix: &str) {
     let Some(mut compiler) = find(tool) else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");

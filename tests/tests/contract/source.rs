@@ -47,8 +47,9 @@ impl Argument {
     pub fn pointer(&self) -> Option<(bool, String)> {
         match &self.rust_type {
             Type::Ptr(pointer) => {
-                let target = &pointer.elem;
-                Some((pointer.mutability.is_some(), quote!(#target).to_string()))
+                let Type::Path(target) = &*pointer.elem else { return None };
+                let name = target.path.segments.last()?.ident.to_string();
+                Some((pointer.mutability.is_some(), name))
             }
             _ => None,
         }
@@ -78,8 +79,12 @@ struct Declaration {
 
 impl Parse for Declaration {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
+        // ($), which the macro needs
+        input.parse::<proc_macro2::Group>()?;
         let mut doc = documentation(&input.call(Attribute::parse_outer)?);
         input.parse::<syn::Token![type]>()?;
+        input.parse::<Ident>()?;
+        input.parse::<syn::Token![,]>()?;
         input.parse::<Ident>()?;
         input.parse::<syn::Token![;]>()?;
         doc.extend(documentation(&input.call(Attribute::parse_outer)?));
@@ -124,15 +129,6 @@ pub fn batch_arguments() -> Vec<Argument> {
         _ => None,
     });
     fields.expect("BatchArguments").iter().map(Argument::new).collect()
-}
-
-/// The argument names of the function that an export macro defines.
-pub fn exported_arguments(entry: &str) -> Vec<String> {
-    let text = std::fs::read_to_string(workspace("umat-abi/src/export/macros.rs")).expect("the export macros");
-    let begin = text.find(&format!("macro_rules! {entry}_symbol")).expect("the macro of this entry point");
-    let list = text[begin..].split_once("fn $ident(").expect("its function").1;
-    let list = list.split_once(") {").expect("the end of its arguments").0;
-    list.split(',').filter_map(|argument| Some(argument.split_once(':')?.0.trim().to_owned())).collect()
 }
 
 /// What a C reader needs of `metadata.rs`, under names that C can hold.

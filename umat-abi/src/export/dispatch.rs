@@ -1,18 +1,15 @@
 //! Several laws behind one `umat_`: ABAQUS loads one per job, and tells materials apart by CMNAME.
 
-use super::Refusal;
-use crate::fric::FricArguments;
-use crate::uinter::UinterArguments;
-use crate::umat::UmatArguments;
+use super::{EntryArguments, Refusal, refuse};
 use std::ffi::{CStr, c_char};
 
-/// A law name and its entry point.
+/// A law name and what runs it.
 #[derive(Clone, Copy, Debug)]
-pub struct NamedEntry<F> {
+pub struct NamedEntry<A> {
     /// The law's name, lower case.
     pub name: &'static CStr,
     /// What to call.
-    pub function: F,
+    pub function: unsafe fn(&A),
 }
 
 /// Fortran names have at most this many characters.
@@ -26,7 +23,7 @@ const NAME_LENGTH: usize = 80;
 /// # Safety
 /// `name` is NULL or points to a string that is blank-padded, NUL-terminated, or longer than any of
 /// the law names that it begins with.
-unsafe fn law_named<F: Copy>(entries: &[NamedEntry<F>], name: *const c_char) -> Option<F> {
+unsafe fn law_named<A>(entries: &[NamedEntry<A>], name: *const c_char) -> Option<unsafe fn(&A)> {
     if name.is_null() {
         return None;
     }
@@ -39,57 +36,23 @@ unsafe fn law_named<F: Copy>(entries: &[NamedEntry<F>], name: *const c_char) -> 
             .enumerate()
             .all(|(i, letter)| start + i < NAME_LENGTH && character(start + i).to_ascii_lowercase() == *letter)
     };
-    entries
-        .iter()
-        .filter(|entry| matches(entry.name))
-        .max_by_key(|entry| entry.name.count_bytes())
-        .map(|entry| entry.function)
+    let named = entries.iter().filter(|entry| matches(entry.name));
+    named.max_by_key(|entry| entry.name.count_bytes()).map(|entry| entry.function)
 }
 
 /// What messages call a library of several laws.
 const LIBRARY: &CStr = c"pullout_laws";
 
-/// Runs the law that CMNAME names.
+/// Runs the law that CMNAME or CINAME names.
 ///
 /// # Safety
-/// As for [`super::umat`]; CMNAME as Fortran passes it.
-pub unsafe fn umat_by_name(entries: &[NamedEntry<unsafe fn(&UmatArguments)>], arguments: &UmatArguments) {
+/// As for [`super::umat`], [`super::uinter`] or [`super::fric`]; the name as Fortran passes it.
+pub unsafe fn by_name<A: EntryArguments>(entries: &[NamedEntry<A>], arguments: &A) {
     // SAFETY: forwarded to the caller.
     unsafe {
-        match law_named(entries, arguments.cmname) {
+        match law_named(entries, arguments.name()) {
             Some(function) => function(arguments),
-            None => {
-                let &UmatArguments { ntens, stress, ddsdde, pnewdt, .. } = arguments;
-                super::solid::refuse_umat(ntens, stress, ddsdde, pnewdt, LIBRARY, &Refusal::UnknownLaw);
-            }
-        }
-    }
-}
-
-/// Runs the law that CINAME names.
-///
-/// # Safety
-/// As for [`super::uinter`]; CINAME as Fortran passes it.
-pub unsafe fn uinter_by_name(entries: &[NamedEntry<unsafe fn(&UinterArguments)>], arguments: &UinterArguments) {
-    // SAFETY: forwarded to the caller.
-    unsafe {
-        match law_named(entries, arguments.ciname) {
-            Some(function) => function(arguments),
-            None => super::interface::refuse_uinter(arguments, LIBRARY, &Refusal::UnknownLaw),
-        }
-    }
-}
-
-/// Runs the law that CINAME names.
-///
-/// # Safety
-/// As for [`super::fric`]; CINAME as Fortran passes it.
-pub unsafe fn fric_by_name(entries: &[NamedEntry<unsafe fn(&FricArguments)>], arguments: &FricArguments) {
-    // SAFETY: forwarded to the caller.
-    unsafe {
-        match law_named(entries, arguments.ciname) {
-            Some(function) => function(arguments),
-            None => super::interface::refuse_fric(arguments, LIBRARY, &Refusal::UnknownLaw),
+            None => refuse(LIBRARY, &Refusal::UnknownLaw, &arguments.answer()),
         }
     }
 }

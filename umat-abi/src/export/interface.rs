@@ -1,10 +1,12 @@
 //! The bodies of `uinter_` and `fric_`.
 
-use super::{Answer, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
+use super::{Answer, EntryArguments, Refusal, count, guarded, optional, refuse, slice, states, store};
 use crate::fric::FricArguments;
-use crate::law::{InterfaceIncrement, InterfaceLaw, Request, TangentialIncrement, check_properties};
+use crate::law::{InterfaceIncrement, InterfaceLaw, Request, TangentialIncrement};
+use crate::law::{advance_contact, advance_sliding, read_parameters};
+use crate::table::States;
 use crate::uinter::UinterArguments;
-use std::ffi::CStr;
+use std::ffi::c_char;
 
 /// Runs law `L` as a UINTER.
 ///
@@ -15,7 +17,7 @@ pub unsafe fn uinter<L: InterfaceLaw>(arguments: &UinterArguments) {
     // SAFETY: forwarded to the caller.
     if let Err(refusal) = guarded(|| unsafe { update_uinter::<L>(arguments) }) {
         // SAFETY: forwarded to the caller.
-        unsafe { refuse_uinter(arguments, L::INFO.name, &refusal) };
+        unsafe { refuse(L::INFO.name, &refusal, &arguments.answer()) };
     }
 }
 
@@ -28,29 +30,31 @@ pub unsafe fn fric<L: InterfaceLaw>(arguments: &FricArguments) {
     // SAFETY: forwarded to the caller.
     if let Err(refusal) = guarded(|| unsafe { update_fric::<L>(arguments) }) {
         // SAFETY: forwarded to the caller.
-        unsafe { refuse_fric(arguments, L::INFO.name, &refusal) };
+        unsafe { refuse(L::INFO.name, &refusal, &arguments.answer()) };
     }
 }
 
-/// # Safety
-/// As for [`uinter`].
-#[cold]
-pub(super) unsafe fn refuse_uinter(a: &UinterArguments, name: &CStr, refusal: &Refusal) {
-    let &UinterArguments { stress, ddsddr: tangent, pnewdt, .. } = a;
-    // SAFETY: STRESS(NDIR), DDSDDR(NDIR,NDIR), PNEWDT: NULL or valid.
-    unsafe {
-        refuse(name, refusal, &Answer { components: optional(a.ndir), most_components: 3, stress, tangent, pnewdt })
+impl EntryArguments for UinterArguments {
+    fn name(&self) -> *const c_char {
+        self.ciname
+    }
+
+    unsafe fn answer(&self) -> Answer {
+        let &Self { ndir, stress, ddsddr: tangent, pnewdt, .. } = self;
+        // SAFETY: NDIR is NULL or valid.
+        Answer { components: unsafe { optional(ndir) }, most_components: 3, stress, tangent, pnewdt }
     }
 }
 
-/// # Safety
-/// As for [`fric`].
-#[cold]
-pub(super) unsafe fn refuse_fric(a: &FricArguments, name: &CStr, refusal: &Refusal) {
-    let &FricArguments { tau: stress, ddtddg: tangent, pnewdt, .. } = a;
-    // SAFETY: TAU(NFDIR), DDTDDG(NFDIR,NFDIR), PNEWDT: NULL or valid.
-    unsafe {
-        refuse(name, refusal, &Answer { components: optional(a.nfdir), most_components: 3, stress, tangent, pnewdt })
+impl EntryArguments for FricArguments {
+    fn name(&self) -> *const c_char {
+        self.ciname
+    }
+
+    unsafe fn answer(&self) -> Answer {
+        let &Self { nfdir, tau: stress, ddtddg: tangent, pnewdt, .. } = self;
+        // SAFETY: NFDIR is NULL or valid.
+        Answer { components: unsafe { optional(nfdir) }, most_components: 3, stress, tangent, pnewdt }
     }
 }
 
@@ -76,11 +80,9 @@ unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refu
     let n = directions(unsafe { optional(a.ndir) }, 3)?;
     // SAFETY: as above.
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
-    check_properties(&L::INFO, props)?;
-    let parameters = L::parameters(props)?;
-    let mut buffer = super::EMPTY;
+    let parameters: L::Parameters<'_> = read_parameters(&L::INFO, props)?;
     // SAFETY: as above.
-    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    let mut state: L::State = unsafe { states(a.statev, a.nstatv) }?;
     // SAFETY: as above.
     let increment = unsafe {
         InterfaceIncrement {
@@ -90,14 +92,8 @@ unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refu
             traction: padded(slice(a.stress, n, "STRESS")?),
         }
     };
-    finite(&increment.relative_displacement, "NaN or infinity in RDISP")?;
-    finite(&increment.increment, "NaN or infinity in DRDISP")?;
     let request = if a.ddsddr.is_null() { Request::Stress } else { Request::StressAndTangent };
-    let response = L::update(&parameters, &increment, state, request)?;
-    let energies = [response.stored_energy, response.dissipated_energy];
-    for values in [&response.traction[..], response.tangent.as_flattened(), state, &energies] {
-        finite(values, "the update overflowed")?;
-    }
+    let response = advance_contact::<L>(&parameters, &increment, &mut state, request)?;
     // SAFETY: as above; outputs are written all or not at all.
     unsafe {
         for i in 0..n {
@@ -108,7 +104,7 @@ unsafe fn update_uinter<L: InterfaceLaw>(a: &UinterArguments) -> Result<(), Refu
                 }
             }
         }
-        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        state.write(std::slice::from_raw_parts_mut(a.statev, L::State::TABLE.len()));
         store(a.sed, response.stored_energy);
         store(a.sfd, response.dissipated_energy);
         for pointer in [a.spd, a.svd, a.scd] {
@@ -133,11 +129,9 @@ unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal>
     let n = directions(unsafe { optional(a.nfdir) }, 2)?;
     // SAFETY: as above.
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
-    check_properties(&L::INFO, props)?;
-    let parameters = L::parameters(props)?;
-    let mut buffer = super::EMPTY;
+    let parameters: L::Parameters<'_> = read_parameters(&L::INFO, props)?;
     // SAFETY: as above.
-    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    let mut state: L::State = unsafe { states(a.statev, a.nstatv) }?;
     // SAFETY: as above.
     let increment = unsafe {
         slice(a.tau, n, "TAU")?;
@@ -147,21 +141,8 @@ unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal>
             pressure: optional(a.press).ok_or(Refusal::Null { argument: "PRESS" })?,
         }
     };
-    finite(&increment.slip_increment, "NaN or infinity in DGAM")?;
-    finite(&[increment.pressure], "NaN or infinity in PRESS")?;
     let request = if a.ddtddg.is_null() { Request::Stress } else { Request::StressAndTangent };
-    let response = L::update_tangential(&parameters, &increment, state, request)?;
-    let energies = [response.stored_energy, response.dissipated_energy];
-    for values in [
-        &response.traction[..],
-        response.slip_tangent.as_flattened(),
-        &response.pressure_tangent,
-        &response.inelastic_slip_increment,
-        state,
-        &energies,
-    ] {
-        finite(values, "the update overflowed")?;
-    }
+    let response = advance_sliding::<L>(&parameters, &increment, &mut state, request)?;
     // SAFETY: as above; outputs are written all or not at all.
     unsafe {
         for i in 0..n {
@@ -178,7 +159,7 @@ unsafe fn update_fric<L: InterfaceLaw>(a: &FricArguments) -> Result<(), Refusal>
                 a.dslip.add(i).write(response.inelastic_slip_increment[i]);
             }
         }
-        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        state.write(std::slice::from_raw_parts_mut(a.statev, L::State::TABLE.len()));
         store(a.sed, response.stored_energy);
         store(a.sfd, response.dissipated_energy);
         if !a.lm.is_null() {

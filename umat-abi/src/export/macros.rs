@@ -1,328 +1,5 @@
 //! The export macros: one line turns a law into a cdylib.
 
-/// Defines one symbol of UMAT that runs `$body(&UmatArguments)`.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! umat_symbol {
-    ($symbol:expr, $ident:ident, $body:expr) => {
-        /// UMAT; see the C header.
-        ///
-        /// # Safety
-        /// Every pointer is NULL or valid for what ABAQUS defines.
-        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
-        #[unsafe(export_name = $symbol)]
-        pub unsafe extern "C" fn $ident(
-            stress: *mut f64,
-            statev: *mut f64,
-            ddsdde: *mut f64,
-            sse: *mut f64,
-            spd: *mut f64,
-            scd: *mut f64,
-            rpl: *mut f64,
-            ddsddt: *mut f64,
-            drplde: *mut f64,
-            drpldt: *mut f64,
-            stran: *const f64,
-            dstran: *const f64,
-            time: *const f64,
-            dtime: *const f64,
-            temp: *const f64,
-            dtemp: *const f64,
-            predef: *const f64,
-            dpred: *const f64,
-            cmname: *const ::std::ffi::c_char,
-            ndi: *const i32,
-            nshr: *const i32,
-            ntens: *const i32,
-            nstatv: *const i32,
-            props: *const f64,
-            nprops: *const i32,
-            coords: *const f64,
-            drot: *const f64,
-            pnewdt: *mut f64,
-            celent: *const f64,
-            dfgrd0: *const f64,
-            dfgrd1: *const f64,
-            noel: *const i32,
-            npt: *const i32,
-            layer: *const i32,
-            kspt: *const i32,
-            jstep: *const i32,
-            kinc: *const i32,
-            cmname_length: usize,
-        ) {
-            let arguments = $crate::umat::UmatArguments {
-                stress,
-                statev,
-                ddsdde,
-                sse,
-                spd,
-                scd,
-                rpl,
-                ddsddt,
-                drplde,
-                drpldt,
-                stran,
-                dstran,
-                time,
-                dtime,
-                temp,
-                dtemp,
-                predef,
-                dpred,
-                cmname,
-                ndi,
-                nshr,
-                ntens,
-                nstatv,
-                props,
-                nprops,
-                coords,
-                drot,
-                pnewdt,
-                celent,
-                dfgrd0,
-                dfgrd1,
-                noel,
-                npt,
-                layer,
-                kspt,
-                jstep,
-                kinc,
-                cmname_length,
-            };
-            // SAFETY: forwarded to the caller.
-            unsafe { $body(&arguments) }
-        }
-    };
-}
-
-/// Defines one symbol of FRIC that runs `$body(&FricArguments)`.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! fric_symbol {
-    ($symbol:expr, $ident:ident, $body:expr) => {
-        /// FRIC; see the C header.
-        ///
-        /// # Safety
-        /// Every pointer is NULL or valid for what ABAQUS defines.
-        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
-        #[unsafe(export_name = $symbol)]
-        pub unsafe extern "C" fn $ident(
-            lm: *mut i32,
-            tau: *mut f64,
-            ddtddg: *mut f64,
-            ddtddp: *mut f64,
-            dslip: *mut f64,
-            sed: *mut f64,
-            sfd: *mut f64,
-            ddtddt: *mut f64,
-            pnewdt: *mut f64,
-            statev: *mut f64,
-            dgam: *const f64,
-            taulm: *const f64,
-            press: *const f64,
-            dpress: *const f64,
-            ddpddh: *const f64,
-            slip: *const f64,
-            kstep: *const i32,
-            kinc: *const i32,
-            time: *const f64,
-            dtime: *const f64,
-            noel: *const i32,
-            ciname: *const ::std::ffi::c_char,
-            slname: *const ::std::ffi::c_char,
-            msname: *const ::std::ffi::c_char,
-            npt: *const i32,
-            node: *const i32,
-            npatch: *const i32,
-            coords: *const f64,
-            rcoord: *const f64,
-            drot: *const f64,
-            temp: *const f64,
-            predef: *const f64,
-            nfdir: *const i32,
-            mcrd: *const i32,
-            npred: *const i32,
-            nstatv: *const i32,
-            chrlngth: *const f64,
-            props: *const f64,
-            nprops: *const i32,
-            ciname_length: usize,
-            slname_length: usize,
-            msname_length: usize,
-        ) {
-            let arguments = $crate::fric::FricArguments {
-                lm,
-                tau,
-                ddtddg,
-                ddtddp,
-                dslip,
-                sed,
-                sfd,
-                ddtddt,
-                pnewdt,
-                statev,
-                dgam,
-                taulm,
-                press,
-                dpress,
-                ddpddh,
-                slip,
-                kstep,
-                kinc,
-                time,
-                dtime,
-                noel,
-                ciname,
-                slname,
-                msname,
-                npt,
-                node,
-                npatch,
-                coords,
-                rcoord,
-                drot,
-                temp,
-                predef,
-                nfdir,
-                mcrd,
-                npred,
-                nstatv,
-                chrlngth,
-                props,
-                nprops,
-                ciname_length,
-                slname_length,
-                msname_length,
-            };
-            // SAFETY: forwarded to the caller.
-            unsafe { $body(&arguments) }
-        }
-    };
-}
-
-/// Defines one symbol of UINTER that runs `$body(&UinterArguments)`.
-#[doc(hidden)]
-#[macro_export]
-macro_rules! uinter_symbol {
-    ($symbol:expr, $ident:ident, $body:expr) => {
-        /// UINTER; see the C header.
-        ///
-        /// # Safety
-        /// Every pointer is NULL or valid for what ABAQUS defines.
-        #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
-        #[unsafe(export_name = $symbol)]
-        pub unsafe extern "C" fn $ident(
-            stress: *mut f64,
-            ddsddr: *mut f64,
-            dviscous: *mut f64,
-            dstructural: *mut f64,
-            flux: *mut f64,
-            ddfddt: *mut f64,
-            ddsddt: *mut f64,
-            ddfddr: *mut f64,
-            statev: *mut f64,
-            sed: *mut f64,
-            sfd: *mut f64,
-            spd: *mut f64,
-            svd: *mut f64,
-            scd: *mut f64,
-            pnewdt: *mut f64,
-            rdisp: *const f64,
-            drdisp: *const f64,
-            temp: *const f64,
-            dtemp: *const f64,
-            predef: *const f64,
-            dpred: *const f64,
-            time: *const f64,
-            dtime: *const f64,
-            freqr: *const f64,
-            ciname: *const ::std::ffi::c_char,
-            slname: *const ::std::ffi::c_char,
-            msname: *const ::std::ffi::c_char,
-            props: *const f64,
-            coords: *const f64,
-            alocaldir: *const f64,
-            drot: *const f64,
-            area: *const f64,
-            chrlngth: *const f64,
-            node: *const i32,
-            ndir: *const i32,
-            nstatv: *const i32,
-            npred: *const i32,
-            nprops: *const i32,
-            mcrd: *const i32,
-            kstep: *const i32,
-            kinc: *const i32,
-            kit: *const i32,
-            linper: *const i32,
-            lopenclose: *mut i32,
-            lstate: *mut i32,
-            lsdi: *mut i32,
-            lprint: *const i32,
-            ciname_length: usize,
-            slname_length: usize,
-            msname_length: usize,
-        ) {
-            let arguments = $crate::uinter::UinterArguments {
-                stress,
-                ddsddr,
-                dviscous,
-                dstructural,
-                flux,
-                ddfddt,
-                ddsddt,
-                ddfddr,
-                statev,
-                sed,
-                sfd,
-                spd,
-                svd,
-                scd,
-                pnewdt,
-                rdisp,
-                drdisp,
-                temp,
-                dtemp,
-                predef,
-                dpred,
-                time,
-                dtime,
-                freqr,
-                ciname,
-                slname,
-                msname,
-                props,
-                coords,
-                alocaldir,
-                drot,
-                area,
-                chrlngth,
-                node,
-                ndir,
-                nstatv,
-                npred,
-                nprops,
-                mcrd,
-                kstep,
-                kinc,
-                kit,
-                linper,
-                lopenclose,
-                lstate,
-                lsdi,
-                lprint,
-                ciname_length,
-                slname_length,
-                msname_length,
-            };
-            // SAFETY: forwarded to the caller.
-            unsafe { $body(&arguments) }
-        }
-    };
-}
-
 /// Runs when the library is loaded: a plugin's panics are caught and reported by the boundary, so the
 /// default hook must not print. Part of every export macro.
 #[doc(hidden)]
@@ -563,18 +240,7 @@ macro_rules! export_interface {
 #[macro_export]
 macro_rules! library_umat_symbols {
     ($($law:ty),+) => {
-        unsafe fn umat_by_name(arguments: &$crate::umat::UmatArguments) {
-            // SAFETY: forwarded to the caller.
-            unsafe {
-                $crate::export::umat_by_name(
-                    &[$($crate::export::NamedEntry {
-                        name: <$law as $crate::law::Law>::INFO.name,
-                        function: $crate::export::umat::<$law> as unsafe fn(&$crate::umat::UmatArguments),
-                    }),+],
-                    arguments,
-                );
-            }
-        }
+        $crate::run_by_name!(umat_by_name, UmatArguments, Law, umat, $($law),+);
         $crate::umat_symbol!("umat_", umat_fortran, umat_by_name);
         $crate::umat_symbol!("umat", umat_plain, umat_by_name);
         $crate::umat_symbol!("UMAT", umat_upper, umat_by_name);
@@ -588,36 +254,30 @@ macro_rules! library_umat_symbols {
 macro_rules! library_interface_symbols {
     () => {};
     ($($law:ty),+) => {
-        unsafe fn uinter_by_name(arguments: &$crate::uinter::UinterArguments) {
-            // SAFETY: forwarded to the caller.
-            unsafe {
-                $crate::export::uinter_by_name(
-                    &[$($crate::export::NamedEntry {
-                        name: <$law as $crate::law::InterfaceLaw>::INFO.name,
-                        function: $crate::export::uinter::<$law> as unsafe fn(&$crate::uinter::UinterArguments),
-                    }),+],
-                    arguments,
-                );
-            }
-        }
-        unsafe fn fric_by_name(arguments: &$crate::fric::FricArguments) {
-            // SAFETY: forwarded to the caller.
-            unsafe {
-                $crate::export::fric_by_name(
-                    &[$($crate::export::NamedEntry {
-                        name: <$law as $crate::law::InterfaceLaw>::INFO.name,
-                        function: $crate::export::fric::<$law> as unsafe fn(&$crate::fric::FricArguments),
-                    }),+],
-                    arguments,
-                );
-            }
-        }
+        $crate::run_by_name!(uinter_by_name, UinterArguments, InterfaceLaw, uinter, $($law),+);
+        $crate::run_by_name!(fric_by_name, FricArguments, InterfaceLaw, fric, $($law),+);
         $crate::uinter_symbol!("uinter_", uinter_fortran, uinter_by_name);
         $crate::uinter_symbol!("uinter", uinter_plain, uinter_by_name);
         $crate::uinter_symbol!("UINTER", uinter_upper, uinter_by_name);
         $crate::fric_symbol!("fric_", fric_fortran, fric_by_name);
         $crate::fric_symbol!("fric", fric_plain, fric_by_name);
         $crate::fric_symbol!("FRIC", fric_upper, fric_by_name);
+    };
+}
+
+/// Defines a function that runs the law that the arguments name.
+#[doc(hidden)]
+#[macro_export]
+macro_rules! run_by_name {
+    ($function:ident, $arguments:ident, $trait:ident, $entry:ident, $($law:ty),+) => {
+        unsafe fn $function(arguments: &$crate::export::$arguments) {
+            let laws = [$($crate::export::NamedEntry {
+                name: <$law as $crate::law::$trait>::INFO.name,
+                function: $crate::export::$entry::<$law>,
+            }),+];
+            // SAFETY: forwarded to the caller.
+            unsafe { $crate::export::by_name(&laws, arguments) }
+        }
     };
 }
 

@@ -15,8 +15,11 @@ mod macros;
 mod solid;
 mod validate;
 
+pub use crate::fric::FricArguments;
+pub use crate::uinter::UinterArguments;
+pub use crate::umat::UmatArguments;
 pub use batch::{BatchArguments, batch};
-pub use dispatch::{NamedEntry, fric_by_name, uinter_by_name, umat_by_name};
+pub use dispatch::{NamedEntry, by_name};
 pub use interface::{fric, uinter};
 pub use kratos::umat_kratos;
 pub use solid::umat;
@@ -24,9 +27,10 @@ pub use validate::{validate_interface, validate_solid};
 
 use crate::floating_point::in_default_environment;
 use crate::law::{ConfigurationError, Failure, LawInfo, all_finite};
+use crate::table::States;
+use std::ffi::{CStr, c_char};
 use std::fmt;
 use std::io::Write;
-use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -110,15 +114,29 @@ fn guarded(body: impl FnOnce() -> Result<(), Refusal>) -> Result<(), Refusal> {
 }
 
 /// Prints the first refusal of the process that a user has to act on.
-fn report(name: &std::ffi::CStr, refusal: &Refusal) {
+fn report(name: &CStr, refusal: &Refusal) {
     if !matches!(refusal, Refusal::CutBack { .. }) && !REPORTED.swap(true, Ordering::Relaxed) {
         // A closed stderr is no reason to fail.
         let _ = writeln!(std::io::stderr(), "pullout: {}: {refusal}", name.to_string_lossy());
     }
 }
 
+/// The arguments of an entry point, as far as the boundary treats all alike.
+#[doc(hidden)]
+pub trait EntryArguments {
+    /// CMNAME or CINAME.
+    fn name(&self) -> *const c_char;
+    /// Where a refusal goes.
+    ///
+    /// # Safety
+    /// The number of components is NULL or valid.
+    unsafe fn answer(&self) -> Answer;
+}
+
 /// Where a host hears of a refusal.
-struct Answer {
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Answer {
     /// NTENS, NDIR or NFDIR, if given.
     components: Option<i32>,
     /// The largest that is one.
@@ -136,7 +154,7 @@ struct Answer {
 /// # Safety
 /// Every pointer is NULL or valid for what the number of components tells.
 #[cold]
-unsafe fn refuse(name: &std::ffi::CStr, refusal: &Refusal, host: &Answer) {
+unsafe fn refuse(name: &CStr, refusal: &Refusal, host: &Answer) {
     report(name, refusal);
     let (fraction, is_numerical) = match *refusal {
         Refusal::CutBack { fraction, .. } => (fraction, true),
@@ -234,35 +252,22 @@ unsafe fn count(pointer: *const i32, argument: &'static str) -> Result<usize, Re
     usize::try_from(value).map_err(|_| Refusal::Null { argument })
 }
 
-/// The trial state on the stack; clearing all of it in every call would cost more than many an update.
-type StateBuffer = [MaybeUninit<f64>; crate::law::MAX_STATES];
-
-/// An empty buffer.
-const EMPTY: StateBuffer = [const { MaybeUninit::uninit() }; crate::law::MAX_STATES];
-
-/// Checks NSTATV and copies the law's states out of STATEV.
+/// Checks NSTATV and reads the law's states out of STATEV.
 ///
 /// # Safety
 /// STATEV is valid for NSTATV reads.
 #[inline(always)]
-unsafe fn states<'b>(
-    info: &LawInfo,
-    statev: *const f64,
-    nstatv: *const i32,
-    buffer: &'b mut StateBuffer,
-) -> Result<&'b mut [f64], Refusal> {
-    let expected = info.states.len();
+unsafe fn states<S: States>(statev: *const f64, nstatv: *const i32) -> Result<S, Refusal> {
+    let expected = S::TABLE.len();
     // SAFETY: forwarded to the caller.
     let given = unsafe { optional(nstatv) }.ok_or(Refusal::Null { argument: "NSTATV" })?;
-    if usize::try_from(given).is_ok_and(|given| given >= expected) {
-        // SAFETY: NSTATV ≥ the number read.
-        let source = unsafe { slice(statev, expected, "STATEV") }?;
-        let state = buffer[..expected].write_copy_of_slice(source);
-        finite(state, "NaN or infinity in STATEV")?;
-        Ok(state)
-    } else {
-        Err(Refusal::States { given, expected })
+    if usize::try_from(given).map_or(true, |given| given < expected) {
+        return Err(Refusal::States { given, expected });
     }
+    // SAFETY: NSTATV ≥ the number read.
+    let values = unsafe { slice(statev, expected, "STATEV") }?;
+    finite(values, "NaN or infinity in STATEV")?;
+    Ok(S::read(values))
 }
 
 /// Refuses NaN and infinity.

@@ -1,10 +1,11 @@
 //! The body of `umat_`.
 
-use super::{Answer, CUT_BACK, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
-use crate::law::{Increment, Law, Request, Response, StressState, all_finite, check_properties_of};
-use crate::metadata::{StateVariable, flags};
+use super::{Answer, EntryArguments, Refusal, count, finite, guarded, optional, refuse, slice, states, store};
+use crate::law::{self, Increment, Law, Request, Response, StressState, parameters_of};
+use crate::metadata::flags;
+use crate::table::States;
 use crate::umat::UmatArguments;
-use std::ffi::CStr;
+use std::ffi::{CStr, c_char};
 
 /// The arguments that a law of a solid uses: less than half of UMAT's. The rest is not even copied.
 ///
@@ -12,24 +13,24 @@ use std::ffi::CStr;
 /// one load of 16 bytes, which waits until both of the host's stores of 8 have left the pipeline (7 ns of a call).
 #[derive(Clone, Copy)]
 #[repr(C)]
-struct Arguments {
-    stran: *const f64,
-    ndi: *const i32,
-    stress: *mut f64,
-    ntens: *const i32,
-    props: *const f64,
-    statev: *mut f64,
-    dstran: *const f64,
-    nshr: *const i32,
-    ddsdde: *mut f64,
-    nstatv: *const i32,
-    drot: *const f64,
-    sse: *mut f64,
-    nprops: *const i32,
-    spd: *mut f64,
-    celent: *const f64,
-    scd: *mut f64,
-    dtime: *const f64,
+pub(super) struct Arguments {
+    pub stran: *const f64,
+    pub ndi: *const i32,
+    pub stress: *mut f64,
+    pub ntens: *const i32,
+    pub props: *const f64,
+    pub statev: *mut f64,
+    pub dstran: *const f64,
+    pub nshr: *const i32,
+    pub ddsdde: *mut f64,
+    pub nstatv: *const i32,
+    pub drot: *const f64,
+    pub sse: *mut f64,
+    pub nprops: *const i32,
+    pub spd: *mut f64,
+    pub celent: *const f64,
+    pub scd: *mut f64,
+    pub dtime: *const f64,
 }
 
 /// Runs law `L` as a UMAT.
@@ -67,12 +68,24 @@ pub unsafe fn umat<L: Law>(arguments: &UmatArguments) {
     }
 }
 
+impl EntryArguments for UmatArguments {
+    fn name(&self) -> *const c_char {
+        self.cmname
+    }
+
+    unsafe fn answer(&self) -> Answer {
+        let &Self { ntens, stress, ddsdde: tangent, pnewdt, .. } = self;
+        // SAFETY: NTENS is NULL or valid.
+        Answer { components: unsafe { optional(ntens) }, most_components: 6, stress, tangent, pnewdt }
+    }
+}
+
 /// Of the few arguments that it needs: all of them together would have to lie in memory before each call.
 ///
 /// # Safety
 /// As for [`umat`].
 #[cold]
-pub(super) unsafe fn refuse_umat(
+unsafe fn refuse_umat(
     ntens: *const i32,
     stress: *mut f64,
     tangent: *mut f64,
@@ -86,8 +99,10 @@ pub(super) unsafe fn refuse_umat(
     }
 }
 
+/// # Safety
+/// As for [`umat`].
 #[inline(always)]
-unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
+pub(super) unsafe fn update<L: Law>(a: &Arguments) -> Result<(), Refusal> {
     // SAFETY: the caller of `umat` passes the arguments of a UMAT call: NULL or valid.
     let (ntens, ndi, nshr) = unsafe { (optional(a.ntens), optional(a.ndi), optional(a.nshr)) };
     let counts = (ntens.unwrap_or(0), ndi.unwrap_or(0), nshr.unwrap_or(0));
@@ -111,33 +126,31 @@ unsafe fn update_in<L: Law>(a: &Arguments, stress_state: StressState) -> Result<
     // NULL before use, and nothing is read beyond the counts that the host gives.
     // SAFETY: as above.
     let props = unsafe { slice(a.props, count(a.nprops, "NPROPS")?, "PROPS") }?;
-    check_properties_of::<L>(props)?;
-    let parameters = L::parameters(props)?;
-    let mut buffer = super::EMPTY;
+    let parameters = parameters_of::<L>(props)?;
     // SAFETY: as above.
-    let state = unsafe { states(&L::INFO, a.statev, a.nstatv, &mut buffer) }?;
+    let mut state: L::State = unsafe { states(a.statev, a.nstatv) }?;
     // SAFETY: as above.
     let increment = unsafe { read_increment::<L>(a, stress_state) }?;
-    if const { first_tensor_state(L::INFO.states).is_some() } {
+    if const { has_tensor_state::<L::State>() } {
         // SAFETY: as above.
         if let Some(rotation) = unsafe { incremental_rotation(a.drot) }? {
-            rotate_states(L::INFO.states, state, &rotation);
+            state.rotate(&rotation);
         }
     }
     let request = if a.ddsdde.is_null() { Request::Stress } else { Request::StressAndTangent };
     // nothing fails from a finite response on, so that outputs are written all or not at all
-    if let Some(response) = L::elastic(&parameters, &increment, state, request) {
+    // on a path of its own, with states of its own: they stay in registers
+    let mut early = state;
+    if let Some(response) = law::elastic::<L>(&parameters, &increment, &mut early, request)? {
         // SAFETY: as above.
-        unsafe { write(a, stress_state, &response, state) };
+        unsafe { write(a, stress_state, &response, &early) };
         return Ok(());
     }
-    finite(&increment.strain, "NaN or infinity in STRAN or DSTRAN")?;
     // matched in place: a response is not worth a copy
-    match &L::update(&parameters, &increment, state, request) {
+    match &law::update::<L>(&parameters, &increment, &mut state, request) {
         Ok(response) => {
-            check_response::<L>(response, state, request)?;
             // SAFETY: as above.
-            unsafe { write(a, stress_state, response, state) };
+            unsafe { write(a, stress_state, response, &state) };
             Ok(())
         }
         Err(failure) => Err((*failure).into()),
@@ -166,34 +179,14 @@ unsafe fn read_increment<L: Law>(a: &Arguments, stress_state: StressState) -> Re
         increment.characteristic_length =
             unsafe { optional(a.celent) }.filter(|length| length.is_finite() && *length > 0.0);
     }
-    if L::USES_TIME_INCREMENT {
-        // SAFETY: DTIME is NULL or valid.
-        let time_increment = unsafe { optional(a.dtime) };
-        increment.time_increment = time_increment.filter(|time| time.is_finite() && *time > 0.0).unwrap_or(1.0);
-    }
+    // SAFETY: DTIME is NULL or valid.
+    let time_increment = unsafe { optional(a.dtime) };
+    increment.time_increment = time_increment.filter(|time| time.is_finite() && *time > 0.0).unwrap_or(1.0);
     Ok(increment)
 }
 
-/// A result that is not finite must not reach the host.
 #[inline(always)]
-pub(super) fn check_response<L: Law>(response: &Response, state: &[f64], request: Request) -> Result<(), Refusal> {
-    const REASON: &str = "the update overflowed";
-    if L::FINITE_OR_FAILS {
-        return Ok(());
-    }
-    if request.wants_tangent() {
-        finite(response.tangent.as_flattened(), REASON)?;
-    }
-    // one decision: they are independent, a branch for each would not be
-    if all_finite(&response.stress) & all_finite(state) & all_finite(&[response.stored_energy]) {
-        Ok(())
-    } else {
-        Err(Refusal::CutBack { fraction: CUT_BACK, reason: REASON })
-    }
-}
-
-#[inline(always)]
-unsafe fn write(a: &Arguments, stress_state: StressState, response: &Response, state: &[f64]) {
+unsafe fn write<S: States>(a: &Arguments, stress_state: StressState, response: &Response, state: &S) {
     // SAFETY: STRESS(NTENS), DDSDDE(NTENS,NTENS) column-major and STATEV(NSTATV ≥ states) were checked for NULL;
     // DDSDDE and the energies may be NULL.
     unsafe {
@@ -203,7 +196,7 @@ unsafe fn write(a: &Arguments, stress_state: StressState, response: &Response, s
             StressState::PlaneStrainOrAxisymmetric => write_components(a, response, [0, 1, 2, 3]),
             StressState::PlaneStress => write_components(a, response, [0, 1, 3]),
         }
-        std::slice::from_raw_parts_mut(a.statev, state.len()).copy_from_slice(state);
+        state.write(std::slice::from_raw_parts_mut(a.statev, S::TABLE.len()));
         store(a.sse, response.stored_energy);
         store(a.spd, response.dissipated_energy);
         store(a.scd, 0.0);
@@ -231,16 +224,16 @@ unsafe fn write_components<const N: usize>(a: &Arguments, response: &Response, c
     }
 }
 
-/// Index of the first component of a tensor among the states.
-const fn first_tensor_state(states: &[StateVariable]) -> Option<usize> {
+/// Whether there is a tensor among the states.
+const fn has_tensor_state<S: States>() -> bool {
     let mut k = 0;
-    while k < states.len() {
-        if states[k].tensor_component == 1 {
-            return Some(k);
+    while k < S::TABLE.len() {
+        if S::TABLE[k].tensor_component == 1 {
+            return true;
         }
         k += 1;
     }
-    None
+    false
 }
 
 /// DROT if it is there and is no identity.
@@ -258,21 +251,4 @@ unsafe fn incremental_rotation(drot: *const f64) -> Result<Option<[[f64; 3]; 3]>
     }
     finite(columns, "NaN or infinity in DROT")?;
     Ok(Some(std::array::from_fn(|row| std::array::from_fn(|column| columns[3 * column + row]))))
-}
-
-/// Strain-like tensor states become R ε Rᵀ.
-fn rotate_states(table: &[StateVariable], state: &mut [f64], r: &[[f64; 3]; 3]) {
-    for start in (0..table.len()).filter(|&k| table[k].tensor_component == 1) {
-        let [xx, yy, zz, xy, xz, yz] = [0, 1, 2, 3, 4, 5].map(|i| state[start + i]);
-        let tensor = [[xx, 0.5 * xy, 0.5 * xz], [0.5 * xy, yy, 0.5 * yz], [0.5 * xz, 0.5 * yz, zz]];
-        for (component, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
-            let mut sum = 0.0;
-            for k in 0..3 {
-                for l in 0..3 {
-                    sum += r[i][k] * tensor[k][l] * r[j][l];
-                }
-            }
-            state[start + component] = if i == j { sum } else { 2.0 * sum };
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! The validate function of the metadata: the same checks as a call, with the message for the caller.
 
 use super::guarded;
-use crate::law::{ConfigurationError, InterfaceLaw, Law, check_properties};
+use crate::law::{ConfigurationError, InterfaceLaw, Law, parameters_of, read_parameters};
 use crate::metadata::validation;
 use std::ffi::c_char;
 use std::fmt::Write;
@@ -18,14 +18,12 @@ pub unsafe extern "C" fn validate_solid<L: Law>(
     capacity: usize,
 ) -> i32 {
     let check = |props: &[f64]| {
-        check_properties(&L::INFO, props)?;
-        let parameters = L::parameters(props)?;
-        if characteristic_length.is_finite() && characteristic_length > 0.0 {
-            L::check_characteristic_length(&parameters, characteristic_length)?;
-            return Ok(validation::OK);
+        let length = Some(characteristic_length).filter(|length| length.is_finite() && *length > 0.0);
+        match L::check_characteristic_length(&parameters_of::<L>(props)?, length) {
+            Ok(()) => Ok(validation::OK),
+            Err(ConfigurationError::CharacteristicLengthMissing { .. }) => Ok(validation::NEEDS_LENGTH),
+            Err(error) => Err(error),
         }
-        let needs_length = L::needs_characteristic_length(&parameters);
-        Ok(if needs_length { validation::NEEDS_LENGTH } else { validation::OK })
     };
     // SAFETY: forwarded to the caller.
     unsafe { answer(props, nprops, message, capacity, check) }
@@ -43,8 +41,7 @@ pub unsafe extern "C" fn validate_interface<L: InterfaceLaw>(
     capacity: usize,
 ) -> i32 {
     let check = |props: &[f64]| {
-        check_properties(&L::INFO, props)?;
-        L::parameters(props)?;
+        read_parameters::<L::Parameters<'_>>(&L::INFO, props)?;
         Ok(validation::OK)
     };
     // SAFETY: forwarded to the caller.

@@ -7,7 +7,7 @@ use crate::battery::differences::{directional_error, near_kink, one_sided_error}
 use crate::battery::{Point, Random, Sample};
 use crate::damage_law::integrity;
 use crate::tensor::work;
-use umat_abi::law::{Failure, Law, Request, Response, StressState, check_properties};
+use umat_abi::law::{Failure, Law, Request, Response, StressState, check_properties, parameters_of};
 
 /// Increments of one history.
 const LEGS: usize = 5;
@@ -36,9 +36,9 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         ordinary: bool,
     ) -> Option<Self> {
         check_properties(&L::INFO, sample.props).expect("parameters within their bounds");
-        let parameters = L::parameters(sample.props).ok()?;
+        let parameters = parameters_of::<L>(sample.props).ok()?;
         if let Some(length) = sample.characteristic_length {
-            L::check_characteristic_length(&parameters, length).ok()?;
+            L::check_characteristic_length(&parameters, Some(length)).ok()?;
         }
         let point = Point {
             parameters,

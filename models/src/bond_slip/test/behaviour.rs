@@ -14,8 +14,7 @@ fn chapter_8() -> Envelope<'static> {
 
 #[test]
 fn envelopes_are_continuous() {
-    let points = POINTS.concat();
-    let piecewise = Envelope::piecewise(950.0, &points, 0.5).expect("points");
+    let piecewise = Envelope::piecewise(950.0, &POINTS, 0.5).expect("points");
     for (envelope, joints) in [
         (chapter_8(), vec![chapter_8().critical_slip, chapter_8().peak_slip, 7.911196138723711]),
         // 0.4 … 2.0 falls from 0.8 to 0.3 and meets the residual at 1.36
@@ -38,15 +37,15 @@ fn envelopes_are_continuous() {
 
 #[test]
 fn elastic_line_meets_a_rigid_plastic_envelope() {
-    let points = [0.0, 0.5, 1.0, 0.5];
+    let points = [[0.0, 0.5], [1.0, 0.5]];
     let envelope = Envelope::piecewise(1000.0, &points, 0.5).expect("friction");
     assert_eq!(envelope.critical_slip, 5e-4);
     assert_eq!(envelope.strength(2.5e-4).traction, 0.25);
     assert_eq!(envelope.strength(0.7), Strength { traction: 0.5, slope: 0.0 });
-    let falling = [0.0, 1.0, 1.0, 0.0];
+    let falling = [[0.0, 1.0], [1.0, 0.0]];
     let envelope = Envelope::piecewise(9.0, &falling, 0.0).expect("falling");
     approx::assert_relative_eq!(envelope.critical_slip, 0.1, max_relative = 1e-15);
-    let soft = [0.02, 1.0, 0.1, 1.4];
+    let soft = [[0.02, 1.0], [0.1, 1.4]];
     let envelope = Envelope::piecewise(950.0, &soft, 0.0).expect("softer than k_e from the start");
     assert_eq!(envelope.critical_slip, 0.0);
     approx::assert_relative_eq!(envelope.strength(0.005).traction, 0.25, max_relative = 1e-15);

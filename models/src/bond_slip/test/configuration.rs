@@ -1,12 +1,13 @@
 //! What PROPS and increments are refused.
 
 use super::*;
-use umat_abi::law::{InterfaceIncrement, TangentialIncrement};
+use umat_abi::law::{ConfigurationError, InterfaceIncrement, TangentialIncrement};
+use umat_abi::law::{advance_contact, advance_sliding, read_parameters};
 
 /// The rule that PROPS break, if any.
 fn broken_rule(props: &[f64]) -> Option<&'static str> {
     check_properties(&BondSlip::INFO, props).expect("within the table's bounds");
-    match BondSlip::parameters(props) {
+    match read_parameters::<BondSlipParameters<'_>>(&BondSlip::INFO, props) {
         Err(ConfigurationError::Inconsistent { rule, .. }) => Some(rule),
         Err(error) => panic!("{error}"),
         Ok(_) => None,
@@ -61,25 +62,26 @@ fn refuses_points_that_give_no_envelope() {
 #[test]
 fn the_hard_law_needs_its_stiffness_only_where_it_is_used() {
     let props = props(&[(NORMAL_LAW, 0.0)]);
-    let parameters = BondSlip::parameters(&props).expect("a host may fill the 0 later");
-    let mut state = [0.0; 12];
+    let parameters =
+        read_parameters::<BondSlipParameters<'_>>(&BondSlip::INFO, &props).expect("a host may fill the 0 later");
+    let mut state = State::default();
     let contact = InterfaceIncrement {
         directions: 2,
         relative_displacement: [0.0, 1e-4, 0.0],
         increment: [0.0, 1e-4, 0.0],
         traction: [0.0; 3],
     };
-    let refused = BondSlip::update(&parameters, &contact, &mut state, Request::StressAndTangent);
+    let refused = advance_contact::<BondSlip>(&parameters, &contact, &mut state, Request::StressAndTangent);
     assert!(matches!(refused, Err(Failure::Configuration(ConfigurationError::Inconsistent { .. }))));
     let sliding = TangentialIncrement { directions: 1, slip_increment: [1e-4, 0.0], pressure: 0.0 };
-    let response = BondSlip::update_tangential(&parameters, &sliding, &mut state, Request::StressAndTangent);
+    let response = advance_sliding::<BondSlip>(&parameters, &sliding, &mut state, Request::StressAndTangent);
     approx::assert_relative_eq!(response.expect("FRIC").traction[0], 0.095, max_relative = 1e-14);
 }
 
 #[test]
 fn asks_for_a_cut_back_when_input_is_no_number() {
     for props in variants() {
-        let parameters = BondSlip::parameters(&props).expect("consistent");
+        let parameters = read_parameters::<BondSlipParameters<'_>>(&BondSlip::INFO, &props).expect("consistent");
         for place in 0..3 {
             let mut displacement = [1e-3; 3];
             displacement[place] = f64::NAN;
@@ -89,11 +91,11 @@ fn asks_for_a_cut_back_when_input_is_no_number() {
                 increment: [0.0; 3],
                 traction: [0.0; 3],
             };
-            let response = BondSlip::update(&parameters, &contact, &mut [0.0; 12], Request::Stress);
+            let response = advance_contact::<BondSlip>(&parameters, &contact, &mut State::default(), Request::Stress);
             assert!(matches!(response, Err(Failure::CutBack { .. })));
             let [pressure, slip_increment @ ..] = displacement;
             let sliding = TangentialIncrement { directions: 2, slip_increment, pressure };
-            let response = BondSlip::update_tangential(&parameters, &sliding, &mut [0.0; 12], Request::Stress);
+            let response = advance_sliding::<BondSlip>(&parameters, &sliding, &mut State::default(), Request::Stress);
             assert!(matches!(response, Err(Failure::CutBack { .. })));
         }
     }

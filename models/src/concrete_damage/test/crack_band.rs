@@ -2,6 +2,7 @@
 
 use super::*;
 use approx::assert_relative_eq;
+use umat_abi::law::{advance_values, parameters_of};
 
 /// ∫ σ dε of a uniaxial path to nearly no stress: Simpson's rule in ln ε, with the rest of the tail from its
 /// power law σ ~ ε^(1−2B).
@@ -52,7 +53,7 @@ fn energy_over_the_length_is_the_crushing_energy() {
 /// The closed forms: without a band the path dissipates g (E/E*) (1 − κ).
 #[test]
 fn closed_form_of_the_total_work_is_the_integral() {
-    let parameters = ConcreteDamage::parameters(&defaults()).expect("defaults");
+    let parameters = parameters_of::<ConcreteDamage>(&defaults()).expect("defaults");
     let [tension, _] = parameters.softening(None);
     let energy = uniaxial_energy(&defaults(), None, (2.0 * 1.905_077e-4 / 31800.0_f64).sqrt(), 1.3);
     let closed = (1.0 - tension.curve.recovery) * tension.curve.total_dissipation();
@@ -63,12 +64,12 @@ fn closed_form_of_the_total_work_is_the_integral() {
 #[test]
 fn too_long_an_element_is_refused_with_the_limit() {
     let limit = |props: &[f64; 14]| {
-        let parameters = ConcreteDamage::parameters(props).expect("consistent");
-        match ConcreteDamage::check_characteristic_length(&parameters, 1e5) {
+        let parameters = parameters_of::<ConcreteDamage>(props).expect("consistent");
+        match ConcreteDamage::check_characteristic_length(&parameters, Some(1e5)) {
             Err(ConfigurationError::CharacteristicLengthTooLarge { parameter, limit, .. }) => {
                 assert_eq!(parameter, "G_f");
-                assert!(ConcreteDamage::check_characteristic_length(&parameters, 0.999 * limit).is_ok());
-                assert!(ConcreteDamage::check_characteristic_length(&parameters, 1.001 * limit).is_err());
+                assert!(ConcreteDamage::check_characteristic_length(&parameters, Some(0.999 * limit)).is_ok());
+                assert!(ConcreteDamage::check_characteristic_length(&parameters, Some(1.001 * limit)).is_err());
                 limit
             }
             other => panic!("{other:?}"),
@@ -88,8 +89,8 @@ fn too_long_an_element_is_refused_with_the_limit() {
         characteristic_length: Some(1e5),
         time_increment: 1.0,
     };
-    let parameters = ConcreteDamage::parameters(&spec).expect("consistent");
-    let failure = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::Stress);
+    let parameters = parameters_of::<ConcreteDamage>(&spec).expect("consistent");
+    let failure = advance_values::<ConcreteDamage>(&parameters, &increment, &mut [0.0; 13], Request::Stress);
     assert!(matches!(
         failure,
         Err(Failure::Configuration(ConfigurationError::CharacteristicLengthTooLarge { parameter: "G_f", .. }))
@@ -111,7 +112,7 @@ fn a_length_that_grows_too_large_is_refused() {
         characteristic_length: Some(1e5),
         time_increment: 1.0,
     };
-    let failure = ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress);
+    let failure = advance_values::<ConcreteDamage>(&point.parameters, &increment, &mut point.state, Request::Stress);
     assert!(matches!(
         failure,
         Err(Failure::Configuration(ConfigurationError::CharacteristicLengthTooLarge { parameter: "G_f", .. }))
@@ -130,9 +131,9 @@ fn a_softening_point_refuses_every_length_above_the_limit() {
     ];
     for (changes, parameter, [first, last]) in cases {
         let props = with(defaults(), changes);
-        let parameters = ConcreteDamage::parameters(&props).expect("consistent");
+        let parameters = parameters_of::<ConcreteDamage>(&props).expect("consistent");
         let Err(ConfigurationError::CharacteristicLengthTooLarge { limit, .. }) =
-            ConcreteDamage::check_characteristic_length(&parameters, 1e9)
+            ConcreteDamage::check_characteristic_length(&parameters, Some(1e9))
         else {
             panic!("a limit")
         };
@@ -155,7 +156,7 @@ fn a_softening_point_refuses_every_length_above_the_limit() {
                 characteristic_length: Some(length * limit),
                 time_increment: 1.0,
             };
-            match ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress) {
+            match advance_values::<ConcreteDamage>(&point.parameters, &increment, &mut point.state, Request::Stress) {
                 Ok(_) => assert!(accepted, "{changes:?}: {length}"),
                 Err(Failure::Configuration(ConfigurationError::CharacteristicLengthTooLarge {
                     parameter: named,
@@ -181,7 +182,8 @@ fn a_fracture_energy_asks_for_a_length_in_every_increment() {
             let mut increment = Increment::at_rest(StressState::ThreeD);
             increment.strain[0] = strains[0];
             let missing = ConfigurationError::CharacteristicLengthMissing { parameter: energy };
-            let outcome = ConcreteDamage::update(&point.parameters, &increment, &mut point.state, Request::Stress);
+            let outcome =
+                advance_values::<ConcreteDamage>(&point.parameters, &increment, &mut point.state, Request::Stress);
             assert_eq!(outcome.err(), Some(Failure::Configuration(missing)), "{energy}, {before}");
         }
     }
@@ -200,11 +202,11 @@ fn the_state_says_whether_the_band_works() {
     }
     for change in [("B_t", 1.0), ("B_t", 0.9)] {
         assert!(matches!(
-            ConcreteDamage::parameters(&with(props, &[change])),
+            parameters_of::<ConcreteDamage>(&with(props, &[change])),
             Err(ConfigurationError::Inconsistent { .. })
         ));
     }
-    assert!(ConcreteDamage::parameters(&with(defaults(), &[("G_c", 20.0), ("B_c", 0.94)])).is_err());
+    assert!(parameters_of::<ConcreteDamage>(&with(defaults(), &[("G_c", 20.0), ("B_c", 0.94)])).is_err());
 }
 
 /// With the length at which the curve itself has the fracture energy the band changes nothing; peaks never

@@ -1,6 +1,7 @@
 //! What is thrown at the law: repeated strains, full damage, strange parameters, bad numbers.
 
 use super::*;
+use umat_abi::law::{advance_values, parameters_of};
 
 /// Two or three principal strains equal, or apart by ever less: stress continuous, tangent right.
 #[test]
@@ -92,7 +93,7 @@ fn full_damage_leaves_the_right_sign_and_no_overflow() {
 
 #[test]
 fn bad_numbers_are_sent_back() {
-    let parameters = ConcreteDamage::parameters(&defaults()).expect("defaults");
+    let parameters = parameters_of::<ConcreteDamage>(&defaults()).expect("defaults");
     for stress_state in STRESS_STATES {
         for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
             for component in stress_state.components() {
@@ -106,7 +107,8 @@ fn bad_numbers_are_sent_back() {
                     characteristic_length: None,
                     time_increment: 1.0,
                 };
-                let outcome = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::Stress);
+                let outcome =
+                    advance_values::<ConcreteDamage>(&parameters, &increment, &mut [0.0; 13], Request::Stress);
                 assert!(matches!(outcome, Err(Failure::CutBack { .. })), "{bad} {stress_state:?}: {outcome:?}");
             }
         }
@@ -117,10 +119,11 @@ fn bad_numbers_are_sent_back() {
 fn a_modulus_too_great_for_its_stiffness_is_sent_back() {
     let mut props = defaults();
     props[0] = f64::MAX;
-    let parameters = ConcreteDamage::parameters(&props).expect("within its bounds");
+    let parameters = parameters_of::<ConcreteDamage>(&props).expect("within its bounds");
     for stress_state in STRESS_STATES {
         let increment = Increment::at_rest(stress_state);
-        let outcome = ConcreteDamage::update(&parameters, &increment, &mut [0.0; 13], Request::StressAndTangent);
+        let outcome =
+            advance_values::<ConcreteDamage>(&parameters, &increment, &mut [0.0; 13], Request::StressAndTangent);
         match outcome {
             Ok(response) => assert!(response.tangent.as_flattened().iter().all(|x| x.is_finite()), "{stress_state:?}"),
             Err(failure) => assert!(matches!(failure, Failure::CutBack { .. }), "{failure:?}"),

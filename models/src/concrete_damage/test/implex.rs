@@ -3,6 +3,7 @@
 use super::*;
 use crate::tensor::work;
 use approx::assert_relative_eq;
+use umat_abi::law::parameters_of;
 
 /// A crack that opens while it is sheared, the sides pressed: 3 times the strain of the peak.
 const PATH: [f64; 6] = [3e-4, -8e-5, -4e-5, 1.2e-4, 0.0, 0.0];
@@ -185,6 +186,6 @@ fn a_lag_is_made_up_in_as_small_parts_as_increments_are_short() {
 #[test]
 fn inelastic_strain_is_refused() {
     let props = with(defaults(), &[("b_t", 0.3)]);
-    let error = ConcreteDamageImplex::parameters(&props).expect_err("b_t");
+    let error = parameters_of::<ConcreteDamageImplex>(&props).expect_err("b_t");
     assert!(error.to_string().contains("b_t and b_c must be 0"), "{error}");
 }

@@ -3,6 +3,7 @@
 use super::*;
 use crate::concrete_damage::calibration::{Concrete, properties, properties_with_exponent};
 use approx::assert_abs_diff_eq;
+use umat_abi::law::parameters_of;
 
 #[test]
 fn default_strengths_are_those_of_the_tests() {
@@ -23,7 +24,7 @@ fn default_strengths_are_those_of_the_tests() {
 /// x (1 − κD), κ = 0.079: the curve falls 1 % and 3 % short of the lower bounds at 2e-4 and of the area.
 #[test]
 fn tension_softens_like_gopalaratnam_and_shah() {
-    let parameters = ConcreteDamage::parameters(&defaults()).expect("defaults");
+    let parameters = parameters_of::<ConcreteDamage>(&defaults()).expect("defaults");
     let curve = parameters.softening(None)[0].curve;
     let one_dimensional = |x: f64| {
         let energy = 0.5 * curve.modulus * x * x;

@@ -3,10 +3,11 @@
 use crate::Evolution;
 use std::marker::PhantomData;
 use umat_abi::law::{
-    ConfigurationError, Failure, InterfaceIncrement, InterfaceLaw, InterfaceResponse, LawInfo, Request,
-    TangentialIncrement, TangentialResponse,
+    Failure, InterfaceIncrement, InterfaceLaw, InterfaceResponse, LawInfo, Request, TangentialIncrement,
+    TangentialResponse,
 };
 use umat_abi::metadata::{Parameter, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 /// How much of the tangent's damage term is returned.
 pub trait Share {
@@ -36,27 +37,37 @@ impl Share for Half {
 #[derive(Debug)]
 pub struct InterfaceDamage<S>(PhantomData<S>);
 
-/// k_n, k_t, and the damage of the bond.
-#[derive(Clone, Copy, Debug)]
-pub struct Parameters {
-    normal: f64,
-    shear: f64,
-    evolution: Evolution,
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// k_n.
+        normal: f64 = Parameter::new(c"k_n", c"MPa/mm", 1e4, c"normal stiffness").above(0.0);
+        /// k_t.
+        shear: f64 = Parameter::new(c"k_t", c"MPa/mm", 500.0, c"shear stiffness").above(0.0);
+        /// Y_0, Y_f.
+        evolution: Evolution =
+            Parameter::new(c"Y_0", c"N/mm", 1e-3, c"threshold").at_least(0.0),
+            Parameter::new(c"Y_f", c"N/mm", 1e-2, c"decay").above(0.0);
+    }
 }
 
-const STATES: [StateVariable; 3] = [
-    StateVariable::new(c"r", c"N/mm", c"largest energy release rate so far"),
-    StateVariable::new(c"slip_1", c"mm", c"slip in direction 1"),
-    StateVariable::new(c"slip_2", c"mm", c"slip in direction 2"),
-];
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        r: f64 = StateVariable::new(c"r", c"N/mm", c"largest energy release rate so far");
+        slip: [f64; 2] =
+            StateVariable::new(c"slip_1", c"mm", c"slip in direction 1"),
+            StateVariable::new(c"slip_2", c"mm", c"slip in direction 2");
+    }
+}
 
 /// Shear tractions and their tangent; `state` goes to the end.
-fn shear<S: Share>(parameters: &Parameters, increment: [f64; 2], state: &mut [f64]) -> TangentialResponse {
-    let slip = [state[1] + increment[0], state[2] + increment[1]];
+fn shear<S: Share>(parameters: &Parameters, increment: [f64; 2], state: &mut State) -> TangentialResponse {
+    let slip = [state.slip[0] + increment[0], state.slip[1] + increment[1]];
     let rate = 0.5 * parameters.shear * (slip[0] * slip[0] + slip[1] * slip[1]);
-    let r = rate.max(state[0]);
+    let r = rate.max(state.r);
     let integrity = parameters.evolution.integrity(r);
-    let slope = if rate > state[0] { parameters.evolution.slope(r) } else { 0.0 };
+    let slope = if rate > state.r { parameters.evolution.slope(r) } else { 0.0 };
     let mut response = TangentialResponse {
         stored_energy: integrity * rate,
         dissipated_energy: parameters.evolution.dissipated(r),
@@ -69,7 +80,7 @@ fn shear<S: Share>(parameters: &Parameters, increment: [f64; 2], state: &mut [f6
             response.slip_tangent[i][j] -= S::SHARE * slope * parameters.shear.powi(2) * slip[i] * slip[j];
         }
     }
-    state.copy_from_slice(&[r, slip[0], slip[1]]);
+    *state = State { r, slip };
     response
 }
 
@@ -77,30 +88,20 @@ impl<S: Share> InterfaceLaw for InterfaceDamage<S> {
     const INFO: LawInfo = LawInfo {
         name: S::NAME,
         description: c"Contact with a penalty and a bond with damage",
-        parameters: &const {
-            [
-                Parameter::new(c"k_n", c"MPa/mm", 1e4, c"normal stiffness").above(0.0),
-                Parameter::new(c"k_t", c"MPa/mm", 500.0, c"shear stiffness").above(0.0),
-                Parameter::new(c"Y_0", c"N/mm", 1e-3, c"threshold").at_least(0.0),
-                Parameter::new(c"Y_f", c"N/mm", 1e-2, c"decay").above(0.0),
-            ]
-        },
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &[],
         flags: flags::SYMMETRIC_TANGENT | flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
     };
 
     type Parameters<'p> = Parameters;
-
-    fn parameters(props: &[f64]) -> Result<Parameters, ConfigurationError> {
-        Ok(Parameters { normal: props[0], shear: props[1], evolution: Evolution::new(props[2], props[3]) })
-    }
+    type State = State;
 
     fn update(
         parameters: &Parameters,
         increment: &InterfaceIncrement,
-        state: &mut [f64],
+        state: &mut State,
         _request: Request,
     ) -> Result<InterfaceResponse, Failure> {
         let tangential = shear::<S>(parameters, [increment.increment[1], increment.increment[2]], state);
@@ -121,7 +122,7 @@ impl<S: Share> InterfaceLaw for InterfaceDamage<S> {
     fn update_tangential(
         parameters: &Parameters,
         increment: &TangentialIncrement,
-        state: &mut [f64],
+        state: &mut State,
         _request: Request,
     ) -> Result<TangentialResponse, Failure> {
         Ok(shear::<S>(parameters, increment.slip_increment, state))

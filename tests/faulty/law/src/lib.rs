@@ -5,21 +5,25 @@ mod interface;
 mod solid;
 
 pub use interface::{Half, InterfaceDamage, Share, Whole};
-pub use solid::{Damage, Fault, Parts};
+pub use solid::{Damage, Fault, Parts, State};
+
+use umat_abi::law::ConfigurationError;
+use umat_abi::table::Field;
 
 /// D(r) = 1 − exp(−(r − Y₀)/Y_f) of the largest energy release rate r so far.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evolution {
     threshold: f64,
     decay: f64,
 }
 
-impl Evolution {
-    /// Threshold Y₀ and decay Y_f.
-    pub fn new(threshold: f64, decay: f64) -> Self {
-        Self { threshold, decay }
+impl Field<2> for Evolution {
+    fn read([threshold, decay]: [f64; 2]) -> Result<Self, ConfigurationError> {
+        Ok(Self { threshold, decay })
     }
+}
 
+impl Evolution {
     /// 1 − D.
     fn integrity(&self, r: f64) -> f64 {
         (-(r - self.threshold).max(0.0) / self.decay).exp()

@@ -4,8 +4,9 @@ use crate::Evolution;
 use models::tensor::{Elasticity, add_dyad, work};
 use std::ffi::CStr;
 use std::marker::PhantomData;
-use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
+use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
+use umat_abi::table::{Parameters as _, States as _};
 
 /// What an error may need to know.
 #[derive(Clone, Copy, Debug)]
@@ -33,34 +34,50 @@ pub trait Fault {
     /// Flags claimed beside those of the law.
     const FLAGS: u32 = 0;
     /// Spoils the response and the new state.
-    fn plant(_response: &mut Response, _state: &mut [f64], _parts: &Parts) {}
+    fn plant(_response: &mut Response, _state: &mut State, _parts: &Parts) {}
 }
 
 /// The law, with an error.
 #[derive(Debug)]
 pub struct Damage<F>(PhantomData<F>);
 
-const STATES: [StateVariable; 3] = [
-    StateVariable::new(c"r", c"N*mm/mm^3", c"largest energy release rate so far"),
-    StateVariable::new(c"strain_33", c"-", c"total strain 33"),
-    StateVariable::new(c"dissipated_energy", c"N*mm/mm^3", c"energy dissipated since the virgin state"),
-];
+umat_abi::parameters! {
+    /// The parameters.
+    pub struct Parameters {
+        /// E, ν.
+        elasticity: Elasticity =
+            Parameter::new(c"E", c"MPa", 31800.0, c"Young's modulus").above(0.0),
+            Parameter::new(c"nu", c"-", 0.18, c"Poisson's ratio").above(-1.0).below(0.5);
+        /// Y_0, Y_f.
+        evolution: Evolution =
+            Parameter::new(c"Y_0", c"N*mm/mm^3", 2e-4, c"threshold").at_least(0.0),
+            Parameter::new(c"Y_f", c"N*mm/mm^3", 1e-3, c"decay").above(0.0);
+        /// Which error.
+        fault: f64 =
+            Parameter::new(c"fault", c"-", 0.0, c"which error, for a plugin with several").within(0.0, 99.0);
+    }
+}
+
+umat_abi::states! {
+    /// The state variables.
+    pub struct State {
+        /// r.
+        pub r: f64 = StateVariable::new(c"r", c"N*mm/mm^3", c"largest energy release rate so far");
+        /// ε33.
+        pub strain_33: f64 = StateVariable::new(c"strain_33", c"-", c"total strain 33");
+        /// ∫ Y dD.
+        pub dissipated_energy: f64 =
+            StateVariable::new(c"dissipated_energy", c"N*mm/mm^3", c"energy dissipated since the virgin state");
+    }
+}
 
 impl<F: Fault> Law for Damage<F> {
     const INFO: LawInfo = LawInfo {
         name: F::NAME,
         description: c"Isotropic damage with an exponential decay",
-        parameters: &const {
-            [
-                Parameter::new(c"E", c"MPa", 31800.0, c"Young's modulus").above(0.0),
-                Parameter::new(c"nu", c"-", 0.18, c"Poisson's ratio").above(-1.0).below(0.5),
-                Parameter::new(c"Y_0", c"N*mm/mm^3", 2e-4, c"threshold").at_least(0.0),
-                Parameter::new(c"Y_f", c"N*mm/mm^3", 1e-3, c"decay").above(0.0),
-                Parameter::new(c"fault", c"-", 0.0, c"which error, for a plugin with several").within(0.0, 99.0),
-            ]
-        },
-        repeating: None,
-        states: &STATES,
+        parameters: Parameters::TABLE,
+        repeating: Parameters::REPEATING,
+        states: State::TABLE,
         derived: &[],
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
@@ -70,16 +87,13 @@ impl<F: Fault> Law for Damage<F> {
             | F::FLAGS,
     };
 
-    type Parameters<'p> = (Elasticity, Evolution, f64);
-
-    fn parameters(props: &[f64]) -> Result<Self::Parameters<'_>, ConfigurationError> {
-        Ok((Elasticity::new(props[0], props[1]), Evolution::new(props[2], props[3]), props[4]))
-    }
+    type Parameters<'p> = Parameters;
+    type State = State;
 
     fn update(
-        (elasticity, evolution, fault): &Self::Parameters<'_>,
+        Parameters { elasticity, evolution, fault }: &Parameters,
         increment: &Increment,
-        state: &mut [f64],
+        state: &mut State,
         request: Request,
     ) -> Result<Response, Failure> {
         let mut strain = increment.strain;
@@ -92,20 +106,20 @@ impl<F: Fault> Law for Damage<F> {
             effective[2] = 0.0;
         }
         let rate = 0.5 * work(&effective, &strain);
-        let r = rate.max(state[0]);
+        let r = rate.max(state.r);
         let integrity = evolution.integrity(r);
         let stiffness = if plane_stress { elasticity.plane_stress_stiffness() } else { elasticity.stiffness() };
         let unloading = stiffness.map(|row| row.map(|entry| integrity * entry));
         let mut tangent = unloading;
-        if rate > state[0] {
+        if rate > state.r {
             add_dyad(&mut tangent, -evolution.slope(r), &effective, &effective);
         }
-        state.copy_from_slice(&[r, strain[2], evolution.dissipated(r)]);
+        *state = State { r, strain_33: strain[2], dissipated_energy: evolution.dissipated(r) };
         let mut response = Response {
             stress: effective.map(|s| integrity * s),
             tangent,
             stored_energy: integrity * rate,
-            dissipated_energy: state[2],
+            dissipated_energy: state.dissipated_energy,
         };
         let (damage, stress_state) = (1.0 - integrity, increment.stress_state);
         let strain_increment = increment.strain_increment;

@@ -1,6 +1,6 @@
 //! Planted error: a panic beyond D = 0.5.
 
-use faulty_law::{Damage, Fault, Parts};
+use faulty_law::{Damage, Fault, Parts, State};
 use umat_abi::law::Response;
 
 /// An index out of range, say.
@@ -9,7 +9,7 @@ pub struct Panicking;
 impl Fault for Panicking {
     const NAME: &'static std::ffi::CStr = c"panicking";
 
-    fn plant(_response: &mut Response, _state: &mut [f64], parts: &Parts) {
+    fn plant(_response: &mut Response, _state: &mut State, parts: &Parts) {
         assert!(parts.damage < 0.5, "planted");
     }
 }

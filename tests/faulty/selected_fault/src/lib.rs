@@ -1,6 +1,6 @@
 //! Many planted errors; the parameter `fault` says which. The numbers are those of `driver/tests/conformance.rs`.
 
-use faulty_law::{Damage, Fault, Parts};
+use faulty_law::{Damage, Fault, Parts, State};
 use umat_abi::law::{Request, Response, StressState};
 use umat_abi::metadata::flags;
 use umat_abi::umat::UmatArguments;
@@ -12,16 +12,16 @@ impl Fault for Selected {
     const NAME: &'static std::ffi::CStr = c"selected_fault";
     const FLAGS: u32 = flags::USES_CELENT;
 
-    fn plant(response: &mut Response, state: &mut [f64], parts: &Parts) {
+    fn plant(response: &mut Response, state: &mut State, parts: &Parts) {
         match parts.fault as i32 {
             1 => {
                 response.stress[0] *= 1.001;
                 response.tangent[0] = response.tangent[0].map(|entry| 1.001 * entry);
             }
             2 => response.stored_energy *= 1.5,
-            3 => state[0] += 1e-9,
+            3 => state.r += 1e-9,
             4 => response.tangent[0][1] *= 1.01,
-            5 => state[1] = 0.0,
+            5 => state.strain_33 = 0.0,
             6 if parts.request == Request::Stress => response.stress = response.stress.map(|s| 1.0001 * s),
             7 => response.stress[1] += 1.0,
             8 => response.tangent = parts.elastic,

@@ -9,8 +9,11 @@ use proptest::sample::{Index, select};
 use std::sync::LazyLock;
 use umat_abi::export::BatchArguments;
 use umat_abi::host::{Library, Validation};
-use umat_abi::law::{LANES, StressState};
+use umat_abi::law::StressState;
 use umat_abi::metadata::{BATCH_SYMBOL, UmatBatch, batch_results};
+
+/// Points of a small batch.
+const FEW: usize = 8;
 
 /// Each law's library for its description, once more for its batch function, and that.
 static LIBRARIES: LazyLock<Vec<(Library, libloading::Library, UmatBatch)>> = LazyLock::new(|| {
@@ -50,7 +53,7 @@ fn call() -> impl Strategy<Value = Call> {
         let sample = &LAWS[law];
         let (ntens, ndi, _) = stress_state.counts();
         (
-            0..3 * LANES,
+            0..3 * FEW,
             [count(ntens), count(ndi)],
             count(sample.states as i32),
             count(sample.props.len() as i32),

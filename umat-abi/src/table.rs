@@ -1,0 +1,362 @@
+//! One typed table per law: the structs that its equations read, with the metadata and the checks that hosts see.
+//!
+//! [`parameters!`](crate::parameters) and [`states!`](crate::states) make a field of one or more rows; the rows are PROPS or STATEV
+//! in order. [`choices!`](crate::choices) makes an enum of the named values of a selecting parameter.
+
+use crate::law::{ConfigurationError, MAX_STATES, all_finite};
+use crate::metadata::{Parameter, RepeatingGroup, StateVariable, open_bounds};
+
+/// A struct that is read from PROPS.
+pub trait Parameters<'p>: Sized {
+    /// PROPS in order; of a repeating group the first occurrence, at the end.
+    const TABLE: &'static [Parameter];
+    /// The group of parameters at the end of PROPS that may occur several times.
+    const REPEATING: Option<RepeatingGroup> = None;
+
+    /// Returns whether there are as many as there may be, all within their bounds. This runs in every call, and compiles to two
+    /// comparisons a parameter; [`crate::law::check_properties`] finds the words where it says no.
+    fn admits(props: &[f64]) -> bool;
+
+    /// Reads PROPS that were admitted.
+    ///
+    /// # Errors
+    /// Values that contradict each other.
+    fn read(props: &'p [f64]) -> Result<Self, ConfigurationError>;
+}
+
+/// A struct that is copied from STATEV and back. All zero is the virgin state.
+pub trait States: Copy {
+    /// STATEV in order.
+    const TABLE: &'static [StateVariable];
+
+    /// Reads as many values as the table has rows.
+    fn read(values: &[f64]) -> Self;
+
+    /// Writes them.
+    fn write(&self, values: &mut [f64]);
+
+    /// Returns whether none is NaN or infinite.
+    fn is_finite(&self) -> bool;
+
+    /// Rotates the strain-like tensors among them: R ε Rᵀ.
+    fn rotate(&mut self, rotation: &[[f64; 3]; 3]) {
+        let mut values = [0.0; MAX_STATES];
+        let values = &mut values[..Self::TABLE.len()];
+        self.write(values);
+        for start in (0..values.len()).filter(|&k| Self::TABLE[k].tensor_component == 1) {
+            let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| values[start + i]);
+            let tensor = [[xx, 0.5 * xy, 0.5 * xz], [0.5 * xy, yy, 0.5 * yz], [0.5 * xz, 0.5 * yz, zz]];
+            for (component, (i, j)) in [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)].into_iter().enumerate() {
+                let mut sum = 0.0;
+                for k in 0..3 {
+                    for l in 0..3 {
+                        sum += rotation[i][k] * tensor[k][l] * rotation[j][l];
+                    }
+                }
+                values[start + component] = if i == j { sum } else { 2.0 * sum };
+            }
+        }
+        *self = Self::read(values);
+    }
+}
+
+/// What N rows of a table make.
+pub trait Field<const N: usize>: Sized {
+    /// Reads the values of its rows.
+    ///
+    /// # Errors
+    /// Values that contradict each other.
+    fn read(values: [f64; N]) -> Result<Self, ConfigurationError>;
+}
+
+impl Field<1> for f64 {
+    #[inline(always)]
+    fn read([value]: [f64; 1]) -> Result<Self, ConfigurationError> {
+        Ok(value)
+    }
+}
+
+impl<const N: usize> Field<N> for [f64; N] {
+    #[inline(always)]
+    fn read(values: [f64; N]) -> Result<Self, ConfigurationError> {
+        Ok(values)
+    }
+}
+
+/// What N states make.
+pub trait StateField<const N: usize> {
+    /// From the values of its rows.
+    fn of(values: [f64; N]) -> Self;
+    /// The values of its rows.
+    fn values(&self) -> [f64; N];
+}
+
+impl StateField<1> for f64 {
+    #[inline(always)]
+    fn of([value]: [f64; 1]) -> Self {
+        value
+    }
+
+    #[inline(always)]
+    fn values(&self) -> [f64; 1] {
+        [*self]
+    }
+}
+
+impl<const N: usize> StateField<N> for [f64; N] {
+    #[inline(always)]
+    fn of(values: [f64; N]) -> Self {
+        values
+    }
+
+    #[inline(always)]
+    fn values(&self) -> [f64; N] {
+        *self
+    }
+}
+
+/// What N values must be: the bounds as arrays, so that all are compared at once.
+#[doc(hidden)]
+#[derive(Debug)]
+pub struct Check<const N: usize> {
+    rows: &'static [Parameter; N],
+    /// Bounds included.
+    lower: [f64; N],
+    upper: [f64; N],
+    has_choices: bool,
+}
+
+impl<const N: usize> Check<N> {
+    /// Of rows of a table.
+    pub const fn new(rows: &'static [Parameter; N]) -> Self {
+        let mut check = Self { rows, lower: [0.0; N], upper: [0.0; N], has_choices: false };
+        let mut k = 0;
+        while k < N {
+            let Parameter { lower, upper, open_bounds, .. } = rows[k];
+            let lower = if open_bounds & open_bounds::LOWER != 0 { lower.next_up() } else { lower };
+            let upper = if open_bounds & open_bounds::UPPER != 0 { upper.next_down() } else { upper };
+            (check.lower[k], check.upper[k]) = (lower.max(f64::MIN), upper.min(f64::MAX));
+            check.has_choices |= rows[k].choices.count != 0;
+            k += 1;
+        }
+        check
+    }
+
+    /// Whether all values are within their bounds (no NaN is), and listed where there are choices.
+    #[inline(always)]
+    pub fn admits(&self, values: &[f64; N]) -> bool {
+        // one decision: they are independent, a branch for each would not be
+        let mut within = true;
+        for k in 0..N {
+            within &= (self.lower[k] <= values[k]) & (values[k] <= self.upper[k]);
+        }
+        within && (!self.has_choices || self.rows.iter().zip(values).all(|(row, value)| row.admits(*value)))
+    }
+}
+
+/// Takes the next N values.
+#[doc(hidden)]
+#[inline(always)]
+pub fn take<const N: usize>(values: &[f64], at: &mut usize) -> [f64; N] {
+    let taken = std::array::from_fn(|i| values[*at + i]);
+    *at += N;
+    taken
+}
+
+/// Puts the next N values.
+#[doc(hidden)]
+#[inline(always)]
+pub fn put<const N: usize>(taken: [f64; N], values: &mut [f64], at: &mut usize) {
+    for i in 0..N {
+        values[*at + i] = taken[i];
+    }
+    *at += N;
+}
+
+/// Whether none of a field is NaN or infinite.
+#[doc(hidden)]
+#[inline(always)]
+pub fn is_finite<const N: usize>(field: &impl StateField<N>) -> bool {
+    all_finite(&field.values())
+}
+
+/// Declares the parameters of a law: each field with the rows of PROPS that it is made of.
+///
+/// ```
+/// # use umat_abi::metadata::Parameter;
+/// umat_abi::parameters! {
+///     /// PROPS.
+///     pub struct Parameters {
+///         /// K, MPa.
+///         pub bulk_modulus: f64 = Parameter::new(c"K", c"MPa", 20e3, c"bulk modulus").above(0.0);
+///         /// G, MPa.
+///         pub shear_modulus: f64 = Parameter::new(c"G", c"MPa", 12e3, c"shear modulus").above(0.0);
+///     }
+/// }
+/// ```
+///
+/// A field may be made of several rows by its [`Field::read`](crate::table::Field::read). With a lifetime the last field,
+/// behind `..RepeatingGroup::new(…) =>`, is a view of the group at the end: anything that is `From<&[[f64; N]]>`.
+#[macro_export]
+macro_rules! parameters {
+    (
+        $(#[$doc:meta])* $visibility:vis struct $name:ident $(<$life:lifetime>)? {
+            $($(#[$field_doc:meta])* $field_visibility:vis $field:ident: $type:ty = $($row:expr),+;)+
+            $(
+                ..$repeating:expr =>
+                $(#[$group_doc:meta])* $group_visibility:vis $group:ident: $group_type:ty = $($group_row:expr),+;
+            )?
+        }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq)]
+        $visibility struct $name $(<$life>)? {
+            $($(#[$field_doc])* $field_visibility $field: $type,)+
+            $($(#[$group_doc])* $group_visibility $group: $group_type,)?
+        }
+
+        $crate::parameters!(@read [$($life)? 'p] $name $(<$life>)? {
+            $($field: $type = $($row),+;)+
+            $(..$repeating => $group: $group_type = $($group_row),+;)?
+        });
+    };
+    (@read [$life:lifetime $('p)?] $name:ident $(<$own:lifetime>)? {
+        $($field:ident: $type:ty = $($row:expr),+;)+
+        $(..$repeating:expr => $group:ident: $group_type:ty = $($group_row:expr),+;)?
+    }) => {
+        impl<$life> $crate::table::Parameters<$life> for $name $(<$own>)? {
+            const TABLE: &'static [$crate::metadata::Parameter] = &const { [$($($row),+),+ $(, $($group_row),+)?] };
+            $(const REPEATING: Option<$crate::metadata::RepeatingGroup> = Some($repeating);)?
+
+            #[inline(always)]
+            fn admits(props: &[f64]) -> bool {
+                const ROWS: [$crate::metadata::Parameter; 0 $(+ [$($row),+].len())+] = [$($($row),+),+];
+                const CHECK: $crate::table::Check<{ ROWS.len() }> = $crate::table::Check::new(&ROWS);
+                let Some((once, groups)) = props.split_first_chunk() else { return false };
+                #[allow(unused_mut, reason = "for a repeating group")]
+                let mut admitted = CHECK.admits(once);
+                $(
+                    const GROUP: $crate::metadata::RepeatingGroup = $repeating;
+                    const GROUP_ROWS: [$crate::metadata::Parameter; [$($group_row),+].len()] = [$($group_row),+];
+                    const GROUP_CHECK: $crate::table::Check<{ GROUP_ROWS.len() }> =
+                        $crate::table::Check::new(&GROUP_ROWS);
+                    let (occurrences, groups) = groups.as_chunks();
+                    admitted &= GROUP.admits(occurrences.len(), once);
+                    for group in occurrences {
+                        admitted &= GROUP_CHECK.admits(group);
+                    }
+                )?
+                admitted && groups.is_empty()
+            }
+
+            #[inline(always)]
+            fn read(props: &$life [f64]) -> Result<Self, $crate::law::ConfigurationError> {
+                let mut at = 0;
+                $(
+                    let values = $crate::table::take(props, &mut at);
+                    let $field = <$type as $crate::table::Field<{ [$($row),+].len() }>>::read(values)?;
+                )+
+                $(let $group = <$group_type>::from(props[at..].as_chunks::<{ [$($group_row),+].len() }>().0);)?
+                let _ = at;
+                Ok(Self { $($field,)+ $($group)? })
+            }
+        }
+    };
+}
+
+/// Declares the states of a law: each field, a number or an array of them, with its rows of STATEV.
+///
+/// ```
+/// # use umat_abi::metadata::StateVariable;
+/// umat_abi::states! {
+///     /// STATEV.
+///     pub struct State {
+///         /// Total strain 33.
+///         pub strain_33: f64 = StateVariable::new(c"strain_33", c"-", c"total strain 33");
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! states {
+    (
+        $(#[$doc:meta])* $visibility:vis struct $name:ident {
+            $($(#[$field_doc:meta])* $field_visibility:vis $field:ident: $type:ty = $($row:expr),+;)+
+        }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, Default, PartialEq)]
+        $visibility struct $name { $($(#[$field_doc])* $field_visibility $field: $type,)+ }
+
+        impl $crate::table::States for $name {
+            const TABLE: &'static [$crate::metadata::StateVariable] = &const { [$($($row),+),+] };
+
+            #[inline(always)]
+            fn read(values: &[f64]) -> Self {
+                let mut at = 0;
+                $(
+                    let taken = $crate::table::take(values, &mut at);
+                    let $field = <$type as $crate::table::StateField<{ [$($row),+].len() }>>::of(taken);
+                )+
+                let _ = at;
+                Self { $($field),+ }
+            }
+
+            #[inline(always)]
+            fn write(&self, values: &mut [f64]) {
+                let mut at = 0;
+                $(
+                    let taken = <$type as $crate::table::StateField<{ [$($row),+].len() }>>::values(&self.$field);
+                    $crate::table::put(taken, values, &mut at);
+                )+
+                let _ = at;
+            }
+
+            #[inline(always)]
+            fn is_finite(&self) -> bool {
+                true $(& $crate::table::is_finite::<{ [$($row),+].len() }>(&self.$field))+
+            }
+        }
+    };
+}
+
+/// Declares the named values of a selecting parameter: an enum, and `CHOICES` for [`Parameter::one_of`].
+///
+/// ```
+/// umat_abi::choices! {
+///     /// Which form.
+///     pub enum Form {
+///         /// As in the thesis.
+///         Thesis = 0.0 c"thesis",
+///         /// Without its jumps.
+///         Regular = 1.0 c"regular",
+///     }
+/// }
+/// ```
+#[macro_export]
+macro_rules! choices {
+    (
+        $(#[$doc:meta])* $visibility:vis enum $name:ident {
+            $($(#[$choice_doc:meta])* $choice:ident = $value:literal $text:literal,)+
+        }
+    ) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        $visibility enum $name { $($(#[$choice_doc])* $choice,)+ }
+
+        impl $name {
+            /// The named values.
+            pub const CHOICES: &'static [$crate::metadata::Choice] =
+                &const { [$($crate::metadata::Choice::new($value, $text)),+] };
+        }
+
+        impl $crate::table::Field<1> for $name {
+            #[inline(always)]
+            fn read([value]: [f64; 1]) -> Result<Self, $crate::law::ConfigurationError> {
+                $(if value == $value {
+                    return Ok(Self::$choice);
+                })+
+                Err($crate::law::ConfigurationError::NotAChoice { parameter: stringify!($name), value })
+            }
+        }
+    };
+}
