@@ -10,7 +10,7 @@ use std::process::Command;
 /// From the ground up; crates on one floor do not know each other.
 const FLOORS: [&[&str]; 7] = [
     &["umat-abi"],
-    &["models", "fe-core"],
+    &["models", "fe-core", "pullout-bridging"],
     &["pullout-run"],
     &["pullout-case"],
     &["pullout-report"],

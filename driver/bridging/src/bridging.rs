@@ -1,0 +1,211 @@
+//! The fibre across the crack: its bond, its angle, its strength.
+
+use crate::average::Resolution;
+use crate::bond::{Bridged, ClosedSide, ShearLagSide, Side, one_sided, two_sided};
+use crate::inclination::{Inclined, Spalls};
+use crate::table::{Row, Table};
+use crate::{Closed, Fibre, Inclination, Invalid, ShearLag, Sides};
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Where the load of one perpendicular fibre comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(tag = "model", rename_all = "snake_case")]
+pub enum Bond {
+    /// Closed forms.
+    Closed(Closed),
+    /// A bond law.
+    ShearLag(ShearLag),
+}
+
+#[derive(Clone, Debug)]
+enum Source {
+    Closed(ClosedSide),
+    ShearLag(ShearLagSide),
+    /// Of openings.
+    Table(Table),
+}
+
+/// One fibre across a crack, at any length and angle.
+#[derive(Clone, Debug)]
+pub struct BridgingFibre {
+    /// The fibre.
+    pub fibre: Fibre,
+    source: Source,
+    inclination: Inclination,
+    spalls: Option<Spalls>,
+    sides: Sides,
+}
+
+/// What of a fibre at an opening does not depend on its angle.
+#[derive(Clone, Debug)]
+pub(crate) struct Prepared<'t> {
+    opening: f64,
+    embedded: f64,
+    base: Base<'t>,
+}
+
+#[derive(Clone, Debug)]
+enum Base<'t> {
+    Perpendicular(Bridged),
+    Row(Row<'t>),
+}
+
+impl Prepared<'_> {
+    /// Tells apart stages between which the load has a kink.
+    pub fn stage(&self) -> usize {
+        match &self.base {
+            Base::Perpendicular(bridged) => usize::from(bridged.stage),
+            Base::Row(row) => row.cell,
+        }
+    }
+}
+
+/// One fibre at an opening.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Response {
+    /// Load along the normal, N; 0 once the fibre has broken.
+    pub load: f64,
+    /// Whether it has broken.
+    pub ruptured: bool,
+    /// Length that has spalled, mm.
+    pub spalled: f64,
+    pub(crate) stage: u8,
+}
+
+impl BridgingFibre {
+    /// Of a bond; `modular_ratio` is η_E = E V_f/(E_m (1 − V_f)), 0 for a stiff matrix.
+    ///
+    /// # Errors
+    /// Numbers without sense.
+    pub fn new(
+        fibre: Fibre,
+        bond: &Bond,
+        inclination: Inclination,
+        sides: Sides,
+        modular_ratio: f64,
+    ) -> Result<Self, Invalid> {
+        fibre.check()?;
+        inclination.check()?;
+        let modulus = (1.0 + modular_ratio) * fibre.modulus;
+        let source = match bond {
+            Bond::Closed(closed) => {
+                closed.check()?;
+                Source::Closed(closed.side(&fibre, modulus))
+            }
+            Bond::ShearLag(law) => {
+                law.check()?;
+                Source::ShearLag(law.side(&fibre, modulus))
+            }
+        };
+        let mut bridging = Self { fibre, source, inclination, spalls: None, sides };
+        bridging.spalls =
+            inclination.spalls(&fibre, |opening, embedded, spalled| bridging.perpendicular(opening, embedded, spalled));
+        Ok(bridging)
+    }
+
+    /// Of curves at angles; what angles do is in them.
+    ///
+    /// # Errors
+    /// Numbers without sense.
+    pub fn of_table(fibre: Fibre, table: Table, sides: Sides) -> Result<Self, Invalid> {
+        fibre.check()?;
+        let table = match sides {
+            Sides::One => table,
+            Sides::Two => table.of_two_sides(fibre.length),
+        };
+        let inclination = Inclination::Exp { f: 0.0 };
+        Ok(Self { fibre, source: Source::Table(table), inclination, spalls: None, sides })
+    }
+
+    /// At an opening w, of the shorter embedded side L_e, at θ (radians).
+    pub fn at(&self, opening: f64, embedded: f64, angle: f64) -> Response {
+        self.respond(&self.prepare(opening, embedded), angle)
+    }
+
+    pub(crate) fn prepare(&self, opening: f64, embedded: f64) -> Prepared<'_> {
+        let base = match &self.source {
+            Source::Table(table) => Base::Row(table.row(opening, embedded, self.fibre.strength.is_some())),
+            _ => Base::Perpendicular(self.perpendicular(opening, embedded, 0.0)),
+        };
+        Prepared { opening, embedded, base }
+    }
+
+    /// Both embedded sides being shorter by what has spalled.
+    fn perpendicular(&self, opening: f64, embedded: f64, spalled: f64) -> Bridged {
+        let short = embedded - spalled;
+        if short <= 0.0 {
+            return Bridged { slip: opening, load: 0.0, greatest: 0.0, stage: 3 };
+        }
+        let long = self.fibre.length - embedded - spalled;
+        fn bridged(side: &impl Side, sides: Sides, opening: f64, short: f64, long: f64) -> Bridged {
+            match sides {
+                Sides::One => one_sided(side, opening, short),
+                Sides::Two => two_sided(side, opening, short, long),
+            }
+        }
+        match &self.source {
+            Source::Closed(side) => bridged(side, self.sides, opening, short, long),
+            Source::ShearLag(side) => bridged(side, self.sides, opening, short, long),
+            Source::Table(table) => {
+                let (load, greatest) = table.row(opening, short, true).at(0.0);
+                Bridged { slip: opening, load, greatest, stage: 0 }
+            }
+        }
+    }
+
+    /// The fibre at an angle as if it could not break.
+    pub(crate) fn unbroken(&self, prepared: &Prepared<'_>, angle: f64) -> Inclined {
+        match &prepared.base {
+            Base::Row(row) => {
+                let (load, greatest) = row.at(angle);
+                Inclined { load, greatest, ..Inclined::default() }
+            }
+            Base::Perpendicular(bridged) => {
+                let at = |opening: f64, spalled: f64| self.perpendicular(opening, prepared.embedded, spalled);
+                let Prepared { opening, embedded, .. } = *prepared;
+                self.inclination.apply(&self.fibre, angle, opening, embedded, bridged, self.spalls.as_ref(), at)
+            }
+        }
+    }
+
+    pub(crate) fn respond(&self, prepared: &Prepared<'_>, angle: f64) -> Response {
+        let Inclined { load, greatest, spalled, stage } = self.unbroken(prepared, angle);
+        let breaks = |strength: f64| greatest > strength * self.fibre.area() * (-self.fibre.rupture_f * angle).exp();
+        let ruptured = self.fibre.strength.is_some_and(breaks);
+        let gone = u8::from(load <= 0.0);
+        let stage = 4 * stage + 2 * u8::from(ruptured) + gone;
+        Response { load: if ruptured { 0.0 } else { load }, ruptured, spalled, stage }
+    }
+
+    /// Whether the load has kinks over the angle beside those of [`Self::angles`].
+    pub(crate) fn has_kinks_over_angles(&self) -> bool {
+        let simple = matches!(self.inclination, Inclination::Exp { .. } | Inclination::ExpCos { .. });
+        self.fibre.strength.is_some() || !simple
+    }
+
+    /// How closely averages are worth following.
+    pub(crate) fn resolution(&self) -> Resolution {
+        match (&self.source, &self.spalls) {
+            (Source::Closed(_), None) => Resolution::EXACT,
+            (Source::Table(_), _) => Resolution::TABLE,
+            _ => Resolution::LINES,
+        }
+    }
+
+    /// Angles at which the source has kinks.
+    pub(crate) fn angles(&self) -> Vec<f64> {
+        match &self.source {
+            Source::Table(table) => table.angles().collect(),
+            _ => Vec::new(),
+        }
+    }
+
+    /// Lengths at which the source has kinks.
+    pub(crate) fn lengths(&self) -> &[f64] {
+        match &self.source {
+            Source::Table(table) => table.lengths(),
+            _ => &[],
+        }
+    }
+}

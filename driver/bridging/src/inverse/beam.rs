@@ -1,0 +1,274 @@
+//! σ(w) from F–CMOD.
+
+use super::{Fitted, LeastSquares, least_squares};
+use crate::Invalid;
+use crate::beam::{Beam, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+use crate::composite::Matrix;
+use crate::interpolation::{Polyline, monotone, monotone_slopes};
+use nalgebra::{Matrix3, Vector3};
+
+/// Openings of the law that is sought, mm; what the matrix carries beside its strength begins at 0.
+pub const OPENINGS: [f64; 11] = [0.0, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0];
+/// The same where only strengths are known: those that the CMODs of f_R1–4 belong to.
+const FEW_OPENINGS: [f64; 5] = [0.0, 0.4, 1.25, 2.1, 2.9];
+/// Straight lines for the cubic between two openings.
+const LINES: usize = 6;
+/// Below this CMOD the notch's own elastic opening, which the model leaves out, counts, mm.
+const LEAST_CMOD: f64 = 0.01;
+/// Fewer points than this have their derivative from the monotone cubic through them.
+const FEW_POINTS: usize = 12;
+/// Half the width, in ln CMOD, of the window of a parabola; it grows by this factor until it holds enough points.
+const WINDOW: f64 = 0.35;
+const WIDER: f64 = 1.4;
+const FEWEST_IN_WINDOW: usize = 7;
+/// Penalties on second differences from which the L-curve's corner is taken.
+const PENALTIES: [f64; 9] = [1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0];
+/// The one where there are strengths only.
+const STRENGTHS_PENALTY: f64 = 1e-2;
+/// E and f_t are known beforehand: a factor e counts as much as a difference by this part of the greatest force.
+const PRIOR: f64 = 0.1;
+/// Least stress that a search begins with, as a part of the greatest.
+const LEAST_STRESS: f64 = 0.02;
+
+/// A test, or what its report states.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Measured {
+    /// CMOD, mm, rising, and F, N.
+    Curve(Vec<[f64; 2]>),
+    /// Strengths, MPa.
+    Strengths(Residual),
+}
+
+impl Measured {
+    fn check(&self) -> Result<(), Invalid> {
+        let rows = match self {
+            Self::Curve(rows) => rows,
+            Self::Strengths(strengths) => {
+                let sound = strengths.limit > 0.0 && strengths.residual.iter().all(|value| *value > 0.0);
+                return Invalid::unless(sound, "test".into(), "must have strengths above 0");
+            }
+        };
+        let finite = rows.iter().flatten().all(|value| value.is_finite());
+        let rising = rows.windows(2).all(|pair| pair[1][0] > pair[0][0]);
+        Invalid::unless(finite && rising, "test".into(), "must have CMODs that rise")?;
+        let some = rows.iter().filter(|row| row[0] >= LEAST_CMOD).count() > OPENINGS.len() + 2;
+        Invalid::unless(some, "test".into(), "must have more than 12 points from CMOD 0.01 mm on")?;
+        Invalid::unless(rows.iter().any(|row| row[1] > 0.0), "test".into(), "must have a force above 0")
+    }
+}
+
+/// σ(w) by a rigid hinge whose zone of compression has no height:
+///
+/// ```text
+/// σ(w) = f_R/3 + (CMOD/6) df_R/dCMOD    at    w = CMOD h_sp/(h_sp + a)
+/// ```
+///
+/// at each point of the test but the first ones.
+///
+/// # Errors
+/// A test that is none.
+pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline, Invalid> {
+    geometry.check()?;
+    test.check()?;
+    let (cmods, strengths): (Vec<f64>, Vec<f64>) = match test {
+        Measured::Curve(rows) => rows
+            .iter()
+            .filter(|row| row[0] >= LEAST_CMOD)
+            .map(|row| (row[0], geometry.flexural_strength(row[1])))
+            .unzip(),
+        Measured::Strengths(strengths) => (RESIDUAL_CMOD.to_vec(), strengths.residual.to_vec()),
+    };
+    let part = geometry.ligament() / geometry.height;
+    let slopes = monotone_slopes(&cmods, &strengths);
+    let at = |k: usize| {
+        let (value, slope) = if cmods.len() < FEW_POINTS {
+            (strengths[k], slopes[k])
+        } else {
+            parabola(&cmods, &strengths, cmods[k]).unwrap_or((strengths[k], slopes[k]))
+        };
+        (cmods[k] * part, (value / 3.0 + cmods[k] / 6.0 * slope).max(0.0))
+    };
+    Ok(Polyline::new((0..cmods.len()).map(at)))
+}
+
+/// Value and slope at x of the parabola through the points about it (least squares).
+fn parabola(x: &[f64], y: &[f64], at: f64) -> Option<(f64, f64)> {
+    let mut half = WINDOW;
+    let window = loop {
+        let from = x.partition_point(|&x| x < at * (-half).exp());
+        let to = x.partition_point(|&x| x <= at * half.exp());
+        if to - from >= FEWEST_IN_WINDOW || to - from == x.len() {
+            break from..to;
+        }
+        half *= WIDER;
+    };
+    let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
+    for k in window {
+        let t = (x[k] - at) / at;
+        let basis = Vector3::new(1.0, t, t * t);
+        normal += basis * basis.transpose();
+        right += basis * y[k];
+    }
+    let solution = normal.lu().solve(&right)?;
+    Some((solution[0], solution[1] / at))
+}
+
+/// σ(w) with what is known of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BridgingFit {
+    /// E, f_t, then σ at `openings`, of strengths without the matrix's.
+    pub fitted: Fitted,
+    /// Openings, mm.
+    pub openings: Vec<f64>,
+    /// σ(w).
+    pub law: Polyline,
+    /// The matrix with E and f_t.
+    pub matrix: Matrix,
+    /// Weight of the penalty.
+    pub weight: f64,
+}
+
+/// σ(w), E and f_t whose beam is nearest to the test, and smooth: Levenberg and Marquardt's method with a penalty on
+/// second differences of σ, its weight from the corner of the L-curve. Strengths alone do not tell how the matrix
+/// softens: σ is then sought beside the softening that is given.
+///
+/// # Errors
+/// A test that is none.
+pub fn full_inverse(geometry: &NotchedBeam, matrix: &Matrix, test: &Measured) -> Result<BridgingFit, Invalid> {
+    matrix.check()?;
+    let start = fast_inverse(geometry, test)?;
+    let form = Form { geometry: *geometry, matrix: *matrix, test, scale: scale(geometry, test) };
+    let start = form.start(&start);
+    let fit = |weight: f64, start: &[f64]| {
+        let problem = LeastSquares {
+            residuals: &|parameters| form.residuals(parameters, weight),
+            quantities: &|parameters| form.quantities(parameters),
+            data: form.rows(),
+        };
+        least_squares(&problem, start)
+    };
+    let (weight, fitted) = match test {
+        Measured::Strengths(_) => (STRENGTHS_PENALTY, fit(STRENGTHS_PENALTY, &start)),
+        Measured::Curve(_) => {
+            let mut fits: Vec<(f64, Fitted)> = Vec::new();
+            // from the smoothest on, each from the one before
+            for &weight in PENALTIES.iter().rev() {
+                let from = fits.last().map_or(start.clone(), |(_, fitted)| fitted.parameters.clone());
+                fits.push((weight, fit(weight, &from)));
+            }
+            let corner = corner(&fits);
+            fits.swap_remove(corner)
+        }
+    };
+    let (matrix, law) = form.law(&fitted.parameters);
+    Ok(BridgingFit { fitted, openings: form.openings().to_vec(), law, matrix, weight })
+}
+
+/// The index of the fit where the curve of ln(penalty/weight) over ln(RMS) turns most (Hansen 1992), by the circle
+/// through three neighbours.
+fn corner(fits: &[(f64, Fitted)]) -> usize {
+    let logarithms: Vec<[f64; 2]> = fits
+        .iter()
+        .map(|(weight, fitted)| [fitted.rms.max(1e-12).ln(), (fitted.penalty / weight).max(1e-12).ln()])
+        .collect();
+    let curvature = |k: usize| {
+        let [a, b, c] = [logarithms[k - 1], logarithms[k], logarithms[k + 1]];
+        let side = |p: [f64; 2], q: [f64; 2]| (q[0] - p[0]).hypot(q[1] - p[1]);
+        let area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        -2.0 * area / (side(a, b) * side(b, c) * side(a, c)).max(f64::MIN_POSITIVE)
+    };
+    (1..fits.len() - 1).max_by(|&i, &j| curvature(i).total_cmp(&curvature(j))).unwrap_or(0)
+}
+
+fn scale(geometry: &NotchedBeam, test: &Measured) -> f64 {
+    match test {
+        Measured::Curve(rows) => geometry.flexural_strength(rows.iter().map(|row| row[1]).fold(0.0, f64::max)),
+        Measured::Strengths(strengths) => strengths.residual.iter().copied().fold(strengths.limit, f64::max),
+    }
+}
+
+/// The unknowns: ln E, ln f_t, √σ.
+struct Form<'t> {
+    geometry: NotchedBeam,
+    matrix: Matrix,
+    test: &'t Measured,
+    /// Greatest flexural strength.
+    scale: f64,
+}
+
+impl Form<'_> {
+    fn openings(&self) -> &'static [f64] {
+        match self.test {
+            Measured::Curve(_) => &OPENINGS,
+            Measured::Strengths(_) => &FEW_OPENINGS,
+        }
+    }
+
+    fn rows(&self) -> usize {
+        match self.test {
+            Measured::Curve(rows) => rows.iter().filter(|row| row[0] >= LEAST_CMOD).count(),
+            Measured::Strengths(_) => 1 + RESIDUAL_CMOD.len(),
+        }
+    }
+
+    fn start(&self, fast: &Polyline) -> Vec<f64> {
+        let stresses = self.openings().iter().map(|&opening| fast.at(opening).max(LEAST_STRESS * self.scale).sqrt());
+        let head = [self.matrix.modulus.ln(), self.matrix.ft.ln()];
+        head.into_iter().chain(stresses).collect()
+    }
+
+    fn quantities(&self, parameters: &[f64]) -> Vec<f64> {
+        let (head, roots) = parameters.split_at(2);
+        head.iter().map(|x| x.exp()).chain(roots.iter().map(|root| root * root)).collect()
+    }
+
+    fn law(&self, parameters: &[f64]) -> (Matrix, Polyline) {
+        let quantities = self.quantities(parameters);
+        let matrix = Matrix { modulus: quantities[0], ft: quantities[1], ..self.matrix };
+        let (nodes, stresses) = (self.openings(), &quantities[2..]);
+        let slopes = monotone_slopes(nodes, stresses);
+        let mut points = Vec::new();
+        for pair in nodes.windows(2) {
+            points.extend((0..LINES).map(|k| {
+                let opening = pair[0] + (pair[1] - pair[0]) * k as f64 / LINES as f64;
+                (opening, monotone(opening, nodes, stresses, &slopes))
+            }));
+        }
+        let last = nodes.len() - 1;
+        points.push((nodes[last], stresses[last]));
+        // straight on to the end of the test
+        points.push((1.5 * nodes[last], (stresses[last] + 0.5 * nodes[last] * slopes[last]).max(0.0)));
+        let law = Polyline::new(points);
+        match self.test {
+            Measured::Curve(_) => (matrix, law),
+            Measured::Strengths(_) => (matrix, matrix.added_to(&law, 1.0)),
+        }
+    }
+
+    /// Differences of strengths as parts of the greatest; then the penalties.
+    fn residuals(&self, parameters: &[f64], weight: f64) -> Vec<f64> {
+        let (matrix, law) = self.law(parameters);
+        let section = [SectionLaw::new(&matrix, &law, self.geometry.hinge())];
+        let beam = Beam::new(self.geometry, &section, &matrix);
+        let strength = |force: f64| self.geometry.flexural_strength(force);
+        let mut residuals: Vec<f64> = match self.test {
+            Measured::Curve(rows) => rows
+                .iter()
+                .filter(|row| row[0] >= LEAST_CMOD)
+                .map(|&[cmod, force]| strength(beam.at(cmod).force - force))
+                .collect(),
+            Measured::Strengths(test) => {
+                let computed = beam.residual();
+                let pairs = computed.residual.iter().zip(&test.residual);
+                std::iter::once(computed.limit - test.limit).chain(pairs.map(|(a, b)| a - b)).collect()
+            }
+        };
+        let stresses = &self.quantities(parameters)[2..];
+        residuals.extend(stresses[1..].windows(3).map(|s| weight * (s[0] - 2.0 * s[1] + s[2])));
+        residuals.iter_mut().for_each(|row| *row /= self.scale);
+        let [modulus, ft] = [self.matrix.modulus, self.matrix.ft].map(f64::ln);
+        residuals.push(PRIOR * (parameters[0] - modulus));
+        residuals.push(PRIOR * (parameters[1] - ft));
+        residuals
+    }
+}

@@ -1,0 +1,101 @@
+#![doc = include_str!("doc.md")]
+
+mod average;
+mod beam;
+mod bond;
+mod bridging;
+mod composite;
+mod inclination;
+mod interpolation;
+mod inverse;
+mod model_code;
+mod orientation;
+mod quadrature;
+mod scatter;
+mod table;
+#[cfg(test)]
+mod test;
+
+pub use average::{Average, averages, shares_by_angle};
+pub use beam::{Beam, Load, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
+pub use bond::{BondLaw, Closed, Debonding, ShearLag, Sides, Sliding};
+pub use bridging::{Bond, BridgingFibre, Response};
+pub use composite::{Composite, Matrix, Softening};
+pub use inclination::Inclination;
+pub use interpolation::Polyline;
+pub use inverse::{
+    BridgingFit, Estimate, Fitted, LeastSquares, Measured, OPENINGS, bond_from_bridging, fast_inverse, full_inverse,
+    least_squares,
+};
+pub use model_code::{ModelCode2010, StrengthClass};
+pub use orientation::{Directions, Faces, Orientation, wall_zones};
+pub use scatter::{Beams, Scatter, quantile, scatter};
+pub use table::{Curve, Table};
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use std::f64::consts::PI;
+
+/// Input that makes no sense, with its place as in a case.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{place} {rule}")]
+pub struct Invalid {
+    /// The keys that lead to it, joined by points.
+    pub place: String,
+    /// What it must be.
+    pub rule: String,
+}
+
+impl Invalid {
+    pub(crate) fn unless(holds: bool, place: String, rule: &str) -> Result<(), Self> {
+        if holds { Ok(()) } else { Err(Self { place, rule: rule.into() }) }
+    }
+}
+
+/// A straight round fibre.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fibre {
+    /// d, mm.
+    pub diameter: f64,
+    /// L_f, mm.
+    pub length: f64,
+    /// Young's modulus, MPa.
+    #[serde(rename = "E")]
+    pub modulus: f64,
+    /// Tensile strength σ_fu, MPa; none: it does not break.
+    #[serde(default)]
+    pub strength: Option<f64>,
+    /// f_r: the strength at an angle is σ_fu e^(−f_r θ).
+    #[serde(default)]
+    pub rupture_f: f64,
+}
+
+impl Fibre {
+    /// A fibre this much longer than thick bridges by its length.
+    const LEAST_SLENDERNESS: f64 = 5.0;
+
+    /// A_f, mm².
+    pub fn area(&self) -> f64 {
+        0.25 * PI * self.diameter * self.diameter
+    }
+
+    /// Checks the numbers.
+    ///
+    /// # Errors
+    /// A number without sense.
+    pub fn check(&self) -> Result<(), Invalid> {
+        let place = |name| format!("fibre.{name}");
+        let positive =
+            |value: f64, name| Invalid::unless(value > 0.0 && value.is_finite(), place(name), "must be above 0");
+        positive(self.diameter, "diameter")?;
+        positive(self.length, "length")?;
+        positive(self.modulus, "E")?;
+        let slender = self.length >= Self::LEAST_SLENDERNESS * self.diameter;
+        Invalid::unless(slender, place("length"), "must be 5 diameters or more")?;
+        if let Some(strength) = self.strength {
+            positive(strength, "strength")?;
+        }
+        Invalid::unless(self.rupture_f.is_finite() && self.rupture_f >= 0.0, place("rupture_f"), "must not be below 0")
+    }
+}

@@ -1,0 +1,64 @@
+//! What the fib Model Code 2010 (5.6) makes of residual strengths.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// CMOD of f_R3, to which the linear model's ultimate opening is referred, mm.
+const CMOD_3: f64 = 2.5;
+/// Least f_R1k of the classes, MPa.
+const CLASSES: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+/// Least f_R3k/f_R1k of the letters.
+const LETTERS: [(f64, char); 5] = [(0.5, 'a'), (0.7, 'b'), (0.9, 'c'), (1.1, 'd'), (1.3, 'e')];
+/// f_R1k/f_Lk must be above, for fibres to stand for bars;
+const LEAST_LIMIT_RATIO: f64 = 0.4;
+/// and f_R3k/f_R1k.
+const LEAST_RESIDUAL_RATIO: f64 = 0.5;
+
+/// Stress in the crack by the Model Code 2010, MPa.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct ModelCode2010 {
+    /// f_R3/3: the rigid-plastic model.
+    pub rigid_plastic: f64,
+    /// f_Fts = 0.45 f_R1: the linear model at small openings.
+    pub serviceability: f64,
+    /// f_Ftu = f_Fts − (w_u/2.5)(f_Fts − 0.5 f_R3 + 0.2 f_R1) ≥ 0: the linear model at w_u.
+    pub ultimate: f64,
+}
+
+impl ModelCode2010 {
+    /// Of f_R1 and f_R3; w_u in mm.
+    pub fn new(f_r1: f64, f_r3: f64, ultimate_opening: f64) -> Self {
+        let serviceability = 0.45 * f_r1;
+        let falls = serviceability - 0.5 * f_r3 + 0.2 * f_r1;
+        let ultimate = (serviceability - ultimate_opening / CMOD_3 * falls).max(0.0);
+        Self { rigid_plastic: f_r3 / 3.0, serviceability, ultimate }
+    }
+}
+
+/// Class by characteristic values, as "3b".
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct StrengthClass {
+    /// Least f_R1k, MPa.
+    pub strength: f64,
+    /// By f_R3k/f_R1k.
+    pub letter: char,
+    /// Whether fibres may stand for bars: f_R1k/f_Lk > 0.4 and f_R3k/f_R1k > 0.5.
+    pub structural: bool,
+}
+
+impl StrengthClass {
+    /// None below all classes.
+    pub fn new(limit: f64, f_r1: f64, f_r3: f64) -> Option<Self> {
+        let strength = CLASSES.into_iter().rev().find(|least| f_r1 >= *least)?;
+        let ratio = f_r3 / f_r1;
+        let (_, letter) = LETTERS.into_iter().rev().find(|(least, _)| ratio >= *least)?;
+        let structural = f_r1 / limit > LEAST_LIMIT_RATIO && ratio > LEAST_RESIDUAL_RATIO;
+        Some(Self { strength, letter, structural })
+    }
+}
+
+impl std::fmt::Display for StrengthClass {
+    fn fmt(&self, formatter: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(formatter, "{}{}", self.strength, self.letter)
+    }
+}

@@ -1,0 +1,124 @@
+//! Gauss–Legendre rules on panels between kinks, and roots in a bracket.
+
+use gauss_quad::GaussLegendre;
+use std::sync::OnceLock;
+
+/// Degrees of the rules; a result is accepted when two neighbours agree.
+pub const DEGREES: [usize; 4] = [6, 12, 24, 48];
+
+/// Nodes and weights on (0, 1) of the rule of `DEGREES[level]`.
+pub fn rule(level: usize) -> &'static [(f64, f64)] {
+    static RULES: [OnceLock<Vec<(f64, f64)>>; DEGREES.len()] = [const { OnceLock::new() }; DEGREES.len()];
+    RULES[level].get_or_init(|| {
+        let rule = GaussLegendre::new(DEGREES[level]).expect("the degrees are above 1");
+        rule.iter().map(|(node, weight)| (0.5 * (node + 1.0), 0.5 * weight)).collect()
+    })
+}
+
+/// ∫ f over [a, b] by the rule of `DEGREES[level]`.
+pub fn integral(level: usize, a: f64, b: f64, mut f: impl FnMut(f64) -> f64) -> f64 {
+    rule(level).iter().map(|(node, weight)| weight * f(a + (b - a) * node)).sum::<f64>() * (b - a)
+}
+
+/// The outermost samples keep this part of the interval from its ends.
+const MARGIN: f64 = 1e-10;
+
+/// The places in (a, b) where `label` changes, by sampling and so many halvings. Two changes between
+/// neighbouring samples that cancel are not seen.
+pub fn changes<L: PartialEq>(
+    a: f64,
+    b: f64,
+    samples: usize,
+    halvings: i32,
+    mut label: impl FnMut(f64) -> L,
+) -> Vec<f64> {
+    let at = |k: usize| a + (b - a) * (k as f64 / (samples - 1) as f64).clamp(MARGIN, 1.0 - MARGIN);
+    let mut found = Vec::new();
+    let mut left = (at(0), label(at(0)));
+    for k in 1..samples {
+        let right = (at(k), label(at(k)));
+        while left.1 != right.1 {
+            let (mut low, mut high) = (left.0, right.0);
+            let mut beyond = None;
+            for _ in 0..halvings {
+                let middle = 0.5 * (low + high);
+                let here = label(middle);
+                if here == left.1 {
+                    low = middle;
+                } else {
+                    high = middle;
+                    beyond = Some(here);
+                }
+            }
+            found.push(0.5 * (low + high));
+            match beyond {
+                Some(here) => left = (high, here),
+                None => break,
+            }
+        }
+        left = right;
+    }
+    found
+}
+
+/// A root of f in [a, b], whose ends have values of different signs or 0, to rounding (Chandrupatla 1997: inverse quadratic
+/// steps where they are safe, halving where not).
+pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
+    const STEPS: usize = 100;
+    let (mut x_1, mut x_2) = (b, a);
+    let (mut f_1, mut f_2) = (f(b), f(a));
+    if f_1 == 0.0 {
+        return x_1;
+    }
+    if f_2 == 0.0 {
+        return x_2;
+    }
+    let mut part = 0.5;
+    for _ in 0..STEPS {
+        let x = x_1 + part * (x_2 - x_1);
+        let value = f(x);
+        let (x_3, f_3);
+        if (value > 0.0) == (f_1 > 0.0) {
+            (x_3, f_3) = (x_1, f_1);
+        } else {
+            (x_3, f_3) = (x_2, f_2);
+            (x_2, f_2) = (x_1, f_1);
+        }
+        (x_1, f_1) = (x, value);
+        let nearest = if f_1.abs() < f_2.abs() { x_1 } else { x_2 };
+        let smallest = 2.0 * f64::EPSILON * nearest.abs() + f64::MIN_POSITIVE;
+        let least_part = smallest / (x_2 - x_1).abs();
+        if least_part > 0.5 || f_1 == 0.0 {
+            return nearest;
+        }
+        let (xi, phi) = ((x_1 - x_2) / (x_3 - x_2), (f_1 - f_2) / (f_3 - f_2));
+        part = if phi * phi < xi && (1.0 - phi) * (1.0 - phi) < 1.0 - xi {
+            let from_two = f_1 / (f_2 - f_1) * f_3 / (f_2 - f_3);
+            from_two + (x_3 - x_1) / (x_2 - x_1) * f_1 / (f_3 - f_1) * f_2 / (f_3 - f_2)
+        } else {
+            0.5
+        };
+        part = part.clamp(least_part, 1.0 - least_part);
+    }
+    x_1
+}
+
+/// Where f is greatest in [a, b], if it has one maximum there (golden section), and its value.
+pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, steps: usize) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_9;
+    let (mut low, mut high) = (a, b);
+    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut values = inner.map(&mut f);
+    for _ in 0..steps {
+        if values[0] < values[1] {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            values = [values[1], f(inner[1])];
+        } else {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            values = [f(inner[0]), values[0]];
+        }
+    }
+    if values[0] < values[1] { (inner[1], values[1]) } else { (inner[0], values[0]) }
+}
