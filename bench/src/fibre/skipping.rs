@@ -6,7 +6,7 @@ use crate::runs::Ran;
 use crate::table::Table;
 use crate::timing::median;
 use crate::{BenchError, Settings};
-use fe_core::mesh::specimen::InclinedFibre;
+use fe_core::mesh::specimen::Fibres;
 use pullout_report::plots::figure::{Figure, Line, Scale, Style};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
@@ -51,7 +51,7 @@ pub(crate) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let specimen = Specimen::new(settings, end)?;
     let ways = WAYS.map(|(name, skip, _)| (name.to_owned(), vec![format!("skip={skip}")]));
     let ways = in_turns(&specimen, rounds, &ways)?;
-    let InclinedFibre { width, depth, .. } = InclinedFibre::default();
+    let Fibres { width, depth, .. } = Fibres::default();
     let block = |name: &str, factor: f64| {
         let [width, depth] = [width, depth].map(|length| factor * length);
         (name.to_owned(), vec![format!("mesh.specimen.width={width}"), format!("mesh.specimen.depth={depth}")])

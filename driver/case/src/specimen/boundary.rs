@@ -235,9 +235,9 @@ impl Boundary {
             self.measured.direction = direction;
         }
         let defaults = scene.ground.map(|ground| &ground.defaults);
-        let mut find = |given: Option<&document::NodeReference>, default: Option<&str>, key: &str| match given {
+        let mut find = |given: Option<&document::NodeReference>, default: Option<usize>, key: &str| match given {
             Some(reference) => node(reader, reference, scene, &place.key(key)),
-            None => scene.mesh?.node_set(default?)?.first().copied(),
+            None => default,
         };
         self.measured.axis = defaults.and_then(|defaults| defaults.fibre_direction);
         self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");

@@ -11,8 +11,8 @@ use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{
     self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
-    FINE_DIAMETERS, FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre,
-    PlateWithHole, SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
+    FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, ParameterProblem, PartMesh,
+    PerpendicularFibre, PlateWithHole, Segment, SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
 };
 use fe_core::model::Width;
 use pullout_run::number::rounded;
@@ -23,6 +23,9 @@ const Y: &[[f64; 2]] = &[[0.0, 1.0]];
 /// Of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
 /// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
 const SLOPE: f64 = 1.0;
+
+/// Inclination of a fibre, degrees.
+const ANGLE: f64 = 45.0;
 
 /// Length of a bent fibre between its bend and the grip, mm.
 const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
@@ -49,6 +52,7 @@ pub fn generate(given: &document::Specimen, matrix: Option<Thickness>, slip: f64
     match given {
         document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given, matrix),
         document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix, slip),
+        document::Specimen::Fibres(given) => fibres(given, matrix, slip),
         document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
             width: length(given.width, 10.0),
             height: length(given.height, 10.0),
@@ -122,7 +126,7 @@ fn perpendicular_fibre(
     let ways: &[&'static str] =
         if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
     let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
-    let mut generated = pulled_fibre("perpendicular_fibre", made, parameters.fibre_diameter, ways, also);
+    let mut generated = pulled_fibre("perpendicular_fibre", made, ways, also);
     generated.taken = taken(&[
         ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
         ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
@@ -143,67 +147,184 @@ fn inclined_fibre(
     matrix: Option<Thickness>,
     slip: f64,
 ) -> Result<Generated, SpecimenError> {
-    let default = InclinedFibre::default();
-    let sizes = InclinedMesh::default();
-    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
-    let angle = given.angle_deg.map_or(default.angle, f64::to_radians);
-    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
-    let outside = match given.shape.unwrap_or(FibreShape::Bent) {
-        FibreShape::Bent => Outside::Bent {
-            radius: given.bend_radius.map(|radius| radius.0),
-            length: given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND),
-        },
-        FibreShape::Straight => Outside::Straight { length: given.free_length.unwrap_or(0.0) },
+    let angle = given.angle_deg.unwrap_or(ANGLE).to_radians();
+    let default = Fibre::new(angle, Vec::new());
+    let diameter = length(given.fibre_diameter, default.diameter);
+    let embedded_length = length(given.embedded_length, default.embedded_length);
+    let mut path = vec![Segment::Straight { length: embedded_length }];
+    let free_length = match given.shape.unwrap_or(FibreShape::Bent) {
+        FibreShape::Bent => {
+            path.push(Segment::Arc { radius: length(given.bend_radius, 1.5 * diameter), to: 0.0 });
+            given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND)
+        }
+        FibreShape::Straight => given.free_length.unwrap_or(0.0),
     };
+    path.push(Segment::Straight { length: free_length });
     let separation_length = match given.separation_length {
         None => 0.0,
         Some(SeparationLength::Given(length)) => length,
-        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(fibre_diameter, angle),
+        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(diameter, angle),
     };
-    let embedded_length = length(given.embedded_length, default.embedded_length);
-    // coarse elements that bend over the exit's edge make the load a saw
-    let slides_out = (slip > FINE_DIAMETERS * fibre_diameter).then(|| slip.min(embedded_length));
-    let matrix_thickness = matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness);
-    let parameters = InclinedFibre {
-        angle,
-        outside,
-        width: length(given.width, default.width),
-        depth: length(given.depth, default.depth),
-        matrix_thickness,
-        cover: given.cover.unwrap_or(matrix_thickness > fibre_diameter),
-        graded_thickness: given.graded_thickness.map(graded),
-        fibre_diameter,
+    let fibre = Fibre {
+        diameter,
+        path,
         embedded_length,
         exit_radius: given.exit_radius.map(|radius| radius.0),
         separation_length,
-        fibre: part(given.fibre_element, ElementName::Q8),
-        matrix: part(given.matrix_element, ElementName::T6),
-        mesh: InclinedMesh {
-            size: length(given.mesh_size, sizes.size),
-            elements_across: number(given.elements_across, sizes.elements_across),
-            exit_size: given.exit_size.map(|size| size.0),
-            fine_length: given.fine_length.map(|length| length.0).or(slides_out),
-            largest_fibre_size: length(given.largest_fibre_size, sizes.largest_fibre_size),
-            growth_rate: length(given.growth_rate, sizes.growth_rate),
-            largest_size: length(given.largest_size, sizes.largest_size),
-        },
+        fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
         ..default
     };
-    let made = specimen::inclined_fibre(&parameters)?;
-    let ways = ["sides", "face_near", "face_away", "bottom"];
-    let mut generated = pulled_fibre("inclined_fibre", made, fibre_diameter, &ways, &[]);
-    generated.taken = taken(&[
+    let block = Block {
+        width: given.width,
+        depth: given.depth,
+        matrix_thickness: given.matrix_thickness,
+        cover: given.cover,
+        graded_thickness: given.graded_thickness,
+        elements: [given.fibre_element, given.matrix_element],
+        elements_across: given.elements_across,
+        sizes: [given.mesh_size, given.exit_size, given.largest_fibre_size, given.growth_rate, given.largest_size],
+    };
+    let mut generated = block.around("inclined_fibre", vec![fibre], matrix)?;
+    let own = taken(&[
         ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
-        ("fibre_diameter", given.fibre_diameter.is_none(), fibre_diameter),
+        ("fibre_diameter", given.fibre_diameter.is_none(), diameter),
         ("embedded_length", given.embedded_length.is_none(), embedded_length),
-        ("width", given.width.is_none(), parameters.width),
-        ("depth", given.depth.is_none(), parameters.depth),
-        ("matrix_thickness", matrix.is_none() && given.matrix_thickness.is_none(), matrix_thickness),
     ]);
-    if given.cover.is_none() {
-        generated.taken.push(format!("cover = {}", parameters.cover));
-    }
+    generated.taken.splice(0..0, own);
     Ok(generated)
+}
+
+fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
+    let mut own = Vec::new();
+    let mut made = Vec::new();
+    for given in &given.fibres {
+        let (path, tilts): (Vec<Segment>, Vec<Option<f64>>) = given.path.iter().map(segment).unzip();
+        if let Some(piece) = tilts.iter().skip(1).position(Option::is_some) {
+            let requirement =
+                "left out: a piece goes on in the direction in which the one before it ends, an arc turns it";
+            return Err(SpecimenError::Parameters {
+                problems: vec![ParameterProblem {
+                    fibre: Some(made.len()),
+                    name: "path",
+                    value: format!("given tilt_deg for its piece {}", piece + 2),
+                    requirement: requirement.into(),
+                }],
+            });
+        }
+        let default = Fibre::new(tilts.first().copied().flatten().unwrap_or(0.0).to_radians(), path);
+        let diameter = length(given.diameter, default.diameter);
+        let embedded_length = length(given.embedded, default.embedded_length);
+        let of = |key: &str| format!("{}.{key}", given.name);
+        own.extend(taken(&[
+            (&of("diameter"), given.diameter.is_none(), diameter),
+            (&of("embedded"), given.embedded.is_none(), embedded_length),
+        ]));
+        made.push(Fibre {
+            name: Some(given.name.clone()),
+            diameter,
+            exit: given.exit.unwrap_or(default.exit),
+            embedded_length,
+            profile: given.width_profile.clone().unwrap_or_default(),
+            tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+            exit_radius: given.exit_radius.map(|radius| radius.0),
+            separation_length: given.separation_length.unwrap_or(default.separation_length),
+            fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
+            ..default
+        });
+    }
+    let block = Block {
+        width: given.width,
+        depth: given.depth,
+        matrix_thickness: given.matrix_thickness,
+        cover: given.cover,
+        graded_thickness: given.graded_thickness,
+        elements: [given.fibre_element, given.matrix_element],
+        elements_across: given.elements_across,
+        sizes: [given.mesh_size, given.exit_size, given.largest_fibre_size, given.growth_rate, given.largest_size],
+    };
+    let mut generated = block.around("fibres", made, matrix)?;
+    generated.taken.splice(0..0, own);
+    Ok(generated)
+}
+
+/// A piece of a path, and the angle that it gives itself.
+fn segment(given: &document::PathPiece) -> (Segment, Option<f64>) {
+    match *given {
+        document::PathPiece::Straight(given) => (Segment::Straight { length: given.straight.0 }, given.tilt_deg),
+        document::PathPiece::Arc { arc } => {
+            (Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }, arc.tilt_deg)
+        }
+        document::PathPiece::Wave { wave } => {
+            let (length, count) = (wave.length.0, wave.n.0);
+            (Segment::Wave { amplitude: wave.amplitude, length, count }, wave.tilt_deg)
+        }
+    }
+}
+
+/// What slides out is meshed finely: coarse elements that bend over the exit's edge make the load a saw.
+fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_length: f64) -> Option<f64> {
+    let slides_out = (slip > FINE_DIAMETERS * diameter).then(|| slip.min(embedded_length));
+    given.map(|length| length.0).or(slides_out)
+}
+
+/// The block around fibres, and the sizes of its elements.
+struct Block {
+    width: Option<Positive>,
+    depth: Option<Positive>,
+    matrix_thickness: Option<Positive>,
+    cover: Option<bool>,
+    graded_thickness: Option<document::GradedThickness>,
+    /// Of the fibres and of the matrix.
+    elements: [Option<ElementName>; 2],
+    elements_across: Option<Elements>,
+    /// `mesh_size`, `exit_size`, `largest_fibre_size`, `growth_rate`, `largest_size`.
+    sizes: [Option<Positive>; 5],
+}
+
+impl Block {
+    fn around(
+        self,
+        name: &'static str,
+        fibres: Vec<Fibre>,
+        matrix: Option<Thickness>,
+    ) -> Result<Generated, SpecimenError> {
+        let (default, sizes) = (Fibres::default(), FibresMesh::default());
+        let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
+        let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
+        let matrix_thickness = matrix_thickness(matrix, self.matrix_thickness, thickest, default.matrix_thickness);
+        let [mesh_size, exit_size, largest_fibre_size, growth_rate, largest_size] = self.sizes;
+        let parameters = Fibres {
+            width: length(self.width, default.width),
+            depth: length(self.depth, default.depth),
+            matrix_thickness,
+            cover: self.cover.unwrap_or(matrix_thickness > thickest),
+            graded_thickness: self.graded_thickness.map(graded),
+            fibres,
+            fibre: part(self.elements[0], ElementName::Q8),
+            matrix: part(self.elements[1], ElementName::T6),
+            mesh: FibresMesh {
+                size: length(mesh_size, sizes.size),
+                elements_across: number(self.elements_across, sizes.elements_across),
+                exit_size: exit_size.map(|size| size.0),
+                largest_fibre_size: length(largest_fibre_size, sizes.largest_fibre_size),
+                growth_rate: length(growth_rate, sizes.growth_rate),
+                largest_size: length(largest_size, sizes.largest_size),
+            },
+            ..default
+        };
+        let made = specimen::fibres(&parameters)?;
+        let ways = ["sides", "face_near", "face_away", "bottom"];
+        let mut generated = pulled_fibre(name, made, &ways, &[]);
+        generated.taken = taken(&[
+            ("width", self.width.is_none(), parameters.width),
+            ("depth", self.depth.is_none(), parameters.depth),
+            ("matrix_thickness", matrix.is_none() && self.matrix_thickness.is_none(), matrix_thickness),
+        ]);
+        if self.cover.is_none() {
+            generated.taken.push(format!("cover = {}", parameters.cover));
+        }
+        Ok(generated)
+    }
 }
 
 /// Names and values of those that are left to defaults.
@@ -232,14 +353,18 @@ fn graded(given: document::GradedThickness) -> GradedThickness {
 fn pulled_fibre(
     name: &'static str,
     made: specimen::Specimen,
-    diameter: f64,
     ways: &[&'static str],
     also: &[(&'static str, &'static [[f64; 2]])],
 ) -> Generated {
-    let width = made.contact_width.map_or(Width::OfPart, Width::Given);
-    let pairs = made.contact_pairs.into_iter();
-    let pairs =
-        pairs.map(|ContactSurfaces { name, slave, master, role }| DefaultPair { name, slave, master, width, role });
+    let pairs = made.contact_pairs.into_iter().map(|ContactSurfaces { name, slave, master, role, width }| {
+        DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
+    });
+    let alone = match &made.fibres[..] {
+        [fibre] => Some(fibre),
+        _ => None,
+    };
+    let diameter = made.fibres[0].diameter;
+    let alike = made.fibres.iter().all(|fibre| fibre.diameter == diameter);
     let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
     let held = |set: &'static str| [&[(set, BOTH)], also].concat();
     let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
@@ -249,13 +374,13 @@ fn pulled_fibre(
             pairs: pairs.collect(),
             supports,
             grip: Some(("grip", made.pull_direction)),
-            fibre_direction: Some(made.fibre_direction),
-            exit: Some("exit"),
-            tail: Some("tail"),
+            fibre_direction: alone.map(|fibre| fibre.direction),
+            exit: alone.map(|fibre| fibre.exit_node),
+            tail: alone.map(|fibre| fibre.tail_node),
             couplings: made.couplings,
         },
         definition: made.definition,
-        diameter: Some(diameter),
+        diameter: alike.then_some(diameter),
         notes: made.notes,
         taken: Vec::new(),
     }

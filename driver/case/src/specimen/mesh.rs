@@ -42,9 +42,9 @@ pub struct Defaults {
     pub grip: Option<(&'static str, [f64; 2])>,
     /// Direction of the embedded fibre towards its exit.
     pub fibre_direction: Option<[f64; 2]>,
-    /// Node sets of one node: where the fibre leaves the matrix, and its inner end.
-    pub exit: Option<&'static str>,
-    pub tail: Option<&'static str>,
+    /// Where the fibre leaves the matrix, and its inner end.
+    pub exit: Option<usize>,
+    pub tail: Option<usize>,
     /// Nodes that follow others.
     pub couplings: Vec<NodeCoupling>,
 }
@@ -86,8 +86,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
                     for problem in problems {
                         // a sum of parameters is told at its first
                         let key = problem.name.split_whitespace().next().unwrap_or(problem.name);
+                        let of_fibre = problem.fibre.map(|index| place.key("fibres").index(index));
                         reader.problem(
-                            &place.key(key),
+                            &of_fibre.as_ref().unwrap_or(&place).key(key),
                             format!("is {}, it must be {}", problem.value, problem.requirement),
                         );
                     }
@@ -223,36 +224,43 @@ fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeM
     Some(properties)
 }
 
+/// What the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.
+pub fn called<'n>(part: &'n str, is_listed: impl Fn(&str) -> bool) -> &'n str {
+    match part {
+        part if is_listed(part) => part,
+        COVER => MATRIX,
+        part => part.split_once('.').map_or(part, |(all, _)| all),
+    }
+}
+
 /// Changes a specimen's parts to what the case says of them.
 fn adapt_parts(reader: &mut Reader<'_>, case: &PulloutCase, definition: &mut MeshDefinition, diameter: Option<f64>) {
     let Some(given) = given_parts(reader, case) else { return };
     let root = Place::root().key("parts");
     let names: Vec<String> = definition.parts.iter().map(|part| part.name.clone()).collect();
     let listed = case.parts.0.as_ref().map(|parts| parts.keys().collect::<Vec<_>>()).unwrap_or_default();
-    let unknown: Vec<&String> = listed.iter().copied().filter(|name| !names.contains(name)).collect();
+    let is_listed = |name: &str| listed.iter().any(|listed| *listed == name);
+    let called = |part: &'_ str| called(part, is_listed).to_owned();
+    let known: BTreeSet<String> = names.iter().map(|name| called(name)).chain(names.iter().cloned()).collect();
+    let unknown: Vec<&String> = listed.iter().copied().filter(|name| !known.contains(*name)).collect();
     for name in &unknown {
-        reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &names)));
+        reader.problem(&root.key(name), format!("the specimen has no part '{name}'{}", hint(name, &known)));
     }
-    if listed.iter().any(|name| *name == COVER) && names.iter().any(|name| name == COVER) {
+    if is_listed(COVER) && names.iter().any(|name| name == COVER) {
         reader.problem(&root.key(COVER), format!("is what the part '{MATRIX}' is: leave it out"));
     }
     for part in &mut definition.parts {
-        if part.name == COVER {
-            let matrix = given.get(MATRIX);
-            part.model = matrix.and_then(|matrix| matrix.model).unwrap_or(part.model);
-            part.integration = matrix.and_then(|matrix| matrix.integration).or(part.integration);
-            continue;
+        let name = if part.name == COVER { MATRIX.to_owned() } else { called(&part.name) };
+        let is_meant = |given: &&String| nearest(given, &names) == Some(part.name.as_str());
+        if part.name != COVER && !is_listed(&name) && !unknown.iter().any(is_meant) {
+            reader.problem(&root.key(&name), "is missing: the specimen has this part, which needs a material");
         }
-        let is_meant = |name: &&String| nearest(name, &names) == Some(part.name.as_str());
-        if !listed.contains(&&part.name) && !unknown.iter().any(is_meant) {
-            reader.problem(&root.key(&part.name), "is missing: the specimen has this part, which needs a material");
-        }
-        let Some(given) = given.get(&part.name) else { continue };
+        let Some(given) = given.get(&name) else { continue };
         part.model = given.model.unwrap_or(part.model);
         part.integration = given.integration.or(part.integration);
-        match given.thickness.map(|given| thickness(given, diameter)) {
+        match given.thickness.filter(|_| part.name != COVER).map(|given| thickness(given, diameter)) {
             Some(Ok(value)) => part.thickness = value,
-            Some(Err(message)) => reader.problem(&root.key(&part.name).key("thickness"), message),
+            Some(Err(message)) => reader.problem(&root.key(&name).key("thickness"), message),
             None => {}
         }
     }

@@ -1,7 +1,7 @@
 //! The laws of the parts.
 
 use super::Scene;
-use super::mesh::{COVER, MATRIX};
+use super::mesh::called;
 use crate::document::pullout as document;
 use crate::document::{Entry, PulloutCase};
 use crate::plugin::{self, Length, Subject, Use};
@@ -30,7 +30,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     for (name, piece) in given {
         let place = root.key(name);
         let Some(part) = reader.piece(piece, &place) else { continue };
-        let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| part.name == *name));
+        // the first of the parts that it is said of
+        let is_meant = |part: &str| called(part, |name| given.contains_key(name)) == name;
+        let index = scene.mesh.and_then(|mesh| mesh.parts().iter().position(|part| is_meant(&part.name)));
         let law = law(reader, part, index.zip(scene.mesh), &place);
         let average = reader.optional(part.average_dilatation.as_ref(), &place.key("average_dilatation"));
         let nlgeom = reader.optional(part.nlgeom.as_ref(), &place.key("nlgeom")).copied();
@@ -38,12 +40,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     }
     let parts = scene.mesh?.parts();
     let count = parts.len();
-    // a specimen's cover is of its matrix
-    let leads = |part: usize| match parts[part].name == COVER && !given.contains_key(COVER) {
-        true => parts.iter().position(|part| part.name == MATRIX),
-        false => Some(part),
-    };
-    let of_part = |part: usize| resolved.iter().find(|(index, ..)| index.is_some() && *index == leads(part));
+    let name = |part: usize| called(&parts[part].name, |name| given.contains_key(name));
+    let of_part =
+        |part: usize| resolved.iter().find(|(index, ..)| index.is_some_and(|index| name(index) == name(part)));
     let laws: Option<Vec<PluginLaw>> = (0..count).map(|part| of_part(part)?.1.clone()).collect();
     Some(Parts {
         laws: laws?,

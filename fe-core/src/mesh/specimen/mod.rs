@@ -1,12 +1,12 @@
 //! Meshes of specimens and of problems with known solutions, by parameters.
 //!
-//! [`perpendicular_fibre`] and [`inclined_fibre`] make a pull-out specimen with everything that a run must know of it, a
+//! [`perpendicular_fibre`] and [`fibres`] make a pull-out specimen with everything that a run must know of it, a
 //! [`Specimen`]. The others ([`plate_with_hole`], [`thick_cylinder`], [`cook_membrane`], [`timoshenko_beam`], [`two_blocks`],
 //! [`cylinder_on_plane`], [`drag_out_strip`], [`curved_channel`]) make a [`MeshDefinition`] with named sets. Lengths in mm.
 
 mod bodies_in_contact;
 mod curved_channel;
-mod inclined_fibre;
+mod fibres;
 mod one_body;
 mod perpendicular_fibre;
 mod requirement;
@@ -17,7 +17,7 @@ mod test;
 
 pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
 pub use curved_channel::{CurvedChannel, curved_channel};
-pub use inclined_fibre::{FINE_DIAMETERS, InclinedFibre, InclinedMesh, Outside, inclined_fibre};
+pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::{
     CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
     timoshenko_beam,
@@ -34,7 +34,7 @@ use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 
 /// Two edge sets in contact.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct ContactSurfaces {
     /// What messages call the pair.
     pub name: String,
@@ -44,6 +44,8 @@ pub struct ContactSurfaces {
     pub master: String,
     /// What kind of contact it is.
     pub role: SurfaceRole,
+    /// Contact width, mm: πφ/2 on each of the two lines of a round fibre (6.28). `None`: 2πr, in axial symmetry.
+    pub width: Option<f64>,
 }
 
 /// What holds two surfaces of a specimen together.
@@ -73,21 +75,34 @@ pub struct Specimen {
     pub definition: MeshDefinition,
     /// The outward normal of the exit face, unit length.
     pub pull_direction: [f64; 2],
-    /// The direction of the embedded fibre towards its exit, unit length.
-    pub fibre_direction: [f64; 2],
+    /// The fibres, in the order of the parameters.
+    pub fibres: Vec<PulledFibre>,
     /// What is in contact with what.
     pub contact_pairs: Vec<ContactSurfaces>,
-    /// Contact width of each pair, mm: πφ/2 on each of the two lines of a round fibre (6.28). `None`: 2πr, in axial
-    /// symmetry.
-    pub contact_width: Option<f64>,
-    /// The fibre's node on its axis at the exit face, before loading.
-    pub exit_node: usize,
-    /// The fibre's node on its axis at its embedded end.
-    pub tail_node: usize,
     /// Nodes that follow others.
     pub couplings: Vec<NodeCoupling>,
     /// What a report must say about the model: assumptions and their size.
     pub notes: Vec<String>,
+}
+
+/// A fibre of a specimen.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PulledFibre {
+    /// Its name; `None` of a fibre that is alone.
+    pub name: Option<String>,
+    /// Diameter, mm.
+    pub diameter: f64,
+    /// The direction of its axis where it leaves the block, unit length.
+    pub direction: [f64; 2],
+    /// Its node on its axis at the exit face, before loading.
+    pub exit_node: usize,
+    /// Its node on its axis at its embedded end.
+    pub tail_node: usize,
+}
+
+/// πφ/2: the width of each of the two lines of contact of a round fibre (6.28), mm.
+fn contact_width(diameter: f64) -> f64 {
+    0.5 * std::f64::consts::PI * diameter
 }
 
 /// Elements, model and thickness of a body.

@@ -5,8 +5,10 @@ use crate::mesh::triangulation::TriangulationError;
 
 /// A parameter that cannot be.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{name} is {value}, it must be {requirement}")]
+#[error("{}{name} is {value}, it must be {requirement}", fibre.map(|index| format!("fibre {}: ", index + 1)).unwrap_or_default())]
 pub struct ParameterProblem {
+    /// The index of the fibre that it belongs to, among fibres with names.
+    pub fibre: Option<usize>,
     /// The parameter.
     pub name: &'static str,
     /// What it is.
@@ -32,6 +34,12 @@ pub enum SpecimenError {
         /// Why it cannot be.
         source: GradingError,
     },
+    /// A fibre so near the direction of the exit face that its hole has no edge there.
+    #[error("no rounded edge touches both the exit face and the hole of {}", fibre.as_ref().map_or_else(|| "the fibre".to_owned(), |name| format!("the fibre '{name}'")))]
+    Exit {
+        /// Its name.
+        fibre: Option<String>,
+    },
     /// A block that cannot be built.
     #[error(transparent)]
     Structured(#[from] StructuredError),
@@ -51,9 +59,15 @@ impl SpecimenError {
 #[derive(Default)]
 pub(super) struct Requirements {
     problems: Vec<ParameterProblem>,
+    fibre: Option<usize>,
 }
 
 impl Requirements {
+    /// What follows belongs to the fibre of this index, or to none.
+    pub(super) fn of(&mut self, fibre: Option<usize>) {
+        self.fibre = fibre;
+    }
+
     /// A number that is positive and finite.
     pub(super) fn positive(&mut self, name: &'static str, value: f64) {
         self.that(value > 0.0 && value.is_finite(), name, value, "positive");
@@ -73,7 +87,8 @@ impl Requirements {
         requirement: impl Into<String>,
     ) {
         if !holds {
-            self.problems.push(ParameterProblem { name, value: value.to_string(), requirement: requirement.into() });
+            let (fibre, value) = (self.fibre, value.to_string());
+            self.problems.push(ParameterProblem { fibre, name, value, requirement: requirement.into() });
         }
     }
 

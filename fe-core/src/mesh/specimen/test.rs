@@ -75,16 +75,16 @@ fn the_default_is_the_specimen_of_chapter_6() {
     );
     // Area of the fibre's section and circumference of two lines.
     approx::assert_relative_eq!(mesh.parts()[0].thickness * phi, PI * phi * phi / 4.0, max_relative = 1e-14);
-    approx::assert_relative_eq!(2.0 * specimen.contact_width.unwrap(), PI * phi, max_relative = 1e-14);
+    approx::assert_relative_eq!(2.0 * specimen.contact_pairs[0].width.unwrap(), PI * phi, max_relative = 1e-14);
     assert_eq!(mesh.parts()[1].thickness, 3.26);
     assert!(mesh.elements().iter().all(|element| element.kind() == Q8));
     approx::assert_relative_eq!(part_area(&mesh, "fibre"), phi * 15.2, max_relative = 1e-12);
     approx::assert_relative_eq!(part_area(&mesh, "matrix"), 25.4 * 12.7 - phi * 12.2, max_relative = 1e-12);
     assert_eq!(specimen.pull_direction, [0.0, 1.0]);
-    assert_eq!(mesh.nodes()[specimen.exit_node], [0.0, 0.0]);
-    assert_eq!(mesh.nodes()[specimen.tail_node], [0.0, -12.2]);
-    assert_eq!(mesh.node_set("exit"), Some(&[specimen.exit_node][..]));
-    assert_eq!(mesh.node_set("tail"), Some(&[specimen.tail_node][..]));
+    assert_eq!(mesh.nodes()[specimen.fibres[0].exit_node], [0.0, 0.0]);
+    assert_eq!(mesh.nodes()[specimen.fibres[0].tail_node], [0.0, -12.2]);
+    assert_eq!(mesh.node_set("exit"), Some(&[specimen.fibres[0].exit_node][..]));
+    assert_eq!(mesh.node_set("tail"), Some(&[specimen.fibres[0].tail_node][..]));
     assert_eq!(
         specimen.notes[0],
         "fibre: height 0.406 mm, thickness 0.3189 mm; area 1.000 and bending inertia 1.333 of the round one"
@@ -161,9 +161,9 @@ fn sets_of_an_axisymmetric_specimen_hold_all_of_their_nodes_and_no_others() {
         assert_eq!(mesh.node_set("axis").unwrap(), axis);
         assert!(positions(&mesh, "axis").contains(&[0.0, -12.7]) && positions(&mesh, "axis").contains(&[0.0, 3.0]));
         assert_eq!((mesh.node_set("sides"), mesh.edge_set("hole_left")), (None, None));
-        assert_eq!(specimen.contact_width, None);
-        assert_eq!(mesh.nodes()[specimen.exit_node], [0.0, 0.0]);
-        assert_eq!(mesh.nodes()[specimen.tail_node], [0.0, -12.2]);
+        assert_eq!(specimen.contact_pairs[0].width, None);
+        assert_eq!(mesh.nodes()[specimen.fibres[0].exit_node], [0.0, 0.0]);
+        assert_eq!(mesh.nodes()[specimen.fibres[0].tail_node], [0.0, -12.2]);
         assert_eq!(specimen.contact_pairs.len(), 1);
         let hole = chain(&mesh, &specimen.contact_pairs[0].slave);
         assert_eq!([hole[0][0], hole[hole.len() - 1][1]], [[0.203, 0.0], [0.203, -12.2]]);
@@ -349,7 +349,7 @@ fn specimens_are_sound_over_a_range_of_parameters() {
             matrix_width * parameters.depth - hole,
             max_relative = 1e-9
         );
-        assert_eq!(mesh.nodes()[specimen.exit_node], [0.0, 0.0]);
+        assert_eq!(mesh.nodes()[specimen.fibres[0].exit_node], [0.0, 0.0]);
         assert_eq!(preflight::bodies(&mesh).len(), 2);
         let missing = specimen.notes.iter().filter(|note| note.contains("too narrow")).count();
         assert_eq!(missing, ["face_near", "face_away"].iter().filter(|name| mesh.node_set(name).is_none()).count());

@@ -3,6 +3,7 @@
 use super::requirement::Requirements;
 use crate::element::{ElementKind, MappedPoint};
 use crate::mesh::{MeshDefinition, Part};
+use std::ops::Range;
 
 #[cfg(test)]
 mod test;
@@ -31,15 +32,24 @@ pub struct GradedThickness {
     pub extent: Option<f64>,
 }
 
-/// The thickness of the block and of its cover at each place.
+/// Where a fibre leaves the block.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Thickness {
-    /// t, mm.
-    pub full: f64,
+pub(super) struct Exit {
+    /// x of its axis at the face, mm.
+    pub position: f64,
     /// φ, mm.
     pub diameter: f64,
     /// θ, rad.
     pub angle: f64,
+}
+
+/// The thickness of the block and of its cover at each place.
+#[derive(Clone, Debug)]
+pub(super) struct Thickness {
+    /// t, mm.
+    pub full: f64,
+    /// One at least.
+    pub exits: Vec<Exit>,
     /// `None`: the same everywhere.
     pub graded: Option<GradedThickness>,
 }
@@ -48,7 +58,8 @@ impl Thickness {
     /// What must hold with a cover, and with a graded thickness.
     pub(super) fn check(&self, has_cover: bool, required: &mut Requirements) {
         if has_cover || self.graded.is_some() {
-            let least = self.diameter / (1.0 - THINNEST);
+            let thickest = self.exits.iter().map(|exit| exit.diameter).fold(0.0, f64::max);
+            let least = thickest / (1.0 - THINNEST);
             let requirement = format!("more than {least:.4}: in front of and behind the fibre there must be something");
             required.that(self.full.is_nan() || self.full > least, "matrix_thickness", self.full, requirement);
         }
@@ -60,35 +71,35 @@ impl Thickness {
         }
     }
 
-    /// The part in front of and behind the fibre, of the matrix.
+    /// The part in front of and behind the fibres, of the matrix.
     pub(super) fn cover(&self, matrix: Part) -> Part {
-        Part { name: "cover".to_owned(), thickness: self.of_cover(), ..matrix }
+        Part { name: "cover".to_owned(), thickness: self.of_cover(self.exits[0]), ..matrix }
     }
 
-    /// Of the cover where nothing is graded, mm.
-    fn of_cover(&self) -> f64 {
-        self.full - self.diameter
+    /// Of the cover of a fibre where nothing is graded, mm.
+    fn of_cover(&self, exit: Exit) -> f64 {
+        self.full - exit.diameter
     }
 
-    /// How far the graded thickness reaches from the axis along the face, mm.
-    pub(super) fn extent(&self) -> Option<f64> {
+    /// How far the graded thickness reaches from an axis along the face, mm.
+    pub(super) fn extent(&self, exit: Exit) -> Option<f64> {
         let GradedThickness { slope, extent } = self.graded?;
-        Some(extent.unwrap_or(2.0 * self.diameter + 0.5 * self.of_cover() * (1.0 + self.angle.tan() / slope)))
+        Some(extent.unwrap_or(2.0 * exit.diameter + 0.5 * self.of_cover(exit) * (1.0 + exit.angle.tan() / slope)))
     }
 
     /// The depth from which on the block has its full thickness, mm.
-    pub(super) fn graded_depth(&self) -> Option<f64> {
-        Some(0.5 * self.of_cover() / self.graded?.slope)
+    pub(super) fn graded_depth(&self, exit: Exit) -> Option<f64> {
+        Some(0.5 * self.of_cover(exit) / self.graded?.slope)
     }
 
-    /// Of the block at a place, mm.
+    /// Of the block at a place, mm: the least that the exits give.
     fn at(&self, [x, y]: [f64; 2]) -> f64 {
-        match (self.graded, self.extent()) {
-            (Some(graded), Some(extent)) if x.abs() <= extent => {
-                self.full.min(self.diameter + 2.0 * graded.slope * (-y).max(0.0))
-            }
-            _ => self.full,
-        }
+        let near = self.exits.iter().filter(|exit| {
+            let extent = self.extent(**exit);
+            extent.is_some_and(|extent| (x - exit.position).abs() <= extent)
+        });
+        let slope = self.graded.map_or(0.0, |graded| graded.slope);
+        near.map(|exit| exit.diameter + 2.0 * slope * (-y).max(0.0)).fold(self.full, f64::min)
     }
 
     /// The mean over an element of the block, mm.
@@ -103,22 +114,24 @@ impl Thickness {
         if area > 0.0 { volume / area } else { self.full }
     }
 
-    /// Whether the cover is left out where the block has this thickness.
-    pub(super) fn is_bare(&self, thickness: f64) -> bool {
-        thickness - self.diameter < THINNEST * self.full
+    /// Whether the cover of a fibre of this diameter is left out where the block has this thickness.
+    pub(super) fn is_bare(&self, thickness: f64, diameter: f64) -> bool {
+        thickness - diameter < THINNEST * self.full
     }
 
-    /// Gives the elements of block and cover thicknesses of their own where they are graded.
-    pub(super) fn assign(&self, definition: &mut MeshDefinition, matrix: usize, cover: Option<usize>) {
+    /// Gives the elements of block and cover thicknesses of their own where these are not their part's. `cover`: the elements
+    /// in front of and behind each fibre, and its diameter.
+    pub(super) fn assign(&self, definition: &mut MeshDefinition, matrix: usize, cover: &[(Range<usize>, f64)]) {
         for (index, element) in definition.elements.iter().enumerate() {
-            let is_cover = Some(element.part) == cover;
-            if self.graded.is_none() || !(is_cover || element.part == matrix) {
-                continue;
-            }
+            let diameter = match cover.iter().find(|(elements, _)| elements.contains(&index)) {
+                Some((_, diameter)) => *diameter,
+                None if element.part == matrix => 0.0,
+                None => continue,
+            };
             let positions: Vec<[f64; 2]> = element.nodes.iter().map(|&node| definition.nodes[node]).collect();
-            let mean = self.mean(element.kind, &positions);
-            if mean < (1.0 - ROUNDING) * self.full {
-                definition.thicknesses.insert(index, if is_cover { mean - self.diameter } else { mean });
+            let mean = if self.graded.is_some() { self.mean(element.kind, &positions) } else { self.full };
+            if (mean - diameter - definition.parts[element.part].thickness).abs() > ROUNDING * self.full {
+                definition.thicknesses.insert(index, mean - diameter);
             }
         }
     }
@@ -126,18 +139,22 @@ impl Thickness {
     /// What a report must say.
     pub(super) fn notes(&self, has_cover: bool) -> Vec<String> {
         let mut notes = Vec::new();
-        if has_cover {
-            notes.push(format!(
-                "cover: concrete of the matrix, {:.4} mm thick, in front of and behind the fibre joins both halves of the block",
-                self.of_cover()
-            ));
+        for &exit in &self.exits {
+            if has_cover {
+                notes.push(format!(
+                    "cover: concrete of the matrix, {:.4} mm thick, in front of and behind the fibre joins both halves of the block",
+                    self.of_cover(exit)
+                ));
+            }
+            if let (Some(graded), Some(extent), Some(depth)) = (self.graded, self.extent(exit), self.graded_depth(exit))
+            {
+                notes.push(format!(
+                    "thickness of the matrix: from {} mm at the exit face to {} mm at a depth of {depth:.3} mm (slope {}), within {extent:.3} mm of the exit",
+                    exit.diameter, self.full, graded.slope
+                ));
+            }
         }
-        if let (Some(graded), Some(extent), Some(depth)) = (self.graded, self.extent(), self.graded_depth()) {
-            notes.push(format!(
-                "thickness of the matrix: from {} mm at the exit face to {} mm at a depth of {depth:.3} mm (slope {}), within {extent:.3} mm of the exit",
-                self.diameter, self.full, graded.slope
-            ));
-        }
+        notes.dedup();
         notes
     }
 }

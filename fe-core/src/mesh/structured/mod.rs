@@ -171,6 +171,11 @@ impl StructuredMesh {
         self.definition.edge_sets.insert(name.to_owned(), edges);
     }
 
+    /// How many elements there are so far.
+    pub fn element_count(&self) -> usize {
+        self.definition.elements.len()
+    }
+
     /// Reference positions of the nodes so far.
     pub fn nodes(&self) -> &[[f64; 2]] {
         &self.definition.nodes

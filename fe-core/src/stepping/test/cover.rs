@@ -3,7 +3,7 @@
 use super::pull_out::bond_with;
 use super::{Analysis, Keeper, Record, run};
 use crate::mesh::specimen::{
-    FibreMesh, GradedThickness, InclinedFibre, InclinedMesh, PerpendicularFibre, Specimen, SurfaceRole, inclined_fibre,
+    Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, PerpendicularFibre, Specimen, SurfaceRole, fibres,
     perpendicular_fibre,
 };
 use crate::mesh::{Mesh, MeshDefinition};
@@ -18,8 +18,9 @@ fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
 
 /// A coarse bent fibre at 45°.
 fn specimen(cover: bool, graded_thickness: Option<GradedThickness>) -> Specimen {
-    let mesh = InclinedMesh { size: 3.0, ..InclinedMesh::default() };
-    inclined_fibre(&InclinedFibre { cover, graded_thickness, mesh, ..InclinedFibre::default() }).unwrap()
+    let mesh = FibresMesh { size: 3.0, ..FibresMesh::default() };
+    let bent = vec![Fibre::bent(std::f64::consts::FRAC_PI_4, None, 3.0)];
+    fibres(&Fibres { fibres: bent, cover, graded_thickness, mesh, ..Fibres::default() }).unwrap()
 }
 
 /// A fibre pulled out of a block that is held at its sides, by a bond that bears `tension` across it, MPa.
@@ -50,7 +51,7 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         master: edges(&pair.master),
         law: bond(pair.role == SurfaceRole::Exit),
         quadrature: Quadrature::Gauss { points: 2 },
-        width: specimen.contact_width.map_or(Width::OfPart, Width::Given),
+        width: pair.width.map_or(Width::OfPart, Width::Given),
         penalty_factor: 100.0,
         // updates that end by a tolerance end elsewhere in the mirror image
         enforcement: Enforcement::Penalty,
@@ -64,8 +65,8 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
         slip: Some(0),
         support: Some(0),
         direction: specimen.pull_direction,
-        exit_node: Some(specimen.exit_node),
-        tail_node: Some(specimen.tail_node),
+        exit_node: Some(specimen.fibres[0].exit_node),
+        tail_node: Some(specimen.fibres[0].tail_node),
         ..Measured::default()
     };
     let control = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };

@@ -43,6 +43,8 @@ pub enum Specimen {
     PerpendicularFibre(PerpendicularFibre),
     /// A fibre at an angle to the normal of the face that it is pulled out of: parts fibre and matrix.
     InclinedFibre(InclinedFibre),
+    /// Fibres of any shape: parts fibre.NAME (in parts also fibre for all of them) and matrix.
+    Fibres(Fibres),
     /// A quarter of a plate with a hole: part plate; sets symmetry_x, symmetry_y, right, top, hole.
     PlateWithHole(PlateWithHole),
     /// A thick cylinder: part cylinder; sets inner, outer and bottom, top or symmetry_x, symmetry_y.
@@ -178,6 +180,128 @@ pub struct InclinedFibre {
     pub growth_rate: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
+}
+
+/// Fibres in a block, pulled out of its upper face.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fibres {
+    /// The fibres, each with a name of its own.
+    #[schemars(length(min = 1))]
+    pub fibres: Vec<Fibre>,
+    /// Width of the block (default 25.4).
+    pub width: Option<Positive>,
+    /// Depth of the block (default 12.7).
+    pub depth: Option<Positive>,
+    /// Thickness of the block (default 3.26).
+    pub matrix_thickness: Option<Positive>,
+    /// Concrete of the matrix in front of and behind the fibres, which joins the pieces of the block: part cover (default
+    /// true where the block is thicker than the fibres).
+    pub cover: Option<bool>,
+    /// Make the block as thick as the fibres at the exit face, and thicker with the depth below it: min(t, φ + 2 slope ·
+    /// depth), as a cone around each fibre would be (default: the same thickness everywhere).
+    pub graded_thickness: Option<GradedThickness>,
+    /// Elements of the fibres (default Q8).
+    pub fibre_element: Option<ElementName>,
+    /// Elements of the matrix, T6 or T3 (default T6).
+    pub matrix_element: Option<ElementName>,
+    /// Factor on all sizes (default 1).
+    pub mesh_size: Option<Positive>,
+    /// Elements across each fibre (default 2).
+    pub elements_across: Option<Elements>,
+    /// Size along the fibres where they cross the exit (default a quarter of the diameter).
+    pub exit_size: Option<Positive>,
+    /// Largest size along the fibres (default 0.5).
+    pub largest_fibre_size: Option<Positive>,
+    /// By how much sizes grow per length (default 0.3).
+    pub growth_rate: Option<Positive>,
+    /// Largest size (default 2).
+    pub largest_size: Option<Positive>,
+}
+
+/// A fibre by the line of its axis, from its embedded end to the grip.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Fibre {
+    /// A name that no other fibre has: letters, digits, - and _.
+    #[schemars(regex(pattern = r"^[A-Za-z0-9_-]+$"))]
+    pub name: String,
+    /// Diameter (default 0.406).
+    pub diameter: Option<Positive>,
+    /// Where its axis crosses the exit face, from the middle of the block (default 0).
+    pub exit: Option<f64>,
+    /// The axis from the embedded end to the grip: each piece goes on in the direction in which the one before it ends.
+    #[schemars(length(min = 1))]
+    pub path: Vec<PathPiece>,
+    /// Length of the axis from the embedded end to the exit face (default 12.2).
+    pub embedded: Option<Positive>,
+    /// Diameters that differ, as a line through [distance from the embedded end, diameter]: an enlarged end (default none).
+    pub width_profile: Option<Vec<[f64; 2]>>,
+    /// How much longer than the fibre the hole is (default 0).
+    #[schemars(range(min = 0.0))]
+    pub tail_gap: Option<f64>,
+    /// Radius of the hole's edges at the exit face (default a quarter of the diameter).
+    pub exit_radius: Option<Positive>,
+    /// Length over which fibre and matrix separate at the exit (default 0).
+    #[schemars(range(min = 0.0))]
+    pub separation_length: Option<f64>,
+    /// So much of the embedded fibre has the size of the exit (default 5 diameters, or what the steps pull out if that is
+    /// more).
+    pub fine_length: Option<Positive>,
+}
+
+/// A piece of the axis of a fibre.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PathPiece {
+    /// A line.
+    Straight(StraightPiece),
+    /// An arc.
+    Arc {
+        /// What kind of arc.
+        arc: ArcPiece,
+    },
+    /// Waves.
+    Wave {
+        /// What kind of waves.
+        wave: WavePiece,
+    },
+}
+
+/// A line.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct StraightPiece {
+    /// Its length.
+    pub straight: Positive,
+    /// Angle from the outward normal of the exit face, degrees, positive to the right; of the first piece alone (default 0).
+    pub tilt_deg: Option<f64>,
+}
+
+/// An arc that turns the axis.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ArcPiece {
+    /// Radius of the axis.
+    pub radius: Positive,
+    /// Angle from the outward normal of the exit face where it ends, degrees.
+    pub to_deg: f64,
+    /// The angle where it begins; of the first piece alone (default 0).
+    pub tilt_deg: Option<f64>,
+}
+
+/// Waves amplitude · (1 − cos(2π u/length)) to the left of the axis' direction.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct WavePiece {
+    /// Half of the height from trough to crest; negative: to the right.
+    pub amplitude: f64,
+    /// Length of a wave along the axis' direction.
+    pub length: Positive,
+    /// How many, in halves.
+    pub n: Positive,
+    /// Angle of the direction where they begin; of the first piece alone (default 0).
+    pub tilt_deg: Option<f64>,
 }
 
 /// A thickness that grows with the depth below the exit face.

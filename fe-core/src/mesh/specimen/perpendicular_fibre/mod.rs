@@ -6,8 +6,8 @@ mod sets;
 
 use std::f64::consts::PI;
 
-use super::thickness::{GradedThickness, Thickness};
-use super::{Specimen, SpecimenError};
+use super::thickness::{Exit, GradedThickness, Thickness};
+use super::{PulledFibre, Specimen, SpecimenError};
 use crate::element::{ElementKind, Integration};
 use crate::kinematics::PlaneModel;
 use crate::mesh::Part;
@@ -198,8 +198,11 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
         let [_, matrix] = parameters.parts();
         mesh.add_part(thickness.cover(matrix))
     });
+    let mut cover = Vec::new();
     if let Some(part) = cover_part {
+        let first = mesh.element_count();
         parameters.fill_hole(&mut mesh, part, &lines, &matrix)?;
+        cover.push((first..mesh.element_count(), parameters.fibre_diameter));
     }
 
     // `check` has ruled out kinds without a node on the axis.
@@ -214,16 +217,18 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     notes.extend(sets::name_supports_of_face(&mut mesh, parameters, &matrix));
     notes.extend(thickness.notes(parameters.cover));
     let mut definition = mesh.definition();
-    thickness.assign(&mut definition, matrix_part, cover_part);
-    let contact_width = (!parameters.is_axisymmetric()).then_some(PI / 2.0 * parameters.fibre_diameter);
+    thickness.assign(&mut definition, matrix_part, &cover);
     Ok(Specimen {
         definition,
         pull_direction: [0.0, 1.0],
-        fibre_direction: [0.0, 1.0],
+        fibres: vec![PulledFibre {
+            name: None,
+            diameter: parameters.fibre_diameter,
+            direction: [0.0, 1.0],
+            exit_node,
+            tail_node,
+        }],
         contact_pairs,
-        contact_width,
-        exit_node,
-        tail_node,
         couplings: Vec::new(),
         notes,
     })
@@ -281,7 +286,8 @@ impl PerpendicularFibre {
 
     fn thickness(&self) -> Thickness {
         let Self { matrix_thickness, fibre_diameter, graded_thickness, .. } = *self;
-        Thickness { full: matrix_thickness, diameter: fibre_diameter, angle: 0.0, graded: graded_thickness }
+        let exit = Exit { position: 0.0, diameter: fibre_diameter, angle: 0.0 };
+        Thickness { full: matrix_thickness, exits: vec![exit], graded: graded_thickness }
     }
 
     /// Adds the cover: the cells of the block that the hole leaves out, on the nodes of its walls and its end.
@@ -298,7 +304,7 @@ impl PerpendicularFibre {
         let is_there = |column: usize, row: usize| {
             let [left, right, low, high] = [x[column], x[column + 1], y[row], y[row + 1]];
             let corners = [[left, low], [right, low], [right, high], [left, high]];
-            !thickness.is_bare(thickness.mean(ElementKind::Q4, &corners))
+            !thickness.is_bare(thickness.mean(ElementKind::Q4, &corners), self.fibre_diameter)
         };
         let block = Block::new(part, self.matrix.kind, x, y).keeping(&is_there);
         let nodes: Vec<usize> = matrix.nodes().collect();
@@ -327,7 +333,9 @@ impl PerpendicularFibre {
         const MERGED: f64 = 1e-4;
         let (radius, half) = (0.5 * self.fibre_diameter, self.half_width());
         let mut limits: Vec<f64> = self.support_limits().into_iter().flatten().collect();
-        limits.extend(self.thickness().extent().filter(|extent| *extent > radius && *extent < half));
+        let thickness = self.thickness();
+        let extents = thickness.exits.iter().filter_map(|exit| thickness.extent(*exit));
+        limits.extend(extents.filter(|extent| *extent > radius && *extent < half));
         limits.sort_by(f64::total_cmp);
         let mut stops = vec![radius];
         for limit in limits {

@@ -3,7 +3,7 @@
 use super::PerpendicularFibre;
 use super::lines::Lines;
 use crate::mesh::ElementEdge;
-use crate::mesh::specimen::{ContactSurfaces, SurfaceRole};
+use crate::mesh::specimen::{ContactSurfaces, SurfaceRole, contact_width};
 use crate::mesh::structured::{Grid, Side, StructuredMesh};
 
 /// Grip, sides or outer surface and axis, bottom.
@@ -49,6 +49,7 @@ pub(super) fn name_surfaces(
             slave: hole.0.to_owned(),
             master: surface.0.to_owned(),
             role: SurfaceRole::Bonded,
+            width: (!parameters.is_axisymmetric()).then(|| contact_width(parameters.fibre_diameter)),
         }
     };
     let right_wall = matrix.column_edges(end, along.clone(), Side::Left);

@@ -1,6 +1,6 @@
 use super::super::{
-    Configuration, InclinedFibre, InclinedMesh, Outside, PartMesh, PerpendicularFibre, Specimen, SpecimenError,
-    inclined_fibre, perpendicular_fibre,
+    Configuration, Fibre, Fibres, FibresMesh, PartMesh, PerpendicularFibre, Specimen, SpecimenError, fibres,
+    perpendicular_fibre,
 };
 use super::GradedThickness;
 use crate::element::ElementKind;
@@ -29,17 +29,17 @@ fn measures(mesh: &Mesh, name: &str) -> [f64; 2] {
 fn covered(graded: Option<GradedThickness>) -> Vec<(String, Specimen)> {
     let mut all = Vec::new();
     for degrees in [0.0_f64, 5.0, 14.0, 30.0, 45.0, 60.0, 75.0] {
-        for outside in [Outside::Bent { radius: None, length: 3.0 }, Outside::Straight { length: 0.0 }] {
+        let angle = degrees.to_radians();
+        for (shape, fibre) in [("bent", Fibre::bent(angle, None, 3.0)), ("straight", Fibre::straight(angle, 0.0))] {
             for kind in [ElementKind::T6, ElementKind::T3] {
-                let parameters = InclinedFibre {
-                    angle: degrees.to_radians(),
-                    outside,
+                let parameters = Fibres {
+                    fibres: vec![fibre.clone()],
                     matrix: PartMesh { kind, integration: None },
                     cover: true,
                     graded_thickness: graded,
-                    ..InclinedFibre::default()
+                    ..Fibres::default()
                 };
-                all.push((format!("{degrees}° {outside:?} {kind}"), inclined_fibre(&parameters).unwrap()));
+                all.push((format!("{degrees}° {shape} {kind}"), fibres(&parameters).unwrap()));
             }
         }
     }
@@ -124,9 +124,9 @@ fn graded_volumes_are_those_of_the_closed_form() {
 fn the_graded_part_is_as_wide_as_its_cone() {
     let specimen = |angle: f64, extent: Option<f64>| {
         let graded_thickness = Some(GradedThickness { slope: 1.0, extent });
-        let mesh = InclinedMesh { size: 0.5, ..InclinedMesh::default() };
-        let made = inclined_fibre(&InclinedFibre { angle, graded_thickness, mesh, ..InclinedFibre::default() });
-        made.unwrap()
+        let mesh = FibresMesh { size: 0.5, ..FibresMesh::default() };
+        let bent = vec![Fibre::bent(angle, None, 3.0)];
+        fibres(&Fibres { fibres: bent, graded_thickness, mesh, ..Fibres::default() }).unwrap()
     };
     // 2 φ + (t − φ)/2 (1 + tan θ)
     for (angle, extent) in [(0.0, 0.812 + 1.427), (std::f64::consts::FRAC_PI_4, 0.812 + 2.854)] {
@@ -138,11 +138,12 @@ fn the_graded_part_is_as_wide_as_its_cone() {
 
 #[test]
 fn thicknesses_that_cannot_be_are_told() {
-    let inclined = InclinedFibre {
+    let inclined = Fibres {
+        fibres: vec![Fibre::bent(0.785, None, 3.0)],
         matrix_thickness: 0.4,
         cover: true,
         graded_thickness: Some(GradedThickness { slope: 0.0, extent: Some(-1.0) }),
-        ..InclinedFibre::default()
+        ..Fibres::default()
     };
     let axisymmetric = PerpendicularFibre {
         configuration: Configuration::Axisymmetric { outer_radius: None },
@@ -155,7 +156,7 @@ fn thicknesses_that_cannot_be_are_told() {
         other => panic!("{other}"),
     };
     let expected = ["matrix_thickness", "graded_thickness.slope", "graded_thickness.extent"];
-    assert_eq!(names(inclined_fibre(&inclined)), expected);
+    assert_eq!(names(fibres(&inclined)), expected);
     assert_eq!(names(perpendicular_fibre(&axisymmetric)), ["cover", "graded_thickness"]);
 }
 

@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, HashMap};
 
 use super::divisions::{Divisions, ExitEdge, divided};
-use super::{InclinedFibre, sets};
+use super::{Fibres, Laid, sets};
 use crate::element::ElementKind;
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::triangulation::triangulate;
@@ -35,11 +35,13 @@ pub(super) enum Surface {
     Beyond,
 }
 
-#[derive(Debug)]
+#[derive(Clone, Copy, Debug)]
 struct Piece {
     start: [f64; 2],
     middle: [f64; 2],
     surface: Surface,
+    /// The fibre whose hole it belongs to; that of the block itself is the first.
+    fibre: usize,
     /// The nodes at its start and in its middle that are there already.
     nodes: [Option<usize>; 2],
 }
@@ -50,59 +52,90 @@ pub(super) struct Outline {
     pieces: Vec<Piece>,
 }
 
-/// The element edges of each surface, in the order of the outline.
-pub(super) type SurfaceEdges = BTreeMap<Surface, Vec<ElementEdge>>;
+/// The element edges of each fibre's surfaces, in the order of the outline; those of the block itself are the first fibre's.
+pub(super) type SurfaceEdges = BTreeMap<(usize, Surface), Vec<ElementEdge>>;
 
 impl Outline {
-    pub(super) fn new(parameters: &InclinedFibre, divisions: &Divisions) -> Result<Self, SpecimenError> {
+    pub(super) fn new(parameters: &Fibres, laid: &[Laid<'_>], divisions: &[Divisions]) -> Result<Self, SpecimenError> {
         let (half, depth) = (0.5 * parameters.width, parameters.depth);
-        let [left, right] = divisions.exit_edges;
-        let [face_left, face_right] =
-            [(left, 1.0), (right, -1.0)].map(|(edge, side)| arc(parameters, edge, side).centre[0]);
-        // where supports begin between the hole and the side, outwards, not so close to the hole that an edge is a sliver
-        let stops = |hole: f64, limits: [f64; 2], outwards: f64| {
-            let least = hole * outwards + parameters.exit_size();
+        // the face is gone over from the right to the left
+        let mut order: Vec<usize> = (0..laid.len()).collect();
+        order.sort_by(|&a, &b| laid[b].fibre.exit.total_cmp(&laid[a].fibre.exit));
+        let (rightmost, leftmost) = (order[0], order[order.len() - 1]);
+        let on_face = |fibre: usize, side: f64| {
+            let [left, right] = divisions[fibre].exit_edges;
+            arc(&laid[fibre], if side > 0.0 { left } else { right }, side).centre[0]
+        };
+        // where supports begin between a hole and the side, outwards, not so close to the hole that an edge is a sliver
+        let stops = |fibre: usize, limits: [f64; 2], outwards: f64| {
+            let least = on_face(fibre, -outwards) * outwards + parameters.exit_size(laid[fibre].fibre);
             let mut stops = Vec::from(limits.map(|limit| limit * outwards));
             stops.retain(|&limit| limit > least && limit < half);
             stops.sort_by(f64::total_cmp);
             stops.into_iter().map(|limit| limit * outwards).collect::<Vec<_>>()
         };
-        let [limits_left, limits_right] = sets::support_limits(parameters);
+        let [limits_left, limits_right] = sets::support_limits(parameters, laid);
         let mut outline = Self::default();
-        outline.line(parameters, [-half, -depth], [half, -depth], Surface::Bottom)?;
-        outline.line(parameters, [half, -depth], [half, 0.0], Surface::Sides)?;
-        // the face from the right side to the hole
+        outline.line(parameters, laid, [-half, -depth], [half, -depth], Surface::Bottom)?;
+        outline.line(parameters, laid, [half, -depth], [half, 0.0], Surface::Sides)?;
         let mut from = half;
-        for &to in stops(face_right, limits_right, 1.0).iter().rev().chain([&face_right]) {
-            outline.line(parameters, [from, 0.0], [to, 0.0], Surface::Face)?;
+        for &stop in stops(rightmost, limits_right, 1.0).iter().rev() {
+            outline.line(parameters, laid, [from, 0.0], [stop, 0.0], Surface::Face)?;
+            from = stop;
+        }
+        for fibre in order {
+            outline.line(parameters, laid, [from, 0.0], [on_face(fibre, -1.0), 0.0], Surface::Face)?;
+            outline.hole(parameters, &laid[fibre], fibre, &divisions[fibre])?;
+            from = on_face(fibre, 1.0);
+        }
+        for &to in stops(leftmost, limits_left, -1.0).iter().chain([&-half]) {
+            outline.line(parameters, laid, [from, 0.0], [to, 0.0], Surface::Face)?;
             from = to;
         }
-        outline.exit(parameters, right, -1.0);
-        outline.wall(parameters, divisions, right, -1.0)?;
-        let tail = -parameters.embedded_length;
-        for pair in divisions.across.windows(2) {
-            let point = |left: f64| parameters.axis().point(tail, left);
-            outline.add(point(pair[0]), point(0.5 * (pair[0] + pair[1])), Surface::HoleEnd);
-        }
-        outline.wall(parameters, divisions, left, 1.0)?;
-        outline.exit(parameters, left, 1.0);
-        let mut from = face_left;
-        for &to in stops(face_left, limits_left, -1.0).iter().chain([&-half]) {
-            outline.line(parameters, [from, 0.0], [to, 0.0], Surface::Face)?;
-            from = to;
-        }
-        outline.line(parameters, [-half, 0.0], [-half, -depth], Surface::Sides)?;
+        outline.line(parameters, laid, [-half, 0.0], [-half, -depth], Surface::Sides)?;
         Ok(outline)
     }
 
+    /// A hole: down its right side, around its end, up its left side.
+    fn hole(
+        &mut self,
+        parameters: &Fibres,
+        laid: &Laid<'_>,
+        index: usize,
+        divisions: &Divisions,
+    ) -> Result<(), SpecimenError> {
+        let [left, right] = divisions.exit_edges;
+        let first = self.pieces.len();
+        self.exit(parameters, laid, right, -1.0);
+        self.wall(parameters, laid, divisions, right, -1.0)?;
+        let Laid { fibre, path, .. } = laid;
+        let tail = -fibre.embedded_length;
+        let end = tail - fibre.tail_gap;
+        let point = |s: f64, share: f64| path.point(s, 2.0 * share * fibre.half_width(s));
+        if fibre.tail_gap > 0.0 {
+            self.add(point(tail, -0.5), point(0.5 * (tail + end), -0.5), Surface::HoleEnd);
+        }
+        for pair in divisions.across.windows(2) {
+            self.add(point(end, pair[0]), point(end, 0.5 * (pair[0] + pair[1])), Surface::HoleEnd);
+        }
+        if fibre.tail_gap > 0.0 {
+            self.add(point(end, 0.5), point(0.5 * (tail + end), 0.5), Surface::HoleEnd);
+        }
+        self.wall(parameters, laid, divisions, left, 1.0)?;
+        self.exit(parameters, laid, left, 1.0);
+        self.pieces[first..].iter_mut().for_each(|piece| piece.fibre = index);
+        Ok(())
+    }
+
     fn add(&mut self, start: [f64; 2], middle: [f64; 2], surface: Surface) {
-        self.pieces.push(Piece { start, middle, surface, nodes: [None; 2] });
+        self.pieces.push(Piece { start, middle, surface, fibre: 0, nodes: [None; 2] });
     }
 
     /// A straight line without its end.
-    fn line(
+    fn line<'l>(
         &mut self,
-        parameters: &InclinedFibre,
+        parameters: &Fibres,
+        laid: impl IntoIterator<Item = &'l Laid<'l>> + Clone,
         from: [f64; 2],
         to: [f64; 2],
         surface: Surface,
@@ -112,7 +145,7 @@ impl Outline {
             let share = distance / length;
             [from[0] + share * (to[0] - from[0]), from[1] + share * (to[1] - from[1])]
         };
-        let distances = divided(length, &|distance| parameters.size_at(at(distance)));
+        let distances = divided(length, &|distance| parameters.size_at(laid.clone(), at(distance)));
         let distances = distances.map_err(SpecimenError::along("mesh sizes around the block"))?;
         for pair in distances.windows(2) {
             self.add(at(pair[0]), at(0.5 * (pair[0] + pair[1])), surface);
@@ -121,10 +154,10 @@ impl Outline {
     }
 
     /// The rounded edge of one wall: upwards on the left (`side` 1), downwards on the right (−1).
-    fn exit(&mut self, parameters: &InclinedFibre, edge: ExitEdge, side: f64) {
-        let Arc { centre, angles, radius } = arc(parameters, edge, side);
+    fn exit(&mut self, parameters: &Fibres, laid: &Laid<'_>, edge: ExitEdge, side: f64) {
+        let Arc { centre, angles, radius } = arc(laid, edge, side);
         let turn = angles[1] - angles[0];
-        let by_size = (radius * turn / parameters.exit_size()).ceil() as usize;
+        let by_size = (radius * turn / parameters.exit_size(laid.fibre)).ceil() as usize;
         let count = ((turn / EXIT_TURN).ceil() as usize).max(EXIT_EDGES).max(by_size);
         let at = |twice: usize| {
             let (sine, cosine) = (angles[0] + turn * twice as f64 / (2 * count) as f64).sin_cos();
@@ -134,7 +167,7 @@ impl Outline {
         // the wall's end is its own point, to the bit, and so is the face's
         for k in 0..count {
             let start = match (k, side > 0.0) {
-                (0, true) => parameters.axis().point(edge.start, 0.5 * parameters.fibre_diameter),
+                (0, true) => laid.path.point(edge.start, 0.5 * laid.fibre.diameter),
                 (0, false) => [centre[0], 0.0],
                 _ => at(2 * k),
             };
@@ -145,58 +178,58 @@ impl Outline {
     /// A wall, from the tail upwards on the left, downwards to it on the right.
     fn wall(
         &mut self,
-        parameters: &InclinedFibre,
+        parameters: &Fibres,
+        laid: &Laid<'_>,
         divisions: &Divisions,
         edge: ExitEdge,
         side: f64,
     ) -> Result<(), SpecimenError> {
-        let offset = 0.5 * side * parameters.fibre_diameter;
+        let Laid { fibre, path, .. } = laid;
         let along_fibre = divisions.wall(edge);
         let last = along_fibre[along_fibre.len() - 1];
         let mut stations = along_fibre.to_vec();
         if edge.start > last {
-            let beyond = divided(edge.start - last, &|_| parameters.exit_size());
+            let beyond = divided(edge.start - last, &|_| parameters.exit_size(fibre));
             let beyond = beyond.map_err(SpecimenError::along("mesh sizes beyond the fibre"))?;
             stations.extend(beyond[1..].iter().map(|distance| last + distance));
             // exactly, whatever the sum rounds to
             stations.pop();
             stations.push(edge.start);
         }
-        let surface = |middle: f64| match (middle > last, middle > -parameters.separation_length, side > 0.0) {
+        // without separation the wall that reaches above the exit is a wall like any other
+        let separates = |middle: f64| fibre.separation_length > 0.0 && middle > -fibre.separation_length;
+        let surface = |middle: f64| match (middle > last, separates(middle), side > 0.0) {
             (true, ..) => Surface::Beyond,
             (false, true, true) => Surface::SeparationLeft,
             (false, true, false) => Surface::SeparationRight,
             (false, false, true) => Surface::HoleLeft,
             (false, false, false) => Surface::HoleRight,
         };
-        // without separation the wall that reaches above the exit is a wall like any other
-        let surface = |middle: f64| match surface(middle) {
-            Surface::SeparationLeft if parameters.separation_length == 0.0 => Surface::HoleLeft,
-            Surface::SeparationRight if parameters.separation_length == 0.0 => Surface::HoleRight,
-            surface => surface,
-        };
         if side < 0.0 {
             stations.reverse();
         }
-        let axis = parameters.axis();
+        let point = |s: f64| path.point(s, side * fibre.half_width(s));
         for pair in stations.windows(2) {
             let middle = 0.5 * (pair[0] + pair[1]);
-            self.add(axis.point(pair[0], offset), axis.point(middle, offset), surface(middle));
+            self.add(point(pair[0]), point(middle), surface(middle));
         }
         Ok(())
     }
 
-    /// The outline of the channel that the fibre cuts into the block, which has been filled with these outer edges: along
+    /// The outline of the channel that a fibre cuts into the block, which has been filled with these outer edges: along
     /// the nodes of its walls, from one edge of the face to the other, and back over the face.
     pub(super) fn channel(
         &self,
-        parameters: &InclinedFibre,
+        parameters: &Fibres,
+        laid: &Laid<'_>,
+        fibre: usize,
         block: &MeshDefinition,
         outer: &[ElementEdge],
     ) -> Result<Self, SpecimenError> {
         let mut channel = Self::default();
         let walls = std::iter::zip(&self.pieces, outer)
-            .filter(|(piece, _)| !matches!(piece.surface, Surface::Bottom | Surface::Sides | Surface::Face));
+            .filter(|(piece, _)| !matches!(piece.surface, Surface::Bottom | Surface::Sides | Surface::Face))
+            .filter(|(piece, _)| piece.fibre == fibre);
         let mut mouth = None;
         for (piece, edge) in walls.rev() {
             let element = &block.elements[edge.element];
@@ -204,12 +237,12 @@ impl Outline {
             let [start, end] = [0, 1].map(|k| element.nodes[local[k]]);
             let middle = (count == 3).then(|| element.nodes[local[2]]);
             let nodes = [Some(end), middle];
-            channel.pieces.push(Piece { start: block.nodes[end], middle: piece.middle, surface: piece.surface, nodes });
+            channel.pieces.push(Piece { start: block.nodes[end], nodes, ..*piece });
             mouth = Some(start);
         }
         if let (Some(from), Some(to)) = (mouth, channel.pieces.first().map(|piece| piece.start)) {
             let first = channel.pieces.len();
-            channel.line(parameters, block.nodes[from], to, Surface::Face)?;
+            channel.line(parameters, [laid], block.nodes[from], to, Surface::Face)?;
             channel.pieces[first].nodes[0] = mouth;
         }
         Ok(channel)
@@ -273,7 +306,7 @@ impl Outline {
     pub(super) fn surfaces(&self, outer: &[ElementEdge]) -> SurfaceEdges {
         let mut surfaces = SurfaceEdges::new();
         for (piece, &edge) in std::iter::zip(&self.pieces, outer) {
-            surfaces.entry(piece.surface).or_default().push(edge);
+            surfaces.entry((piece.fibre, piece.surface)).or_default().push(edge);
         }
         surfaces
     }
@@ -287,10 +320,10 @@ struct Arc {
     angles: [f64; 2],
 }
 
-fn arc(parameters: &InclinedFibre, edge: ExitEdge, side: f64) -> Arc {
-    let axis = parameters.axis();
-    let ([x, _], [n_x, _]) = (axis.point(edge.start, 0.5 * side * parameters.fibre_diameter), axis.left(edge.start));
-    let lean = axis.lean(edge.start);
+fn arc(laid: &Laid<'_>, edge: ExitEdge, side: f64) -> Arc {
+    let path = &laid.path;
+    let ([x, _], [n_x, _]) = (path.point(edge.start, 0.5 * side * laid.fibre.diameter), path.left(edge.start));
+    let lean = path.lean(edge.start);
     let angles = if side > 0.0 { [-lean, FRAC_PI_2] } else { [FRAC_PI_2, 2.0 * FRAC_PI_2 - lean] };
     Arc { centre: [x + side * edge.radius * n_x, -edge.radius], radius: edge.radius, angles }
 }

@@ -1,6 +1,6 @@
 //! The stations along a fibre and its hole.
 
-use super::{InclinedFibre, Outside};
+use super::{Fibres, Laid};
 use crate::mesh::specimen::SpecimenError;
 use crate::mesh::structured::{GradingError, MOST_DIVISIONS};
 
@@ -8,6 +8,8 @@ use crate::mesh::structured::{GradingError, MOST_DIVISIONS};
 const MERGED: f64 = 0.3;
 /// Pieces of a line over which the size is integrated.
 const SAMPLES: usize = 400;
+/// The beginning of an exit's edge is looked for up to so many diameters, and embedded lengths, from the exit.
+const EXIT_REACH: f64 = 30.0;
 
 /// The edge of a wall of the hole at the exit face.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,7 +25,7 @@ pub(super) struct ExitEdge {
 pub(super) struct Divisions {
     /// From the tail to the grip.
     pub(super) along: Vec<f64>,
-    /// Across the fibre, from its right to its left side.
+    /// Across the fibre, as shares of its width from its right to its left side.
     pub(super) across: Vec<f64>,
     /// The station of the exit in `along`.
     pub(super) exit_station: usize,
@@ -32,16 +34,24 @@ pub(super) struct Divisions {
 }
 
 impl Divisions {
-    pub(super) fn new(parameters: &InclinedFibre) -> Result<Self, SpecimenError> {
-        let exit_edges = exit_edges(parameters);
-        let (tail, end) = (-parameters.embedded_length, parameters.outer_end());
+    pub(super) fn new(parameters: &Fibres, laid: &Laid<'_>) -> Result<Self, SpecimenError> {
+        let exit_edges = exit_edges(parameters, laid)?;
+        let tail = -laid.fibre.embedded_length;
+        let end = if laid.hangs() { 0.0 } else { laid.path.end() };
         let mut stops = vec![tail, 0.0, end];
         stops.extend(exit_edges.iter().map(|edge| edge.start).filter(|start| *start < end));
+        // nodes where the curvature changes inside the block
+        for at in laid.path.curves().flat_map(|(ends, _)| ends) {
+            let close = MERGED * parameters.size_along(laid, at);
+            if at < 0.0 && stops.iter().all(|stop| (stop - at).abs() > close) {
+                stops.push(at);
+            }
+        }
         stops.sort_by(f64::total_cmp);
         stops.dedup();
         let mut along = vec![tail];
         for ends in stops.windows(2) {
-            let pieces = divided(ends[1] - ends[0], &|distance| parameters.size_along(ends[0] + distance));
+            let pieces = divided(ends[1] - ends[0], &|distance| parameters.size_along(laid, ends[0] + distance));
             let pieces = pieces.map_err(SpecimenError::along("mesh sizes along the fibre"))?;
             let inner = pieces.len() - 2;
             along.extend(pieces[1..=inner].iter().map(|distance| ends[0] + distance));
@@ -60,21 +70,24 @@ impl Divisions {
 
 /// The exit edges of both walls. Where an edge begins close to the exit, to the other one or to the end of the fibre it begins
 /// there, with another radius, so that no element is a sliver.
-fn exit_edges(parameters: &InclinedFibre) -> [ExitEdge; 2] {
-    let (axis, radius) = (parameters.axis(), parameters.exit_radius());
-    let close = MERGED * parameters.exit_size();
-    let half = 0.5 * parameters.fibre_diameter;
-    let [left, right] = [half, -half].map(|offset| axis.exit_start(offset, radius));
+fn exit_edges(parameters: &Fibres, laid: &Laid<'_>) -> Result<[ExitEdge; 2], SpecimenError> {
+    let Laid { fibre, path, .. } = laid;
+    let close = MERGED * parameters.exit_size(fibre);
+    let half = 0.5 * fibre.diameter;
+    let reach = EXIT_REACH * fibre.diameter;
+    let start = |offset: f64| {
+        path.exit_start(offset, fibre.exit_radius(), reach)
+            .ok_or_else(|| SpecimenError::Exit { fibre: fibre.name.clone() })
+    };
+    let (left, right) = (start(half)?, start(-half)?);
     let (mut left, mut right) = if (left - right).abs() < close {
         let middle = 0.5 * (left + right);
         (middle, middle)
     } else {
         (left, right)
     };
-    let end = match parameters.outside {
-        Outside::Straight { length } => length,
-        Outside::Bent { .. } => 0.0,
-    };
+    // the end of a fibre that is straight from the exit on
+    let end = if path.curves().any(|([_, to], _)| to > 0.0) { 0.0 } else { path.end() };
     for start in [&mut left, &mut right] {
         for stop in [0.0, end] {
             if (*start - stop).abs() < close {
@@ -82,16 +95,18 @@ fn exit_edges(parameters: &InclinedFibre) -> [ExitEdge; 2] {
             }
         }
     }
-    [(left, half), (right, -half)].map(|(start, offset)| ExitEdge { start, radius: axis.exit_radius(offset, start) })
+    Ok([(left, half), (right, -half)]
+        .map(|(start, offset)| ExitEdge { start, radius: path.exit_radius(offset, start) }))
 }
 
 /// Distances from 0 to `length` that divide a line into pieces of a size that changes along it: n is ∫ds/h, rounded, and each
 /// piece has the same share of it.
 pub(super) fn divided(length: f64, size: &dyn Fn(f64) -> f64) -> Result<Vec<f64>, GradingError> {
     let at = |sample: usize| length * sample as f64 / SAMPLES as f64;
+    let sizes: Vec<f64> = (0..=SAMPLES).map(|sample| size(at(sample))).collect();
     let mut shares = vec![0.0];
     for sample in 0..SAMPLES {
-        let share = 0.5 * (at(sample + 1) - at(sample)) * (1.0 / size(at(sample)) + 1.0 / size(at(sample + 1)));
+        let share = 0.5 * (at(sample + 1) - at(sample)) * (1.0 / sizes[sample] + 1.0 / sizes[sample + 1]);
         shares.push(shares[sample] + share);
     }
     let whole = shares[SAMPLES];

@@ -1,0 +1,415 @@
+//! Fibres of any shape in a block, pulled out of one of its faces.
+
+mod check;
+mod divisions;
+mod outline;
+mod path;
+mod sets;
+#[cfg(test)]
+mod test;
+
+use std::collections::BTreeSet;
+
+use super::perpendicular_fibre::{FibreSection, PartMesh, section_notes};
+use super::thickness::{Exit, GradedThickness, Thickness};
+use super::{PulledFibre, Specimen, SpecimenError};
+use crate::element::ElementKind;
+use crate::kinematics::PlaneModel;
+use crate::mesh::Part;
+use crate::mesh::structured::{Block, Grading, StructuredMesh};
+use divisions::Divisions;
+use outline::Outline;
+use path::Path;
+
+pub use path::Segment;
+
+/// So much of an embedded fibre is meshed finely at its exit unless a length is given, in diameters.
+pub const FINE_DIAMETERS: f64 = 5.0;
+/// An element turns by no more than this on a curve inside the block, rad: five elements to a right angle.
+const TURN: f64 = 0.35;
+/// Elements at least between the walls of two fibres.
+const BETWEEN: f64 = 3.0;
+
+/// Round fibres in a block, for [`fibres`]. Its defaults are the block of chapter 7 without fibres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fibres {
+    /// Width of the block, 25.4 mm.
+    pub width: f64,
+    /// Depth of the block, 12.7 mm.
+    pub depth: f64,
+    /// Thickness of the block, 3.26 mm: the share of one fibre.
+    pub matrix_thickness: f64,
+    /// Whether there is concrete in front of and behind the fibres, no.
+    pub cover: bool,
+    /// How the thickness grows around the exits, not at all.
+    pub graded_thickness: Option<GradedThickness>,
+    /// The fibres: in any order, with different names.
+    pub fibres: Vec<Fibre>,
+    /// Plane stress by default: in plane strain the axial stiffness of a fibre would be 1/(1 − ν²) of the true one.
+    pub fibre_model: PlaneModel,
+    /// Plane strain by default.
+    pub matrix_model: PlaneModel,
+    /// Elements of the fibres.
+    pub fibre: PartMesh,
+    /// Elements of the matrix: T6 or T3.
+    pub matrix: PartMesh,
+    /// Sizes.
+    pub mesh: FibresMesh,
+}
+
+/// A fibre by the line of its axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fibre {
+    /// Its name; `None` of a fibre that is alone.
+    pub name: Option<String>,
+    /// Diameter φ, mm.
+    pub diameter: f64,
+    /// Diameters that differ from φ, as a line through (distance from the embedded end along the axis, diameter), mm, ascending:
+    /// an enlarged end. The thickness is that of φ.
+    pub profile: Vec<[f64; 2]>,
+    /// The thickness that stands for the round section.
+    pub section: FibreSection,
+    /// Where its axis crosses the exit face, mm from the middle of the block.
+    pub exit: f64,
+    /// Angle of the axis from the outward normal of the exit face where it begins, at the embedded end, rad: positive to the
+    /// right.
+    pub lean: f64,
+    /// The axis from the embedded end to the grip.
+    pub path: Vec<Segment>,
+    /// Length of the axis inside the block, mm.
+    pub embedded_length: f64,
+    /// How much longer the hole is, mm.
+    pub tail_gap: f64,
+    /// Radius of the hole's edges at the exit face, mm; `None`: φ/4.
+    pub exit_radius: Option<f64>,
+    /// Length over which the fibre separates from the matrix at its exit (6.27), mm; 0: none.
+    pub separation_length: f64,
+    /// So much of the fibre inside the block has the size of the exit, mm; `None`: [`FINE_DIAMETERS`] φ.
+    pub fine_length: Option<f64>,
+}
+
+/// Sizes of the mesh.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibresMesh {
+    /// All sizes are multiplied by this, 1.
+    pub size: f64,
+    /// Elements across a fibre, 2; not multiplied.
+    pub elements_across: usize,
+    /// Size along a fibre where it crosses the exit, mm; `None`: φ/4.
+    pub exit_size: Option<f64>,
+    /// Largest size along a fibre, 0.5 mm.
+    pub largest_fibre_size: f64,
+    /// By how much sizes grow per length along a fibre and away from it, 0.3.
+    pub growth_rate: f64,
+    /// Largest size, 2 mm.
+    pub largest_size: f64,
+}
+
+impl Default for FibresMesh {
+    fn default() -> Self {
+        Self {
+            size: 1.0,
+            elements_across: 2,
+            exit_size: None,
+            largest_fibre_size: 0.5,
+            growth_rate: 0.3,
+            largest_size: 2.0,
+        }
+    }
+}
+
+impl Default for Fibres {
+    fn default() -> Self {
+        Self {
+            width: 25.4,
+            depth: 12.7,
+            matrix_thickness: 3.26,
+            cover: false,
+            graded_thickness: None,
+            fibres: Vec::new(),
+            fibre_model: PlaneModel::PlaneStress,
+            matrix_model: PlaneModel::PlaneStrain,
+            fibre: PartMesh::default(),
+            matrix: PartMesh { kind: ElementKind::T6, integration: None },
+            mesh: FibresMesh::default(),
+        }
+    }
+}
+
+impl Fibre {
+    /// A fibre of chapter 7 without a name that crosses the middle of the face: diameter 0.406 mm, embedded over 12.2 mm.
+    pub fn new(lean: f64, path: Vec<Segment>) -> Self {
+        Self {
+            name: None,
+            diameter: 0.406,
+            profile: Vec::new(),
+            section: FibreSection::EqualArea,
+            exit: 0.0,
+            lean,
+            path,
+            embedded_length: 12.2,
+            tail_gap: 0.0,
+            exit_radius: None,
+            separation_length: 0.0,
+            fine_length: None,
+        }
+    }
+
+    /// [`Self::new`] that leans by an angle inside and bends to the outward normal from the face on, with a radius of its axis
+    /// (`None`: 1.5 φ), and goes on along it for a length, mm (initially bent).
+    pub fn bent(angle: f64, radius: Option<f64>, length: f64) -> Self {
+        let fibre = Self::new(angle, Vec::new());
+        let bend = Segment::Arc { radius: radius.unwrap_or(1.5 * fibre.diameter), to: 0.0 };
+        let path = vec![Segment::Straight { length: fibre.embedded_length }, bend, Segment::Straight { length }];
+        Self { path, ..fibre }
+    }
+
+    /// [`Self::new`] that leans by an angle and goes on outside for a length, mm (initially straight): 0 is loading at the exit
+    /// (A), more is loading outside (B).
+    pub fn straight(angle: f64, length: f64) -> Self {
+        let fibre = Self::new(angle, Vec::new());
+        let path = vec![Segment::Straight { length: fibre.embedded_length }, Segment::Straight { length }];
+        Self { path, ..fibre }
+    }
+
+    /// The name of a set or part: `base_rest` of a fibre that is alone, `base.NAME.rest` of one with a name.
+    fn set(&self, base: &str, rest: &str) -> String {
+        let named = match &self.name {
+            Some(name) => format!("{base}.{name}"),
+            None => base.to_owned(),
+        };
+        let between = if self.name.is_some() { '.' } else { '_' };
+        if rest.is_empty() { named } else { format!("{named}{between}{rest}") }
+    }
+
+    /// The name of a contact pair: `base_side` of a fibre that is alone; `NAME.side` of the interface of one with a name,
+    /// `NAME.base.side` of its other surfaces.
+    fn pair(&self, base: &str, side: &str) -> String {
+        match (&self.name, base) {
+            (None, _) => format!("{base}_{side}"),
+            (Some(name), "interface") => format!("{name}.{side}"),
+            (Some(name), _) => format!("{name}.{base}.{side}"),
+        }
+    }
+
+    fn exit_radius(&self) -> f64 {
+        self.exit_radius.unwrap_or(0.25 * self.diameter)
+    }
+
+    fn fine_length(&self) -> f64 {
+        self.fine_length.unwrap_or(FINE_DIAMETERS * self.diameter)
+    }
+
+    /// Half of the width at an arc length of the axis from the exit, mm.
+    fn half_width(&self, s: f64) -> f64 {
+        let from_tail = s + self.embedded_length;
+        let after = self.profile.partition_point(|[at, _]| *at <= from_tail);
+        let diameter = match (after.checked_sub(1).map(|before| self.profile[before]), self.profile.get(after)) {
+            (Some([a, at_a]), Some([b, at_b])) => at_a + (at_b - at_a) * (from_tail - a) / (b - a),
+            (None, Some([_, first])) => *first,
+            _ => self.diameter,
+        };
+        0.5 * diameter
+    }
+}
+
+/// A fibre with the line of its axis.
+#[derive(Debug)]
+struct Laid<'a> {
+    fibre: &'a Fibre,
+    path: Path,
+    /// Distances to the nearest wall of another fibre at arc lengths of the embedded axis, mm; empty: it is alone.
+    gaps: Vec<[f64; 2]>,
+}
+
+impl Laid<'_> {
+    /// Whether the fibre ends at the exit face, where its end may turn.
+    fn hangs(&self) -> bool {
+        self.path.end() <= check::SHORTEST * self.fibre.diameter
+    }
+
+    /// Arc lengths of its ends.
+    fn ends(&self) -> [f64; 2] {
+        [-self.fibre.embedded_length, self.path.end()]
+    }
+
+    /// Arc lengths at about equal distances of a quarter of the diameter.
+    fn samples(&self, [from, to]: [f64; 2]) -> Vec<f64> {
+        let count = ((to - from) / (0.25 * self.fibre.diameter)).ceil().clamp(1.0, 1e4);
+        (0..=count as usize).map(|k| from + (to - from) * k as f64 / count).collect()
+    }
+
+    /// The distance to the nearest wall of another fibre, mm.
+    fn gap(&self, s: f64) -> f64 {
+        let after = self.gaps.partition_point(|[at, _]| *at < s).min(self.gaps.len().saturating_sub(1));
+        self.gaps.get(after).map_or(f64::INFINITY, |[_, gap]| *gap)
+    }
+}
+
+#[doc = include_str!("doc.md")]
+///
+/// # Errors
+///
+/// All parameters that cannot be, or what keeps the block from being meshed.
+pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
+    let laid = parameters.laid()?;
+    let divisions = laid.iter().map(|laid| Divisions::new(parameters, laid)).collect::<Result<Vec<_>, _>>()?;
+    let mut mesh = StructuredMesh::default();
+    let mut grids = Vec::new();
+    let mut pulled = Vec::new();
+    for (laid, divisions) in std::iter::zip(&laid, &divisions) {
+        let Laid { fibre, path, .. } = laid;
+        let thickness = fibre.section.thickness(fibre.diameter);
+        let part = mesh.add_part(Part {
+            integration: parameters.fibre.integration,
+            ..Part::new(fibre.set("fibre", ""), parameters.fibre_model, thickness)
+        });
+        let map = |[s, share]: [f64; 2]| path.point(s, 2.0 * share * fibre.half_width(s));
+        let block = Block::new(part, parameters.fibre.kind, &divisions.along, &divisions.across);
+        let grid = mesh.block(&block.mapped(&map))?;
+        // the middle between the fibre's sides: `check` has ruled out kinds without a node there
+        let on_axis = |station: usize| grid.node(2 * station, grid.rows()).expect("the fibre has nodes on its axis");
+        let (exit_node, tail_node) = (on_axis(divisions.exit_station), on_axis(0));
+        mesh.node_set(&fibre.set("exit", ""), [exit_node]);
+        mesh.node_set(&fibre.set("tail", ""), [tail_node]);
+        mesh.node_set(&fibre.set("fibre", "axis"), (0..divisions.along.len()).map(on_axis));
+        sets::name_fibre_sets(&mut mesh, fibre, &grid);
+        let direction = path.lean(0.0).sin_cos().into();
+        pulled.push(PulledFibre {
+            name: fibre.name.clone(),
+            diameter: fibre.diameter,
+            direction,
+            exit_node,
+            tail_node,
+        });
+        grids.push(grid);
+    }
+    let mut definition = mesh.definition();
+    let matrix = Part {
+        integration: parameters.matrix.integration,
+        ..Part::new("matrix", parameters.matrix_model, parameters.matrix_thickness)
+    };
+    let matrix_part = definition.parts.len();
+    definition.parts.push(matrix.clone());
+    let outline = Outline::new(parameters, &laid, &divisions)?;
+    let (kind, largest_area) = (parameters.matrix.kind, parameters.largest_area());
+    // each piece of the outline is an edge of a triangle
+    let outer = outline.fill(&mut definition, matrix_part, kind, largest_area, &|_| true)?;
+    let outer: Vec<_> = outer.into_iter().flatten().collect();
+    let edges = outline.surfaces(&outer);
+    let contact_pairs = sets::name_surfaces(&mut definition, &parameters.fibres, &edges);
+    let thickness = parameters.thickness(&laid);
+    let mut covers = Vec::new();
+    if parameters.cover {
+        let part = definition.parts.len();
+        definition.parts.push(thickness.cover(matrix));
+        for (index, laid) in laid.iter().enumerate() {
+            let (first, diameter) = (definition.elements.len(), laid.fibre.diameter);
+            let channel = outline.channel(parameters, laid, index, &definition, &outer)?;
+            let is_there =
+                |corners: &[[f64; 2]]| !thickness.is_bare(thickness.mean(ElementKind::T3, corners), diameter);
+            channel.fill(&mut definition, part, kind, largest_area, &is_there)?;
+            covers.push((first..definition.elements.len(), diameter));
+        }
+    }
+    thickness.assign(&mut definition, matrix_part, &covers);
+    let sections = parameters.fibres.iter();
+    let sections = sections.flat_map(|fibre| section_notes(fibre.section, fibre.diameter, parameters.matrix_thickness));
+    let mut notes: Vec<String> = sections.collect();
+    notes.extend(thickness.notes(parameters.cover));
+    notes.extend(sets::name_supports(&mut definition, parameters, &laid, &edges));
+    // fibres that are alike have the same notes
+    let mut told = BTreeSet::new();
+    notes.retain(|note| told.insert(note.clone()));
+    // nothing holds the end of a fibre at the face but its own section: it may turn
+    let hanging = std::iter::zip(&laid, &grids).filter(|(laid, _)| laid.hangs());
+    let couplings = hanging.map(|(laid, grid)| sets::hang_on_a_node(&mut definition, laid.fibre, grid)).collect();
+    sets::join_grips(&mut definition, &parameters.fibres);
+    Ok(Specimen { definition, pull_direction: [0.0, 1.0], fibres: pulled, contact_pairs, couplings, notes })
+}
+
+impl Fibres {
+    /// The checked fibres with their axes and the distances between them.
+    fn laid(&self) -> Result<Vec<Laid<'_>>, SpecimenError> {
+        self.check()?;
+        let mut laid: Vec<Laid<'_>> = self.fibres.iter().map(Laid::new).collect();
+        self.check_room(&laid)?;
+        for index in 0..laid.len() {
+            let (own, mut gaps) = (&laid[index], Vec::new());
+            let others = || laid.iter().enumerate().filter(|(other, _)| *other != index).map(|(_, other)| other);
+            for s in own.samples([own.ends()[0], 0.0]) {
+                let gap = others().map(|other| own.gap_to(s, other, 0.0)).fold(f64::INFINITY, f64::min);
+                if gap.is_finite() {
+                    gaps.push([s, gap]);
+                }
+            }
+            laid[index].gaps = gaps;
+        }
+        Ok(laid)
+    }
+
+    fn exit_size(&self, fibre: &Fibre) -> f64 {
+        self.mesh.size * self.mesh.exit_size.unwrap_or(0.25 * fibre.diameter)
+    }
+
+    /// Twice an equilateral triangle of the largest size: refinement is asked for where the outline's sizes do not do it.
+    fn largest_area(&self) -> f64 {
+        let size = self.mesh.size * self.mesh.largest_size;
+        0.866 * size * size
+    }
+
+    /// Size along a fibre at an arc length, mm.
+    fn size_along(&self, laid: &Laid<'_>, s: f64) -> f64 {
+        let Laid { fibre, path, .. } = laid;
+        let growth = self.mesh.growth_rate;
+        // the curve behind the exit ends where the fibre is straight from there on
+        let curved_end = path.curves().map(|([_, to], _)| to).fold(0.0, f64::max);
+        let fine_end = curved_end + 2.0 * fibre.diameter;
+        let beyond = (-fibre.fine_length() - s).max(s - fine_end).max(0.0);
+        let mut size = self.exit_size(fibre) + growth * beyond;
+        for ([from, to], radius) in path.curves().filter(|([from, _], _)| *from < -0.5 * fibre.diameter) {
+            let away = (from - s).max(s - to).max(0.0);
+            size = size.min(self.mesh.size * TURN * radius + growth * away);
+        }
+        size.min(laid.gap(s) / BETWEEN).min(self.mesh.size * self.mesh.largest_fibre_size)
+    }
+
+    /// Size in the block at a point, mm.
+    fn size_at<'l>(&self, laid: impl IntoIterator<Item = &'l Laid<'l>>, point: [f64; 2]) -> f64 {
+        let sizes = laid.into_iter().map(|laid| {
+            let (s, distance) = laid.path.nearest(point, [-laid.fibre.embedded_length, 0.0]);
+            let distance = (distance - 0.5 * laid.fibre.diameter).max(0.0);
+            self.size_along(laid, s) + self.mesh.growth_rate * distance
+        });
+        sizes.fold(self.mesh.size * self.mesh.largest_size, f64::min)
+    }
+
+    fn thickness(&self, laid: &[Laid<'_>]) -> Thickness {
+        let exits = laid.iter().map(|Laid { fibre, path, .. }| Exit {
+            position: fibre.exit,
+            diameter: fibre.diameter,
+            angle: path.lean(0.0).abs(),
+        });
+        Thickness { full: self.matrix_thickness, exits: exits.collect(), graded: self.graded_thickness }
+    }
+
+    /// Positions across a fibre as shares of its width, from its right to its left side.
+    fn positions_across(&self) -> Result<Vec<f64>, SpecimenError> {
+        let across = Grading::Uniform { count: self.mesh.elements_across }.positions(1.0);
+        let across = across.map_err(SpecimenError::along("mesh.elements_across"))?;
+        Ok(across.into_iter().map(|share| share - 0.5).collect())
+    }
+}
+
+impl<'a> Laid<'a> {
+    fn new(fibre: &'a Fibre) -> Self {
+        let path = Path::new(fibre.lean, &fibre.path, fibre.embedded_length, fibre.exit);
+        Self { fibre, path, gaps: Vec::new() }
+    }
+
+    /// The distance between the walls of two fibres at an arc length of this one, of the other's axis up to another, mm.
+    fn gap_to(&self, s: f64, other: &Self, end: f64) -> f64 {
+        let (at, distance) = other.path.nearest(self.path.point(s, 0.0), [other.ends()[0], end]);
+        distance - self.fibre.half_width(s) - other.fibre.half_width(at)
+    }
+}

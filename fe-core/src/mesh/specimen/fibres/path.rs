@@ -1,0 +1,401 @@
+//! The axis of a fibre, by its arc length from the exit.
+
+use std::f64::consts::TAU;
+
+/// A piece of a fibre's axis. Each goes on in the direction in which the one before it ends.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Segment {
+    /// A line.
+    Straight {
+        /// mm.
+        length: f64,
+    },
+    /// An arc that turns the axis to an angle.
+    Arc {
+        /// mm.
+        radius: f64,
+        /// The axis' angle from +y where the arc ends, to the right, rad.
+        to: f64,
+    },
+    /// Waves $w(u) = a (1 − cos(2πu/λ))$ to the left of the direction in which they begin and end, u along it.
+    Wave {
+        /// a, half of the height from trough to crest, mm; negative: to the right.
+        amplitude: f64,
+        /// λ, mm.
+        length: f64,
+        /// How many, in halves.
+        count: f64,
+    },
+}
+
+/// Pieces of half a wave over which its arc length is tabulated.
+const PIECES: usize = 64;
+
+impl Segment {
+    /// The least radius of curvature, mm.
+    pub(super) fn least_radius(self) -> f64 {
+        match self {
+            Self::Straight { .. } => f64::INFINITY,
+            Self::Arc { radius, .. } => radius,
+            Self::Wave { amplitude, length, .. } => (length / TAU).powi(2) / amplitude.abs(),
+        }
+    }
+}
+
+/// Position and direction at a place of a path.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    point: [f64; 2],
+    /// Angle from +y to the right, rad.
+    lean: f64,
+}
+
+#[derive(Clone, Debug)]
+enum Shape {
+    Line,
+    /// Signed: positive turns to the right.
+    Arc(f64),
+    Wave {
+        amplitude: f64,
+        length: f64,
+        /// Arc length at the ends of the equal pieces of u.
+        table: Vec<f64>,
+        step: f64,
+    },
+}
+
+/// A piece of a path.
+#[derive(Clone, Debug)]
+struct Piece {
+    /// Arc lengths of its ends.
+    from: f64,
+    to: f64,
+    /// Where the place below is.
+    anchor: f64,
+    place: Place,
+    /// Angle where it ends.
+    end_lean: f64,
+    shape: Shape,
+    least_radius: f64,
+}
+
+/// An axis: straight beyond both of its ends.
+#[derive(Clone, Debug)]
+pub(super) struct Path {
+    pieces: Vec<Piece>,
+}
+
+impl Path {
+    /// A path that begins at its embedded end with an angle and crosses y = 0 at x = `exit` after `embedded`.
+    pub(super) fn new(lean: f64, segments: &[Segment], embedded: f64, exit: f64) -> Self {
+        let (mut s, mut lean) = (-embedded, lean);
+        let mut pieces: Vec<Piece> = Vec::new();
+        for &segment in segments {
+            let (shape, length, end_lean) = match segment {
+                Segment::Straight { length } => (Shape::Line, length, lean),
+                Segment::Arc { radius, to } => (Shape::Arc(radius.copysign(to - lean)), radius * (to - lean).abs(), to),
+                Segment::Wave { amplitude, length, count } => {
+                    let shape = wave(amplitude, length, count);
+                    let Shape::Wave { table, .. } = &shape else { unreachable!("a wave is one") };
+                    let whole = table[table.len() - 1];
+                    (shape, whole, lean)
+                }
+            };
+            if length > 0.0 {
+                let place = Place { point: [0.0; 2], lean };
+                let least_radius = segment.least_radius();
+                pieces.push(Piece { from: s, to: s + length, anchor: s, place, end_lean, shape, least_radius });
+                s += length;
+            }
+            lean = end_lean;
+        }
+        let mut path = Self { pieces };
+        path.put_at([exit, 0.0]);
+        path
+    }
+
+    /// Places the pieces, beginning with the one that ends at the exit or crosses it.
+    fn put_at(&mut self, exit: [f64; 2]) {
+        let at_exit = self.pieces.partition_point(|piece| piece.to < -ROUNDING).min(self.pieces.len() - 1);
+        let piece = &mut self.pieces[at_exit];
+        match piece.shape {
+            // no rounding of the embedded length
+            Shape::Line => (piece.anchor, piece.place.point) = (0.0, exit),
+            _ => piece.place.point = moved(exit, piece.at(0.0).point, -1.0),
+        }
+        let (mut start, mut end) = (piece.at(piece.from).point, piece.end().point);
+        for piece in self.pieces[..at_exit].iter_mut().rev() {
+            piece.place.point = moved(start, piece.end().point, -1.0);
+            start = piece.place.point;
+        }
+        for piece in &mut self.pieces[at_exit + 1..] {
+            piece.place.point = end;
+            end = piece.end().point;
+        }
+    }
+
+    /// Arc length of the outer end.
+    pub(super) fn end(&self) -> f64 {
+        self.pieces[self.pieces.len() - 1].to
+    }
+
+    /// Arc lengths where curved pieces begin and end, and their least radius.
+    pub(super) fn curves(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let curved = self.pieces.iter().filter(|piece| !matches!(piece.shape, Shape::Line));
+        curved.map(|piece| ([piece.from, piece.to], piece.least_radius))
+    }
+
+    fn place(&self, s: f64) -> Place {
+        let last = self.pieces.len() - 1;
+        let index = self.pieces.partition_point(|piece| piece.to < s).min(last);
+        let piece = &self.pieces[index];
+        if index == last && s > piece.to { piece.end().on(s - piece.to) } else { piece.at(s) }
+    }
+
+    /// The angle from +y at an arc length, rad.
+    pub(super) fn lean(&self, s: f64) -> f64 {
+        self.place(s).lean
+    }
+
+    /// The unit normal to the left.
+    pub(super) fn left(&self, s: f64) -> [f64; 2] {
+        let (sine, cosine) = self.lean(s).sin_cos();
+        [-cosine, sine]
+    }
+
+    /// The point at an arc length (0 at the exit, negative below), so far to the left of the axis.
+    pub(super) fn point(&self, s: f64, left: f64) -> [f64; 2] {
+        let Place { point: [x, y], lean } = self.place(s);
+        let (sine, cosine) = lean.sin_cos();
+        [x - left * cosine, y + left * sine]
+    }
+
+    /// Arc length and distance of the nearest point of the axis between two arc lengths.
+    pub(super) fn nearest(&self, [x, y]: [f64; 2], [from, to]: [f64; 2]) -> (f64, f64) {
+        let distance = |s: f64| {
+            let [p_x, p_y] = self.point(s, 0.0);
+            (x - p_x).hypot(y - p_y)
+        };
+        let mut nearest = (from, f64::INFINITY);
+        for piece in self.pieces.iter().filter(|piece| piece.from < to && piece.to > from) {
+            let (from, to) = (piece.from.max(from), piece.to.min(to));
+            let candidates = match piece.shape {
+                Shape::Line => {
+                    let (sine, cosine) = piece.place.lean.sin_cos();
+                    let [p_x, p_y] = piece.place.point;
+                    vec![(piece.anchor + (x - p_x) * sine + (y - p_y) * cosine).clamp(from, to)]
+                }
+                _ => (0..=PIECES).map(|k| from + (to - from) * k as f64 / PIECES as f64).collect(),
+            };
+            for s in candidates {
+                let distance = distance(s);
+                if distance < nearest.1 {
+                    nearest = (s, distance);
+                }
+            }
+        }
+        nearest
+    }
+
+    /// The arc length at which an exit edge of this radius begins on the wall `offset` to the left of the axis (negative:
+    /// to the right): there a circle touches the wall and the face y = 0 from within the block. May lie above the end of
+    /// the fibre. `reach`: how far from the exit it is looked for, mm.
+    pub(super) fn exit_start(&self, offset: f64, exit_radius: f64, reach: f64) -> Option<f64> {
+        // the circle's centre lies on the line at this distance from the axis, `exit_radius` below the face
+        let centre = offset + exit_radius.copysign(offset);
+        let above = |s: f64| self.point(s, centre)[1] + exit_radius;
+        // the nearest change of sign
+        let outwards = if above(0.0) > 0.0 { -1.0 } else { 1.0 };
+        let step = outwards * reach / f64::from(STEPS);
+        let first = (1..=STEPS).find(|&k| above(f64::from(k) * step) * outwards >= 0.0)?;
+        let (mut low, mut high) = (f64::from(first - 1) * step, f64::from(first) * step);
+        for _ in 0..BISECTIONS {
+            let middle = 0.5 * (low + high);
+            if above(middle) * outwards >= 0.0 { high = middle } else { low = middle }
+        }
+        let index = self.pieces.partition_point(|piece| piece.to < high);
+        Some(match self.pieces.get(index) {
+            // to the last bit
+            Some(Piece { shape: Shape::Line, anchor, place: Place { point: [_, y], lean }, .. }) => {
+                let (sine, cosine) = lean.sin_cos();
+                anchor + (-exit_radius - centre * sine - y) / cosine
+            }
+            _ => high,
+        })
+    }
+
+    /// The radius of the exit edge that begins at an arc length of the wall `offset` to the left of the axis.
+    pub(super) fn exit_radius(&self, offset: f64, s: f64) -> f64 {
+        let ([_, y], [_, n_y]) = (self.point(s, offset), self.left(s));
+        -y / (1.0 + n_y.copysign(n_y * offset))
+    }
+}
+
+/// Arc lengths from the exit that are less are 0, mm.
+const ROUNDING: f64 = 1e-9;
+/// Steps in which the beginning of an exit edge is looked for.
+const STEPS: u32 = 200;
+/// Halvings of such a step: to the last bit.
+const BISECTIONS: usize = 60;
+
+impl Place {
+    /// So far along the direction.
+    fn on(self, distance: f64) -> Self {
+        let (sine, cosine) = self.lean.sin_cos();
+        Self { point: moved(self.point, [sine, cosine], distance), ..self }
+    }
+}
+
+fn moved([x, y]: [f64; 2], [u, v]: [f64; 2], factor: f64) -> [f64; 2] {
+    [x + factor * u, y + factor * v]
+}
+
+impl Piece {
+    fn at(&self, s: f64) -> Place {
+        let along = s - self.anchor;
+        match &self.shape {
+            Shape::Line => self.place.on(along),
+            Shape::Arc(radius) => self.turned(*radius, self.place.lean + along / radius),
+            Shape::Wave { amplitude, length, table, step } => {
+                let u = along_wave(along, *amplitude, *length, table, *step);
+                let (wave, slope) = wave_at(u, *amplitude, *length);
+                let Place { point, lean } = self.place.on(u);
+                let (sine, cosine) = lean.sin_cos();
+                Place { point: moved(point, [-cosine, sine], wave), lean: lean - slope.atan() }
+            }
+        }
+    }
+
+    /// ∫ (sin θ, cos θ) ds of an arc, ds = radius dθ.
+    fn turned(&self, radius: f64, lean: f64) -> Place {
+        let ((sine, cosine), (from_sine, from_cosine)) = (lean.sin_cos(), self.place.lean.sin_cos());
+        Place { point: moved(self.place.point, [from_cosine - cosine, sine - from_sine], radius), lean }
+    }
+
+    /// Where it ends, the angle without rounding.
+    fn end(&self) -> Place {
+        match self.shape {
+            Shape::Arc(radius) => self.turned(radius, self.end_lean),
+            _ => Place { lean: self.end_lean, ..self.at(self.to) },
+        }
+    }
+}
+
+/// w and dw/du.
+fn wave_at(u: f64, amplitude: f64, length: f64) -> (f64, f64) {
+    let (sine, cosine) = (TAU * u / length).sin_cos();
+    (amplitude * (1.0 - cosine), amplitude * TAU / length * sine)
+}
+
+/// ∫ √(1 + w'²) du by three Gauss points.
+fn wave_length(from: f64, to: f64, amplitude: f64, length: f64) -> f64 {
+    let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+    let stretch = |at: f64| wave_at(middle + half * at, amplitude, length).1.hypot(1.0);
+    let outer = 0.6_f64.sqrt();
+    half * (5.0 * (stretch(-outer) + stretch(outer)) + 8.0 * stretch(0.0)) / 9.0
+}
+
+fn wave(amplitude: f64, length: f64, count: f64) -> Shape {
+    let pieces = (2.0 * count).round().max(1.0) as usize * PIECES;
+    let step = count * length / pieces as f64;
+    let mut table = vec![0.0];
+    for k in 0..pieces {
+        table.push(table[k] + wave_length(step * k as f64, step * (k + 1) as f64, amplitude, length));
+    }
+    Shape::Wave { amplitude, length, table, step }
+}
+
+/// u at an arc length of the wave.
+fn along_wave(s: f64, amplitude: f64, length: f64, table: &[f64], step: f64) -> f64 {
+    let piece = table.partition_point(|&end| end <= s).clamp(1, table.len() - 1) - 1;
+    let from = step * piece as f64;
+    let mut u = from + step * (s - table[piece]) / (table[piece + 1] - table[piece]);
+    // Newton's method: the arc length is nearly linear in so short a piece
+    for _ in 0..3 {
+        let too_far = table[piece] + wave_length(from, u, amplitude, length) - s;
+        u -= too_far / wave_at(u, amplitude, length).1.hypot(1.0);
+    }
+    u
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    fn bent(angle: f64, radius: f64) -> Path {
+        let bend = Segment::Arc { radius, to: 0.0 };
+        Path::new(angle, &[Segment::Straight { length: 12.2 }, bend, Segment::Straight { length: 3.0 }], 12.2, 0.0)
+    }
+
+    fn paths() -> Vec<Path> {
+        let hook = [
+            Segment::Straight { length: 2.0 },
+            Segment::Arc { radius: 0.75, to: -0.6 },
+            Segment::Straight { length: 1.5 },
+            Segment::Arc { radius: 0.75, to: 0.3 },
+            Segment::Straight { length: 10.0 },
+        ];
+        let wave = [Segment::Wave { amplitude: 0.4, length: 8.0, count: 2.5 }, Segment::Straight { length: 1.0 }];
+        vec![bent(1.0, 0.6), Path::new(0.3, &hook, 12.0, 1.0), Path::new(-0.2, &wave, 15.0, -3.0)]
+    }
+
+    #[test]
+    fn a_path_is_continuous_with_its_tangent_and_measured_by_its_arc_length() {
+        let step = 1e-5;
+        for path in paths() {
+            let [x, y] = path.point(0.0, 0.0);
+            assert!(y.abs() < 1e-12, "{x} {y}");
+            for k in 0..400 {
+                let s = -15.0 + f64::from(k) * 0.049;
+                let ([a_x, a_y], [b_x, b_y]) = (path.point(s - step, 0.0), path.point(s + step, 0.0));
+                let (tangent, lean) = ([(b_x - a_x) / (2.0 * step), (b_y - a_y) / (2.0 * step)], path.lean(s));
+                let off = (tangent[0] - lean.sin()).abs().max((tangent[1] - lean.cos()).abs());
+                // across a change of curvature the difference is that of the step
+                assert!(off < 2e-5, "{s}: {tangent:?} {lean}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_wave_turns_by_the_curvature_of_its_crests() {
+        let wave = Segment::Wave { amplitude: 0.4, length: 8.0, count: 3.0 };
+        let path = Path::new(0.0, &[wave], 5.0, 0.0);
+        let step = 1e-4;
+        let curvature = |s: f64| (path.lean(s + step) - path.lean(s - step)) / (2.0 * step);
+        // half a wave from its beginning the crest lies 2a beside the axis
+        let length = path.end() + 5.0;
+        let crest = -5.0 + length / 6.0;
+        let ([start, _], [x, _]) = (path.point(-5.0, 0.0), path.point(crest, 0.0));
+        assert!((start - x - 0.8).abs() < 1e-9);
+        assert!((curvature(crest).abs() * wave.least_radius() - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn the_exit_edge_touches_wall_and_face() {
+        for degrees in [0.0_f64, 5.0, 14.0, 37.0, 60.0, 75.0] {
+            for path in [
+                Path::new(degrees.to_radians(), &[Segment::Straight { length: 12.2 }], 12.2, 0.0),
+                bent(degrees.to_radians(), 0.609),
+            ] {
+                for offset in [0.203, -0.203] {
+                    let s = path.exit_start(offset, 0.1015, 5.0).unwrap();
+                    let ([_, y], [_, n_y]) = (path.point(s, offset), path.left(s));
+                    // the centre is `radius` from the wall, into the block, and from the face
+                    let centre = y + 0.1015 * n_y * offset.signum();
+                    assert!((centre + 0.1015).abs() < 1e-12, "{degrees} {offset}: {centre}");
+                    assert!((path.exit_radius(offset, s) - 0.1015).abs() < 1e-12, "{degrees} {offset}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn the_nearest_point_is_found_on_lines_and_arcs() {
+        let path = bent(0.7, 0.6);
+        for s in [-8.0, -1.0, 0.2, 1.5] {
+            let (found, distance) = path.nearest(path.point(s, 0.3), [-12.2, 3.0]);
+            assert!((found - s).abs() < 0.01 && (distance - 0.3).abs() < 1e-3, "{s}: {found} {distance}");
+        }
+        assert_eq!(path.nearest([0.0, 1.0], [-12.2, 0.0]).0, 0.0);
+    }
+}
