@@ -100,10 +100,10 @@ pub enum LoadKind {
 /// What the history calls slip and load.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
-    /// The drive that is the `slip` of the history; `None`: 0.
-    pub slip: Option<usize>,
-    /// Index of the support whose reaction is the `load`.
-    pub support: Option<usize>,
+    /// The drives whose mean is the `slip` of the history; none: 0.
+    pub slip: Vec<usize>,
+    /// Indices of the supports whose reactions together are the `load`.
+    pub supports: Vec<usize>,
     /// The pull direction, unit length: `load` is the reaction along it, `load_lateral` that along its left normal.
     pub direction: [f64; 2],
     /// The direction of the embedded fibre towards its exit, unit length: of the axial and the shear component of the
@@ -113,21 +113,52 @@ pub struct Measured {
     pub exit_node: Option<usize>,
     /// The node whose displacement along the axis is `slip_tail`.
     pub tail_node: Option<usize>,
-    /// The lines along which the fibre is bonded: indices of the contact pairs that each consists of.
+    /// The lines along which fibres are bonded: indices of the contact pairs that each consists of.
     pub interface_lines: Vec<Vec<usize>>,
+    /// Each of several fibres; empty for one that is alone, of which the fields above tell.
+    pub fibres: Vec<MeasuredFibre>,
     /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
     /// circumference, 1 else.
     pub bearing_factor: f64,
+}
+
+/// What is measured of one of several fibres.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredFibre {
+    /// Its name.
+    pub name: String,
+    /// The drive that pulls it.
+    pub slip: usize,
+    /// Index of the support whose reaction is its load.
+    pub support: usize,
+    /// The direction of its axis where it leaves the block, unit length.
+    pub axis: [f64; 2],
+    /// The node whose displacement along the axis is its `slip_exit`.
+    pub exit_node: usize,
+    /// The node whose displacement along the axis is its `slip_tail`.
+    pub tail_node: usize,
+    /// Its lines of bond among [`Measured::interface_lines`].
+    pub lines: Vec<usize>,
 }
 
 /// A pull whose direction is so near to the fibre's axis (sine of the angle between them) is along it.
 const ALONG_AXIS: f64 = 1e-9;
 
 impl Measured {
+    /// The measured slip among the values of the drives, mm.
+    pub fn slip_of(&self, drives: &[f64]) -> f64 {
+        let sum: f64 = self.slip.iter().map(|&drive| drives[drive]).sum();
+        if self.slip.is_empty() { 0.0 } else { sum / self.slip.len() as f64 }
+    }
+
     /// Directions of the axial component of the load and of the shear component, which is positive where the fibre is
     /// bent towards the pull direction, or to its left if it is pulled along its axis (7.2: P_f and P_b).
     pub fn components(&self) -> [[f64; 2]; 2] {
-        let [x, y] = self.axis.unwrap_or(self.direction);
+        self.components_along(self.axis.unwrap_or(self.direction))
+    }
+
+    /// The same for an axis of this direction.
+    pub fn components_along(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let left = [-y, x];
         let towards_pull = left[0] * self.direction[0] + left[1] * self.direction[1] > -ALONG_AXIS;
         [[x, y], if towards_pull { left } else { [y, -x] }]
@@ -137,13 +168,14 @@ impl Measured {
 impl Default for Measured {
     fn default() -> Self {
         Self {
-            slip: None,
-            support: None,
+            slip: Vec::new(),
+            supports: Vec::new(),
             direction: [0.0, 1.0],
             axis: None,
             exit_node: None,
             tail_node: None,
             interface_lines: Vec::new(),
+            fibres: Vec::new(),
             bearing_factor: 1.0,
         }
     }

@@ -2,7 +2,7 @@
 
 use crate::assembly::{ConstraintError, SolidsError, Trouble};
 use crate::contact::ContactError;
-use crate::model::Model;
+use crate::model::{Measured, Model};
 use crate::solver::SolverError;
 
 /// A model that cannot be computed.
@@ -55,7 +55,7 @@ pub(super) fn check(model: &Model) -> Result<(), ModelError> {
     if let Some(load) = model.loads.iter().find(|load| load.drive >= drives) {
         return wrong(format!("load '{}' follows a drive that does not exist", load.name));
     }
-    if model.controls.spalling.is_some() && model.measured.slip.is_none() {
+    if model.controls.spalling.is_some() && model.measured.slip.is_empty() {
         return wrong("spalling is timed by the slip, and the model measures none".into());
     }
     for (index, step) in model.steps.iter().enumerate() {
@@ -66,10 +66,11 @@ pub(super) fn check(model: &Model) -> Result<(), ModelError> {
             return wrong(format!("step {} must take a time > 0, found {}", index + 1, step.time));
         }
     }
-    if model.measured.slip.is_some_and(|drive| drive >= drives) {
+    let Measured { slip, supports, fibres, .. } = &model.measured;
+    if slip.iter().chain(fibres.iter().map(|fibre| &fibre.slip)).any(|&drive| drive >= drives) {
         return wrong("the measured slip is a drive that does not exist".into());
     }
-    if model.measured.support.is_some_and(|support| support >= model.supports.len()) {
+    if supports.iter().chain(fibres.iter().map(|fibre| &fibre.support)).any(|&support| support >= model.supports.len()) {
         return wrong("the measured load is of a support that does not exist".into());
     }
     Ok(())

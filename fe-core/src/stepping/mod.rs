@@ -19,7 +19,7 @@ pub use control::ENERGY_BUDGET;
 pub use energy::Energies;
 pub use error::{ModelError, RunError};
 pub use newton::Iteration;
-pub use record::{Counts, Directive, Observer, Record};
+pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use snapshot::Snapshot;
 pub use times::Times;
 
@@ -372,7 +372,7 @@ impl<'m> Analysis<'m> {
         let trial =
             Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
         let [load, _] = self.measured_load(&trial);
-        let drive = |state: &Committed| self.model.measured.slip.map_or(0.0, |drive| state.drives[drive]);
+        let drive = |state: &Committed| self.model.measured.slip_of(&state.drives);
         // what temperature and fields do to a material is no work of the drives
         let is_driven_alone = !self.model.fields.change();
         let [energy_error_before, energy_error] =
@@ -461,10 +461,8 @@ impl<'m> Analysis<'m> {
     /// The load and the lateral load, N.
     fn measured_load(&self, snapshot: &Snapshot<'_>) -> [f64; 2] {
         let [x, y] = self.model.measured.direction;
-        self.model
-            .measured
-            .support
-            .map_or([0.0; 2], |support| [snapshot.reaction_of(support, [x, y]), snapshot.reaction_of(support, [-y, x])])
+        let supports = &self.model.measured.supports;
+        [[x, y], [-y, x]].map(|along| supports.iter().map(|&support| snapshot.reaction_of(support, along)).sum())
     }
 
     /// Makes a converged increment the present state.
@@ -495,12 +493,27 @@ impl<'m> Analysis<'m> {
         let force = [load * pull_x - load_lateral * pull_y, load * pull_y + load_lateral * pull_x];
         let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
         let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
+        let open: Vec<f64> = open.collect();
+        let fibres = measured.fibres.iter().map(|fibre| {
+            let along = |node: usize| snapshot.displacement_of(node, fibre.axis);
+            let [load_axial, load_shear] =
+                measured.components_along(fibre.axis).map(|direction| snapshot.reaction_of(fibre.support, direction));
+            FibreRecord {
+                slip: self.present.committed.drives[fibre.slip],
+                load: snapshot.reaction_of(fibre.support, measured.direction),
+                load_axial,
+                load_shear,
+                slip_exit: along(fibre.exit_node),
+                slip_tail: along(fibre.tail_node),
+                separation_length: fibre.lines.iter().map(|&line| open[line]).fold(0.0, f64::max),
+            }
+        });
         let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
         Record {
             step,
             increment,
             time: self.present.total_time,
-            slip: measured.slip.map_or(0.0, |drive| self.present.committed.drives[drive]),
+            slip: measured.slip_of(&self.present.committed.drives),
             load,
             load_lateral,
             load_axial: force[0] * axis[0] + force[1] * axis[1],
@@ -513,10 +526,11 @@ impl<'m> Analysis<'m> {
             damaged_volume: snapshot.solids().damaged_volume(),
             spalled_volume: self.present.spalled.volume,
             spalled_depth: self.present.spalled.depth,
-            separation_length: open.fold(0.0, f64::max),
+            separation_length: open.iter().copied().fold(0.0, f64::max),
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             cutbacks,
             iterations,
+            fibres: fibres.collect(),
         }
     }
 }

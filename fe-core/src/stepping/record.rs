@@ -46,6 +46,27 @@ pub struct Record {
     pub cutbacks: u32,
     /// Its Newton iterations.
     pub iterations: Vec<Iteration>,
+    /// Each of several fibres ([`crate::model::Measured::fibres`]).
+    pub fibres: Vec<FibreRecord>,
+}
+
+/// One of several fibres; the numbers are those of [`Record`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FibreRecord {
+    /// Value of its drive, mm.
+    pub slip: f64,
+    /// Its reaction in the pull direction, N.
+    pub load: f64,
+    /// Component of the reaction along its axis, N.
+    pub load_axial: f64,
+    /// Component across it, N.
+    pub load_shear: f64,
+    /// Displacement of its exit node along its axis, mm.
+    pub slip_exit: f64,
+    /// Displacement of its tail node along its axis, mm.
+    pub slip_tail: f64,
+    /// How much of the line along which most has opened is open, mm.
+    pub separation_length: f64,
 }
 
 /// Points by what they do.

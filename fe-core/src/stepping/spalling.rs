@@ -36,7 +36,7 @@ impl Analysis<'_> {
         let Some(spalling) = self.model.controls.spalling else { return };
         let mesh = &self.model.mesh;
         let (solids, spalled) = (&mut self.equilibrium.solids, &mut self.present.spalled);
-        let slip = self.model.measured.slip.map_or(0.0, |drive| self.present.committed.drives[drive]);
+        let slip = self.model.measured.slip_of(&self.present.committed.drives);
         spalled.slip = spalled.slip.max(slip);
         let slip = spalled.slip;
         spalled.fading.retain(|&element, from| {
@@ -66,7 +66,8 @@ impl Analysis<'_> {
         let mesh = &self.model.mesh;
         let measured = &self.model.measured;
         let along = |[x, y]: [f64; 2]| x * measured.direction[0] + y * measured.direction[1];
-        let face = measured.exit_node.map(|node| along(mesh.nodes()[node]));
+        let exit = measured.exit_node.or(measured.fibres.first().map(|fibre| fibre.exit_node));
+        let face = exit.map(|node| along(mesh.nodes()[node]));
         let (solids, spalled) = (&self.equilibrium.solids, &mut self.present.spalled);
         for &element in &elements {
             spalled.torn.remove(&element);

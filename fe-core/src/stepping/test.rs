@@ -84,7 +84,7 @@ fn chain(laws: Vec<PluginLaw>, model: PlaneModel, end: f64, control: StepControl
         ],
         couplings: Vec::new(),
         loads: Vec::new(),
-        measured: Measured { slip: Some(0), support: Some(2), direction: [1.0, 0.0], ..Measured::default() },
+        measured: Measured { slip: vec![0], supports: vec![2], direction: [1.0, 0.0], ..Measured::default() },
         steps: vec![Step { time: 1.0, targets: vec![Some(end)], control }],
         controls: Controls::default(),
         skipping: Skipping::ALL,
@@ -173,7 +173,7 @@ fn a_pressure_follows_the_body_without_contact() {
     let edges = (4..8).map(|element| ElementEdge { element, edge: 2 }).collect();
     model.loads = vec![Load { name: "top".into(), drive: 0, kind: LoadKind::Pressure { edges, pressure } }];
     let tip = model.mesh.nodes().len() - 1;
-    model.measured = Measured { support: Some(1), direction: [1.0, 0.0], exit_node: Some(tip), ..Measured::default() };
+    model.measured = Measured { supports: vec![1], direction: [1.0, 0.0], exit_node: Some(tip), ..Measured::default() };
     let (records, _) = run(&model);
     let end = records.last().unwrap();
     assert!(end.slip_exit.abs() > 1e-3 * length, "it bends: {end:?}");

@@ -62,8 +62,8 @@ fn pulled(specimen: Specimen, tension: f64, slip: f64) -> Vec<Record> {
     model.contacts = pairs.collect();
     model.nlgeom = model.mesh.parts().iter().map(|part| part.name == "fibre").collect();
     model.measured = Measured {
-        slip: Some(0),
-        support: Some(0),
+        slip: vec![0],
+        supports: vec![0],
         direction: specimen.pull_direction,
         exit_node: Some(specimen.fibres[0].exit_node),
         tail_node: Some(specimen.fibres[0].tail_node),

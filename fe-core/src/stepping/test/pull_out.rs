@@ -118,8 +118,8 @@ fn fibre(
         loads: Vec::new(),
         nlgeom: vec![false; mesh.parts().len()],
         measured: Measured {
-            slip: Some(0),
-            support: Some(0),
+            slip: vec![0],
+            supports: vec![0],
             direction: specimen.pull_direction,
             exit_node: Some(specimen.fibres[0].exit_node),
             tail_node: Some(specimen.fibres[0].tail_node),

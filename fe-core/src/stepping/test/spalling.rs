@@ -103,8 +103,8 @@ fn what_holds_on_to_nothing_is_loose() {
     assert_eq!(loose(&model, &[5]), [], "all others hang together");
     assert_eq!(loose(&model, &[1, 6, 3]), [2], "0, 4 and 5 are the greater piece, the grip holds 7");
     model.supports.retain(|support| support.name != "grip");
-    (model.measured.support, model.drives) = (None, Vec::new());
-    (model.measured.slip, model.steps, model.controls.spalling) = (None, Vec::new(), None);
+    (model.measured.supports, model.drives) = (Vec::new(), Vec::new());
+    (model.measured.slip, model.steps, model.controls.spalling) = (Vec::new(), Vec::new(), None);
     assert_eq!(loose(&model, &[2, 7]), [3], "an edge holds it, not a corner");
     assert_eq!(loose(&model, &[2, 3, 5]), [6, 7], "less than 0, 1 and 4");
     assert_eq!(loose(&model, &[1, 5, 6]), [], "the root holds what is less");
