@@ -97,7 +97,7 @@ fn step(model: &Model, index: usize, body: &str) -> Result<String, BenchError> {
             maximum * step.time
         ),
     };
-    let measured = model.measured.support.ok_or_else(|| unknown("a case that measures no load"))?;
+    let measured = *model.measured.supports.first().ok_or_else(|| unknown("a case that measures no load"))?;
     Ok(format!(
         "*STEP, INC=100000{nlgeom}\n{sizes}{body}*NODE PRINT, NSET=S{measured}, TOTALS=ONLY, FREQUENCY=100000\nRF\n*END STEP\n"
     ))

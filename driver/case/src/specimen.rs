@@ -59,6 +59,12 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
     let ground = ground?;
     measured.interface_lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
+    let masters = contact::masters(&contacts, &ground.defaults.pairs, &measured.interface_lines);
+    for fibre in &mut measured.fibres {
+        let prefix = format!("fibre.{}.", fibre.name);
+        let own = masters.iter().enumerate().filter(|(_, master)| master.is_some_and(|name| name.starts_with(&prefix)));
+        fibre.lines = own.map(|(line, _)| line).collect();
+    }
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {

@@ -70,7 +70,8 @@ pub(super) fn check(model: &Model) -> Result<(), ModelError> {
     if slip.iter().chain(fibres.iter().map(|fibre| &fibre.slip)).any(|&drive| drive >= drives) {
         return wrong("the measured slip is a drive that does not exist".into());
     }
-    if supports.iter().chain(fibres.iter().map(|fibre| &fibre.support)).any(|&support| support >= model.supports.len()) {
+    if supports.iter().chain(fibres.iter().map(|fibre| &fibre.support)).any(|&support| support >= model.supports.len())
+    {
         return wrong("the measured load is of a support that does not exist".into());
     }
     Ok(())

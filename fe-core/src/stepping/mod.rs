@@ -509,6 +509,13 @@ impl<'m> Analysis<'m> {
             }
         });
         let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
+        let fibres: Vec<FibreRecord> = fibres.collect();
+        // of several fibres: loads together, slips on average
+        let sum = |of: fn(&FibreRecord) -> f64, alone: f64| match fibres.is_empty() {
+            true => alone,
+            false => fibres.iter().map(of).sum(),
+        };
+        let mean = |of: fn(&FibreRecord) -> f64, node| sum(of, along(node)) / fibres.len().max(1) as f64;
         Record {
             step,
             increment,
@@ -516,10 +523,10 @@ impl<'m> Analysis<'m> {
             slip: measured.slip_of(&self.present.committed.drives),
             load,
             load_lateral,
-            load_axial: force[0] * axis[0] + force[1] * axis[1],
-            load_shear: force[0] * across[0] + force[1] * across[1],
-            slip_exit: along(measured.exit_node),
-            slip_tail: along(measured.tail_node),
+            load_axial: sum(|fibre| fibre.load_axial, force[0] * axis[0] + force[1] * axis[1]),
+            load_shear: sum(|fibre| fibre.load_shear, force[0] * across[0] + force[1] * across[1]),
+            slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
+            slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
             energies: self.present.energies,
             energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
             counts: self.equilibrium.counts(),
@@ -530,7 +537,7 @@ impl<'m> Analysis<'m> {
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
             cutbacks,
             iterations,
-            fibres: fibres.collect(),
+            fibres,
         }
     }
 }

@@ -6,7 +6,8 @@ use crate::document::pullout as document;
 use crate::document::{Piece, PulloutCase};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use fe_core::model::{Load, LoadKind, Measured, Support};
+use fe_core::mesh::specimen::PulledFibre;
+use fe_core::model::{Load, LoadKind, Measured, MeasuredFibre, Support};
 use std::collections::BTreeMap;
 
 /// The drive of the grip.
@@ -52,13 +53,24 @@ impl Drives {
     /// Index of a drive that a step moves; `None` if nothing follows it.
     pub fn moved(&mut self, name: &str) -> Option<usize> {
         let index = self.index(name)?;
-        self.0[index].moved = true;
+        self.move_one(index);
         Some(index)
+    }
+
+    /// Notes that a step moves a drive.
+    pub fn move_one(&mut self, index: usize) {
+        self.0[index].moved = true;
     }
 
     /// Names and places of the drives that no step moves.
     pub fn idle(&self) -> impl Iterator<Item = (&str, &Place)> {
         self.0.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
+    }
+
+    /// Indices of the drives of several fibres.
+    pub fn of_fibres(&self) -> Vec<usize> {
+        let is_one = |drive: &Drive| drive.name.strip_prefix(SLIP).is_some_and(|rest| rest.starts_with('.'));
+        (0..self.0.len()).filter(|&index| is_one(&self.0[index])).collect()
     }
 
     pub fn names(&self) -> Vec<String> {
@@ -93,8 +105,15 @@ impl Boundary {
             }
             return;
         }
+        let defaults = scene.ground.map(|ground| &ground.defaults);
+        let chosen = |piece: &Piece<document::Grip>| piece.0.as_ref().is_ok_and(|grip| grip.nodes.is_some());
+        let fibres = defaults.map_or(&[][..], |defaults| &defaults.fibres);
+        let fibres = if case.grip.as_ref().is_some_and(chosen) { &[][..] } else { fibres };
         // known even where the rest is not: steps may name it
-        let drive = self.drives.followed(SLIP, &place);
+        let drives: Vec<usize> = match defaults.is_some_and(|defaults| defaults.grips_each) && !fibres.is_empty() {
+            true => fibres.iter().map(|(fibre, _)| self.drives.followed(&drive_of(fibre), &place)).collect(),
+            false => vec![self.drives.followed(SLIP, &place)],
+        };
         let given = match &case.grip {
             None => document::Grip::default(),
             Some(piece) => match reader.piece(piece, &place) {
@@ -113,15 +132,39 @@ impl Boundary {
         }
         let nodes = name.and_then(|name| scene.node_set(reader, name, &place.key("nodes")));
         let (Some(nodes), Some([x, y])) = (nodes, direction) else { return };
-        self.measured.slip = Some(drive);
-        self.measured.support = Some(self.supports.len());
+        self.measured.slip.clone_from(&drives);
         self.measured.direction = [x, y];
-        let along = Support { name: GRIP.into(), nodes: nodes.to_vec(), direction: [x, y], drive: Some(drive) };
-        if given.lateral != Some(document::Lateral::Free) {
-            let across = Support { name: "grip, lateral".into(), direction: [-y, x], drive: None, ..along.clone() };
-            self.supports.extend([along, across]);
-        } else {
-            self.supports.push(along);
+        let mut pull = |name: &str, nodes: &[usize], drive: usize| {
+            let index = self.supports.len();
+            let along = Support { name: name.into(), nodes: nodes.to_vec(), direction: [x, y], drive: Some(drive) };
+            if given.lateral != Some(document::Lateral::Free) {
+                let across =
+                    Support { name: format!("{name}, lateral"), direction: [-y, x], drive: None, ..along.clone() };
+                self.supports.extend([along, across]);
+            } else {
+                self.supports.push(along);
+            }
+            self.measured.supports.push(index);
+            index
+        };
+        if fibres.is_empty() {
+            pull(GRIP, nodes, drives[0]);
+        }
+        for (index, (fibre, grip)) in fibres.iter().enumerate() {
+            let Some(nodes) = scene.node_set(reader, grip, &place) else { continue };
+            let slip = drives[index.min(drives.len() - 1)];
+            let support = pull(grip, nodes, slip);
+            let &PulledFibre { direction: axis, exit_node, tail_node, .. } = fibre;
+            let name = fibre.name.clone().unwrap_or_default();
+            self.measured.fibres.push(MeasuredFibre {
+                name,
+                slip,
+                support,
+                axis,
+                exit_node,
+                tail_node,
+                lines: Vec::new(),
+            });
         }
     }
 
@@ -166,7 +209,7 @@ impl Boundary {
         for (name, piece) in supports {
             let place = place.key(name);
             let Some(support) = reader.piece(piece, &place) else { continue };
-            if name == GRIP && self.measured.support.is_some() {
+            if self.measured.supports.iter().any(|&support| self.supports[support].name == *name) {
                 reader.problem(&place, "this name is taken by the grip");
             }
             let drive = support.drive.as_deref().map(|drive| self.drives.followed(drive, &place.key("drive")));
@@ -212,13 +255,13 @@ impl Boundary {
         let place = Place::root().key("measure");
         let given = reader.optional(case.measure.as_ref(), &place).cloned().unwrap_or_default();
         if let Some(name) = &given.slip {
-            self.measured.slip = self.drives.index(name);
-            if self.measured.slip.is_none() {
+            self.measured.slip = self.drives.index(name).into_iter().collect();
+            if self.measured.slip.is_empty() {
                 let message = format!("no support or load has the drive '{name}'{}", hint(name, self.drives.names()));
                 reader.problem(&place.key("slip"), message);
             }
-        } else if self.measured.slip.is_none() {
-            self.measured.slip = self.drives.index(SLIP);
+        } else if self.measured.slip.is_empty() {
+            self.measured.slip = self.drives.index(SLIP).into_iter().collect();
         }
         if let Some(name) = &given.load {
             let index = self.supports.iter().position(|support| support.name == *name);
@@ -226,7 +269,9 @@ impl Boundary {
                 let names: Vec<&str> = self.supports.iter().map(|support| support.name.as_str()).collect();
                 reader.problem(&place.key("load"), format!("there is no support '{name}'{}", hint(name, &names)));
             }
-            self.measured.support = index.or(self.measured.support);
+            if let Some(index) = index {
+                self.measured.supports = vec![index];
+            }
             if let (Some(index), None) = (index, given.direction) {
                 self.measured.direction = normalised(self.supports[index].direction);
             }
@@ -243,6 +288,11 @@ impl Boundary {
         self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
         self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
     }
+}
+
+/// The drive of one of several fibres.
+fn drive_of(fibre: &PulledFibre) -> String {
+    format!("{SLIP}.{}", fibre.name.as_deref().unwrap_or_default())
 }
 
 fn load_kind(

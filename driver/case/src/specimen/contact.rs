@@ -75,6 +75,19 @@ pub fn interface_lines(contacts: &[ContactPair], defaults: &[DefaultPair]) -> Ve
     lines.into_values().collect()
 }
 
+/// The edge set that each line of bond slides on, in a specimen that names them.
+pub fn masters<'d>(
+    contacts: &[ContactPair],
+    defaults: &'d [DefaultPair],
+    lines: &[Vec<usize>],
+) -> Vec<Option<&'d str>> {
+    let of = |line: &Vec<usize>| {
+        let pair = defaults.iter().find(|default| default.name == contacts[line[0]].name);
+        pair.map(|pair| pair.master.as_str())
+    };
+    lines.iter().map(of).collect()
+}
+
 /// The width of a line of contact over the diameter of a round fibre; 1 without one, and in axial symmetry.
 pub fn bearing_factor(contacts: &[ContactPair], diameter: Option<f64>) -> f64 {
     match (contacts.first().map(|pair| pair.width), diameter) {

@@ -243,6 +243,7 @@ fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Res
         sizes: [given.mesh_size, given.exit_size, given.largest_fibre_size, given.growth_rate, given.largest_size],
     };
     let mut generated = block.around("fibres", made, matrix)?;
+    generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
     generated.taken.splice(0..0, own);
     Ok(generated)
 }
@@ -363,6 +364,8 @@ fn pulled_fibre(
         [fibre] => Some(fibre),
         _ => None,
     };
+    let named = made.fibres.iter().filter_map(|fibre| Some((fibre.clone(), format!("grip.{}", fibre.name.as_ref()?))));
+    let fibres = named.filter(|_| alone.is_none());
     let diameter = made.fibres[0].diameter;
     let alike = made.fibres.iter().all(|fibre| fibre.diameter == diameter);
     let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
@@ -371,6 +374,8 @@ fn pulled_fibre(
     Generated {
         name,
         defaults: Defaults {
+            fibres: fibres.collect(),
+            grips_each: false,
             pairs: pairs.collect(),
             supports,
             grip: Some(("grip", made.pull_direction)),

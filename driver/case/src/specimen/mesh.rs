@@ -8,7 +8,7 @@ use crate::reader::Reader;
 use fe_core::element::Integration;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::gmsh::{self, PartProperties};
-use fe_core::mesh::specimen::{NodeCoupling, SpecimenError, SurfaceRole};
+use fe_core::mesh::specimen::{NodeCoupling, PulledFibre, SpecimenError, SurfaceRole};
 use fe_core::mesh::{Mesh, MeshDefinition};
 use fe_core::model::Width;
 use pullout_run::input::{self, Input};
@@ -38,6 +38,10 @@ pub struct Defaults {
     /// Ways to be held: their names, and the node sets that they hold in both directions, or in one. The first is the
     /// default.
     pub supports: Vec<DefaultSupports>,
+    /// Several fibres, each with the node set of its grip.
+    pub fibres: Vec<(PulledFibre, String)>,
+    /// Whether each of them has a drive of its own.
+    pub grips_each: bool,
     /// Node set that is pulled, and the pull direction.
     pub grip: Option<(&'static str, [f64; 2])>,
     /// Direction of the embedded fibre towards its exit.

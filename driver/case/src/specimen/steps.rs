@@ -99,7 +99,8 @@ pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep
 fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut Drives, place: &Place) -> ResolvedStep {
     let mut targets = vec![None; drives.len()];
     let mut named: Vec<(&str, f64, Place)> = Vec::new();
-    named.extend(ramp.slip.map(|slip| (SLIP, slip, place.key(SLIP))));
+    let of_fibres = drives.of_fibres();
+    named.extend(ramp.slip.filter(|_| of_fibres.is_empty()).map(|slip| (SLIP, slip, place.key(SLIP))));
     let given = ramp.drives.iter().flatten();
     named.extend(given.map(|(name, value)| (name.as_str(), *value, place.key("drives").key(name))));
     for (name, value, place) in named {
@@ -114,6 +115,12 @@ fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut 
             }
             None => reader
                 .problem(&place, format!("no support or load has the drive '{name}'{}", hint(name, drives.names()))),
+        }
+    }
+    if let Some(slip) = ramp.slip {
+        for index in of_fibres {
+            drives.move_one(index);
+            targets[index].get_or_insert(slip);
         }
     }
     let columns = COLUMNS.map(String::from);

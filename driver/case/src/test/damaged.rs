@@ -132,6 +132,10 @@ static SPECIMENS: LazyLock<Vec<(Value, Vec<String>)>> = LazyLock::new(|| {
             serde_json::json!({ "type": name, "embedded_elements": 6, "interface_size": 0.6, "largest_size": 5 })
         }
         "inclined_fibre" => serde_json::json!({ "type": name, "mesh_size": 4 }),
+        "fibres" => {
+            let fibre = |name: &str, exit: f64| serde_json::json!({ "name": name, "exit": exit, "path": [{ "straight": 12.2 }, { "straight": 1.0 }] });
+            serde_json::json!({ "type": name, "mesh_size": 4, "fibres": [fibre("a", -3.0), fibre("b", 3.0)] })
+        }
         _ => serde_json::json!({ "type": name }),
     };
     let schema = schema();
@@ -178,7 +182,7 @@ fn specimen_case(specimen: Value) -> Value {
 
 #[test]
 fn every_type_of_specimen_has_keys() {
-    assert_eq!(SPECIMENS.len(), 10);
+    assert_eq!(SPECIMENS.len(), 11);
     assert!(SPECIMENS.iter().all(|(_, keys)| keys.len() > 2), "{:?}", *SPECIMENS);
 }
 

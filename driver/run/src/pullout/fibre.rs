@@ -22,7 +22,9 @@ pub struct Fibre {
 impl Fibre {
     /// `None` for models without a fibre in a hole.
     pub fn of(model: &Model) -> Option<Self> {
-        let (tail, exit_node) = model.measured.tail_node.zip(model.measured.exit_node)?;
+        let first = model.measured.fibres.first();
+        let of_first = first.map(|fibre| (fibre.tail_node, fibre.exit_node));
+        let (tail, exit_node) = model.measured.tail_node.zip(model.measured.exit_node).or(of_first)?;
         let mesh = &model.mesh;
         let part = mesh.elements().iter().find(|element| element.nodes().contains(&tail))?.part();
         let exit = mesh.nodes()[exit_node];
@@ -33,7 +35,8 @@ impl Fibre {
         let mut axis = vec![mesh.nodes()[tail], exit];
         axis.extend(grip(model).filter(|&grip| distance(grip, exit) > radius));
         let mut fibre = Self { part, axis, exit_node, radius };
-        if let Some(nodes) = mesh.node_set(AXIS) {
+        let named = first.map(|fibre| format!("fibre.{}.axis", fibre.name));
+        if let Some(nodes) = mesh.node_set(named.as_deref().unwrap_or(AXIS)) {
             // a bend is no kink
             let mut axis: Vec<[f64; 2]> = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
             axis.sort_by(|&a, &b| fibre.arc(a).total_cmp(&fibre.arc(b)));
@@ -86,7 +89,7 @@ impl Wall {
 
 /// The middle of what is gripped.
 fn grip(model: &Model) -> Option<[f64; 2]> {
-    let nodes = &model.supports.get(model.measured.support?)?.nodes;
+    let nodes = &model.supports.get(*model.measured.supports.first()?)?.nodes;
     let sum = |k: usize| nodes.iter().map(|&node| model.mesh.nodes()[node][k]).sum::<f64>();
     Some([sum(0), sum(1)].map(|sum| sum / nodes.len() as f64))
 }

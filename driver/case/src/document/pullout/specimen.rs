@@ -189,6 +189,9 @@ pub struct Fibres {
     /// The fibres, each with a name of its own.
     #[schemars(length(min = 1))]
     pub fibres: Vec<Fibre>,
+    /// Whether the fibres are pulled together by the drive slip, or each by its own, slip.NAME (default together). A step's
+    /// slip pulls all whose drives it does not name.
+    pub grips: Option<Grips>,
     /// Width of the block (default 25.4).
     pub width: Option<Positive>,
     /// Depth of the block (default 12.7).
@@ -217,6 +220,16 @@ pub struct Fibres {
     pub growth_rate: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
+}
+
+/// How fibres are pulled.
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[serde(rename_all = "lowercase")]
+pub enum Grips {
+    /// All by the same displacement.
+    Together,
+    /// Each by a drive of its own.
+    Each,
 }
 
 /// A fibre by the line of its axis, from its embedded end to the grip.
