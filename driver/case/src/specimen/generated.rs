@@ -198,20 +198,27 @@ fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Res
     let mut own = Vec::new();
     let mut made = Vec::new();
     for given in &given.fibres {
-        let (path, tilts): (Vec<Segment>, Vec<Option<f64>>) = given.path.iter().map(segment).unzip();
-        if let Some(piece) = tilts.iter().skip(1).position(Option::is_some) {
-            let requirement =
-                "left out: a piece goes on in the direction in which the one before it ends, an arc turns it";
-            return Err(SpecimenError::Parameters {
-                problems: vec![ParameterProblem {
-                    fibre: Some(made.len()),
-                    name: "path",
-                    value: format!("given tilt_deg for its piece {}", piece + 2),
-                    requirement: requirement.into(),
-                }],
-            });
+        let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
+            problems: vec![ParameterProblem {
+                fibre: Some(made.len()),
+                name: "path",
+                value: format!("{value} in piece {}", piece + 1),
+                requirement: requirement.into(),
+            }],
+        };
+        let mut path = Vec::new();
+        for (index, piece) in given.path.iter().enumerate() {
+            if index > 0 && piece.tilt_deg.is_some() {
+                let requirement =
+                    "in the first piece only: each goes on where the one before it ends, and an arc turns it";
+                return Err(wrong(index, "given tilt_deg", requirement));
+            }
+            let unclear =
+                || wrong(index, "unclear", "given as one of \"straight\", \"arc\" and \"wave\" in each piece");
+            path.push(segment(piece).ok_or_else(unclear)?);
         }
-        let default = Fibre::new(tilts.first().copied().flatten().unwrap_or(0.0).to_radians(), path);
+        let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
+        let default = Fibre::new(tilt.to_radians(), path);
         let diameter = length(given.diameter, default.diameter);
         let embedded_length = length(given.embedded, default.embedded_length);
         let of = |key: &str| format!("{}.{key}", given.name);
@@ -248,17 +255,15 @@ fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Res
     Ok(generated)
 }
 
-/// A piece of a path, and the angle that it gives itself.
-fn segment(given: &document::PathPiece) -> (Segment, Option<f64>) {
-    match *given {
-        document::PathPiece::Straight(given) => (Segment::Straight { length: given.straight.0 }, given.tilt_deg),
-        document::PathPiece::Arc { arc } => {
-            (Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }, arc.tilt_deg)
+/// A piece of a path, if it is one thing.
+fn segment(given: &document::PathPiece) -> Option<Segment> {
+    match (given.straight, given.arc, given.wave) {
+        (Some(length), None, None) => Some(Segment::Straight { length: length.0 }),
+        (None, Some(arc), None) => Some(Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }),
+        (None, None, Some(wave)) => {
+            Some(Segment::Wave { amplitude: wave.amplitude, length: wave.length.0, count: wave.n.0 })
         }
-        document::PathPiece::Wave { wave } => {
-            let (length, count) = (wave.length.0, wave.n.0);
-            (Segment::Wave { amplitude: wave.amplitude, length, count }, wave.tilt_deg)
-        }
+        _ => None,
     }
 }
 

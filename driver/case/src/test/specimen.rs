@@ -162,7 +162,8 @@ fn a_file_and_its_groups_become_a_model() {
         ]
     );
     let measured = &model.measured;
-    assert_eq!((measured.slip, measured.supports, measured.direction), (vec![0], vec![0], [0.0, 1.0]));
+    assert_eq!((&measured.slip[..], &measured.supports[..]), (&[0][..], &[0][..]));
+    assert_eq!(measured.direction, [0.0, 1.0]);
     assert_eq!(measured.exit_node.map(|node| mesh.nodes()[node]), Some([0.0, 2.0]));
     assert_eq!(model.steps[0].targets, [Some(0.1)]);
     assert_eq!(model.steps[0].control, StepControl::Automatic { initial: 1e-3, maximum: 0.02, minimum: 1e-8 });
@@ -678,6 +679,124 @@ fn without_a_grip_nothing_slips() {
     case["measure"] = json!({ "slip": "lift", "load": "fibre_bottom" });
     let measured = accepted(&case, &[]).model.measured;
     assert_eq!((measured.slip, measured.direction), (vec![0], [0.0, 1.0]));
+}
+
+/// Two fibres, 4 mm from each other.
+fn two_fibres() -> Value {
+    let fibre = |name: &str, exit: f64| {
+        let path = json!([{ "straight": 10.6, "tilt_deg": 0 }, { "straight": 2 }]);
+        json!({ "name": name, "exit": exit, "embedded": 10.6, "path": path })
+    };
+    let specimen = json!({ "type": "fibres", "mesh_size": 2, "fibres": [fibre("a", -2.0), fibre("b", 2.0)] });
+    let mut case = specimen_case(specimen, &["fibre", "matrix"]);
+    case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": { "normal_law": "hard", "p_0": 3 } } });
+    case["steps"] = json!([{ "slip": 2 }]);
+    case
+}
+
+#[test]
+fn several_fibres_are_pulled_together_or_each_and_measured_each() {
+    let model = accepted(&two_fibres(), &[]).model;
+    let supports: Vec<&str> = model.supports.iter().map(|support| support.name.as_str()).collect();
+    assert_eq!(supports[..4], ["grip.a", "grip.a, lateral", "grip.b", "grip.b, lateral"]);
+    assert_eq!((&model.drives[..], &model.measured.slip[..]), (&["slip".to_owned()][..], &[0][..]));
+    assert_eq!((&model.measured.supports[..], model.steps[0].targets.clone()), (&[0, 2][..], vec![Some(2.0)]));
+    // bonded lines: left and right wall of a, then of b
+    let of = |model: &Model| -> Vec<(String, usize, Vec<usize>)> {
+        let fibres = model.measured.fibres.iter();
+        fibres.map(|fibre| (fibre.name.clone(), fibre.slip, fibre.lines.clone())).collect()
+    };
+    assert_eq!(of(&model), [("a".to_owned(), 0, vec![0, 1]), ("b".to_owned(), 0, vec![2, 3])]);
+    for (overrides, targets) in [
+        (&["mesh.specimen.grips=each"][..], [Some(2.0), Some(2.0)]),
+        (&["mesh.specimen.grips=each", r#"steps.0.drives={"slip.b": 1}"#], [Some(2.0), Some(1.0)]),
+    ] {
+        let model = accepted(&two_fibres(), overrides).model;
+        assert_eq!(model.drives, ["slip.a", "slip.b"]);
+        assert_eq!((&model.measured.slip[..], &model.steps[0].targets[..]), (&[0, 1][..], &targets[..]));
+        assert_eq!(of(&model)[1].1, 1);
+    }
+}
+
+#[test]
+fn parts_of_fibres_are_named_one_by_one_or_all_at_once() {
+    let model = accepted(&two_fibres(), &["parts.fibre.material.props.E=1000"]).model;
+    let names: Vec<&str> = model.mesh.parts().iter().map(|part| part.name.as_str()).collect();
+    assert_eq!(names, ["fibre.a", "fibre.b", "matrix", "cover"]);
+    let moduli = |model: &Model| -> Vec<f64> { model.laws.iter().map(|law| law.props[0]).collect() };
+    assert_eq!(moduli(&model)[..2], [1000.0, 1000.0]);
+    let mut case = two_fibres();
+    case["parts"]["fibre.b"] = json!({ "material": { "plugin": "linear_elastic", "props": { "E": 2000 } } });
+    assert_eq!(moduli(&accepted(&case, &["parts.fibre.material.props.E=1000"]).model)[..2], [1000.0, 2000.0]);
+    case["parts"]["fibre.c"] = case["parts"]["fibre.b"].clone();
+    let text = Bench::new().read(&case, &[]).map(|_| String::new()).unwrap_or_else(|errors| errors.to_string());
+    assert!(text.contains(r#"$.parts["fibre.c"]: the specimen has no part 'fibre.c'"#), "{text}");
+}
+
+#[test]
+fn impossible_fibres_are_told_with_their_place() {
+    let path = "mesh.specimen.fibres.0.path";
+    let set = |key: &str, value: &str| format!("{key}={value}");
+    let fibre = |key: &str, value: &str| format!("mesh.specimen.fibres.0.{key}={value}");
+    let mut wrong = Vec::new();
+    for (change, place, words) in [
+        (set("mesh.specimen.fibres", "[]"), "$.mesh.specimen.fibres", "1"),
+        (set("mesh.specimen.grips", "all"), "$.mesh.specimen.grips", "together"),
+        (set("mesh.specimen.matrix_element", "Q8"), "$.mesh.specimen.matrix_element", "T6 or T3"),
+        (set("mesh.specimen.matrix_thickness", "0.4"), "$.mesh.specimen", "thickness"),
+        (set("mesh.specimen.width", "4"), "$.mesh.specimen.fibres[0]", "within the width"),
+        (set("mesh.specimen.depth", "10"), "$.mesh.specimen.fibres[0].embedded", "stays in the block"),
+        (fibre("name", "b"), "$.mesh.specimen.fibres[1].name", "another"),
+        (fibre("name", "a.b"), "$.mesh.specimen.fibres[0].name", "a.b"),
+        (fibre("exit", "1.8"), "$.mesh.specimen.fibres[0].path", "away from the fibre 'b'"),
+        (fibre("exit", "20"), "$.mesh.specimen.fibres[0]", "width"),
+        (fibre("diameter", "-1"), "$.mesh.specimen.fibres[0].diameter", "-1"),
+        (fibre("embedded", "30"), "$.mesh.specimen.fibres[0].embedded", "length of the path"),
+        (fibre("exit_radius", "11"), "$.mesh.specimen.fibres[0].exit_radius", "exit"),
+        (fibre("separation_length", "11"), "$.mesh.specimen.fibres[0].separation_length", "less than the embedded"),
+        (fibre("fine_length", "11"), "$.mesh.specimen.fibres[0].fine_length", "embedded"),
+        (fibre("tail_gap", "-1"), "$.mesh.specimen.fibres[0].tail_gap", "-1"),
+        (fibre("width_profile", "[[2, 0.5], [1, 0.4]]"), "$.mesh.specimen.fibres[0].width_profile", "ascending"),
+        (fibre("radius", "1"), "$.mesh.specimen.fibres[0].radius", "unknown key"),
+        (set(path, "[]"), "$.mesh.specimen.fibres[0].path", "1"),
+        (set(path, r#"[{"straight": 10, "tilt_deg": 85}]"#), "$.mesh.specimen.fibres[0]", "embedded"),
+        (set(path, r#"[{"straight": 12, "tilt_deg": 85}]"#), "$.mesh.specimen.fibres[0].path", "80°"),
+        (
+            set(path, r#"[{"straight": 10.6}, {"straight": 2, "tilt_deg": 5}]"#),
+            "$.mesh.specimen.fibres[0].path",
+            "piece 2",
+        ),
+        (set(path, r#"[{"straight": 10.6}, {"tilt_deg": 5}]"#), "$.mesh.specimen.fibres[0].path", "piece 2"),
+        (set(path, r#"[{"straight": 11}, {}]"#), "$.mesh.specimen.fibres[0].path", "one of"),
+        (set(path, r#"[{"straight": 10.6}, {"bend": 2}]"#), "$.mesh.specimen.fibres[0].path[1].bend", "unknown key"),
+        (
+            set(path, r#"[{"straight": 9}, {"arc": {"radius": 0.2, "to_deg": 30}}, {"straight": 3}]"#),
+            "$.mesh.specimen.fibres[0].path",
+            "radius",
+        ),
+        (
+            set(path, r#"[{"straight": 2}, {"arc": {"radius": 1, "to_deg": 170}}, {"straight": 9}]"#),
+            "$.mesh.specimen.fibres[0]",
+            "path",
+        ),
+        (
+            set(path, r#"[{"wave": {"amplitude": 0.4, "length": 1.5, "n": 8}}]"#),
+            "$.mesh.specimen.fibres[0].path",
+            "crests",
+        ),
+        (
+            set(path, r#"[{"wave": {"amplitude": 0.1, "length": 8, "n": 1.3}}]"#),
+            "$.mesh.specimen.fibres[0].path",
+            "halves",
+        ),
+    ] {
+        let text = Bench::new().read(&two_fibres(), &["mesh.specimen.cover=true", &change]).map(|_| String::new());
+        let text = text.unwrap_or_else(|errors| errors.to_string());
+        if !(text.contains(place) && text.contains(words)) {
+            wrong.push(format!("{change}: {text}"));
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
 }
 
 #[test]

@@ -263,31 +263,18 @@ pub struct Fibre {
     pub fine_length: Option<Positive>,
 }
 
-/// A piece of the axis of a fibre.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(untagged)]
-pub enum PathPiece {
-    /// A line.
-    Straight(StraightPiece),
-    /// An arc.
-    Arc {
-        /// What kind of arc.
-        arc: ArcPiece,
-    },
-    /// Waves.
-    Wave {
-        /// What kind of waves.
-        wave: WavePiece,
-    },
-}
-
-/// A line.
+/// A piece of the axis of a fibre: one of straight, arc and wave.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
-pub struct StraightPiece {
-    /// Its length.
-    pub straight: Positive,
-    /// Angle from the outward normal of the exit face, degrees, positive to the right; of the first piece alone (default 0).
+pub struct PathPiece {
+    /// A line of this length.
+    pub straight: Option<Positive>,
+    /// An arc.
+    pub arc: Option<ArcPiece>,
+    /// Waves.
+    pub wave: Option<WavePiece>,
+    /// Angle from the outward normal of the exit face where it begins, degrees, positive to the right; of the first piece
+    /// alone (default 0).
     pub tilt_deg: Option<f64>,
 }
 
@@ -299,8 +286,6 @@ pub struct ArcPiece {
     pub radius: Positive,
     /// Angle from the outward normal of the exit face where it ends, degrees.
     pub to_deg: f64,
-    /// The angle where it begins; of the first piece alone (default 0).
-    pub tilt_deg: Option<f64>,
 }
 
 /// Waves amplitude · (1 − cos(2π u/length)) to the left of the axis' direction.
@@ -313,8 +298,6 @@ pub struct WavePiece {
     pub length: Positive,
     /// How many, in halves.
     pub n: Positive,
-    /// Angle of the direction where they begin; of the first piece alone (default 0).
-    pub tilt_deg: Option<f64>,
 }
 
 /// A thickness that grows with the depth below the exit face.

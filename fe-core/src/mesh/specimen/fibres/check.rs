@@ -96,11 +96,11 @@ impl Fibres {
         if path.end() < -SHORTEST * fibre.diameter {
             let whole = embedded + path.end();
             let requirement = format!("not more than the length of the path, {whole:.3}");
-            required.that(false, "embedded_length", embedded, requirement);
+            required.that(false, fibre.key("embedded_length", "embedded"), embedded, requirement);
             return;
         }
         let lean = path.lean(0.0).abs();
-        let angle = if fibre.name.is_none() { "angle_deg" } else { "path" };
+        let (angle, embedded_key) = (fibre.key("angle_deg", "path"), fibre.key("embedded_length", "embedded"));
         let requirement = format!("within {LARGEST_ANGLE}° of the normal where it leaves the block");
         required.that(lean.to_degrees() <= LARGEST_ANGLE, angle, format!("{:.1}°", lean.to_degrees()), requirement);
         if lean.to_degrees() > LARGEST_ANGLE {
@@ -122,12 +122,12 @@ impl Fibres {
         let requirement = format!(
             "such that the fibre stays in the block: it reaches {sideways:.3} sideways, half of the width is {half}"
         );
-        required.that(sideways < half, "embedded_length", embedded, requirement);
+        required.that(sideways < half, embedded_key, embedded, requirement);
         let deep = reach(&|[_, y]| -y);
         let depth = self.depth;
         let requirement =
             format!("such that the fibre stays in the block: it reaches {deep:.3} deep, the depth is {depth}");
-        required.that(deep < depth, "embedded_length", embedded, requirement);
+        required.that(deep < depth, embedded_key, embedded, requirement);
         // away from the exit by what the rounded edges take
         let above = inside.iter().find(|&&s| s < -start && corners(s).iter().any(|[_, y]| *y > -0.5 * exit));
         let out = own.samples([0.0, path.end()]).into_iter().find(|&s| s > start && path.point(s, 0.0)[1] < 0.0);
@@ -154,11 +154,18 @@ impl Fibres {
 }
 
 impl Fibre {
+    /// What a parameter is called in a specimen of one fibre, and among several.
+    fn key(&self, alone: &'static str, among: &'static str) -> &'static str {
+        if self.name.is_none() { alone } else { among }
+    }
+
     fn check(&self, required: &mut Requirements) {
         let (diameter, embedded) = (self.diameter, self.embedded_length);
-        for (name, value) in
-            [("fibre_diameter", diameter), ("embedded_length", embedded), ("exit_radius", self.exit_radius())]
-        {
+        for (name, value) in [
+            (self.key("fibre_diameter", "diameter"), diameter),
+            (self.key("embedded_length", "embedded"), embedded),
+            ("exit_radius", self.exit_radius()),
+        ] {
             required.positive(name, value);
         }
         required.that(self.exit.is_finite(), "exit", self.exit, "finite");
@@ -166,9 +173,9 @@ impl Fibre {
         let gap = self.tail_gap;
         required.that(gap >= 0.0 && gap.is_finite(), "tail_gap", gap, "0 or positive");
         let (separation, fine) = (self.separation_length, self.fine_length());
-        let requirement = format!("0 or positive, and less than the embedded_length {embedded}");
+        let requirement = format!("0 or positive, and less than the embedded length {embedded}");
         required.that((0.0..embedded).contains(&separation), "separation_length", separation, requirement);
-        let requirement = format!("0 or positive, and not more than the embedded_length {embedded}");
+        let requirement = format!("0 or positive, and not more than the embedded length {embedded}");
         required.that((0.0..=embedded).contains(&fine), "fine_length", fine, requirement);
         required.count("path", self.path.len());
         let mut thickest = diameter;
@@ -185,11 +192,11 @@ impl Fibre {
         for &segment in &self.path {
             match segment {
                 Segment::Straight { length } => {
-                    let name = if self.name.is_none() { "free_length" } else { "path" };
+                    let name = self.key("free_length", "path");
                     required.that(length >= 0.0 && length.is_finite(), name, length, "0 or positive");
                 }
                 Segment::Arc { radius, to } => {
-                    let name = if self.name.is_none() { "bend_radius" } else { "path" };
+                    let name = self.key("bend_radius", "path");
                     let requirement = format!("bent to a radius of more than half of the diameter, {least:.4}");
                     required.that(radius >= least && radius.is_finite(), name, radius, requirement);
                     required.that(to.is_finite(), name, to.to_degrees(), "an angle");
