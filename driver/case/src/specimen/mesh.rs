@@ -229,7 +229,7 @@ fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeM
 }
 
 /// What the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.
-pub fn called<'n>(part: &'n str, is_listed: impl Fn(&str) -> bool) -> &'n str {
+pub fn called(part: &str, is_listed: impl Fn(&str) -> bool) -> &str {
     match part {
         part if is_listed(part) => part,
         COVER => MATRIX,

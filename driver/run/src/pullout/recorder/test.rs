@@ -77,6 +77,7 @@ pub fn record(step: u32, increment: u32, time: f64) -> Record {
         greatest_bearing_pressure: 25.0,
         cutbacks: 26,
         iterations: vec![Iteration::default(); 3],
+        fibres: Vec::new(),
     }
 }
 

@@ -182,9 +182,8 @@ impl Fibre {
         let mut last = 0.0;
         for &[at, width] in &self.profile {
             let fits = at >= last && at < embedded - 2.0 * diameter && width > 0.0 && width.is_finite();
-            let requirement = format!(
-                "[distance, diameter], distances ascending from 0 and 2 φ or more below the exit, diameters positive"
-            );
+            let requirement =
+                "[distance, diameter], distances ascending from 0 and 2 φ or more below the exit, diameters positive";
             required.that(fits, "width_profile", format!("[{at}, {width}]"), requirement);
             (last, thickest) = (at, f64::max(thickest, width));
         }

@@ -1,6 +1,7 @@
 use super::*;
 use crate::mesh::Mesh;
 use crate::mesh::specimen::{ContactSurfaces, SurfaceRole};
+use std::f64::consts::FRAC_PI_6;
 
 const ANGLES: [f64; 10] = [0.0, 2.0, 5.0, 14.0, 19.5, 27.0, 45.0, 60.0, 70.0, 75.0];
 
@@ -171,7 +172,7 @@ fn pair_of(spacing: f64, angle: f64) -> Fibres {
 
 #[test]
 fn fibres_stand_side_by_side_each_with_its_parts_sets_and_pairs() {
-    for (spacing, angle) in [(0.812, 0.0), (0.812, 0.5236), (6.5, 0.5236), (2.436, -0.05)] {
+    for (spacing, angle) in [(0.812, 0.0), (0.812, FRAC_PI_6), (6.5, FRAC_PI_6), (2.436, -0.05)] {
         let (specimen, mesh) = made(&pair_of(spacing, angle));
         let names: Vec<&str> = mesh.parts().iter().map(|part| part.name.as_str()).collect();
         assert_eq!(names, ["fibre.left", "fibre.right", "matrix"]);
@@ -211,7 +212,7 @@ fn between_fibres_close_to_each_other_there_are_three_elements() {
 
 #[test]
 fn mirrored_fibres_give_a_mirrored_outline() {
-    let (specimen, mesh) = made(&pair_of(1.6, 0.5236));
+    let (specimen, mesh) = made(&pair_of(1.6, FRAC_PI_6));
     let positions = |name: &str| -> Vec<[f64; 2]> {
         let nodes = mesh.edge_set(name).unwrap().iter().flat_map(|&edge| mesh.edge_nodes(edge).nodes().to_vec());
         nodes.map(|node| mesh.nodes()[node]).collect()
@@ -264,7 +265,7 @@ fn hooks_waves_and_enlarged_ends_are_meshed_with_their_covers() {
 fn paths_that_cannot_be_are_told_with_their_fibre_and_place() {
     let two = |a: Fibre, b: Fibre| Fibres { fibres: vec![a, b], ..Fibres::default() };
     // tails that converge cross
-    let told = problems(&pair_of(2.0, -0.5236));
+    let told = problems(&pair_of(2.0, -FRAC_PI_6));
     assert!(told.starts_with("fibre 1: path is -0.3") && told.contains("fibre 'right' (near x ="), "{told}");
     let told = problems(&two(Fibre::bent(0.0, None, 3.0), Fibre { exit: 3.0, ..Fibre::bent(0.0, None, 3.0) }));
     assert!(told.contains("name is missing"), "{told}");
