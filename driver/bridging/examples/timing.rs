@@ -29,8 +29,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         ("closed, two sides", Bond::Closed(friction), exp, Sides::Two),
         ("closed, two sides, spalling", Bond::Closed(friction), spalling, Sides::Two),
         ("shear lag, one side", lag.clone(), exp, Sides::One),
-        ("shear lag, two sides", lag, exp, Sides::Two),
+        ("shear lag, two sides", lag.clone(), exp, Sides::Two),
+        ("shear lag, two sides, no rupture", lag, exp, Sides::Two),
     ] {
+        let strength = fibre.strength.filter(|_| !name.ends_with("no rupture"));
+        let fibre = Fibre { strength, ..fibre };
         let start = cpu_time();
         let composite = composite(BridgingFibre::new(fibre, &bond, inclination, sides, 0.0)?)?;
         let prepared = cpu_time() - start;

@@ -21,13 +21,13 @@ impl Resolution {
     /// Closed forms, whose kinks are all found: rounding.
     pub const EXACT: Self = Self { agreement: 1e-9, halvings: [44, 44], samples: 12 };
     /// Bond laws of lines and tabulated spalls, which have more kinks than are worth looking for.
-    pub const LINES: Self = Self { agreement: 1e-5, halvings: [18, 36], samples: 12 };
+    pub const LINES: Self = Self { agreement: 1e-5, halvings: [16, 36], samples: 8 };
     /// Tables, whose curves have a kink at every point.
-    pub const TABLE: Self = Self { agreement: 1e-4, halvings: [14, 18], samples: 6 };
+    pub const TABLE: Self = Self { agreement: 3e-4, halvings: [14, 18], samples: 4 };
 }
 
 /// Fewest samples of the angle on a panel.
-const FEWEST_ANGLES: usize = 4;
+const FEWEST_ANGLES: usize = 2;
 /// Shares are told in so many bins of the right angle.
 const BINS: usize = 9;
 

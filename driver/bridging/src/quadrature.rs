@@ -61,7 +61,10 @@ pub fn changes<L: PartialEq>(
     found
 }
 
-/// A root of f in [a, b], whose ends have values of different signs or 0, to rounding (Chandrupatla 1997: inverse quadratic
+/// A root is found to this part of it.
+const ROOT: f64 = 1e-13;
+
+/// A root of f in [a, b], whose ends have values of different signs or 0 (Chandrupatla 1997: inverse quadratic
 /// steps where they are safe, halving where not).
 pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
     const STEPS: usize = 100;
@@ -86,7 +89,7 @@ pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
         }
         (x_1, f_1) = (x, value);
         let nearest = if f_1.abs() < f_2.abs() { x_1 } else { x_2 };
-        let smallest = 2.0 * f64::EPSILON * nearest.abs() + f64::MIN_POSITIVE;
+        let smallest = ROOT * nearest.abs() + f64::MIN_POSITIVE;
         let least_part = smallest / (x_2 - x_1).abs();
         if least_part > 0.5 || f_1 == 0.0 {
             return nearest;

@@ -62,6 +62,10 @@ pub(crate) fn opening(side: &impl Side, slip: f64, (load, greatest): (f64, f64),
     slip + (loaded - back).max(0.0)
 }
 
+/// Steps in which the slip of the short side settles while the long one unloads, to this part of the opening.
+const FEW_STEPS: usize = 6;
+const SETTLED: f64 = 1e-14;
+
 /// The fibre whose two sides carry the same load, on the way of the short side's slip s_1: where the crack would have to
 /// close the load falls at once.
 pub(crate) fn two_sided(side: &impl Side, w: f64, short: f64, long: f64) -> Bridged {
@@ -82,10 +86,23 @@ pub(crate) fn two_sided(side: &impl Side, w: f64, short: f64, long: f64) -> Brid
         let half = (0.5 * w).min(turning);
         if gap(half) > 0.0 { root(gap, 0.0, half) } else { root(gap, half, w.min(turning)) }
     } else {
-        // the long side slips no more than at the peak, unless the load passes that
+        // the long side slips no more than at the peak, unless the load passes that, and hardly moves as it unloads
         let after = (w - long_at_peak).max(turning.next_up());
-        let from = if gap(after) < 0.0 { after } else { turning.next_up() };
-        if gap(from) >= 0.0 { from } else { root(gap, from, w) }
+        let mut slip = after;
+        let mut left = gap(slip);
+        for _ in 0..FEW_STEPS {
+            if left.abs() <= SETTLED * w || slip - left <= turning {
+                break;
+            }
+            slip -= left;
+            left = gap(slip);
+        }
+        if left.abs() <= SETTLED * w {
+            slip
+        } else {
+            let from = if gap(after) < 0.0 { after } else { turning.next_up() };
+            if gap(from) >= 0.0 { from } else { root(gap, from, w) }
+        }
     };
     let (load, greatest) = side.loads(slip, short);
     let unloads = u8::from(load < greatest);

@@ -18,6 +18,8 @@ const PEAK_LENGTHS: usize = 160;
 const PEAK_STEPS: usize = 60;
 /// The logarithm of the slip, as a part of the length, where the search for a peak begins.
 const LEAST_PEAK: f64 = -30.0;
+/// z² up to which six terms of its series give a length to rounding.
+const SHORT_PASS: f64 = 2e-3;
 /// The first factor by which a bracket is widened.
 const FIRST_STEP: f64 = 1.05;
 /// Lines that stand for a curved law, per decade of slip.
@@ -93,6 +95,8 @@ struct Line {
     slope: f64,
     /// ∫ τ ds up to here.
     work: f64,
+    /// Where the bond resists from slip 0 on: strain and length up to here beside a tail at rest.
+    anchored: [f64; 2],
 }
 
 impl Line {
@@ -123,7 +127,7 @@ impl ShearLagSide {
             let slope = next.map_or(0.0, |&[end, value]| (value - traction) / (end - slip));
             let work =
                 lines.last().map_or(0.0, |line| line.work + 0.5 * (line.traction + traction) * (slip - line.slip));
-            lines.push(Line { slip, traction, slope, work });
+            lines.push(Line { slip, traction, slope, work, anchored: [0.0; 2] });
         }
         let mut side = Self {
             lines,
@@ -133,6 +137,12 @@ impl ShearLagSide {
             peak_slips: Default::default(),
             peak_loads: Default::default(),
         };
+        for k in 1..side.lines.len() {
+            let before = side.lines[k - 1];
+            let [strain, length] = before.anchored;
+            let passed = side.pass(before.slope, before.traction, side.lines[k].slip - before.slip, strain);
+            side.lines[k].anchored = [passed.0, length + passed.1];
+        }
         side.lengths = (0..=PEAK_LENGTHS).map(|k| fibre.length * (k as f64 / PEAK_LENGTHS as f64).powi(2)).collect();
         let peaks: Vec<(f64, f64)> = side.lengths.iter().map(|&length| side.peak(length)).collect();
         let with_slopes = |values: Vec<f64>| {
@@ -176,26 +186,29 @@ impl ShearLagSide {
     /// Along one line, over `stretch` of slip: from the strain s′ to the strain at its end, and the length between.
     ///
     /// ```text
-    /// ε_b² = ε_a² + 2κ ∫τ ds,   ω² = κ|τ′|,   y = τ/|τ′|
-    /// τ′ > 0: ω Δx = ln((ω y_b + ε_b)/(ω y_a + ε_a)),   τ′ < 0: ω Δx = arctan(ε_b/(ω y_b)) − arctan(ε_a/(ω y_a))
+    /// ε_b² = ε_a² + 2κ ∫τ ds,   z = ω Δs/(ε_a + ε_b),   ω² = κ|τ′|
+    /// ω Δx/2 = artanh z where τ rises, arctan z where it falls
     /// ```
     fn pass(&self, slope: f64, traction: f64, stretch: f64, strain: f64) -> (f64, f64) {
-        let square = 2.0 * self.kappa * stretch * (traction + 0.5 * slope * stretch);
-        let end = (strain * strain + square).max(0.0).sqrt();
+        let end = (strain * strain + 2.0 * self.kappa * stretch * (traction + 0.5 * slope * stretch)).max(0.0).sqrt();
         if stretch == 0.0 {
             return (end, 0.0);
         }
-        if slope == 0.0 {
-            return (end, 2.0 * stretch / (strain + end));
+        if end == 0.0 {
+            // without bond no length of fibre stretches
+            return (end, f64::INFINITY);
         }
-        let omega = (self.kappa * slope.abs()).sqrt();
-        let y = omega * traction / slope.abs();
-        let phase = if slope > 0.0 {
-            ((omega * stretch + square / (strain + end)) / (y + strain)).ln_1p()
+        let part = stretch / (strain + end);
+        // z², with the sign of the slope
+        let square = self.kappa * slope * part * part;
+        let series = if square.abs() < SHORT_PASS {
+            1.0 + square * (1.0 / 3.0 + square * (0.2 + square * (1.0 / 7.0 + square * (1.0 / 9.0 + square / 11.0))))
         } else {
-            end.atan2(y - omega * stretch) - strain.atan2(y)
+            let z = square.abs().sqrt();
+            // rounding must not carry it beyond 1, which is a tail without end
+            if square > 0.0 { z.min(1.0).atanh() / z } else { z.atan() / z }
         };
-        (end, phase / omega)
+        (end, 2.0 * part * series)
     }
 
     /// The length of fibre between a tail that slips by `exit − stretch` and the exit, and the strain at the exit.
@@ -222,10 +235,12 @@ impl ShearLagSide {
         if self.lines[0].traction > 0.0 { slip } else { slip * (1.0 - STUCK_TAIL) }
     }
 
-    /// Whether the tail is at rest.
+    /// Whether the tail is at rest: at no slip the bond resists, and the length that the slip takes is there.
     fn is_anchored(&self, slip: f64, embedded: f64) -> bool {
-        let stretch = self.longest_stretch(slip);
-        self.length(slip, stretch).0 + (slip - stretch) <= embedded
+        let line = &self.lines[self.line(slip)];
+        let [strain, length] = line.anchored;
+        let rest = || self.pass(line.slope, line.traction, slip - line.slip, strain).1;
+        self.lines[0].traction > 0.0 && length <= embedded && length + rest() <= embedded
     }
 }
 
@@ -260,7 +275,8 @@ impl ShearLagSide {
             high = (step * high).min(longest);
             step *= FIRST_STEP;
         }
-        let v = root(excess, low, high);
+        // the tail slips less than can be told
+        let v = if high == longest && excess(high) < 0.0 { longest } else { root(excess, low, high) };
         self.stiffness * self.length(slip, v * v).1
     }
 }

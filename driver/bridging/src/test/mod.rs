@@ -1,5 +1,6 @@
 mod beam;
 mod closed_forms;
+mod composite;
 mod invalid;
 mod inverse;
 mod orientation;

@@ -141,3 +141,31 @@ fn snap_back_is_passed_to_the_lowest_load() {
     // friction of what is left, at most
     assert!(loads[398] <= PI * 0.5 * 0.5 * 15.0);
 }
+
+#[test]
+fn both_sides_carry_the_same_load() {
+    for law in [law_a(), constant(), ShearLag { law: BondLaw { points: vec![[0.0, 1.0], [0.1, 4.0], [3.0, 1.0]] } }] {
+        let side = law.side(&fibre(), 210_000.0);
+        for (opening, short) in [(1e-3, 4.0), (0.01, 4.0), (0.01, 14.9), (0.03, 9.0), (0.5, 9.0), (3.0, 5.0)] {
+            let long = 30.0 - short;
+            let bridged = bond::two_sided(&side, opening, short, long);
+            assert_relative_eq!(side.loads(bridged.slip, short).0, bridged.load, max_relative = 1e-9);
+            if bridged.load == bridged.greatest {
+                assert_relative_eq!(side.loads(opening - bridged.slip, long).0, bridged.load, max_relative = 1e-6);
+            } else {
+                let loaded = side.loading_slip(bridged.greatest, long);
+                let back = side.loading_slip(0.5 * (bridged.greatest - bridged.load), long);
+                assert_relative_eq!(bridged.slip + loaded - 2.0 * back, opening, max_relative = 1e-9);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_bond_that_ends_carries_nothing_beyond() {
+    let law = ShearLag { law: BondLaw { points: vec![[0.0, 3.0], [0.5, 0.0], [1.0, 0.0]] } };
+    let side = law.side(&fibre(), 210_000.0);
+    let loads: Vec<f64> = (1..300).map(|k| side.loads(0.01 * f64::from(k), 15.0).0).collect();
+    assert!(loads.iter().all(|load| *load >= 0.0 && load.is_finite()));
+    assert!(loads[10] > 1.0 && loads[120] < 1e-3, "{} {}", loads[10], loads[120]);
+}
