@@ -3,9 +3,10 @@
 use super::BenchError;
 use super::timing::thread_time;
 use pullout_case::Case;
+use pullout_run::columns::place_in_specimen;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout::checkpoint::Checkpoints;
-use pullout_run::pullout::{self, COLUMNS, Findings, Program};
+use pullout_run::pullout::{self, Findings, Program};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -71,10 +72,8 @@ impl path::Observer for Keeper {
 }
 
 impl Keeper {
-    /// `values` hold the columns behind step and increment.
     fn last(&self, column: &str) -> f64 {
-        let place = COLUMNS.iter().skip(2).position(|name| *name == column);
-        place.and_then(|place| self.last.get(place)).copied().unwrap_or(f64::NAN)
+        place_in_specimen(column).and_then(|place| self.last.get(place)).copied().unwrap_or(f64::NAN)
     }
 }
 

@@ -10,8 +10,7 @@ use serde::{Deserialize, Deserializer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 
-mod arguments;
-pub use arguments::*;
+pub use pullout_run::arguments::{ContactArguments, UmatArguments};
 mod point;
 pub use point::*;
 mod interface;

@@ -9,7 +9,7 @@ use crate::problem::Place;
 use crate::reader::Reader;
 use crate::steps::{self, Counted};
 use crate::{fields, history};
-use pullout_run::program::interface_columns;
+use pullout_run::columns;
 use pullout_run::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
 
 /// Names of targets and of table columns.
@@ -85,10 +85,8 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let place = root.key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };
-    let one_direction = plugin.as_ref().map(|plugin| interface_columns(1, plugin));
-    let two_directions = plugin.as_ref().map(|plugin| interface_columns(2, plugin));
     directions = directions.max(directions_of(reader, documents));
-    let columns = if directions == 2 { two_directions } else { one_direction };
+    let columns = plugin.as_ref().map(|plugin| columns::of_contact(directions, &plugin.state_names()));
     let initial_fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
     let place_of_arguments = root.key("arguments");
     let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
@@ -103,7 +101,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
         tangential_directions: directions,
         initial_statev,
         initial_time: given.time.unwrap_or(0.0),
-        arguments: arguments.map(crate::arguments::contact).unwrap_or_default(),
+        arguments: arguments.cloned().unwrap_or_default(),
         initial_displacement: [given.slip, given.slip2, given.gap].map(Option::unwrap_or_default),
         initial_fields,
         steps: close(open, entry),

@@ -9,9 +9,10 @@ use crate::reader::Reader;
 use crate::steps::{self, Counted};
 use crate::table::Table;
 use crate::{fields, history};
-use pullout_run::deformation::{Polar, columns, exponential, matrix, rotated, turns};
+use pullout_run::columns;
+use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
-use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES, TURNED, point_columns};
+use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 
 /// What the kinds of points resolve; reading a case adds the rest.
 pub struct Resolved {
@@ -36,8 +37,8 @@ struct Setting<'c> {
 pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     let root = Place::root();
     let mode = match &case.mode {
-        None => Some(Mode::ThreeD),
-        Some(piece) => reader.piece(piece, &root.key("mode")).map(|mode| mode_of(*mode)),
+        None => Some(Mode::default()),
+        Some(piece) => reader.piece(piece, &root.key("mode")).copied(),
     };
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let place = root.key("characteristic_length");
@@ -56,19 +57,19 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         let mode = mode.map(|mode| (mode, root.key("mode")));
         plugin::resolve(reader, material, &place, Use { subject: Subject::Point, entry: Entry::Umat, mode, length })
     });
-    let columns = plugin.as_ref().map(|plugin| point_columns(nlgeom, plugin));
+    let columns = plugin.as_ref().map(|plugin| columns::of_point(nlgeom, &plugin.state_names()));
     let measure = measure(reader, case.measure.as_ref(), nlgeom);
     if let (Some(Mode::PlaneStress), true, Some(plugin)) = (mode, nlgeom, &plugin) {
         check_thickness(reader, plugin, measure);
     }
-    let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or(Mode::ThreeD), nlgeom);
+    let initial = initial(reader, case, material, plugin.as_ref(), mode.unwrap_or_default(), nlgeom);
     let arguments = reader.optional(case.arguments.as_ref(), &root.key("arguments"));
     if let Some(given) = arguments {
         check_arguments(reader, given, mode, nlgeom, initial.fields.variables.len());
     }
-    let arguments = arguments.map(crate::arguments::umat);
+    let arguments = arguments.cloned();
     let setting = Setting {
-        mode: mode.unwrap_or(Mode::ThreeD),
+        mode: mode.unwrap_or_default(),
         nlgeom,
         measure,
         field_variables: initial.fields.variables.len(),
@@ -93,16 +94,13 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
     Resolved { plugin, kind, columns, characteristic_length }
 }
 
-fn measure(reader: &mut Reader<'_>, given: Option<&Piece<document::Measure>>, nlgeom: bool) -> Measure {
+fn measure(reader: &mut Reader<'_>, given: Option<&Piece<Measure>>, nlgeom: bool) -> Measure {
     let place = Place::root().key("measure");
     let given = reader.optional(given, &place).copied();
     if given.is_some() && !nlgeom {
         reader.problem(&place, "small strains have no measure: it needs \"nlgeom\": true");
     }
-    match given {
-        Some(document::Measure::Nominal) => Measure::Nominal,
-        Some(document::Measure::Logarithmic) | None => Measure::Logarithmic,
-    }
+    given.unwrap_or_default()
 }
 
 /// Says what is not known of the thickness in plane stress at finite strain.
@@ -132,15 +130,6 @@ fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bo
     setting.measure == Measure::Logarithmic
         && step.mixes_strain_and_stress(setting.mode.controllable())
         && turns(&Polar::new(&matrix(gradient)).rotation)
-}
-
-fn mode_of(mode: document::Mode) -> Mode {
-    match mode {
-        document::Mode::ThreeD => Mode::ThreeD,
-        document::Mode::PlaneStrain => Mode::PlaneStrain,
-        document::Mode::Axisymmetric => Mode::Axisymmetric,
-        document::Mode::PlaneStress => Mode::PlaneStress,
-    }
 }
 
 impl steps::StepDocument for StepDocument {
@@ -403,7 +392,7 @@ fn initial(
         }
     } else if nlgeom {
         // symmetric: its columns are its rows
-        deformation_gradient = columns(&exponential(&strain));
+        deformation_gradient = deformation::columns(&exponential(&strain));
     }
     let fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
     let statev = statev(reader, material, given.statev.as_deref(), plugin);

@@ -11,7 +11,8 @@ use fe_core::model::{Controls, Model, Skipping, Spalling};
 use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
-use pullout_run::pullout::{COLUMNS, Output, Program};
+use pullout_run::columns;
+use pullout_run::pullout::{Output, Program};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
@@ -47,7 +48,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
     let place = root.key("until");
-    let columns = COLUMNS.map(String::from);
+    let columns = columns::of_specimen();
     let until = reader
         .optional(case.until.as_ref(), &place)
         .and_then(|until| history::until(reader, until, Some(&columns), &place));

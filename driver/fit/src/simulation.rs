@@ -5,9 +5,10 @@ use super::law::BondLaw;
 use super::specimen::Specimen;
 use pullout_case::{Case, CaseErrors};
 use pullout_run::PLUGIN_STACK;
+use pullout_run::columns::place_in_specimen;
 use pullout_run::path::{Observer, Row, Statistics, Stop};
+use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::Checkpoints;
-use pullout_run::pullout::{self, COLUMNS};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -120,8 +121,7 @@ struct CurveRecorder {
 
 impl CurveRecorder {
     fn new(slip_at: SlipAt) -> Self {
-        // values begin behind step and increment
-        let place = |name: &str| COLUMNS.iter().position(|column| *column == name).map_or(0, |place| place - 2);
+        let place = |name: &str| place_in_specimen(name).unwrap_or_default();
         Self { curve: SimulatedCurve::default(), places: [place(slip_at.column()), place("load")] }
     }
 }

@@ -9,11 +9,13 @@ use std::path::Path;
 
 pub mod compare;
 pub mod directory;
+pub mod ending;
 pub mod history;
 pub mod page;
 pub mod pictures;
 pub mod plots;
 pub mod progress;
+pub mod record;
 pub mod summary;
 
 #[cfg(test)]

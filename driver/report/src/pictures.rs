@@ -12,12 +12,13 @@ use crate::plots::field::{
     interface_profiles, zones,
 };
 use crate::plots::figure::{Figure, Line, Scale, Style};
-use crate::plots::quantity::{Quantity, Sort};
+use crate::plots::quantity::{Quantity, group_of};
 use crate::plots::{self, Picture};
 use fe_core::mesh::Mesh;
 use fe_core::model::ContactPair;
 use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
 use plotters::style::RGBColor;
+use pullout_run::columns::Group;
 use pullout_run::number::significant;
 use pullout_run::pullout::fibre::{Fibre, Wall};
 use pullout_run::pullout::{Outcome, Program, State};
@@ -333,7 +334,7 @@ impl Contour {
 
 /// The damages to draw: the total one if a law tells it, or else all.
 fn damages<'n>(names: &[&'n str]) -> Vec<&'n str> {
-    let damages: Vec<&str> = names.iter().copied().filter(|name| Sort::of(name) == Sort::Damage).collect();
+    let damages: Vec<&str> = names.iter().copied().filter(|name| group_of(name) == Group::Damage).collect();
     let total: Vec<&str> = damages.iter().copied().filter(|name| is_total(name)).collect();
     if total.is_empty() { damages } else { total }
 }
@@ -352,19 +353,4 @@ fn unfit(error: FieldsError) -> io::Error {
 }
 
 #[cfg(test)]
-mod test {
-    use super::*;
-
-    #[test]
-    fn what_rounding_leaves_is_nothing() {
-        let shown = [32.0, -1e-7, 3.7e-12, -0.0].map(|value| without_rounding(value, 32.0));
-        assert_eq!(shown, [32.0, -1e-7, 0.0, 0.0]);
-    }
-
-    #[test]
-    fn the_total_damage_is_drawn_alone() {
-        assert_eq!(damages(&["eta", "D_t", "D", "D_c", "strain_33"]), ["D"]);
-        assert_eq!(damages(&["D_t", "D_c", "peeq"]), ["D_t", "D_c"]);
-        assert!(damages(&["peeq", "dissipated_energy"]).is_empty());
-    }
-}
+mod test;

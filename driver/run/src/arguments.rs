@@ -1,30 +1,37 @@
 //! Arguments of a plugin that a path leaves open. A replay of a recorded call gives them, so that the plugin is called
 //! with what it was called with.
 
-use crate::deformation::columns;
-use nalgebra::Matrix3;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use umat_abi::host::{FricCall, UinterCall, UmatCall};
 
-/// What UMAT is told besides the path.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Arguments of UMAT that the path leaves open, as a replay of a recorded call gives them.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct UmatArguments {
-    /// SSE, SPD, SCD at the start.
-    pub energies: [f64; 3],
-    /// TIME(1) at the start, s.
-    pub step_time: f64,
-    /// COORDS, mm.
-    pub coords: [f64; 3],
-    /// DROT, DFGRD0 and DFGRD1 at small strain; `None`: 1.
-    pub kinematics: Option<[Matrix3<f64>; 3]>,
-    /// NOEL and NPT, from 1.
-    pub element: Option<[i32; 2]>,
+    /// SSE, SPD, SCD at the start (default 0).
+    pub energies: Option<[f64; 3]>,
+    /// TIME(1) at the start, s (default 0).
+    pub step_time: Option<f64>,
+    /// COORDS, mm (default 0).
+    pub coords: Option<[f64; 3]>,
+    /// DROT, row by row, in steps without F.
+    pub drot: Option<[[f64; 3]; 3]>,
+    /// DFGRD0, row by row, in steps without F.
+    pub dfgrd0: Option<[[f64; 3]; 3]>,
+    /// DFGRD1, row by row, in steps without F.
+    pub dfgrd1: Option<[[f64; 3]; 3]>,
+    /// NOEL (default 1).
+    pub noel: Option<i32>,
+    /// NPT (default 1).
+    pub npt: Option<i32>,
     /// JSTEP of the first step; JSTEP(1) counts on.
     pub jstep: Option<[i32; 4]>,
-    /// KINC of the first increment of each step; it counts on.
+    /// KINC of the first increment of each step; it counts on (default 1).
     pub kinc: Option<i32>,
-    /// Whether DDSDDE is wanted where the path does not need it.
-    pub ddsdde: bool,
-    /// DSTRAN of the first call, NTENS values, which the ends of its increment tell but for rounding.
+    /// Whether DDSDDE is wanted where the path does not need it (default false).
+    pub ddsdde: Option<bool>,
+    /// DSTRAN of the first call, NTENS values, in steps without F; default: end minus start of its increment, which rounds.
     pub dstran: Option<Vec<f64>>,
     /// DTIME of the first call, s.
     pub dtime: Option<f64>,
@@ -37,58 +44,67 @@ pub struct UmatArguments {
 impl UmatArguments {
     /// Sets what stays the same in all calls.
     pub fn set(&self, call: &mut UmatCall) {
-        call.coords = self.coords;
-        [call.noel, call.npt] = self.element.unwrap_or([call.noel, call.npt]);
+        call.coords = self.coords.unwrap_or_default();
+        call.noel = self.noel.unwrap_or(call.noel);
+        call.npt = self.npt.unwrap_or(call.npt);
         call.jstep = self.jstep.unwrap_or(call.jstep);
-        if let Some(kinematics) = &self.kinematics {
-            [call.drot, call.dfgrd0, call.dfgrd1] = kinematics.map(|matrix| columns(&matrix));
-        }
+        // Fortran's order: column by column
+        let columns = |rows: [[f64; 3]; 3]| std::array::from_fn(|j| rows.map(|row| row[j]));
+        call.drot = self.drot.map_or(call.drot, columns);
+        call.dfgrd0 = self.dfgrd0.map_or(call.dfgrd0, columns);
+        call.dfgrd1 = self.dfgrd1.map_or(call.dfgrd1, columns);
     }
 
     /// JSTEP(1) of a step and KINC of an increment, both from 1.
     pub(crate) fn counters(&self, step: u32, increment: u32) -> [i32; 2] {
         [counted(self.jstep.map(|jstep| jstep[0]), step), counted(self.kinc, increment)]
     }
+
+    /// TIME(1) at the start, s.
+    pub(crate) fn start(&self) -> f64 {
+        self.step_time.unwrap_or_default()
+    }
 }
 
-/// What UINTER or FRIC is told besides the path.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Arguments of UINTER or FRIC that the path leaves open, as a replay of a recorded call gives them.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
 pub struct ContactArguments {
-    /// p and the shear tractions at the start, MPa; `None`: what UINTER finds at the initial place, 0 for FRIC.
+    /// p and the two shear tractions at the start, MPa; default: what UINTER finds at the initial place.
     pub traction: Option<[f64; 3]>,
-    /// SED, SFD, SPD, SVD, SCD at the start.
-    pub energies: [f64; 5],
-    /// LOPENCLOSE and LSTATE at the start.
+    /// SED, SFD, SPD, SVD, SCD at the start (default 0).
+    pub energies: Option<[f64; 5]>,
+    /// LOPENCLOSE and LSTATE at the start (default -1).
     pub flags: Option<[i32; 2]>,
-    /// LM on entry.
+    /// LM on entry (default 1).
     pub lm: Option<i32>,
-    /// FRIC's SLIP at the start, mm.
-    pub slip: [f64; 2],
-    /// TIME(1) at the start, s.
-    pub step_time: f64,
-    /// COORDS, mm.
-    pub coords: [f64; 3],
-    /// RCOORD, mm.
-    pub rcoord: [f64; 3],
+    /// FRIC's SLIP at the start, mm (default 0).
+    pub slip: Option<[f64; 2]>,
+    /// TIME(1) at the start, s (default 0).
+    pub step_time: Option<f64>,
+    /// COORDS, mm (default 0).
+    pub coords: Option<[f64; 3]>,
+    /// RCOORD, mm (default 0).
+    pub rcoord: Option<[f64; 3]>,
     /// ALOCALDIR, column by column.
     pub alocaldir: Option<[f64; 9]>,
-    /// AREA, mm².
+    /// AREA, mm^2 (default 1).
     pub area: Option<f64>,
-    /// NODE, from 1.
+    /// NODE (default 1).
     pub node: Option<i32>,
-    /// KSTEP of the first step; it counts on.
+    /// KSTEP of the first step; it counts on (default 1).
     pub kstep: Option<i32>,
-    /// KINC of the first increment of each step; it counts on.
+    /// KINC of the first increment of each step; it counts on (default 1).
     pub kinc: Option<i32>,
-    /// KIT.
+    /// KIT (default 1).
     pub kit: Option<i32>,
-    /// TIME of the first call, s.
+    /// TIME of the first call, s; default, as of the increments below: what its ends tell, which rounds.
     pub time: Option<[f64; 2]>,
     /// DTIME of the first call, s.
     pub dtime: Option<f64>,
-    /// DRDISP of the first call, mm: the penetration's, then the slips'.
+    /// DRDISP of UINTER's first call, mm: of the penetration, then of the slips.
     pub drdisp: Option<[f64; 3]>,
-    /// DPRESS of the first call, MPa.
+    /// DPRESS of FRIC's first call, MPa.
     pub dpress: Option<f64>,
     /// DTEMP of the first call.
     pub dtemp: Option<f64>,
@@ -99,7 +115,7 @@ pub struct ContactArguments {
 impl ContactArguments {
     /// Sets what stays the same in all calls.
     pub fn set_uinter(&self, call: &mut UinterCall) {
-        call.coords = self.coords;
+        call.coords = self.coords.unwrap_or_default();
         call.local_directions = self.alocaldir.unwrap_or(call.local_directions);
         call.area = self.area.unwrap_or(call.area);
         call.node = self.node.unwrap_or(call.node);
@@ -107,13 +123,18 @@ impl ContactArguments {
 
     /// Sets what stays the same in all calls.
     pub fn set_fric(&self, call: &mut FricCall) {
-        (call.coords, call.rcoord) = (self.coords, self.rcoord);
+        (call.coords, call.rcoord) = (self.coords.unwrap_or_default(), self.rcoord.unwrap_or_default());
         call.node = self.node.unwrap_or(call.node);
     }
 
     /// KSTEP of a step, KINC of an increment, both from 1, and KIT.
     pub(crate) fn counters(&self, step: u32, increment: u32) -> [i32; 3] {
         [counted(self.kstep, step), counted(self.kinc, increment), self.kit.unwrap_or(1)]
+    }
+
+    /// TIME(1) at the start, s.
+    pub(crate) fn start(&self) -> f64 {
+        self.step_time.unwrap_or_default()
     }
 }
 

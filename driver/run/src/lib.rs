@@ -4,6 +4,7 @@
 //! here wrote does so in a process of its own ([`isolation`]).
 
 pub mod arguments;
+pub mod columns;
 pub mod deformation;
 pub mod input;
 pub mod isolation;

@@ -2,8 +2,11 @@
 //! tables read. [`pullout_case`] makes it; [`super`] runs it.
 
 use crate::arguments::{ContactArguments, UmatArguments};
+use crate::columns;
 use crate::input::folder_of;
 pub use fe_core::model::FieldValues;
+use schemars::JsonSchema;
+use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
 use umat_abi::law::StressState;
@@ -75,16 +78,19 @@ impl Plugin {
     }
 }
 
-/// The kinematic mode of a point case.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Which components exist, and which are fixed.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
 pub enum Mode {
     /// NTENS 6.
+    #[default]
+    #[serde(rename = "3d")]
     ThreeD,
-    /// NTENS 4, e33 = 0.
+    /// e33 = g13 = g23 = 0; NTENS 4.
     PlaneStrain,
-    /// NTENS 4, 11 rr, 22 zz, 33 θθ.
+    /// 11 rr, 22 zz, 33 hoop, 12 rz; NTENS 4.
     Axisymmetric,
-    /// NTENS 3.
+    /// s33 = s13 = s23 = 0; NTENS 3.
     PlaneStress,
 }
 
@@ -118,13 +124,16 @@ impl Mode {
     }
 }
 
-/// The strain and stress of steps and history at finite strain, where F = R U.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+/// The strain and stress of steps and history with nlgeom, where F = R U and P = J s F^-T is the first Piola-Kirchhoff
+/// stress, s Cauchy's.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
 pub enum Measure {
-    /// ln U and Cauchy's stress σ.
+    /// Hencky's strain ln U (gNM twice the component) and Cauchy's stress.
     #[default]
     Logarithmic,
-    /// U − 1 (twice the shear components) and Biot's stress: the symmetric part of RᵀP with P = J σ F⁻ᵀ.
+    /// Biot's: strain U - 1 (g12 = 2 U12), stress the symmetric part of R^T P, which is force per area before the
+    /// deformation.
     Nominal,
 }
 
@@ -483,42 +492,13 @@ pub struct Compare {
     pub label: String,
 }
 
-/// The history's columns of a material point, in the order of the CSV (docs/reference/result-folder.md).
-pub fn point_columns(nlgeom: bool, plugin: &Plugin) -> Vec<String> {
-    let mut columns: Vec<String> = ["step", "increment", "time"].map(String::from).to_vec();
-    columns.extend(STRAIN_NAMES.iter().chain(&STRESS_NAMES).map(ToString::to_string));
-    if nlgeom {
-        for row in 1..=3 {
-            columns.extend((1..=3).map(|column| format!("F{row}{column}")));
-        }
-    }
-    columns.extend(plugin.state_names());
-    columns.extend(["sse", "spd", "scd", "iterations"].map(String::from));
-    columns
-}
-
-/// The history's columns of a contact point.
-pub fn interface_columns(tangential_directions: usize, plugin: &Plugin) -> Vec<String> {
-    let mut columns: Vec<String> = ["step", "increment", "time", "slip"].map(String::from).to_vec();
-    if tangential_directions == 2 {
-        columns.push("slip2".into());
-    }
-    columns.extend(["gap", "tau"].map(String::from));
-    if tangential_directions == 2 {
-        columns.push("tau2".into());
-    }
-    columns.push("p".into());
-    columns.extend(plugin.state_names());
-    columns.extend(["sed", "sfd", "spd", "svd", "scd", "iterations"].map(String::from));
-    columns
-}
-
 impl Program {
     /// The history's columns, in the order of the CSV.
     pub fn columns(&self) -> Vec<String> {
+        let states = self.plugin.state_names();
         match &self.kind {
-            Kind::Point(point) => point_columns(point.nlgeom, &self.plugin),
-            Kind::Interface(interface) => interface_columns(interface.tangential_directions, &self.plugin),
+            Kind::Point(point) => columns::of_point(point.nlgeom, &states),
+            Kind::Interface(contact) => columns::of_contact(contact.tangential_directions, &states),
         }
     }
 }

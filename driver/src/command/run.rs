@@ -3,17 +3,16 @@
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
 use fe_core::threads::Threads;
 use pullout_case::Case;
-use pullout_report::compare::{Comparison, compare};
 use pullout_report::directory::{Access, Kind, Refusal, ResultDirectory};
-use pullout_report::history::HistoryFile;
-use pullout_report::page::{self, Account};
-use pullout_report::plots::{self, Picture, Spec};
+use pullout_report::ending::{RunEnd, conclude};
 use pullout_report::progress::{Extent, Progress};
-use pullout_report::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use pullout_report::record::{Kept, Record};
+use pullout_report::summary::{Status, Summary};
+use pullout_run::columns::{self, LEADING};
 use pullout_run::isolation::prints::{Prints, say};
-use pullout_run::isolation::{Aftermath, Need, worker};
-use pullout_run::path::{self, Statistics, Stop};
-use pullout_run::program;
+use pullout_run::isolation::{Need, worker};
+use pullout_run::path::{self, Stop};
+use pullout_run::program::{self, STRESS_NAMES};
 use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::signals;
@@ -22,14 +21,10 @@ use std::ffi::OsString;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::time::Duration;
-use umat_abi::host::{Law, Library};
 
 mod interruption;
-mod record;
 
 pub(super) use interruption::Interruption;
-use record::{Kept, Record};
 
 /// How cases are run.
 #[derive(Debug, clap::Args)]
@@ -378,169 +373,6 @@ fn run_case(
     conclude(case, directory, end, specimen)
 }
 
-/// How a run ended.
-struct RunEnd {
-    peaks: PeakRecorder,
-    statistics: Statistics,
-    /// Why it failed.
-    message: Option<String>,
-    /// A signal asked for its end.
-    is_interrupted: bool,
-    wall_time_s: f64,
-    /// Not known of a process that was ended.
-    cpu_time_s: Option<f64>,
-    /// What the run itself found that the user should know.
-    warnings: Vec<String>,
-}
-
-/// CPU time of this process so far.
-fn cpu_time() -> Duration {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    Duration::try_from(time).unwrap_or_default()
-}
-
-impl RunEnd {
-    /// Of a run that was ended from outside: its peaks are those of the rows that were written.
-    fn of(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Self> {
-        let mut peaks = PeakRecorder::new(&case.columns());
-        HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
-        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath;
-        let (message, warnings) = (Some(message), Vec::new());
-        Ok(Self { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
-    }
-}
-
-/// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
-/// The second result is what could not be written.
-fn conclude(
-    case: &Case,
-    directory: &mut ResultDirectory,
-    end: RunEnd,
-    mut specimen: Option<(&pullout::Program, pullout::Outcome<'_>)>,
-) -> io::Result<(Summary, io::Result<()>)> {
-    let mut summary = summarise(case, &end)?;
-    summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
-    if let Some(moved) = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement) {
-        summary.warnings.push(format!(
-            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
-             moved by up to {moved:.3e} mm until it was"
-        ));
-    }
-    let compared = compare_all(case, directory.path());
-    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
-    let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
-        let pictures = draw(case, directory, specimen.as_ref());
-        let shown = pictures.as_deref().unwrap_or_default();
-        page::write(directory, &Account::of(case), &summary, shown)?;
-        directory.finish()?;
-        pictures.and(compared.map(|_| ()))
-    });
-    Ok((summary, written))
-}
-
-/// Compares a history with all curves of its case.
-fn compare_all(case: &Case, folder: &Path) -> io::Result<Vec<Comparison>> {
-    if case.compare().is_empty() {
-        return Ok(Vec::new());
-    }
-    let history = HistoryFile::open(&folder.join("history.csv"))?;
-    case.compare().iter().map(|curve| compare(&history, curve)).collect()
-}
-
-/// Draws what the case asks for.
-fn draw(
-    case: &Case,
-    directory: &mut ResultDirectory,
-    specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
-) -> io::Result<Vec<Picture>> {
-    if !case.draws_plots() {
-        return Ok(Vec::new());
-    }
-    let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
-    let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
-    if let Some((program, outcome)) = specimen {
-        pictures.extend(pullout_report::pictures::draw(directory, "plots", program, outcome)?);
-    }
-    Ok(pictures)
-}
-
-fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
-    let (plugin, plugins) = plugins(case)?;
-    let statistics = &end.statistics;
-    Ok(Summary {
-        status: match &end.message {
-            None => Status::Done,
-            Some(_) if end.is_interrupted => Status::Interrupted,
-            Some(_) => Status::Failed,
-        },
-        message: end.message.clone(),
-        title: case.title().to_owned(),
-        plugin,
-        plugins,
-        peaks: end.peaks.peaks(),
-        increments: statistics.increments,
-        iterations: statistics.iterations,
-        plugin_calls: statistics.plugin_calls,
-        cutbacks: statistics.cutbacks,
-        wall_time_s: end.wall_time_s,
-        cpu_time_s: end.cpu_time_s,
-        compare: Vec::new(),
-        specimen: None,
-        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).collect(),
-    })
-}
-
-/// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.
-fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
-    let version = |law: Option<&Law>| law.map_or(String::new(), |law| law.version.clone());
-    match case {
-        Case::Path(program) => {
-            let plugin = &program.plugin;
-            let file = PluginFile::identify(plugin.library.path(), &version(plugin.law.as_ref()))?;
-            Ok((file, Vec::new()))
-        }
-        Case::Pullout(program) => {
-            let mut plugins = Vec::new();
-            for (subject, law) in program.laws() {
-                let file = PluginFile::identify(law.library.path(), &version(law.law.as_ref()))?;
-                plugins.push(PluginOf { subject, law: law.name.clone(), file });
-            }
-            let first = plugins.first().map(|plugin| plugin.file.clone()).unwrap_or_default();
-            Ok((first, plugins))
-        }
-    }
-}
-
-/// The case's warnings, and those that a run adds.
-fn warnings(case: &Case) -> Vec<String> {
-    let mut warnings = case.warnings().to_vec();
-    let libraries: Vec<(&str, &Library)> = match case {
-        Case::Path(program) => vec![(&program.plugin.name, &program.plugin.library)],
-        Case::Pullout(program) => {
-            program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect()
-        }
-    };
-    for (name, library) in libraries.iter().filter(|(_, library)| library.calls_change_floating_point()) {
-        warnings.push(format!(
-            "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); they \
-             were restored behind each",
-            library.path().display()
-        ));
-    }
-    for (name, library) in libraries {
-        let written = library.written_inputs();
-        let Some([step, increment, ..]) = written.values().min() else { continue };
-        let names: Vec<&str> = written.keys().copied().collect();
-        warnings.push(format!(
-            "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
-             what it changed there was lost with the call",
-            library.path().display(),
-            names.join(", ")
-        ));
-    }
-    warnings
-}
-
 fn title(case: &Case) -> String {
     let stem = case.file().file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
@@ -564,8 +396,7 @@ fn shown(case: &Case) -> Vec<(String, usize)> {
         Case::Pullout(_) => &["slip", "load"],
     };
     let columns = case.columns();
-    // values begin behind step and increment
-    let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - 2);
+    let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - LEADING.len());
     names.iter().filter_map(|name| Some(((*name).to_owned(), index(name)?))).collect()
 }
 
@@ -585,18 +416,19 @@ fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
         summary.wall_time_s,
         folder.display()
     );
-    let (interesting, unit) = match case {
+    let interesting = match case {
         Case::Path(program) => match &program.kind {
-            program::Kind::Point(_) => (&["s11", "s22", "s33", "s12", "s13", "s23"][..], "MPa"),
-            program::Kind::Interface(_) => (&["tau", "p"][..], "MPa"),
+            program::Kind::Point(_) => &STRESS_NAMES[..],
+            program::Kind::Interface(_) => &["tau", "p"],
         },
-        Case::Pullout(_) => (&["load", "load_lateral"][..], "N"),
+        Case::Pullout(_) => &["load", "load_lateral"],
     };
     for name in interesting {
         if let Some(peak) = summary.peaks.get(*name)
             && let (Some(max), Some(min)) = (peak.max, peak.min)
             && (max.abs() > 1e-6 || min.abs() > 1e-6)
         {
+            let unit = columns::shown(name).map_or("", |(_, unit, _)| unit);
             let _ = writeln!(text, "  {name}: max {max:.6} {unit}, min {min:.6} {unit}");
         }
     }

@@ -4,6 +4,7 @@ use super::{
     Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, UmatArguments,
     Until,
 };
+use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -65,33 +66,6 @@ pub struct PointCase {
 pub enum PointKind {
     /// A material point.
     Point,
-}
-
-/// Which components exist, and which are fixed.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "snake_case")]
-pub enum Mode {
-    /// NTENS 6.
-    #[serde(rename = "3d")]
-    ThreeD,
-    /// e33 = g13 = g23 = 0; NTENS 4.
-    PlaneStrain,
-    /// 11 rr, 22 zz, 33 hoop, 12 rz; NTENS 4.
-    Axisymmetric,
-    /// s33 = s13 = s23 = 0; NTENS 3.
-    PlaneStress,
-}
-
-/// The strain and stress of steps and history with nlgeom, where F = R U and P = J s F^-T is the first Piola-Kirchhoff
-/// stress, s Cauchy's.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum Measure {
-    /// Hencky's strain ln U (gNM twice the component) and Cauchy's stress.
-    Logarithmic,
-    /// Biot's: strain U - 1 (g12 = 2 U12), stress the symmetric part of R^T P, which is force per area before the
-    /// deformation.
-    Nominal,
 }
 
 /// The state before the first step, as UMAT is given it.

@@ -9,8 +9,8 @@ use crate::reader::Reader;
 use crate::steps::{self, Counted};
 use crate::{fields as field_values, history};
 use fe_core::model::{Fields, Step, StepControl};
+use pullout_run::columns;
 use pullout_run::program::Until;
-use pullout_run::pullout::COLUMNS;
 
 /// Default sizes of automatic increments, as fractions of a step.
 const INITIAL: f64 = 1e-3;
@@ -123,7 +123,7 @@ fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut 
             targets[index].get_or_insert(slip);
         }
     }
-    let columns = COLUMNS.map(String::from);
+    let columns = columns::of_specimen();
     let until = ramp.until.as_ref();
     let until = until.and_then(|until| history::until(reader, until, Some(&columns), &place.key("until")));
     let control = control(reader, ramp.increments, &place.key("increments"));

@@ -1,8 +1,9 @@
 //! Which pictures a run gets, and what is in them.
 
 use super::figure::{Figure, Line, Marks, Scale, Style};
-use super::quantity::{Quantity, Sort};
+use super::quantity::{Quantity, group_of};
 use super::{Curve, Run, Subject};
+use pullout_run::columns::Group;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
 
 #[cfg(test)]
@@ -40,7 +41,7 @@ impl Layout {
 
     /// A measured curve fits if its columns are shown, or are of the sorts that are shown.
     fn takes(&self, curve: &Curve) -> bool {
-        let same = |a: &str, b: &str| a == b || (Sort::of(a) == Sort::of(b) && Sort::of(a) != Sort::Other);
+        let same = |a: &str, b: &str| a == b || (group_of(a) == group_of(b) && group_of(a) != Group::Other);
         !self.equal_units && self.pairs.iter().any(|(x, y)| same(x, &curve.x) && same(y, &curve.y))
     }
 
@@ -110,7 +111,7 @@ impl Layout {
         let first = self.pairs.first().map_or("", |pair| side(pair).as_str());
         let single = self.pairs.iter().all(|pair| side(pair) == first);
         let own = Quantity::of(first, &run.spec.units);
-        if single { own } else { Sort::of(first).common().unwrap_or(own) }
+        if single { own } else { Quantity::common(group_of(first)).unwrap_or(own) }
     }
 }
 
@@ -143,7 +144,7 @@ fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
     let driven = driven_component(run, controlled);
     let (strain, stress) = (STRAIN_NAMES[driven], STRESS_NAMES[driven]);
     let mut layouts = vec![Layout::pair("stress_strain", strain, stress)];
-    let damage = columns(run, |column| Sort::of(column) == Sort::Damage);
+    let damage = columns(run, |column| group_of(column) == Group::Damage);
     let damage = if damage.is_empty() { columns(run, |column| column == "peeq") } else { damage };
     if !damage.is_empty() {
         let name = if damage[0] == "peeq" { "plastic_strain" } else { "damage_strain" };
@@ -183,7 +184,7 @@ fn interface(run: &Run<'_>) -> Vec<Layout> {
     if span(run, "p") > 0.0 {
         layouts.push(Layout { equal_units: true, ..Layout::pair("traction_path", "p", "tau") });
     }
-    let damage = columns(run, |column| Sort::of(column) == Sort::Damage);
+    let damage = columns(run, |column| group_of(column) == Group::Damage);
     if !damage.is_empty() {
         layouts.push(Layout::new("damage_slip", damage.into_iter().map(|column| ("slip", column))));
     }
@@ -216,8 +217,8 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
             layouts.push(Layout::pair(name, "slip", column));
         }
     }
-    for (name, sort) in [("energies", Sort::Energy), ("points", Sort::Count)] {
-        let moving = columns(run, |column| Sort::of(column) == sort && span(run, column) > 0.0);
+    for (name, group) in [("energies", Group::Energy), ("points", Group::Count)] {
+        let moving = columns(run, |column| group_of(column) == group && span(run, column) > 0.0);
         if !moving.is_empty() {
             layouts.push(Layout::new(name, moving.into_iter().map(|column| ("slip", column))));
         }

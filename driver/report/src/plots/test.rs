@@ -1,9 +1,10 @@
 use super::axis::Axis;
 use super::decimation::{Coordinate, decimate, drawable_stretches};
 use super::figure::{Figure, Line, Marks, Scale, Style, UNIT};
-use super::quantity::{Quantity, Sort};
+use super::quantity::{Quantity, group_of};
 use super::*;
 use crate::directory::{Kind, ResultDirectory};
+use pullout_run::columns::Group;
 
 fn line(label: &str, points: Vec<(f64, f64)>) -> Line {
     Line { label: label.into(), points, columns: ("e11".into(), "s11".into()), style: Style::default(), marked: false }
@@ -156,11 +157,13 @@ fn columns_have_names_and_units() {
     assert_eq!(label("Y_t_max"), "Y_{t,max} [–]");
     assert_eq!(label("plastic_strain_11"), "plastic strain 11 [–]");
     assert_eq!(label("tau"), "τ [MPa]");
-    for (column, sort) in [("e11", Sort::Strain), ("s23", Sort::Stress), ("D_c", Sort::Damage), ("sse", Sort::Other)] {
-        assert_eq!(Sort::of(column), sort);
+    for (column, group) in
+        [("e11", Group::Strain), ("s23", Group::Stress), ("D_c", Group::Damage), ("sse", Group::Other)]
+    {
+        assert_eq!(group_of(column), group);
     }
     for odd in ["", "e", "é11", "s", "sé"] {
-        assert_eq!(Sort::of(odd), Sort::Other, "{odd}");
+        assert_eq!(group_of(odd), Group::Other, "{odd}");
     }
 }
 

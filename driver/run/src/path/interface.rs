@@ -5,6 +5,7 @@
 use super::subdivision::{Divisible, Trouble, take_increment};
 use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
+use crate::columns::{self, CONTACT, ContactRow, Group};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
@@ -140,13 +141,13 @@ impl<'p> Runner<'p> {
             gap: if interface.entry == InterfaceEntry::Fric { f64::NAN } else { gap },
             shear: [shear, shear2],
             pressure,
-            inelastic_slip: arguments.slip,
+            inelastic_slip: arguments.slip.unwrap_or_default(),
             statev: interface.initial_statev.clone(),
             energies: if interface.entry == InterfaceEntry::Fric {
-                let [stored, dissipated, ..] = arguments.energies;
+                let [stored, dissipated, ..] = arguments.energies.unwrap_or_default();
                 [stored, dissipated, f64::NAN, f64::NAN, f64::NAN]
             } else {
-                arguments.energies
+                arguments.energies.unwrap_or_default()
             },
             flags: if interface.entry == InterfaceEntry::Fric {
                 [arguments.lm.unwrap_or(FricCall::STICKING), 0]
@@ -312,7 +313,7 @@ impl<'p> Runner<'p> {
                 call.energies = committed.energies;
                 call.flags = committed.flags;
                 call.dtime = given.dtime.unwrap_or(time_increment);
-                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
+                call.time = given.time.unwrap_or([self.arguments.start() + trial.step_time, trial.total_time]);
                 let outcome = call.call();
                 trial.gap = -place[NORMAL];
                 trial.pressure = call.traction()[0];
@@ -332,7 +333,7 @@ impl<'p> Runner<'p> {
                 call.statev_mut().copy_from_slice(&committed.statev);
                 call.energies = [committed.energies[0], committed.energies[1]];
                 call.dtime = given.dtime.unwrap_or(time_increment);
-                call.time = given.time.unwrap_or([self.arguments.step_time + trial.step_time, trial.total_time]);
+                call.time = given.time.unwrap_or([self.arguments.start() + trial.step_time, trial.total_time]);
                 let outcome = call.call();
                 trial.pressure = place[NORMAL];
                 trial.shear = [0.0; 2];
@@ -450,20 +451,17 @@ impl Divisible for Runner<'_> {
 
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
-        let n = self.directions;
-        values[0] = state.total_time;
-        values[1..=n].copy_from_slice(&state.slip[..n]);
-        values[n + 1] = state.gap;
-        values[n + 2..2 * n + 2].copy_from_slice(&state.shear[..n]);
-        values[2 * n + 2] = state.pressure;
-        let start = 2 * n + 3;
-        let end = start + state.statev.len();
-        values[start..end].copy_from_slice(&state.statev);
-        for (value, derived) in values[end..].iter_mut().zip(self.derived) {
-            *value = derived.value(&state.statev);
-        }
-        let energies = end + self.derived.len();
-        values[energies..energies + 5].copy_from_slice(&state.energies);
+        let row = ContactRow {
+            time: state.total_time,
+            slip: state.slip,
+            gap: state.gap,
+            shear: state.shear,
+            pressure: state.pressure,
+            energies: state.energies,
+        };
+        let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
+        let left_out = (self.directions < 2).then_some(Group::Second);
+        columns::fill(&CONTACT, left_out, &row, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {

@@ -10,6 +10,7 @@ mod subdivision;
 #[cfg(test)]
 mod test;
 
+use crate::columns::LEADING;
 use crate::program::{Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
 pub use interface::Committed as ContactPoint;
@@ -191,13 +192,10 @@ enum Next {
     EndRun,
 }
 
-/// Columns before the values of a [`Row`]: step and increment.
-const LEADING_COLUMNS: usize = 2;
-
 impl<'a> Recorder<'a> {
     fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
         // step, increment and iterations are no values
-        let length = program.columns().len() - LEADING_COLUMNS - 1;
+        let length = program.columns().len() - LEADING.len() - 1;
         Self { observer, every: program.output.every.max(1), until: program.until.as_ref(), values: vec![0.0; length] }
     }
 

@@ -5,6 +5,7 @@ use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::subdivision::{Divisible, Trouble, take_increment};
 use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
+use crate::columns::{self, Group, POINT, PointRow};
 use crate::deformation::matrix;
 use crate::number::exact;
 use crate::program::lerp;
@@ -178,7 +179,7 @@ impl<'p> Runner<'p> {
             stress: initial_stress(program, point, &call)?,
             statev: InitialStates::new(&plugin.library, initial.statev.as_deref(), plugin.nstatv)
                 .of_point(&initial_point(&call))?,
-            energies: point.arguments.energies,
+            energies: point.arguments.energies.unwrap_or_default(),
             step_time: 0.0,
             total_time: initial.time,
             deformation_gradient: matrix(&initial.deformation_gradient),
@@ -335,7 +336,7 @@ impl<'p> Runner<'p> {
         let goal = &self.goal;
         let call = &mut self.call;
         let at = |fraction| lerp(goal.step_time.0, goal.step_time.1, fraction);
-        call.time = [self.arguments.step_time + at(from), goal.time_of_step + at(from)];
+        call.time = [self.arguments.start() + at(from), goal.time_of_step + at(from)];
         call.dtime = at(to) - at(from);
         let [start, end] = &goal.fields;
         call.temp = lerp(start.temperature, end.temperature, from);
@@ -528,7 +529,7 @@ impl Divisible for Runner<'_> {
             self.components.iter().zip(dstran).for_each(|(&i, value)| increment[i] = *value);
         }
         let strain_only = targets.strain_only();
-        let ddsdde = self.arguments.ddsdde || self.call.tangent_source() == TangentSource::Compared;
+        let ddsdde = self.arguments.ddsdde == Some(true) || self.call.tangent_source() == TangentSource::Compared;
         let max_iterations = self.max_iterations;
         let mut point = self.point(statistics);
         let mut last_tangent = None;
@@ -579,34 +580,25 @@ impl Divisible for Runner<'_> {
 
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
-        values[0] = state.total_time;
-        values[1..7].copy_from_slice(self.strain());
+        let mut strain = *self.strain();
         if self.plane_stress {
-            values[3] = match &self.finite {
+            strain[2] = match &self.finite {
                 _ if self.call.is_through_solid() => self.known_thickness_strain(),
                 Some(finite) => finite.thickness(&state.statev)[1],
                 None => self.strain_33.map_or(f64::NAN, |k| state.statev[k]),
             };
         }
-        values[7..13].copy_from_slice(self.stress());
-        let mut next = 13;
-        if let Some(finite) = &self.finite {
-            let gradient = finite.gradient(state);
-            for i in 0..3 {
-                for j in 0..3 {
-                    values[next] = gradient[(i, j)];
-                    next += 1;
-                }
-            }
-        }
-        let end = next + state.statev.len();
-        values[next..end].copy_from_slice(&state.statev);
-        next = end;
-        for derived in self.derived {
-            values[next] = derived.value(&state.statev);
-            next += 1;
-        }
-        values[next..next + 3].copy_from_slice(&state.energies);
+        let gradient = self.finite.as_ref().map(|finite| finite.gradient(state)).unwrap_or_default();
+        let row = PointRow {
+            time: state.total_time,
+            strain,
+            stress: *self.stress(),
+            gradient: std::array::from_fn(|i| std::array::from_fn(|j| gradient[(i, j)])),
+            energies: state.energies,
+        };
+        let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
+        let left_out = self.finite.is_none().then_some(Group::Gradient);
+        columns::fill(&POINT, left_out, &row, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {

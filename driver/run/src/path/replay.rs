@@ -129,7 +129,7 @@ pub(super) fn point(
     set_fields(&mut case, &state.fields, &goal.fields[1]);
     let arguments = &mut case["arguments"];
     arguments["energies"] = json!(state.energies);
-    arguments["step_time"] = json!(point.arguments.step_time + state.step_time);
+    arguments["step_time"] = json!(point.arguments.start() + state.step_time);
     arguments["jstep"] = json!(call.jstep);
     arguments["kinc"] = json!(call.kinc);
     if let Some(arguments) = arguments.as_object_mut() {
@@ -194,13 +194,13 @@ pub(super) fn interface(
             arguments["slip"] = json!(state.inelastic_slip);
         }
     }
-    arguments["step_time"] = json!(interface.arguments.step_time + state.step_time);
+    arguments["step_time"] = json!(interface.arguments.start() + state.step_time);
     if let Some(arguments) = arguments.as_object_mut() {
         for key in ["dtime", "drdisp", "dpress", "dtemp", "dpred"] {
             arguments.remove(key);
         }
     }
-    arguments["time"] = json!([interface.arguments.step_time + goal.step_time.1, goal.time_of_step + goal.step_time.1]);
+    arguments["time"] = json!([interface.arguments.start() + goal.step_time.1, goal.time_of_step + goal.step_time.1]);
     [arguments["kstep"], arguments["kinc"], _] = counters.map(|counter| json!(counter));
     case
 }

@@ -2,8 +2,9 @@
 
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
+use crate::columns::{Group, SPECIMEN};
 use fe_core::assembly;
-use fe_core::stepping::{Analysis, Energies, Times};
+use fe_core::stepping::{Analysis, Times};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -110,22 +111,12 @@ impl From<&assembly::Place> for Place {
     }
 }
 
-/// Energies by their columns.
-pub fn energies(energies: &Energies) -> IndexMap<String, f64> {
-    let named = [
-        ("external_work", energies.external_work),
-        ("elastic_energy", energies.elastic),
-        ("plastic_energy", energies.plastic),
-        ("damage_energy", energies.damage),
-        ("interface_energy", energies.interface),
-        ("interface_stored_energy", energies.interface_stored),
-        ("interface_dissipation", energies.interface_dissipation()),
-        ("opening_energy", energies.opening),
-        ("stabilisation_energy", energies.stabilisation),
-        ("spalled_energy", energies.spalled),
-    ];
-    let unaccounted = Some(("unaccounted_energy", energies.unaccounted)).filter(|(_, energy)| *energy != 0.0);
-    named.into_iter().chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()
+/// Energies by their columns, of the values of a row.
+pub fn energies(values: &[f64], unaccounted: f64) -> IndexMap<String, f64> {
+    let columns = SPECIMEN.iter().zip(values).filter(|(column, _)| column.group == Group::Energy);
+    let named = columns.map(|(column, value)| (column.name, *value));
+    let unaccounted = Some(("unaccounted_energy", unaccounted)).filter(|(_, energy)| *energy != 0.0);
+    named.chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// Where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.

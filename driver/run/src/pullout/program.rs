@@ -1,47 +1,10 @@
 //! What a case of kind "pullout" asks for: a model of the FE core, and what is to be written.
 
+use crate::columns;
 use crate::program::{Compare, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
 use fe_core::threads::Threads;
 use std::path::PathBuf;
-
-/// The history's columns, in the order of the CSV. Lengths mm, forces N, energies N·mm, pressure MPa.
-pub const COLUMNS: [&str; 34] = [
-    "step",
-    "increment",
-    "time",
-    "slip",
-    "load",
-    "load_lateral",
-    "load_axial",
-    "load_shear",
-    "slip_exit",
-    "slip_tail",
-    "external_work",
-    "elastic_energy",
-    "plastic_energy",
-    "damage_energy",
-    "interface_energy",
-    "interface_stored_energy",
-    "interface_dissipation",
-    "opening_energy",
-    "stabilisation_energy",
-    "spalled_energy",
-    "energy_error",
-    "damaged_points",
-    "yielding_points",
-    "sticking_points",
-    "slipping_points",
-    "open_points",
-    "released_points",
-    "damaged_volume",
-    "spalled_volume",
-    "spalled_depth",
-    "separation_length",
-    "bearing_pressure_max",
-    "cutbacks",
-    "iterations",
-];
 
 /// Everything a run needs.
 #[derive(Clone, Debug)]
@@ -88,7 +51,7 @@ pub struct Output {
 impl Program {
     /// The history's columns.
     pub fn columns(&self) -> Vec<String> {
-        COLUMNS.map(String::from).to_vec()
+        columns::of_specimen()
     }
 
     /// All laws with what they are of, those of contact first; pairs of the same law stand together.

@@ -4,7 +4,8 @@ use super::checkpoint::{Checkpoints, Saved};
 use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings};
 use super::peak::{KeptPeak, PeakKeeper};
-use super::{COLUMNS, Program, crack_band, overlap, replay};
+use super::{Program, crack_band, overlap, replay};
+use crate::columns::{SPECIMEN, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
 use crate::program::Until;
@@ -22,10 +23,6 @@ use std::time::{Duration, Instant};
 #[cfg(test)]
 pub(super) mod test;
 
-/// Columns before the values of a [`Row`]: step and increment.
-const LEADING_COLUMNS: usize = 2;
-/// Values of a [`Row`]: the columns but step, increment and iterations.
-const VALUES: usize = COLUMNS.len() - LEADING_COLUMNS - 1;
 /// A step is at its end within this part of its duration: increments add up with rounding.
 const END_TOLERANCE: f64 = 1e-9;
 
@@ -138,12 +135,12 @@ pub fn run<'p>(
     findings.peak_load = peak.peak();
     findings.energy_error_max = energy_error;
     findings.initial_displacement = initial_displacement;
-    findings.energies = findings::energies(&energies);
+    findings.energies = findings::energies(&present.values, energies.unaccounted);
     findings.statistics = findings::statistics(&analysis);
     findings.times = findings::times(set_up, elapsed.saturating_sub(writing), &analysis.times(), writing);
     let pairs = model.contacts.iter().map(|pair| pair.name.clone());
     findings.penalties = pairs.zip(snapshot.contact().penalties()).collect();
-    let [_, slip, load, ..] = present.values;
+    let [slip, load] = ["slip", "load"].map(|name| present.value(name));
     let end = || State { slip, load, fields: Fields::of(&snapshot).kept(&model.mesh) };
     let goes_on = |state: &State<'_>| state.fields.time < snapshot.time();
     Outcome {
@@ -235,8 +232,9 @@ pub(super) struct RecorderState {
 impl RecorderState {
     /// Whether a run of this program can have come to it.
     pub(super) fn fits(&self, program: &Program) -> bool {
-        let Self { fields, peak, present: _, energies, so_far, energy_error, step_start } = self;
-        fields.is_some() == program.output.fields_every.is_some()
+        let Self { fields, peak, present, energies, so_far, energy_error, step_start } = self;
+        present.values.len() == SPECIMEN.len()
+            && fields.is_some() == program.output.fields_every.is_some()
             && fields.as_ref().is_none_or(WrittenFields::is_sound)
             && peak.fits(&program.model.mesh)
             && energies.is_finite()
@@ -251,7 +249,8 @@ impl RecorderState {
 struct Present {
     step: u32,
     increment: u32,
-    values: [f64; VALUES],
+    /// Those of [`SPECIMEN`].
+    values: Vec<f64>,
     iterations: u32,
     written: bool,
 }
@@ -261,8 +260,13 @@ impl Present {
         Row { step: self.step, increment: self.increment, values: &self.values, iterations: self.iterations }
     }
 
+    /// The value of a column; 0 of one that is not there.
+    fn value(&self, name: &str) -> f64 {
+        place_in_specimen(name).map_or(0.0, |place| self.values[place])
+    }
+
     fn time(&self) -> f64 {
-        self.values[0]
+        self.value("time")
     }
 
     fn has_reached(&self, until: Option<&Until>) -> bool {
@@ -273,7 +277,8 @@ impl Present {
 
 impl<'p, 'o> Recorder<'p, 'o> {
     fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
-        let present = Present { step: 0, increment: 0, values: [0.0; VALUES], iterations: 0, written: true };
+        let present =
+            Present { step: 0, increment: 0, values: vec![0.0; SPECIMEN.len()], iterations: 0, written: true };
         let peak = PeakKeeper::new(program.output.plots.then_some(&program.model.mesh));
         Self {
             program,
@@ -355,7 +360,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
         self.present = Present {
             step: record.step,
             increment: record.increment,
-            values: values(record),
+            values: SPECIMEN.iter().map(|column| (column.value)(record)).collect(),
             iterations: u32::try_from(record.iterations.len()).unwrap_or(u32::MAX),
             written: false,
         };
@@ -413,43 +418,4 @@ fn initial_displacement(snapshot: &Snapshot<'_>) -> Option<f64> {
     let size = greatest(&mut model.mesh.nodes().iter().flatten().copied());
     let moved = greatest(&mut snapshot.displacements().iter().copied());
     (moved > ROUNDING * size).then_some(moved)
-}
-
-/// In the order of [`COLUMNS`].
-fn values(record: &Record) -> [f64; VALUES] {
-    let energies = &record.energies;
-    let count = |count: usize| count as f64;
-    [
-        record.time,
-        record.slip,
-        record.load,
-        record.load_lateral,
-        record.load_axial,
-        record.load_shear,
-        record.slip_exit,
-        record.slip_tail,
-        energies.external_work,
-        energies.elastic,
-        energies.plastic,
-        energies.damage,
-        energies.interface,
-        energies.interface_stored,
-        energies.interface_dissipation(),
-        energies.opening,
-        energies.stabilisation,
-        energies.spalled,
-        record.energy_error,
-        count(record.counts.damaged),
-        count(record.counts.yielding),
-        count(record.counts.sticking),
-        count(record.counts.slipping),
-        count(record.counts.open),
-        count(record.counts.released),
-        record.damaged_volume,
-        record.spalled_volume,
-        record.spalled_depth,
-        record.separation_length,
-        record.greatest_bearing_pressure,
-        f64::from(record.cutbacks),
-    ]
 }

@@ -1,7 +1,7 @@
 //! Runs that may be interrupted: `--checkpoint-every` and `--restart`.
 
-use super::record::Kept;
 use pullout_case::Case;
+use pullout_report::record::Kept;
 use pullout_run::input::{digest, hexadecimal};
 use pullout_run::pullout::Program;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};

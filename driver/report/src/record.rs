@@ -1,10 +1,9 @@
 //! What a run tells while it goes on.
 
-use super::cpu_time;
+use crate::history::HistoryWriter;
+use crate::progress::Progress;
+use crate::summary::PeakRecorder;
 use fe_core::assembly::GREATEST_COUNT;
-use pullout_report::history::HistoryWriter;
-use pullout_report::progress::Progress;
-use pullout_report::summary::PeakRecorder;
 use pullout_run::isolation::worker;
 use pullout_run::path::{Observer, Row, Statistics};
 use pullout_run::pullout::checkpoint::Saved;
@@ -16,12 +15,14 @@ use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Writes the history as the run goes on, and knows the peaks and the progress.
-pub(super) struct Record {
+pub struct Record {
     writer: HistoryWriter,
-    pub(super) peaks: PeakRecorder,
-    pub(super) progress: Progress,
+    /// Extremes of the columns.
+    pub peaks: PeakRecorder,
+    /// What a person is told meanwhile.
+    pub progress: Progress,
     /// What the run found that the user should know.
-    pub(super) warnings: Vec<String>,
+    pub warnings: Vec<String>,
     done: u64,
     /// Step and increment of the last row.
     place: [u32; 2],
@@ -35,19 +36,25 @@ pub(super) struct Record {
 
 /// What of a [`Record`] a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-pub(super) struct Kept {
+pub struct Kept {
     /// Length of history.csv.
-    pub(super) history_bytes: u64,
+    pub history_bytes: u64,
     /// SHA-256 of that.
-    pub(super) history_sha256: String,
+    pub history_sha256: String,
     peaks: PeakRecorder,
     done: u64,
     times_s: [f64; 2],
 }
 
+/// CPU time of this process so far.
+fn cpu_time() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
+    Duration::try_from(time).unwrap_or_default()
+}
+
 impl Kept {
     /// Of a checkpoint of a run with these columns; `None`: it holds none.
-    pub(super) fn of(saved: &Saved, columns: &[String]) -> Option<Self> {
+    pub fn of(saved: &Saved, columns: &[String]) -> Option<Self> {
         let kept: Self = postcard::from_bytes(&saved.observer).ok()?;
         let Self { peaks, done, times_s, .. } = &kept;
         let is_sound =
@@ -58,7 +65,7 @@ impl Kept {
 
 impl Record {
     /// Of a run that begins.
-    pub(super) fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
+    pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
         let (writer, peaks) = (HistoryWriter::create(history, columns, is_hashed)?, PeakRecorder::new(columns));
         let (start, cpu_start) = (Instant::now(), cpu_time());
         Ok(Self {
@@ -76,7 +83,7 @@ impl Record {
     }
 
     /// Of a run that goes on.
-    pub(super) fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
+    pub fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
         let Kept { history_bytes, history_sha256: _, peaks, done, times_s: earlier_s } = kept;
         let writer = HistoryWriter::resume(history, columns, history_bytes)?;
         let (start, cpu_start) = (Instant::now(), cpu_time());
@@ -85,18 +92,18 @@ impl Record {
     }
 
     /// Whether a signal ended the run.
-    pub(super) fn was_ended(&self) -> bool {
+    pub fn was_ended(&self) -> bool {
         self.ended.get()
     }
 
     /// Where the run was when the last row was written.
-    pub(super) fn place(&self) -> String {
+    pub fn place(&self) -> String {
         let [step, increment] = self.place;
         format!("step {step}, increment {increment}")
     }
 
     /// Times that the run took so far, of the clock and of the processors, s.
-    pub(super) fn times(&self) -> [f64; 2] {
+    pub fn times(&self) -> [f64; 2] {
         let [wall, cpu] = self.earlier_s;
         [wall + self.start.elapsed().as_secs_f64(), cpu + (cpu_time() - self.cpu_start).as_secs_f64()]
     }

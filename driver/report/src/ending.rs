@@ -1,0 +1,183 @@
+//! What is made of a run that has ended: comparison, pictures, summary and report beside its history.
+
+use crate::compare::{Comparison, compare};
+use crate::directory::ResultDirectory;
+use crate::history::HistoryFile;
+use crate::page::{self, Account};
+use crate::pictures;
+use crate::plots::{self, Picture, Spec};
+use crate::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use pullout_case::Case;
+use pullout_run::isolation::Aftermath;
+use pullout_run::path::Statistics;
+use pullout_run::pullout;
+use std::io;
+use std::path::Path;
+use umat_abi::host::{Law, Library};
+
+/// How a run ended.
+#[derive(Debug)]
+pub struct RunEnd {
+    /// Extremes of the columns.
+    pub peaks: PeakRecorder,
+    /// What it cost.
+    pub statistics: Statistics,
+    /// Why it failed.
+    pub message: Option<String>,
+    /// A signal asked for its end.
+    pub is_interrupted: bool,
+    /// Seconds from start to end.
+    pub wall_time_s: f64,
+    /// Not known of a process that was ended.
+    pub cpu_time_s: Option<f64>,
+    /// What the run itself found that the user should know.
+    pub warnings: Vec<String>,
+}
+
+impl RunEnd {
+    /// Of a run that was ended from outside: its peaks are those of the rows that were written.
+    ///
+    /// # Errors
+    /// The history cannot be read.
+    pub fn of(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Self> {
+        let mut peaks = PeakRecorder::new(&case.columns());
+        HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
+        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath;
+        let (message, warnings) = (Some(message), Vec::new());
+        Ok(Self { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
+    }
+}
+
+/// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
+/// The second result is what could not be written.
+///
+/// # Errors
+/// A plugin's file cannot be read.
+pub fn conclude(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    end: RunEnd,
+    mut specimen: Option<(&pullout::Program, pullout::Outcome<'_>)>,
+) -> io::Result<(Summary, io::Result<()>)> {
+    let mut summary = summarise(case, &end)?;
+    summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
+    if let Some(moved) = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement) {
+        summary.warnings.push(format!(
+            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
+             moved by up to {moved:.3e} mm until it was"
+        ));
+    }
+    let compared = compare_all(case, directory.path());
+    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
+    let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
+        let pictures = draw(case, directory, specimen.as_ref());
+        let shown = pictures.as_deref().unwrap_or_default();
+        page::write(directory, &Account::of(case), &summary, shown)?;
+        directory.finish()?;
+        pictures.and(compared.map(|_| ()))
+    });
+    Ok((summary, written))
+}
+
+/// Compares a history with all curves of its case.
+fn compare_all(case: &Case, folder: &Path) -> io::Result<Vec<Comparison>> {
+    if case.compare().is_empty() {
+        return Ok(Vec::new());
+    }
+    let history = HistoryFile::open(&folder.join("history.csv"))?;
+    case.compare().iter().map(|curve| compare(&history, curve)).collect()
+}
+
+/// Draws what the case asks for.
+fn draw(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
+) -> io::Result<Vec<Picture>> {
+    if !case.draws_plots() {
+        return Ok(Vec::new());
+    }
+    let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
+    let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
+    if let Some((program, outcome)) = specimen {
+        pictures.extend(pictures::draw(directory, "plots", program, outcome)?);
+    }
+    Ok(pictures)
+}
+
+fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
+    let (plugin, plugins) = plugins(case)?;
+    let statistics = &end.statistics;
+    Ok(Summary {
+        status: match &end.message {
+            None => Status::Done,
+            Some(_) if end.is_interrupted => Status::Interrupted,
+            Some(_) => Status::Failed,
+        },
+        message: end.message.clone(),
+        title: case.title().to_owned(),
+        plugin,
+        plugins,
+        peaks: end.peaks.peaks(),
+        increments: statistics.increments,
+        iterations: statistics.iterations,
+        plugin_calls: statistics.plugin_calls,
+        cutbacks: statistics.cutbacks,
+        wall_time_s: end.wall_time_s,
+        cpu_time_s: end.cpu_time_s,
+        compare: Vec::new(),
+        specimen: None,
+        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).collect(),
+    })
+}
+
+/// The plugin of a point; of a specimen, the first contact pair's or else the first part's, and all of them.
+fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
+    let version = |law: Option<&Law>| law.map_or(String::new(), |law| law.version.clone());
+    match case {
+        Case::Path(program) => {
+            let plugin = &program.plugin;
+            let file = PluginFile::identify(plugin.library.path(), &version(plugin.law.as_ref()))?;
+            Ok((file, Vec::new()))
+        }
+        Case::Pullout(program) => {
+            let mut plugins = Vec::new();
+            for (subject, law) in program.laws() {
+                let file = PluginFile::identify(law.library.path(), &version(law.law.as_ref()))?;
+                plugins.push(PluginOf { subject, law: law.name.clone(), file });
+            }
+            let first = plugins.first().map(|plugin| plugin.file.clone()).unwrap_or_default();
+            Ok((first, plugins))
+        }
+    }
+}
+
+/// The case's warnings, and those that a run adds.
+fn warnings(case: &Case) -> Vec<String> {
+    let mut warnings = case.warnings().to_vec();
+    let libraries: Vec<(&str, &Library)> = match case {
+        Case::Path(program) => vec![(&program.plugin.name, &program.plugin.library)],
+        Case::Pullout(program) => {
+            program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect()
+        }
+    };
+    for (name, library) in libraries.iter().filter(|(_, library)| library.calls_change_floating_point()) {
+        warnings.push(format!(
+            "{}: calls of '{name}' switched the processor's floating-point modes (flush to zero, rounding, traps); they \
+             were restored behind each",
+            library.path().display()
+        ));
+    }
+    for (name, library) in libraries {
+        let written = library.written_inputs();
+        let Some([step, increment, ..]) = written.values().min() else { continue };
+        let names: Vec<&str> = written.keys().copied().collect();
+        warnings.push(format!(
+            "{}: '{name}' writes {}, which are inputs (first in step {step}, increment {increment}): each call gets copies, \
+             what it changed there was lost with the call",
+            library.path().display(),
+            names.join(", ")
+        ));
+    }
+    warnings
+}

@@ -1,0 +1,303 @@
+//! The columns of histories: one table for each kind of case. CSV, `until`, pictures, summaries and the claims of studies
+//! take names, titles and units from here, and the book its tables: a new column is one line.
+//!
+//! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
+
+use Group::{Count, Density, Energy, Gradient, Load, Other, Second, Slip, Strain, Stress};
+use fe_core::stepping::Record;
+
+/// A column of histories whose rows are made of an `R`.
+#[derive(Clone, Copy, Debug)]
+pub struct Column<R: 'static> {
+    /// Its name in files and cases.
+    pub name: &'static str,
+    /// Its unit; empty for a pure number.
+    pub unit: &'static str,
+    /// What an axis calls it, in the markup of pictures (`_{11}` is an index).
+    pub title: &'static str,
+    /// What it belongs to.
+    pub group: Group,
+    /// Its value.
+    pub value: fn(&R) -> f64,
+}
+
+/// Columns that belong together, most of them on a common axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Group {
+    /// `e11`, `g12`…
+    Strain,
+    /// `s11`, `s12`…
+    Stress,
+    /// Damage of any name, as laws have it.
+    Damage,
+    /// Slips at places of a fibre.
+    Slip,
+    /// Components of a load.
+    Load,
+    /// Energies of a specimen.
+    Energy,
+    /// Numbers of points.
+    Count,
+    /// The deformation gradient: at finite strain alone.
+    Gradient,
+    /// Of the second tangential direction, where there is one.
+    Second,
+    /// Energies of a point: behind its states.
+    Density,
+    /// Only with itself.
+    Other,
+}
+
+impl Group {
+    /// Title and unit of an axis that holds several columns of the group.
+    pub fn common(self) -> Option<[&'static str; 2]> {
+        match self {
+            Strain => Some(["ε", ""]),
+            Stress => Some(["σ", "MPa"]),
+            Self::Damage => Some(["damage", ""]),
+            Slip => Some(["slip", "mm"]),
+            Load => Some(["load", "N"]),
+            Energy => Some(["energy", "N·mm"]),
+            Count => Some(["points", ""]),
+            Gradient | Second | Density | Other => None,
+        }
+    }
+}
+
+/// What a row of a material point is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct PointRow {
+    /// Total time.
+    pub time: f64,
+    /// Strain, as the case measures it.
+    pub strain: [f64; 6],
+    /// Stress, likewise.
+    pub stress: [f64; 6],
+    /// Deformation gradient, row by row.
+    pub gradient: [[f64; 3]; 3],
+    /// SSE, SPD, SCD.
+    pub energies: [f64; 3],
+}
+
+/// Of a material point.
+pub static POINT: [Column<PointRow>; 25] = [
+    column("time", "s", "time", Other, |row| row.time),
+    column("e11", "", "ε_{11}", Strain, |row| row.strain[0]),
+    column("e22", "", "ε_{22}", Strain, |row| row.strain[1]),
+    column("e33", "", "ε_{33}", Strain, |row| row.strain[2]),
+    column("g12", "", "γ_{12}", Strain, |row| row.strain[3]),
+    column("g13", "", "γ_{13}", Strain, |row| row.strain[4]),
+    column("g23", "", "γ_{23}", Strain, |row| row.strain[5]),
+    column("s11", "MPa", "σ_{11}", Stress, |row| row.stress[0]),
+    column("s22", "MPa", "σ_{22}", Stress, |row| row.stress[1]),
+    column("s33", "MPa", "σ_{33}", Stress, |row| row.stress[2]),
+    column("s12", "MPa", "σ_{12}", Stress, |row| row.stress[3]),
+    column("s13", "MPa", "σ_{13}", Stress, |row| row.stress[4]),
+    column("s23", "MPa", "σ_{23}", Stress, |row| row.stress[5]),
+    column("F11", "", "F11", Gradient, |row| row.gradient[0][0]),
+    column("F12", "", "F12", Gradient, |row| row.gradient[0][1]),
+    column("F13", "", "F13", Gradient, |row| row.gradient[0][2]),
+    column("F21", "", "F21", Gradient, |row| row.gradient[1][0]),
+    column("F22", "", "F22", Gradient, |row| row.gradient[1][1]),
+    column("F23", "", "F23", Gradient, |row| row.gradient[1][2]),
+    column("F31", "", "F31", Gradient, |row| row.gradient[2][0]),
+    column("F32", "", "F32", Gradient, |row| row.gradient[2][1]),
+    column("F33", "", "F33", Gradient, |row| row.gradient[2][2]),
+    // stored energy, as the law reports it
+    column("sse", "N·mm/mm³", "sse", Density, |row| row.energies[0]),
+    // dissipated by plasticity and damage, likewise
+    column("spd", "N·mm/mm³", "spd", Density, |row| row.energies[1]),
+    // creep, likewise
+    column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
+];
+
+/// What a row of a contact point is made of.
+#[derive(Clone, Copy, Debug)]
+pub struct ContactRow {
+    /// Total time.
+    pub time: f64,
+    /// Slips, mm.
+    pub slip: [f64; 2],
+    /// Gap, mm; NaN with FRIC.
+    pub gap: f64,
+    /// Shear tractions, MPa.
+    pub shear: [f64; 2],
+    /// Pressure, MPa.
+    pub pressure: f64,
+    /// SED, SFD, SPD, SVD, SCD.
+    pub energies: [f64; 5],
+}
+
+/// Of a contact point.
+pub static CONTACT: [Column<ContactRow>; 12] = [
+    column("time", "s", "time", Other, |row| row.time),
+    column("slip", "mm", "slip", Other, |row| row.slip[0]),
+    column("slip2", "mm", "slip_{2}", Second, |row| row.slip[1]),
+    // positive: open
+    column("gap", "mm", "gap", Other, |row| row.gap),
+    column("tau", "MPa", "τ", Other, |row| row.shear[0]),
+    column("tau2", "MPa", "τ_{2}", Second, |row| row.shear[1]),
+    // positive: compression
+    column("p", "MPa", "p", Other, |row| row.pressure),
+    // energies as UINTER (FRIC: the first two) reports them
+    column("sed", "N·mm/mm²", "sed", Density, |row| row.energies[0]),
+    column("sfd", "N·mm/mm²", "sfd", Density, |row| row.energies[1]),
+    column("spd", "N·mm/mm²", "spd", Density, |row| row.energies[2]),
+    column("svd", "N·mm/mm²", "svd", Density, |row| row.energies[3]),
+    column("scd", "N·mm/mm²", "scd", Density, |row| row.energies[4]),
+];
+
+/// Of a specimen.
+pub static SPECIMEN: [Column<Record>; 31] = [
+    column("time", "s", "time", Other, |record| record.time),
+    // displacement of the grip along the pull direction
+    column("slip", "mm", "slip", Other, |record| record.slip),
+    // total reaction along the pull direction; positive when the support pulls
+    column("load", "N", "load", Load, |record| record.load),
+    // the same across it
+    column("load_lateral", "N", "lateral load", Load, |record| record.load_lateral),
+    // the load along the embedded fibre
+    column("load_axial", "N", "axial component of the load", Load, |record| record.load_axial),
+    // and across it, positive: bent towards the pull
+    column("load_shear", "N", "shear component of the load", Load, |record| record.load_shear),
+    // slip of the fibre's exit along its axis
+    column("slip_exit", "mm", "slip at the exit", Slip, |record| record.slip_exit),
+    // and of its tail
+    column("slip_tail", "mm", "slip of the tail", Slip, |record| record.slip_tail),
+    // work of grips and loads
+    column("external_work", "N·mm", "external work", Energy, |record| record.energies.external_work),
+    // stored in the solids
+    column("elastic_energy", "N·mm", "elastic energy", Energy, |record| record.energies.elastic),
+    // dissipated by plasticity
+    column("plastic_energy", "N·mm", "plastic energy", Energy, |record| record.energies.plastic),
+    // dissipated by damage
+    column("damage_energy", "N·mm", "damage energy", Energy, |record| record.energies.damage),
+    // work of the interface, the sum of the next two
+    column("interface_energy", "N·mm", "interface energy", Energy, |record| record.energies.interface),
+    // what can be had back of it
+    column("interface_stored_energy", "N·mm", "interface stored energy", Energy, |r| r.energies.interface_stored),
+    // what cannot
+    column("interface_dissipation", "N·mm", "interface dissipation", Energy, |r| r.energies.interface_dissipation()),
+    // of normal bonds that broke
+    column("opening_energy", "N·mm", "opening energy", Energy, |record| record.energies.opening),
+    // of viscous stresses, and what laws that extrapolate (IMPL-EX) take by their lag
+    column("stabilisation_energy", "N·mm", "stabilisation energy", Energy, |r| r.energies.stabilisation),
+    // lost with concrete that was torn off and released
+    column("spalled_energy", "N·mm", "spalled energy", Energy, |record| record.energies.spalled),
+    // external work less all of these, over the larger of the work so far and 0.001 of the work at the peak
+    column("energy_error", "", "energy error", Other, |record| record.energy_error),
+    // integration points whose damage grew
+    column("damaged_points", "", "damaged points", Count, |record| record.counts.damaged as f64),
+    // integration points whose plastic strain grew
+    column("yielding_points", "", "yielding points", Count, |record| record.counts.yielding as f64),
+    // contact points
+    column("sticking_points", "", "sticking points", Count, |record| record.counts.sticking as f64),
+    column("slipping_points", "", "slipping points", Count, |record| record.counts.slipping as f64),
+    column("open_points", "", "open points", Count, |record| record.counts.open as f64),
+    column("released_points", "", "released points", Count, |record| record.counts.released as f64),
+    // of the block
+    column("damaged_volume", "mm³", "damaged volume", Other, |record| record.damaged_volume),
+    // of concrete that was torn off and released
+    column("spalled_volume", "mm³", "volume of torn matter", Other, |record| record.spalled_volume),
+    // how far it reaches below the exit
+    column("spalled_depth", "mm", "depth of torn matter", Other, |record| record.spalled_depth),
+    // how much of the side that opened most is open
+    column("separation_length", "mm", "open length of the interface", Other, |record| record.separation_length),
+    // greatest t_N/(φ L)
+    column("bearing_pressure_max", "MPa", "greatest bearing pressure", Other, |r| r.greatest_bearing_pressure),
+    // attempts given up before the increment
+    column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
+];
+
+const fn column<R>(
+    name: &'static str,
+    unit: &'static str,
+    title: &'static str,
+    group: Group,
+    value: fn(&R) -> f64,
+) -> Column<R> {
+    Column { name, unit, title, group, value }
+}
+
+/// Columns before the values of a row.
+pub const LEADING: [&str; 2] = ["step", "increment"];
+/// The last column.
+pub const LAST: &str = "iterations";
+
+/// The columns of a history with these values.
+fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
+    LEADING.into_iter().chain(values).chain([LAST]).map(str::to_owned).collect()
+}
+
+/// The columns of a table, one group left out, with those of a plugin's states before the energies.
+fn with_states<R>(table: &[Column<R>], left_out: Option<Group>, states: &[String]) -> Vec<String> {
+    let taken = || table.iter().filter(|column| Some(column.group) != left_out);
+    let names = |is_behind: bool| {
+        taken().filter(move |column| (column.group == Density) == is_behind).map(|column| column.name)
+    };
+    framed(names(false).chain(states.iter().map(String::as_str)).chain(names(true)))
+}
+
+/// The history's columns of a material point, in the order of the CSV; `states` are those of its plugin.
+pub fn of_point(nlgeom: bool, states: &[String]) -> Vec<String> {
+    with_states(&POINT, (!nlgeom).then_some(Gradient), states)
+}
+
+/// The history's columns of a contact point.
+pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String> {
+    with_states(&CONTACT, (tangential_directions < 2).then_some(Second), states)
+}
+
+/// The history's columns of a specimen.
+pub fn of_specimen() -> Vec<String> {
+    framed(SPECIMEN.iter().map(|column| column.name))
+}
+
+/// Sets the values of a row: those of the table with the states before the energies.
+pub fn fill<R>(
+    table: &[Column<R>],
+    left_out: Option<Group>,
+    row: &R,
+    states: impl Iterator<Item = f64>,
+    to: &mut [f64],
+) {
+    let value = |column: &Column<R>| (column.value)(row);
+    let taken = || table.iter().filter(|column| Some(column.group) != left_out);
+    let before = taken().filter(|column| column.group != Density).map(value);
+    let behind = taken().filter(|column| column.group == Density).map(value);
+    to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
+}
+
+/// Where the column of this name stands among the values of a specimen's rows.
+pub fn place_in_specimen(name: &str) -> Option<usize> {
+    SPECIMEN.iter().position(|column| column.name == name)
+}
+
+/// Title, unit and group of the column of this name, which has the same in all tables.
+pub fn shown(name: &str) -> Option<(&'static str, &'static str, Group)> {
+    fn of<R>(table: &'static [Column<R>], name: &str) -> Option<(&'static str, &'static str, Group)> {
+        let found = table.iter().find(|column| column.name == name);
+        found.map(|column| (column.title, column.unit, column.group))
+    }
+    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name))
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    fn names<R>(table: &[Column<R>]) -> Vec<&'static str> {
+        table.iter().map(|column| column.name).collect()
+    }
+
+    #[test]
+    fn names_are_unique_and_begin_with_the_time() {
+        for mut names in [names(&POINT), names(&CONTACT), names(&SPECIMEN)] {
+            assert_eq!(names[0], "time");
+            let count = names.len();
+            names.sort_unstable();
+            names.dedup();
+            assert_eq!(names.len(), count);
+        }
+    }
+}
