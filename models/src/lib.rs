@@ -16,11 +16,9 @@ pub mod pure_damage;
 pub mod reverse_cyclic_damage;
 pub mod tensor;
 
-#[cfg(any(test, feature = "stability"))]
 mod battery;
 
 /// What is thrown at the laws of solids, and what they must hold.
-#[cfg(feature = "stability")]
 pub mod stability {
     pub use crate::battery::stability::ledger::Check;
     pub use crate::battery::stability::{Form, Ledger, forms};

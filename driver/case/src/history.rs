@@ -1,11 +1,36 @@
-//! What refers to columns of the history: `until` and `compare`.
+//! What cases of all kinds say, `until` and `compare` above all, which refer to columns of the history.
 
 use crate::document::{self, Piece};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::table::CsvFile;
-use pullout_run::program;
+use pullout_run::program::{self, About};
 use std::path::Path;
+
+/// What cases of all kinds say; how much is written, and what reading leaves to tell, is added later.
+pub fn about(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    title: &Option<Piece<String>>,
+    description: &Option<Piece<String>>,
+    until: &Option<Piece<document::Until>>,
+    compare: &Option<Piece<Vec<Piece<document::Compare>>>>,
+    columns: Option<&[String]>,
+) -> About {
+    let root = Place::root();
+    let title = reader.optional(title.as_ref(), &root.key("title")).cloned();
+    let description = reader.optional(description.as_ref(), &root.key("description")).cloned();
+    let place = root.key("until");
+    let bound = reader.optional(until.as_ref(), &place);
+    About {
+        case_file: path.into(),
+        title: title.unwrap_or_else(|| path.file_stem().unwrap_or_default().to_string_lossy().into()),
+        description: description.unwrap_or_default(),
+        until: bound.and_then(|bound| self::until(reader, bound, columns, &place)),
+        compare: compare_all(reader, compare.as_ref(), columns, &root.key("compare")),
+        ..About::default()
+    }
+}
 
 /// Index of a column; `None` with a problem if there is none, without one if the columns are not known.
 fn column(reader: &mut Reader<'_>, name: &str, columns: Option<&[String]>, place: &Place) -> Option<usize> {
@@ -49,7 +74,7 @@ pub fn until(
 }
 
 /// All curves.
-pub fn compare_all(
+fn compare_all(
     reader: &mut Reader<'_>,
     curves: Option<&Piece<Vec<Piece<document::Compare>>>>,
     columns: Option<&[String]>,

@@ -8,7 +8,7 @@ use crate::{history, interface, json, point, specimen, structure};
 use fe_core::stepping::Analysis;
 use pullout_run::input::{self, Input, folder_of};
 use pullout_run::isolation::{self, Need};
-use pullout_run::program::{self, Program, job_folder};
+use pullout_run::program::{self, About, Program, job_folder};
 use pullout_run::pullout;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
@@ -25,19 +25,19 @@ pub enum Case {
 }
 
 impl Case {
-    /// The case file.
-    pub fn file(&self) -> &Path {
+    /// What cases of all kinds say.
+    pub fn about(&self) -> &About {
         match self {
-            Self::Path(program) => &program.case_file,
-            Self::Pullout(program) => &program.case_file,
+            Self::Path(program) => &program.about,
+            Self::Pullout(program) => &program.about,
         }
     }
 
     /// Tells what GETJOBNAME and GETOUTDIR answer from now on, after others may have been read.
     pub fn announce(&self) {
         match self {
-            Self::Path(program) => announce(&program.case_file, &program.document),
-            Self::Pullout(program) => announce(&program.case_file, &Value::Null),
+            Self::Path(program) => announce(&program.about.case_file, &program.document),
+            Self::Pullout(program) => announce(&program.about.case_file, &Value::Null),
         }
     }
 
@@ -54,16 +54,8 @@ impl Case {
         self.announce();
         Analysis::check_laws(&program.model).map_err(|error| {
             let problem = Problem::new(Place::root(), error.to_string());
-            CaseErrors { file: program.case_file.clone(), problems: vec![problem] }
+            CaseErrors { file: program.about.case_file.clone(), problems: vec![problem] }
         })
-    }
-
-    /// Its title.
-    pub fn title(&self) -> &str {
-        match self {
-            Self::Path(program) => &program.title,
-            Self::Pullout(program) => &program.title,
-        }
     }
 
     /// The history's columns, in the order of the CSV.
@@ -71,22 +63,6 @@ impl Case {
         match self {
             Self::Path(program) => program.columns(),
             Self::Pullout(program) => program.columns(),
-        }
-    }
-
-    /// Curves to compare with.
-    pub fn compare(&self) -> &[program::Compare] {
-        match self {
-            Self::Path(program) => &program.compare,
-            Self::Pullout(program) => &program.compare,
-        }
-    }
-
-    /// Whether pictures are drawn.
-    pub fn draws_plots(&self) -> bool {
-        match self {
-            Self::Path(program) => program.output.plots,
-            Self::Pullout(program) => program.output.plots,
         }
     }
 
@@ -99,32 +75,6 @@ impl Case {
             }
         }
     }
-
-    /// What the case leaves to defaults, a line for each place: "material.props: nu = 0.18".
-    pub fn defaults(&self) -> &[String] {
-        match self {
-            Self::Path(program) => &program.defaults,
-            Self::Pullout(program) => &program.defaults,
-        }
-    }
-
-    /// Things the user should know although nothing is wrong.
-    pub fn warnings(&self) -> &[String] {
-        match self {
-            Self::Path(program) => &program.warnings,
-            Self::Pullout(program) => &program.warnings,
-        }
-    }
-}
-
-/// The members that the kinds of points share.
-struct Common<'c> {
-    title: Option<&'c Piece<String>>,
-    description: Option<&'c Piece<String>>,
-    until: Option<&'c Piece<document::Until>>,
-    compare: Option<&'c Piece<Vec<Piece<document::Compare>>>>,
-    output: Option<&'c Piece<document::Output>>,
-    controls: Option<&'c Piece<document::Controls>>,
 }
 
 /// Reads a case file.
@@ -283,16 +233,20 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
     let program = match kind {
         "interface" => typed(reader, readable).and_then(|case: InterfaceCase| {
             let resolved = interface::resolve(reader, &case);
-            let InterfaceCase { title, description, until, compare, output, controls, .. } = &case;
-            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+            let columns = resolved.columns.as_deref();
+            let about =
+                history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
+            finish(reader, document, resolved, about, &case.output, &case.controls)
         }),
         "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
-            let PointCase { title, description, until, compare, output, controls, .. } = &case;
-            finish(reader, path, document, resolved, &common(title, description, until, compare, output, controls))
+            let columns = resolved.columns.as_deref();
+            let about =
+                history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
+            finish(reader, document, resolved, about, &case.output, &case.controls)
         }),
     };
     reader.add_structural(structural, before);
@@ -305,65 +259,38 @@ fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Optio
         .ok()
 }
 
-fn common<'c>(
-    title: &'c Option<Piece<String>>,
-    description: &'c Option<Piece<String>>,
-    until: &'c Option<Piece<document::Until>>,
-    compare: &'c Option<Piece<Vec<Piece<document::Compare>>>>,
-    output: &'c Option<Piece<document::Output>>,
-    controls: &'c Option<Piece<document::Controls>>,
-) -> Common<'c> {
-    Common {
-        title: title.as_ref(),
-        description: description.as_ref(),
-        until: until.as_ref(),
-        compare: compare.as_ref(),
-        output: output.as_ref(),
-        controls: controls.as_ref(),
-    }
-}
-
-/// Resolves what the kinds of points share, and puts the program together if nothing is missing.
+/// Puts the program of a point together if nothing is missing.
 fn finish(
     reader: &mut Reader<'_>,
-    path: &Path,
     document: Value,
     resolved: Resolved,
-    common: &Common<'_>,
+    about: About,
+    output: &Option<Piece<document::Output>>,
+    controls: &Option<Piece<document::Controls>>,
 ) -> Option<Case> {
     let root = Place::root();
-    let title = reader.optional(common.title, &root.key("title")).cloned();
-    let description = reader.optional(common.description, &root.key("description")).cloned();
-    let columns = resolved.columns.as_deref();
-    let place = root.key("until");
-    let until = reader.optional(common.until, &place).and_then(|until| history::until(reader, until, columns, &place));
-    let compare = history::compare_all(reader, common.compare, columns, &root.key("compare"));
-    let output = reader.optional(common.output, &root.key("output")).cloned().unwrap_or_default();
+    let output = reader.optional(output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     if output.vtu == Some(true) {
         reader.warnings.push("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
-    let limits = reader.optional(common.controls, &root.key("controls")).cloned().unwrap_or_default();
+    let limits = reader.optional(controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
     Some(Case::Path(Box::new(Program {
-        case_file: path.into(),
-        title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
-        description: description.unwrap_or_default(),
+        about: About {
+            every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
+            plots: output.plots.unwrap_or(true),
+            warnings: std::mem::take(&mut reader.warnings),
+            defaults: std::mem::take(&mut reader.defaults),
+            ..about
+        },
         document,
         plugin: resolved.plugin?,
         kind: resolved.kind?,
         characteristic_length: resolved.characteristic_length,
-        until,
         controls: program::Controls {
             max_iterations: limit(limits.max_iterations.map(|n| n.0), default.max_iterations),
             max_cutbacks: limit(limits.max_cutbacks.map(|n| n.0), default.max_cutbacks),
         },
-        output: program::Output {
-            every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
-            plots: output.plots.unwrap_or(true),
-        },
-        compare,
-        warnings: std::mem::take(&mut reader.warnings),
-        defaults: std::mem::take(&mut reader.defaults),
     })))
 }

@@ -12,7 +12,8 @@ use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
 use pullout_run::columns;
-use pullout_run::pullout::{Output, Program};
+use pullout_run::program::About;
+use pullout_run::pullout::Program;
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
@@ -35,8 +36,6 @@ const USUAL_SLIP: f64 = 0.02;
 /// Resolves a case; what is wrong with it goes to the reader.
 pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Option<Program> {
     let root = Place::root();
-    let title = reader.optional(case.title.as_ref(), &root.key("title")).cloned();
-    let description = reader.optional(case.description.as_ref(), &root.key("description")).cloned();
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
     let ground = mesh::resolve(reader, case);
     let checked = ground.as_ref().and_then(|ground| mesh::checked(reader, ground));
@@ -47,13 +46,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let couplings = couplings::resolve(reader, case, scene);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
-    let place = root.key("until");
     let columns = columns::of_specimen();
-    let until = reader
-        .optional(case.until.as_ref(), &place)
-        .and_then(|until| history::until(reader, until, Some(&columns), &place));
-    let compare = history::compare_all(reader, case.compare.as_ref(), Some(&columns), &root.key("compare"));
-    let output = output(reader, case);
+    let about =
+        history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, Some(&columns));
+    let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
     let controls = controls(reader, case);
     let skipping = skipping(reader, case);
     let Boundary { drives, supports, loads, mut measured } = boundary;
@@ -101,18 +98,22 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         }
     }
     Some(Program {
-        case_file: path.into(),
-        title: title.unwrap_or_else(|| path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into())),
-        description: description.unwrap_or_default(),
+        about: About {
+            every: output.every.map_or(1, number),
+            plots: output.plots.unwrap_or(true),
+            warnings: std::mem::take(&mut reader.warnings),
+            defaults: std::mem::take(&mut reader.defaults),
+            ..about
+        },
+        fields_every: match output.vtu {
+            None | Some(document::Vtu::Switch(true)) => Some(FIELDS_EVERY),
+            Some(document::Vtu::Switch(false)) => None,
+            Some(document::Vtu::Every(n)) => Some(number(n)),
+        },
         mesh: ground.words,
         fibre_diameter: ground.diameter,
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
-        until,
-        output,
-        compare,
-        warnings: std::mem::take(&mut reader.warnings),
-        defaults: std::mem::take(&mut reader.defaults),
         threads: Threads::default(),
     })
 }
@@ -145,20 +146,6 @@ impl<'a> Scene<'a> {
             reader.problem(place, format!("the mesh has no edge set '{name}'{}", hint(name, &names)));
         }
         found
-    }
-}
-
-fn output(reader: &mut Reader<'_>, case: &PulloutCase) -> Output {
-    let given = reader.optional(case.output.as_ref(), &Place::root().key("output")).cloned().unwrap_or_default();
-    let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
-    Output {
-        every: given.every.map_or(1, number),
-        plots: given.plots.unwrap_or(true),
-        fields_every: match given.vtu {
-            None | Some(document::Vtu::Switch(true)) => Some(FIELDS_EVERY),
-            Some(document::Vtu::Switch(false)) => None,
-            Some(document::Vtu::Every(n)) => Some(number(n)),
-        },
     }
 }
 

@@ -6,7 +6,7 @@ use crate::history::HistoryFile;
 use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Picture, Spec};
-use crate::summary::{PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use pullout_case::Case;
 use pullout_run::isolation::Aftermath;
 use pullout_run::path::Statistics;
@@ -69,7 +69,8 @@ pub fn conclude(
     }
     let compared = compare_all(case, directory.path());
     summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
-    let written = summary.write(directory).and_then(|()| directory.remove_earlier()).and_then(|()| {
+    let text = summary.text()?;
+    let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
         let pictures = draw(case, directory, specimen.as_ref());
         let shown = pictures.as_deref().unwrap_or_default();
         page::write(directory, &Account::of(case), &summary, shown)?;
@@ -81,11 +82,11 @@ pub fn conclude(
 
 /// Compares a history with all curves of its case.
 fn compare_all(case: &Case, folder: &Path) -> io::Result<Vec<Comparison>> {
-    if case.compare().is_empty() {
+    if case.about().compare.is_empty() {
         return Ok(Vec::new());
     }
     let history = HistoryFile::open(&folder.join("history.csv"))?;
-    case.compare().iter().map(|curve| compare(&history, curve)).collect()
+    case.about().compare.iter().map(|curve| compare(&history, curve)).collect()
 }
 
 /// Draws what the case asks for.
@@ -94,7 +95,7 @@ fn draw(
     directory: &mut ResultDirectory,
     specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
 ) -> io::Result<Vec<Picture>> {
-    if !case.draws_plots() {
+    if !case.about().plots {
         return Ok(Vec::new());
     }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
@@ -115,7 +116,7 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
             Some(_) => Status::Failed,
         },
         message: end.message.clone(),
-        title: case.title().to_owned(),
+        title: case.about().title.to_owned(),
         plugin,
         plugins,
         peaks: end.peaks.peaks(),
@@ -154,7 +155,7 @@ fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
 
 /// The case's warnings, and those that a run adds.
 fn warnings(case: &Case) -> Vec<String> {
-    let mut warnings = case.warnings().to_vec();
+    let mut warnings = case.about().warnings.to_vec();
     let libraries: Vec<(&str, &Library)> = match case {
         Case::Path(program) => vec![(&program.plugin.name, &program.plugin.library)],
         Case::Pullout(program) => {

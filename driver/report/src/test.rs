@@ -94,7 +94,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         specimen: None,
         warnings: vec![],
     };
-    summary.write(&mut directory).unwrap();
+    directory.write(crate::summary::FILE, summary.text().unwrap()).unwrap();
     let account = Account { law: spec.law.clone(), mode: "3-D".into(), ..Account::default() };
     page::write(&mut directory, &account, &summary, &pictures).unwrap();
     directory.finish().unwrap();

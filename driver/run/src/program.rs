@@ -137,15 +137,34 @@ pub enum Measure {
     Nominal,
 }
 
-/// Everything a run needs.
-#[derive(Clone, Debug)]
-pub struct Program {
+/// What programs of all kinds say.
+#[derive(Clone, Debug, Default)]
+pub struct About {
     /// The case file, for messages and replay cases.
     pub case_file: PathBuf,
     /// The case's title.
     pub title: String,
     /// The case's description, for the report.
     pub description: String,
+    /// Stops the run early, after any increment of any step.
+    pub until: Option<Until>,
+    /// Every n-th increment (and the last of each step and of the run) goes to the history.
+    pub every: usize,
+    /// Draw plots and the report.
+    pub plots: bool,
+    /// Curves to compare with.
+    pub compare: Vec<Compare>,
+    /// Things the user should know although nothing is wrong.
+    pub warnings: Vec<String>,
+    /// What the case leaves to defaults, a line for each place.
+    pub defaults: Vec<String>,
+}
+
+/// Everything a run of a point needs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// What it says as programs of all kinds do.
+    pub about: About,
     /// The case as JSON after `--set`, for the replay case.
     pub document: serde_json::Value,
     /// The plugin.
@@ -154,18 +173,8 @@ pub struct Program {
     pub kind: Kind,
     /// CELENT, or the contact surface's characteristic length; `None` if the case names none (hosts pass 1).
     pub characteristic_length: Option<f64>,
-    /// Stops the run early, after any increment of any step.
-    pub until: Option<Until>,
     /// Iteration limits.
     pub controls: Controls,
-    /// What is written.
-    pub output: Output,
-    /// Curves to compare with.
-    pub compare: Vec<Compare>,
-    /// Things the user should know although nothing is wrong.
-    pub warnings: Vec<String>,
-    /// What the case leaves to defaults, a line for each place.
-    pub defaults: Vec<String>,
 }
 
 /// What is driven.
@@ -458,15 +467,6 @@ impl Default for Controls {
     fn default() -> Self {
         Self { max_iterations: 25, max_cutbacks: 12 }
     }
-}
-
-/// What is written.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Output {
-    /// Every n-th increment (and the last of each step and of the run) goes to the history.
-    pub every: usize,
-    /// Draw plots and the report.
-    pub plots: bool,
 }
 
 /// A curve from a file to draw and to compare with.

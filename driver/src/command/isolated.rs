@@ -3,7 +3,7 @@
 use super::run::{self, Arguments};
 use super::{DONE, FAILED, NO_PLUGIN, Reading, complain};
 use pullout_report::directory::ResultDirectory;
-use pullout_report::summary::{PluginFile, Status, Summary};
+use pullout_report::summary::{self, PluginFile, Status, Summary};
 use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
 use pullout_run::isolation::{prints, worker};
 use pullout_run::path::Statistics;
@@ -143,7 +143,7 @@ fn conclude(
         }
         directory.reread()?;
     }
-    summary(file, failure, &aftermath)?.write(&mut directory)?;
+    directory.write(summary::FILE, summary(file, failure, &aftermath)?.text()?)?;
     directory.remove_earlier()?;
     directory.finish()?;
     Ok(fail(file, failure, &aftermath.message))

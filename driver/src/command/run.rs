@@ -111,8 +111,8 @@ fn check_here(file: &Path, reading: &Reading, quiet: bool, before_run: bool) -> 
     if !quiet {
         say(&format!("{}: no errors\n", file.display()));
         // the standard output has a line for each case
-        case.defaults().iter().for_each(|line| complain(format!("{}: by default, {line}", file.display())));
-        case.warnings().iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
+        case.about().defaults.iter().for_each(|line| complain(format!("{}: by default, {line}", file.display())));
+        case.about().warnings.iter().for_each(|warning| complain(format!("{}: warning: {warning}", file.display())));
     }
     DONE
 }
@@ -281,7 +281,8 @@ fn conclude_here(file: &Path, folder: &Path, arguments: &Arguments, aftermath: &
 
 /// Says what came out of a run; the result is its exit code.
 fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary, io::Result<()>)>) -> u8 {
-    let complain = |message: &dyn std::fmt::Display| complain(format!("{}: {message}", case.file().display()));
+    let complain =
+        |message: &dyn std::fmt::Display| complain(format!("{}: {message}", &case.about().case_file.display()));
     let (summary, written) = match concluded {
         Ok(concluded) => concluded,
         Err(error) => {
@@ -374,7 +375,7 @@ fn run_case(
 }
 
 fn title(case: &Case) -> String {
-    let stem = case.file().file_stem().unwrap_or_default();
+    let stem = &case.about().case_file.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
 }
 

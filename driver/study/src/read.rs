@@ -262,7 +262,7 @@ impl Resolver<'_, '_> {
                     match (self.read_case)(&run.base, &run.overrides, self.plugin_paths) {
                         Ok(case) => {
                             run.fingerprint = fingerprints.of(&run, &case);
-                            run.warnings = case.warnings().to_vec();
+                            run.warnings = case.about().warnings.to_vec();
                             let own = columns_of(&case);
                             let common = columns.take();
                             columns = Some(common.map_or(own.clone(), |common| {

@@ -1,6 +1,6 @@
 //! The checks every law must pass, whatever its equations: consistent tangent against differences,
 //! rotation invariance, monotone damage, dissipation, virgin state. What [`stability`] needs is there for
-//! `pullout bench stability` too, the rest for tests alone.
+//! `pullout-bench stability` too, the rest for tests alone.
 
 mod differences;
 mod proportional;

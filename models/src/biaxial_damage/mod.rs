@@ -20,7 +20,6 @@ pub use weights::{BetaMode, HydrostaticWeight, WeightTime};
 
 #[cfg(test)]
 mod proportional;
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

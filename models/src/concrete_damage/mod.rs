@@ -12,7 +12,6 @@ mod split;
 mod stress_and_tangent;
 mod uniaxial;
 
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

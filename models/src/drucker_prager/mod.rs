@@ -14,7 +14,6 @@ use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressS
 use umat_abi::metadata::{Parameter, flags};
 use umat_abi::table::{Parameters as _, States as _};
 
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

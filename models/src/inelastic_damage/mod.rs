@@ -15,7 +15,6 @@ use poisson_effect::PoissonEffect;
 
 pub use poisson_effect::LambdaForm;
 
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

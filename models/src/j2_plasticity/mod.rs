@@ -14,7 +14,6 @@ use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Reques
 use umat_abi::metadata::{Parameter, RepeatingGroup, flags};
 use umat_abi::table::{Parameters as _, States as _};
 
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

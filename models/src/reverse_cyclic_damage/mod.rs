@@ -13,7 +13,6 @@ use principal::{Damage, SignSplit};
 
 pub use principal::Variant;
 
-#[cfg(any(test, feature = "stability"))]
 pub(crate) mod samples;
 #[cfg(test)]
 mod test;

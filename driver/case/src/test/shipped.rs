@@ -36,17 +36,17 @@ fn a_normal_penalty_of_zero_is_filled_and_said() {
     let program = accepted(&bond(json!({ "law": "B", "normal_law": "hard" })));
     assert_eq!((value(&program, "law"), value(&program, "normal_law")), (1.0, 0.0));
     assert_eq!((value(&program, "normal_stiffness"), value(&program, "k_f")), (NORMAL_PENALTY, 0.0));
-    assert!(program.warnings.iter().any(|w| w.contains("normal_stiffness is 0")), "{:?}", program.warnings);
+    assert!(program.about.warnings.iter().any(|w| w.contains("normal_stiffness is 0")), "{:?}", program.about.warnings);
     let program = accepted(&bond(json!({ "normal_law": "hard", "normal_stiffness": 4e4 })));
     assert_eq!(value(&program, "normal_stiffness"), 4e4);
-    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+    assert!(program.about.warnings.is_empty(), "{:?}", program.about.warnings);
 }
 
 #[test]
 fn a_tangential_penalty_is_filled_only_where_the_law_refuses_its_zero() {
     let program = accepted(&bond(json!({ "law": "none", "k_e": 0, "normal_stiffness": 1 })));
     assert!(value(&program, "k_f") > 0.0);
-    assert!(program.warnings.iter().any(|w| w.contains("k_f is 0")), "{:?}", program.warnings);
+    assert!(program.about.warnings.iter().any(|w| w.contains("k_f is 0")), "{:?}", program.about.warnings);
 }
 
 #[test]
@@ -55,7 +55,7 @@ fn fric_leaves_the_normal_penalty_alone() {
     case["material"]["entry"] = json!("fric");
     let program = accepted(&case);
     assert_eq!(value(&program, "normal_stiffness"), 0.0);
-    assert!(program.warnings.is_empty());
+    assert!(program.about.warnings.is_empty());
 }
 
 #[test]
@@ -146,9 +146,15 @@ fn the_shipped_cases_are_read() {
                     Case::Pullout(program) => program.model.steps.len(),
                 };
                 assert!(steps > 0 && !case.columns().is_empty());
-                let unusual = case.warnings().iter().any(|warning| warning.contains("usual range"));
+                let unusual = case.about().warnings.iter().any(|warning| warning.contains("usual range"));
                 // its numbers have no units
-                assert_eq!(unusual, file.ends_with("cook-membrane.json"), "{}: {:?}", file.display(), case.warnings());
+                assert_eq!(
+                    unusual,
+                    file.ends_with("cook-membrane.json"),
+                    "{}: {:?}",
+                    file.display(),
+                    case.about().warnings
+                );
             }
             Err(errors) => complaints.push_str(&format!("{errors}\n")),
         }
@@ -161,7 +167,7 @@ fn what_a_slip_of_units_makes_is_told_with_the_usual_range() {
     let told = |plugin: &str, props: Value| {
         let mut case = point_case();
         case["material"] = json!({ "plugin": plugin, "props": props });
-        accepted(&case).warnings
+        accepted(&case).about.warnings
     };
     // GPa; thresholds of 3.5 MPa in kPa; J/m²
     let in_gpa = told("linear_elastic", json!({ "E": 31.8 }));
@@ -182,12 +188,12 @@ fn what_a_case_leaves_to_defaults_is_listed() {
     let left = |plugin: &str, props: Value| {
         let mut case = point_case();
         case["material"] = json!({ "plugin": plugin, "props": props });
-        accepted(&case).defaults
+        accepted(&case).about.defaults
     };
     assert_eq!(left("linear_elastic", json!({ "E": 1000 })), ["material.props: nu = 0.18"]);
     assert_eq!(left("linear_elastic", json!(null)), ["material.props: E = 31800, nu = 0.18"]);
     assert!(left("linear_elastic", json!([1000, 0.2])).is_empty());
     assert!(left("linear_elastic", json!({ "E": 1000, "nu": 0.2 })).is_empty());
-    let bond = accepted(&bond(json!({ "law": "B", "points": [] }))).defaults;
+    let bond = accepted(&bond(json!({ "law": "B", "points": [] }))).about.defaults;
     assert!(bond[0].contains("form = powers, normal_law = soft") && !bond[0].contains("n_points"), "{bond:?}");
 }

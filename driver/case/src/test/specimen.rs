@@ -168,7 +168,7 @@ fn a_file_and_its_groups_become_a_model() {
     assert_eq!(model.steps[0].targets, [Some(0.1)]);
     assert_eq!(model.steps[0].control, StepControl::Automatic { initial: 1e-3, maximum: 0.02, minimum: 1e-8 });
     assert_eq!((model.skipping, model.nlgeom.clone()), (Skipping::ALL, vec![false; 2]));
-    assert!(program.warnings.is_empty(), "{:?}", program.warnings);
+    assert!(program.about.warnings.is_empty(), "{:?}", program.about.warnings);
 }
 
 #[test]
@@ -206,7 +206,11 @@ fn steps_drives_and_cycles() {
     let until = program.step_untils[4].as_ref().expect("until");
     assert_eq!((program.columns()[until.column].as_str(), until.less_than), ("load", Some(-1.0)));
     assert!(
-        program.until.as_ref().is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit")
+        program
+            .about
+            .until
+            .as_ref()
+            .is_some_and(|until| until.absolute && program.columns()[until.column] == "slip_exit")
     );
     let supports: Vec<_> = model.supports.iter().map(|s| (s.name.as_str(), s.direction, s.drive)).collect();
     assert_eq!(supports[..2], [("grip", [0.0, 1.0], Some(0)), ("base", [0.0, 1.0], Some(1))]);
@@ -456,10 +460,10 @@ fn controls_skipping_and_output() {
     assert_eq!((controls.force_tolerance, controls.max_iterations, controls.line_search), (1e-8, 9, false));
     assert_eq!((controls.relaxation_time, controls.max_cutbacks), (2.0, 30));
     assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
-    assert_eq!((program.output.every, program.output.fields_every, program.output.plots), (5, Some(3), false));
+    assert_eq!((program.about.every, program.fields_every, program.about.plots), (5, Some(3), false));
     assert!(program.model.has_large_displacements());
     let program = self::program(&["skip=none", "output.vtu=false"]);
-    assert_eq!((program.model.skipping, program.output.fields_every), (Skipping::NONE, None));
+    assert_eq!((program.model.skipping, program.fields_every), (Skipping::NONE, None));
 }
 
 #[test]
@@ -486,7 +490,7 @@ fn couplings_by_terms_and_ties() {
 #[test]
 fn a_drive_that_nothing_moves_is_told() {
     let program = program(&["loads={\"side\": {\"pressure\": 1}}"]);
-    assert_eq!(program.warnings, ["loads.side: no step moves the drive 'side': it stays 0"]);
+    assert_eq!(program.about.warnings, ["loads.side: no step moves the drive 'side': it stays 0"]);
 }
 
 #[test]
@@ -803,14 +807,14 @@ fn impossible_fibres_are_told_with_their_place() {
 fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
     let bench = Bench::new();
     let text = two_bodies();
-    assert!(program(&[]).warnings.is_empty());
+    assert!(program(&[]).about.warnings.is_empty());
     // a quadrilateral of the matrix the other way round
     let line = text.lines().find(|line| line.starts_with("2 3 2 ")).expect("an element");
     let words: Vec<&str> = line.split(' ').collect();
     let turned = [&words[..5], &[words[8], words[7], words[6], words[5]]].concat().join(" ");
     std::fs::write(bench.0.path().join("turned.msh"), text.replace(line, &turned)).expect("a mesh");
     let Ok(Case::Pullout(program)) = bench.read(&pullout_case(), &["mesh.file=turned.msh"]) else { panic!("a case") };
-    let [warning] = program.warnings.as_slice() else { panic!("{:?}", program.warnings) };
+    let [warning] = program.about.warnings.as_slice() else { panic!("{:?}", program.about.warnings) };
     assert!(warning.ends_with("turned.msh: element 2 has clockwise nodes: turned round"), "{warning}");
     let areas = |mesh: &fe_core::mesh::Mesh| (0..12).map(|element| mesh.element_area(element)).sum::<f64>();
     assert!((areas(&program.model.mesh) - 2.8).abs() < 1e-12);
@@ -881,7 +885,7 @@ fn all_problems_of_a_specimen_are_reported_at_once() {
 
 #[test]
 fn a_thickness_that_nobody_means_is_told() {
-    let told = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).warnings;
+    let told = |thickness: &str| program(&[&format!("parts.fibre.thickness={thickness}")]).about.warnings;
     let expected = "the thickness of the part 'fibre' = 1·10⁻¹² mm is outside the usual range, 0.001 to 100000 mm";
     assert!(told("1e-12").iter().any(|warning| warning.starts_with(expected)), "{:?}", told("1e-12"));
     assert!(!told("0.3").iter().any(|warning| warning.contains("usual range")));
@@ -895,7 +899,7 @@ fn sizes_that_a_specimen_takes_by_default_are_listed() {
         case.as_object_mut().expect("an object").remove(key);
     }
     case["contact"] = json!({ "law": { "plugin": "bond_slip", "props": {} } });
-    let defaults = accepted(&case, &[]).defaults;
+    let defaults = accepted(&case, &[]).about.defaults;
     let sizes = defaults.iter().find(|line| line.starts_with("mesh.specimen: ")).expect("sizes");
     assert!(sizes.contains("fibre_diameter = ") && sizes.contains("width = "), "{sizes}");
     assert!(!sizes.contains("embedded_length"), "{sizes}");

@@ -37,16 +37,16 @@ const FREE: Control = Control::FREE;
 fn the_smallest_case_takes_the_defaults() {
     let program = program(&point_case(), &[]);
     let point = point(&program);
-    assert_eq!((program.title.as_str(), program.description.as_str()), ("case", ""));
+    assert_eq!((program.about.title.as_str(), program.about.description.as_str()), ("case", ""));
     assert_eq!((point.mode, point.nlgeom), (Mode::ThreeD, false));
     assert_eq!(program.plugin.props, [31800.0, 0.18]);
     assert_eq!((program.plugin.cmname.as_str(), program.plugin.nstatv), ("LINEAR_ELASTIC", 2));
     assert_eq!(point.initial.statev, None);
     assert_eq!((program.controls.max_iterations, program.controls.max_cutbacks), (25, 12));
-    assert_eq!((program.output.every, program.output.plots), (1, true));
+    assert_eq!((program.about.every, program.about.plots), (1, true));
     assert!(matches!(point.steps[0].drive, PointDrive::Ramp { increments: 10, time: 1.0, .. }));
     assert_eq!(controls(&program, 0), [Control::Strain(-0.001), FREE, FREE, FREE, FREE, FREE]);
-    assert!(program.warnings.is_empty());
+    assert!(program.about.warnings.is_empty());
 }
 
 #[test]
@@ -68,8 +68,11 @@ fn the_contracts_example_is_read() {
     });
     let program = program(&case, &[]);
     assert_eq!(program.plugin.props, [30000.0, 0.18]);
-    assert_eq!(program.until, Some(Until { column: 3, absolute: true, greater_than: Some(0.01), less_than: None }));
-    let curve = &program.compare[0];
+    assert_eq!(
+        program.about.until,
+        Some(Until { column: 3, absolute: true, greater_than: Some(0.01), less_than: None })
+    );
+    let curve = &program.about.compare[0];
     assert_eq!((curve.x, curve.y, curve.scale_x, curve.scale_y), (3, 9, -1.0, -1.0));
     assert_eq!(curve.points, [(0.0, 0.0), (1e-3, 10.0)], "the row with a blank is left out");
     assert_eq!(curve.label, "curve");
@@ -112,7 +115,7 @@ fn a_table_from_time_zero_is_read_with_a_warning() {
     let program = program(&point_case(), &[r#"steps.0={"table": "from_zero.csv"}"#]);
     let PointDrive::Table { time_increments, .. } = &point(&program).steps[0].drive else { panic!("a table") };
     assert_eq!(time_increments, &[0.0, 1.0]);
-    assert!(program.warnings[0].contains("at time 0"));
+    assert!(program.about.warnings[0].contains("at time 0"));
 }
 
 #[test]
@@ -140,7 +143,7 @@ fn a_constraint_takes_the_place_of_the_stress_free_component_that_it_names() {
     assert_eq!(controls(&program, 0), [Control::Strain(-0.001), Control::Constraint(0), FREE, FREE, FREE, FREE]);
     let expected = Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals: 0.0, hold: false };
     assert_eq!(point(&program).steps[0].constraints, [expected]);
-    assert!(program.warnings.is_empty());
+    assert!(program.about.warnings.is_empty());
 }
 
 #[test]
@@ -156,7 +159,7 @@ fn an_ambiguous_constraint_is_reported_but_runs() {
     let overrides = [r#"steps.0.target={}"#, r#"steps.0.constraints=[{"s22": 1, "s11": 1, "equals": 2}]"#];
     let program = program(&point_case(), &overrides);
     assert_eq!(controls(&program, 0)[0], Control::Constraint(0));
-    assert!(program.warnings[0].contains("chosen: s11"), "{:?}", program.warnings);
+    assert!(program.about.warnings[0].contains("chosen: s11"), "{:?}", program.about.warnings);
 }
 
 #[test]
@@ -245,7 +248,7 @@ fn a_plain_library_is_read_with_symbol_and_states() {
     let program = program(&case, &["until={\"quantity\": \"sdv2\", \"less_than\": -1}", "material.cmname=steel"]);
     assert!(program.plugin.law.is_none());
     assert_eq!((program.plugin.cmname.as_str(), program.plugin.props.as_slice()), ("steel", [1.0, 2.5].as_slice()));
-    assert_eq!(program.until.map(|until| until.column), Some(16));
+    assert_eq!(program.about.until.map(|until| until.column), Some(16));
 }
 
 #[test]
@@ -265,10 +268,10 @@ fn controls_output_step_until_and_the_other_material_keys() {
         ],
     );
     assert_eq!((program.controls.max_iterations, program.controls.max_cutbacks), (7, 0));
-    assert_eq!((program.output.every, program.output.plots), (5, false));
+    assert_eq!((program.about.every, program.about.plots), (5, false));
     assert_eq!(point(&program).steps[0].until.as_ref().map(|until| until.column), Some(9));
     assert_eq!(program.characteristic_length, Some(12.5));
-    assert_eq!(program.warnings.len(), 1, "VTU: {:?}", program.warnings);
+    assert_eq!(program.about.warnings.len(), 1, "VTU: {:?}", program.about.warnings);
 }
 
 #[test]
@@ -277,7 +280,7 @@ fn overrides_create_replace_and_append() {
         &point_case(),
         &["steps.0.increments=5", "title=a b", "steps.1.increments=2", "steps.1.target.e22=0.5", "initial.time=3"],
     );
-    assert_eq!(program.title, "a b");
+    assert_eq!(program.about.title, "a b");
     assert_eq!(controls(&program, 1)[1], Control::Strain(0.5));
     assert_eq!(point(&program).initial.time, 3.0);
     assert_eq!(program.document["steps"][0]["increments"], 5);
@@ -303,7 +306,7 @@ fn interface_targets_and_their_normal_control() {
     assert_eq!(normal, [Gap, Pressure, Pressure, Gap, Gap, Gap], "what a step does not name goes on");
     let InterfaceDrive::Ramp { end, .. } = interface.steps[1].drive else { panic!("a ramp") };
     assert_eq!(end, [None, None, Some(2.0)]);
-    assert_eq!(program.until.map(|until| until.column), Some(5));
+    assert_eq!(program.about.until.map(|until| until.column), Some(5));
 }
 
 #[test]

@@ -45,7 +45,7 @@ impl CasePath {
     ) -> Self {
         ledger.begin(CHECK);
         let mut program = program.clone();
-        program.output.every = 1;
+        program.about.every = 1;
         let entry = entry(&program);
         let longest = options.longest_path.unwrap_or(u64::MAX);
         let time_limit = TIME_LIMIT.min(options.share_of_time());

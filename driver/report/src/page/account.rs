@@ -87,15 +87,15 @@ impl Account {
         };
         let steps_left_out = steps.1;
         Self {
-            case_file: program.case_file.display().to_string(),
-            description: program.description.clone(),
+            case_file: program.about.case_file.display().to_string(),
+            description: program.about.description.clone(),
             law: program.plugin.name.clone(),
             law_description: law.map(|law| law.description.clone()).unwrap_or_default(),
             mode,
             settings: settings(program, &columns),
             parameters: parameters(program.plugin.law.as_ref(), &program.plugin.props),
             laws: Vec::new(),
-            defaults: program.defaults.clone(),
+            defaults: program.about.defaults.clone(),
             steps: std::mem::take(&mut steps.0),
             steps_left_out,
         }
@@ -162,11 +162,11 @@ fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
     if let Some(length) = program.characteristic_length {
         settings.push(("Characteristic length".to_string(), format!("{} mm", exact(length))));
     }
-    if let Some(until) = &program.until {
+    if let Some(until) = &program.about.until {
         settings.push(("Until".to_string(), bound(until, columns)));
     }
-    if program.output.every > 1 {
-        settings.push(("History".to_string(), format!("every {}th increment", program.output.every)));
+    if program.about.every > 1 {
+        settings.push(("History".to_string(), format!("every {}th increment", program.about.every)));
     }
     settings
 }

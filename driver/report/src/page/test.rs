@@ -2,7 +2,6 @@ use super::super::summary;
 use super::*;
 use crate::directory::{self, ResultDirectory};
 use pullout_run::program::*;
-use std::path::PathBuf;
 use umat_abi::host::{Found, search_paths};
 
 fn account() -> Account {
@@ -28,7 +27,7 @@ fn account() -> Account {
 
 fn page_of(summary: &Summary) -> String {
     let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><text>σ</text></svg>".to_string();
-    super::page_of(&account(), summary, &[Picture { path: PathBuf::from("plots/a.svg"), svg }]).into_string()
+    super::page_of(&account(), summary, &[Picture { path: std::path::PathBuf::from("plots/a.svg"), svg }]).into_string()
 }
 
 #[test]
@@ -111,9 +110,14 @@ fn program() -> Program {
     let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
     let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
     Program {
-        case_file: PathBuf::from("case.json"),
-        title: "t".into(),
-        description: "about".into(),
+        about: About {
+            case_file: "case.json".into(),
+            title: "t".into(),
+            description: "about".into(),
+            every: 10,
+            plots: true,
+            ..About::default()
+        },
         document: serde_json::Value::Null,
         plugin: Plugin {
             nstatv: law.states.len(),
@@ -147,12 +151,7 @@ fn program() -> Program {
             .collect(),
         }),
         characteristic_length: Some(12.5),
-        until: None,
         controls: Controls::default(),
-        output: Output { every: 10, plots: true },
-        compare: vec![],
-        warnings: vec![],
-        defaults: vec![],
     }
 }
 

@@ -130,7 +130,7 @@ impl Spec {
     /// Of a case.
     pub fn of(case: &Case) -> Self {
         let columns = case.columns();
-        let curves = case.compare().iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
+        let curves = case.about().compare.iter().filter_map(|compare| Curve::of(compare, &columns)).collect();
         let (law, subject, units) = match case {
             Case::Path(program) => of_point(program),
             Case::Pullout(program) => {
@@ -138,7 +138,7 @@ impl Spec {
                 (law, Subject::Pullout, BTreeMap::new())
             }
         };
-        Self { title: case.title().to_owned(), law, subject, units, curves }
+        Self { title: case.about().title.to_owned(), law, subject, units, curves }
     }
 
     /// Reads what [`draw`] left in a folder.

@@ -1,7 +1,6 @@
 //! `summary.json`: what came out, for scripts.
 
 use super::compare::Comparison;
-use super::directory::ResultDirectory;
 use super::{at, malformed};
 use indexmap::IndexMap;
 use pullout_run::input::{self, Input};
@@ -69,10 +68,12 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Writes [`FILE`].
-    pub fn write(&self, directory: &mut ResultDirectory) -> io::Result<()> {
-        let text = serde_json::to_string_pretty(self).map_err(io::Error::other)?;
-        directory.write(FILE, text + "\n").map(|_| ())
+    /// The content of [`FILE`].
+    ///
+    /// # Errors
+    /// It holds what JSON cannot.
+    pub fn text(&self) -> io::Result<String> {
+        Ok(serde_json::to_string_pretty(self).map_err(io::Error::other)? + "\n")
     }
 
     /// Reads a file.

@@ -42,7 +42,7 @@ fn has_the_keys_of_the_contract() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("summary.json");
     let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
-    summary().write(&mut directory).unwrap();
+    directory.write(FILE, summary().text().unwrap()).unwrap();
     let value: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&path).unwrap()).unwrap();
     let keys: Vec<&str> = value.as_object().unwrap().keys().map(String::as_str).collect();
     let contract = "status title plugin peaks increments iterations plugin_calls cutbacks wall_time_s compare warnings";
@@ -74,7 +74,7 @@ fn reads_back_and_says_why_it_failed() {
     let path = folder.path().join("summary.json");
     let failed = Summary { status: Status::Failed, message: Some("no convergence".into()), ..summary() };
     let mut directory = ResultDirectory::join(folder.path(), Kind::Run).unwrap();
-    failed.write(&mut directory).unwrap();
+    directory.write(FILE, failed.text().unwrap()).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().contains("\"status\": \"failed\""));
     assert_eq!(Summary::read(&path).unwrap(), failed);
     let error = Summary::read(&folder.path().join("missing.json")).unwrap_err().to_string();

@@ -196,7 +196,12 @@ impl<'a> Recorder<'a> {
     fn new(program: &'a Program, observer: &'a mut dyn Observer) -> Self {
         // step, increment and iterations are no values
         let length = program.columns().len() - LEADING.len() - 1;
-        Self { observer, every: program.output.every.max(1), until: program.until.as_ref(), values: vec![0.0; length] }
+        Self {
+            observer,
+            every: program.about.every.max(1),
+            until: program.about.until.as_ref(),
+            values: vec![0.0; length],
+        }
     }
 
     fn initial(&mut self, fill: impl FnOnce(&mut [f64])) -> io::Result<()> {

@@ -51,9 +51,9 @@ fn frame(program: &Program) -> Map<String, Value> {
     for key in ["until", "compare", "output", "temperature", "predef"] {
         case.remove(key);
     }
-    let title = program.title.strip_prefix(TITLE).unwrap_or(&program.title);
+    let title = program.about.title.strip_prefix(TITLE).unwrap_or(&program.about.title);
     case.insert("title".into(), json!(format!("{TITLE}{title}")));
-    let folder = job_folder(&program.case_file, &program.document);
+    let folder = job_folder(&program.about.case_file, &program.document);
     case.insert("job_folder".into(), json!(folder.to_string_lossy()));
     if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
         // a plugin found by name is found again; a path is relative to the case file, which moves

@@ -3,7 +3,6 @@
 use super::{Observer, Row, Statistics, Stop, run};
 use crate::program::*;
 use std::io;
-use std::path::PathBuf;
 use umat_abi::host::{Found, Manner, search_paths};
 
 /// Keeps every row.
@@ -42,9 +41,7 @@ const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.
 
 fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> Program {
     Program {
-        case_file: PathBuf::from("case.json"),
-        title: "test".into(),
-        description: String::new(),
+        about: About { case_file: "case.json".into(), title: "test".into(), every: 1, ..About::default() },
         document: serde_json::json!({ "kind": "point", "material": { "plugin": plugin.name } }),
         plugin,
         kind: Kind::Point(PointProgram {
@@ -63,12 +60,7 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
             steps,
         }),
         characteristic_length: None,
-        until: None,
         controls: Controls::default(),
-        output: Output { every: 1, plots: false },
-        compare: Vec::new(),
-        warnings: Vec::new(),
-        defaults: Vec::new(),
     }
 }
 
@@ -172,7 +164,7 @@ fn a_table_is_followed_row_by_row_and_until_ends_it() {
     let table: Vec<[f64; 6]> = [1e-4, 3e-4, -2e-4, 5e-4].iter().map(|&e| [e, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
     let drive = PointDrive::Table { controls, time_increments: vec![0.5, 0.25, 1.0, 1.0], rows: table };
     let mut case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::PlaneStress, false, vec![step(drive)]);
-    case.until = Some(Until { column: STRESS, absolute: false, greater_than: None, less_than: Some(-1.0) });
+    case.about.until = Some(Until { column: STRESS, absolute: false, greater_than: None, less_than: Some(-1.0) });
     let (rows, _) = rows(&case);
     assert_eq!(rows.len(), 4, "the row that passes the bound is kept, the rest is not run");
     assert_eq!([rows[1][2], rows[2][2], rows[3][2]], [0.5, 0.75, 1.75]);

@@ -151,7 +151,9 @@ fn fingerprint(program: &Program) -> io::Result<String> {
     // Debug prints the shortest text that reads back to the same double
     hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
     hash.update(format!("{:?}", (measured, fields, steps, controls, skipping)));
-    hash.update(format!("{:?}", (&program.step_untils, &program.until, program.output)));
+    let about = &program.about;
+    let written = (about.every, about.plots, program.fields_every);
+    hash.update(format!("{:?}", (&program.step_untils, &about.until, written)));
     for pair in contacts {
         let ContactPair {
             name,

@@ -15,5 +15,5 @@ mod replay;
 pub use findings::{Failure, Findings, Place};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
-pub use program::{Output, Program};
+pub use program::Program;
 pub use recorder::{Outcome, State, run};

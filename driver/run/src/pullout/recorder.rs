@@ -89,7 +89,7 @@ pub fn run<'p>(
         Some(written) => FieldWriter::resume(folder, model, written),
         None => FieldWriter::create(folder, model, checkpoints.every.is_some()),
     };
-    let fields = match program.output.fields_every.map(|_| writer()).transpose() {
+    let fields = match program.fields_every.map(|_| writer()).transpose() {
         Ok(fields) => fields,
         Err(error) => return Outcome::stopped(Stop::Write(error)),
     };
@@ -153,7 +153,7 @@ pub fn run<'p>(
         result,
         findings,
         peak: peak.into_state().filter(goes_on),
-        end: program.output.plots.then(end),
+        end: program.about.plots.then(end),
     }
 }
 
@@ -234,7 +234,7 @@ impl RecorderState {
     pub(super) fn fits(&self, program: &Program) -> bool {
         let Self { fields, peak, present, energies, so_far, energy_error, step_start } = self;
         present.values.len() == SPECIMEN.len()
-            && fields.is_some() == program.output.fields_every.is_some()
+            && fields.is_some() == program.fields_every.is_some()
             && fields.as_ref().is_none_or(WrittenFields::is_sound)
             && peak.fits(&program.model.mesh)
             && energies.is_finite()
@@ -279,7 +279,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let present =
             Present { step: 0, increment: 0, values: vec![0.0; SPECIMEN.len()], iterations: 0, written: true };
-        let peak = PeakKeeper::new(program.output.plots.then_some(&program.model.mesh));
+        let peak = PeakKeeper::new(program.about.plots.then_some(&program.model.mesh));
         Self {
             program,
             observer,
@@ -298,7 +298,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     /// Goes on where another recorder was.
     fn resume(&mut self, state: RecorderState) {
         let RecorderState { fields: _, peak, present, energies, so_far, energy_error, step_start } = state;
-        self.peak = PeakKeeper::resumed(self.program.output.plots.then_some(&self.program.model.mesh), peak);
+        self.peak = PeakKeeper::resumed(self.program.about.plots.then_some(&self.program.model.mesh), peak);
         (self.present, self.energies, self.so_far) = (present, energies, so_far);
         (self.energy_error, self.step_start) = (energy_error, step_start);
     }
@@ -328,7 +328,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        if self.observer.ends_here() || self.present.has_reached(self.program.until.as_ref()) {
+        if self.observer.ends_here() || self.present.has_reached(self.program.about.until.as_ref()) {
             Directive::EndRun
         } else if self.present.has_reached(step_until) {
             Directive::EndStep
@@ -370,7 +370,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             return Ok(Directive::GoOn);
         }
         let directive = self.directive();
-        if self.is_due(directive, self.program.output.every) {
+        if self.is_due(directive, self.program.about.every) {
             self.present.written = true;
             self.observer.row(self.present.row())?;
         }
@@ -389,7 +389,7 @@ impl Observer for Recorder<'_, '_> {
         }
         let directive = self.accept(record)?;
         self.peak.observe(record, snapshot);
-        if let Some(every) = self.program.output.fields_every
+        if let Some(every) = self.program.fields_every
             && self.is_due(directive, every)
             && let Some(fields) = &mut self.fields
         {

@@ -15,14 +15,14 @@ use umat_abi::host::TangentSource;
 
 /// Of a material or contact point whose law was called last and stopped the run; null where there is none.
 pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
-    let title = format!("Replay of a failed increment: {}, {}", program.title, trouble.place);
+    let title = format!("Replay of a failed increment: {}, {}", program.about.title, trouble.place);
     let case = match &trouble.place {
         Place::Element { element, point, .. } => material_point(program, [*element, *point], title, snapshot),
         Place::Contact { pair, point, .. } => contact_point(program, pair, *point, title, snapshot),
         Place::Node { .. } | Place::System => None,
     };
     case.map_or(Value::Null, |mut case| {
-        case["job_folder"] = json!(job_folder(&program.case_file, &Value::Null).to_string_lossy());
+        case["job_folder"] = json!(job_folder(&program.about.case_file, &Value::Null).to_string_lossy());
         case
     })
 }

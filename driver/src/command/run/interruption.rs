@@ -43,7 +43,7 @@ impl Interruption {
         }
         let undescribed = program.laws().into_iter().filter(|(_, law)| law.law.is_none());
         let libraries: BTreeSet<_> = undescribed.map(|(_, law)| law.library.path().to_owned()).collect();
-        program.warnings.extend(libraries.iter().map(|library| {
+        program.about.warnings.extend(libraries.iter().map(|library| {
             format!(
                 "{}: what it keeps in its own memory (SAVE, COMMON) is in no checkpoint, and is not there after a restart",
                 library.display()

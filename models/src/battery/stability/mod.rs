@@ -3,7 +3,7 @@
 //! invariants; the tangent of ordinary parameter sets is compared with differences; histories are turned, proportional
 //! paths walked in other increments.
 //!
-//! Tests throw 10 000 states at each law and stress state, `pullout bench stability` as many as it is asked for.
+//! Tests throw 10 000 states at each law and stress state, `pullout-bench stability` as many as it is asked for.
 
 mod corners;
 mod history;

@@ -47,7 +47,7 @@ fn tangent_is_right_at_repeated_strains() {
 }
 
 /// Cracks in the plane whose 1 − D_t is 3e-12 to 1e-102: σ33 = 0 where the third direction opens too, and the row that is
-/// condensed is of that order as a whole. First a state that `pullout bench stability` found.
+/// condensed is of that order as a whole. First a state that `pullout-bench stability` found.
 #[test]
 fn tangent_is_right_in_plane_stress_however_far_a_crack_opens() {
     let plastic = variants()[1].0;

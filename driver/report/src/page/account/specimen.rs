@@ -27,8 +27,8 @@ pub fn account(program: &Program) -> Account {
         model.steps.iter().zip(program.step_untils.iter().map(Option::as_ref)).collect();
     let (steps, steps_left_out) = tell(&pairs, |(step, until)| one_step(step, *until, model, &columns));
     Account {
-        case_file: program.case_file.display().to_string(),
-        description: program.description.clone(),
+        case_file: program.about.case_file.display().to_string(),
+        description: program.about.description.clone(),
         law: laws.first().map(|law| law.law.clone()).unwrap_or_default(),
         law_description: String::new(),
         mode: format!(
@@ -39,7 +39,7 @@ pub fn account(program: &Program) -> Account {
         settings: settings(program, &columns),
         parameters: Vec::new(),
         laws,
-        defaults: program.defaults.clone(),
+        defaults: program.about.defaults.clone(),
         steps,
         steps_left_out,
     }
@@ -68,9 +68,9 @@ fn settings(program: &Program, columns: &[String]) -> Vec<(String, String)> {
     }
     settings.push(("Controls".to_owned(), controls(&model.controls)));
     settings.push(("Skipping".to_owned(), skipping(model.skipping)));
-    settings.extend(program.until.as_ref().map(|until| ("Until".to_owned(), bound(until, columns))));
-    if program.output.every > 1 {
-        settings.push(("History".to_owned(), format!("every {}th increment", program.output.every)));
+    settings.extend(program.about.until.as_ref().map(|until| ("Until".to_owned(), bound(until, columns))));
+    if program.about.every > 1 {
+        settings.push(("History".to_owned(), format!("every {}th increment", program.about.every)));
     }
     settings
 }

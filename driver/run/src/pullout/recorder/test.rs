@@ -1,13 +1,12 @@
 use super::*;
 use crate::columns::{SPECIMEN, place_in_specimen};
-use crate::pullout::Output;
+use crate::program::About;
 use fe_core::element::ElementKind::Q4;
 use fe_core::kinematics::PlaneModel::PlaneStrain;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
 use fe_core::stepping::{Counts, Energies, Iteration};
 use fe_core::threads::Threads;
-use std::path::PathBuf;
 
 /// Two steps of 1 s and 2 s on a mesh that nobody computes.
 fn program(every: usize) -> Program {
@@ -19,9 +18,8 @@ fn program(every: usize) -> Program {
     });
     let step = |time| Step { time, targets: vec![], control: StepControl::Fixed { increments: 4 } };
     Program {
-        case_file: PathBuf::from("case.json"),
-        title: String::new(),
-        description: String::new(),
+        about: About { case_file: "case.json".into(), every, ..About::default() },
+        fields_every: None,
         mesh: String::new(),
         fibre_diameter: None,
         model: Model {
@@ -41,11 +39,6 @@ fn program(every: usize) -> Program {
             skipping: Skipping::ALL,
         },
         step_untils: vec![None, None],
-        until: None,
-        output: Output { every, plots: false, fields_every: None },
-        compare: vec![],
-        warnings: vec![],
-        defaults: vec![],
         threads: Threads::default(),
     }
 }
@@ -170,7 +163,7 @@ fn bounds_end_a_step_or_the_run() {
     assert_eq!(directives[3], Directive::EndStep);
     assert!(rows.written.contains(&(1, 3, 3)));
     let mut of_run = program(10);
-    of_run.until = Some(time_beyond(1.6));
+    of_run.about.until = Some(time_beyond(1.6));
     let (_, directives) = observed(&of_run);
     assert_eq!(directives.iter().position(|directive| *directive == Directive::EndRun), Some(6));
 }
