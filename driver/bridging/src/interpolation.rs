@@ -58,17 +58,16 @@ impl Polyline {
         }
     }
 
-    /// The least x at which y is reached, of a line that never falls; the last x if it is not.
+    /// The least x at which y, or the greatest y if that is less, is reached, of a line that never falls.
     pub fn first_reaching(&self, y: f64) -> f64 {
+        let y = self.y.last().map_or(y, |&last| y.min(last));
         let right = self.y.partition_point(|&value| value < y);
+        let (Some(&to), Some(&above)) = (self.x.get(right), self.y.get(right)) else { return 0.0 };
         if right == 0 {
-            return self.x.first().copied().unwrap_or(0.0);
+            return to;
         }
-        if right == self.x.len() {
-            return self.end();
-        }
-        let part = (y - self.y[right - 1]) / (self.y[right] - self.y[right - 1]);
-        self.x[right - 1] + part * (self.x[right] - self.x[right - 1])
+        let (from, below) = (self.x[right - 1], self.y[right - 1]);
+        from + (y - below) / (above - below) * (to - from)
     }
 
     /// The greatest y so far, as a line over x.

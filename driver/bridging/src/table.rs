@@ -33,14 +33,14 @@ struct Measured {
 }
 
 impl Measured {
-    /// Goes on straight to no load at the slip of extraction where it ends before.
+    /// Where it ends with a load it goes on straight to none at the slip of extraction, or falls at once beyond that.
     fn new(curve: &Curve) -> Self {
         let mut points: Vec<(f64, f64)> = curve.slip.iter().copied().zip(curve.load.iter().copied()).collect();
         if points.first().is_none_or(|first| first.0 > 0.0) {
             points.insert(0, (0.0, 0.0));
         }
-        if points.last().is_some_and(|last| last.0 < curve.embedded && last.1 != 0.0) {
-            points.push((curve.embedded, 0.0));
+        if let Some(&(slip, _)) = points.last().filter(|last| last.1 != 0.0) {
+            points.push((curve.embedded.max(slip.next_up()), 0.0));
         }
         Self::of(Polyline::new(points))
     }

@@ -3,7 +3,7 @@ use proptest::prelude::*;
 
 fn config() -> proptest::test_runner::Config {
     proptest::test_runner::Config {
-        cases: 40,
+        cases: 50,
         failure_persistence: None,
         rng_seed: proptest::test_runner::RngSeed::Fixed(1),
         ..Default::default()
@@ -55,5 +55,39 @@ proptest! {
         let (weak, strong, whole) = (of(Some(strength)), of(Some(1.2 * strength)), of(None));
         prop_assert!(weak.stress <= strong.stress * (1.0 + 1e-9) && strong.stress <= whole.stress * (1.0 + 1e-9));
         prop_assert!(weak.ruptured >= strong.ruptured - 1e-9);
+    }
+}
+
+prop_compose! {
+    fn extreme()(
+        steps in prop::collection::vec((-5.0..0.5_f64, 0.0..1.0_f64), 1..6),
+        first in prop::bool::ANY,
+        scale in -2.0..2.5_f64,
+        modulus in 2.0..10.0_f64,
+        slender in 1.0..4.0_f64,
+    ) -> (Fibre, Bond) {
+        let mut points = vec![[0.0, if first { 10_f64.powf(scale) } else { 0.0 }]];
+        for (step, part) in steps {
+            let slip = points[points.len() - 1][0] + 10_f64.powf(step);
+            points.push([slip, 10_f64.powf(scale) * if points.len() == 1 { part + 0.01 } else { part }]);
+        }
+        let fibre = Fibre { diameter: 30.0 / 10_f64.powf(slender), modulus: 10_f64.powf(modulus), ..fibre() };
+        (fibre, Bond::ShearLag(ShearLag { law: BondLaw { points } }))
+    }
+}
+
+proptest! {
+    #![proptest_config(config())]
+
+    #[test]
+    fn any_bond_law_of_any_fibre_has_loads((fibre, bond) in extreme(), two in prop::bool::ANY, part in 0.001..1.0_f64) {
+        let sides = if two { Sides::Two } else { Sides::One };
+        let bridging = BridgingFibre::new(fibre, &bond, Inclination::Exp { f: 0.4 }, sides, 0.0).expect("a fibre");
+        for k in 0..40 {
+            let load = bridging.at(16.0 * (f64::from(k) / 39.0).powi(4), 15.0 * part, 0.3).load;
+            prop_assert!(load >= 0.0 && load.is_finite(), "{} at {}", load, k);
+        }
+        let average = Composite::new(bridging, 0.01, &Orientation::Planar, matrix(), 0.0).expect("a composite").average(0.3);
+        prop_assert!(average.stress >= 0.0 && average.stress.is_finite());
     }
 }

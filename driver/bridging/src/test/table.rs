@@ -58,6 +58,16 @@ fn aligned_fibres_have_the_mean_over_lengths() {
 }
 
 #[test]
+fn curves_that_end_with_a_load_carry_nothing_after_extraction() {
+    for end in [3.0, 20.0] {
+        let curve = Curve { angle_deg: 0.0, embedded: 15.0, slip: vec![0.0, end], load: vec![10.0, 8.0] };
+        let table = Table::new(&[curve], 90.0, 30.0).expect("a table");
+        assert!(table.row(0.99 * end, 15.0, false).at(0.0).0 > 8.0);
+        assert_eq!(table.row(end.max(15.0) + 1e-9, 15.0, false).at(0.0).0, 0.0);
+    }
+}
+
+#[test]
 fn angles_beyond_the_cut_carry_nothing() {
     let curves: Vec<Curve> = [0.0, 60.0]
         .map(|angle_deg| Curve { angle_deg, embedded: 15.0, slip: vec![0.0, 15.0], load: vec![10.0, 0.0] })
@@ -81,4 +91,36 @@ fn tables_that_are_none_are_refused_with_their_place() {
         "fibre.curves[1]"
     );
     assert_eq!(place(&[curve(85.0, 15.0)], 80.0), "fibre.cut_deg");
+}
+
+#[test]
+fn two_sides_of_a_table_are_those_of_the_law_it_was_made_of() {
+    // soft enough for the long side to count
+    let soft = Fibre { modulus: 5000.0, ..fibre() };
+    let bond = friction(Debonding::Elastic, Sliding::Shortening);
+    let single = |sides| BridgingFibre::new(soft, &Bond::Closed(bond), Inclination::Exp { f: 0.4 }, sides, 0.0);
+    let one = single(Sides::One).expect("a fibre");
+    let curve = |angle_deg: f64, embedded: f64| {
+        let end = embedded + 2.0 * 3.0 * embedded * embedded / (5000.0 * 0.5);
+        let slip: Vec<f64> = (0..=500).map(|k| end * (f64::from(k) / 500.0).powi(2)).collect();
+        let load = slip.iter().map(|&slip| one.at(slip, embedded, angle_deg.to_radians()).load).collect();
+        Curve { angle_deg, embedded, slip, load }
+    };
+    let curves: Vec<Curve> = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0, 90.0]
+        .iter()
+        .flat_map(|&angle| (1..=24).map(move |k| (angle, 15.0 * f64::from(k) / 24.0)))
+        .map(|(angle, length)| curve(angle, length))
+        .collect();
+    for sides in [Sides::One, Sides::Two] {
+        let law = single(sides).expect("a fibre");
+        let law = Composite::new(law, 0.01, &Orientation::Random3d, matrix(), 0.0).expect("a composite");
+        let table = Table::new(&curves, 90.0, 30.0).expect("a table");
+        let table = BridgingFibre::of_table(soft, table, sides).expect("a fibre");
+        let table = Composite::new(table, 0.01, &Orientation::Random3d, matrix(), 0.0).expect("a composite");
+        let peak = law.average(0.3).stress;
+        for opening in [0.02, 0.1, 0.3, 0.6, 1.0, 3.0, 8.0] {
+            let (a, b) = (law.average(opening).stress, table.average(opening).stress);
+            assert_relative_eq!(a, b, epsilon = 5e-3 * peak);
+        }
+    }
 }
