@@ -417,6 +417,24 @@ fn a_program_that_was_copied_without_its_laws_finds_them_where_they_were_built()
 }
 
 #[test]
+fn measurements_are_a_program_of_their_own() {
+    let desk = Desk::new();
+    let program = desk.path("pullout");
+    std::fs::copy(env!("CARGO_BIN_EXE_pullout"), &program).expect("a copy");
+    let bench = || {
+        let output = std::process::Command::new(&program).args(["bench", "laws", "--quick"]).output();
+        output.expect("the program starts")
+    };
+    let output = bench();
+    let told = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{told}");
+    assert!(told.contains("`cargo run --release -p pullout-bench -- laws --quick`"), "{told}");
+    // beside it, it is handed over to
+    std::os::unix::fs::symlink("/bin/echo", desk.path("pullout-bench")).expect("a link");
+    assert_eq!(String::from_utf8_lossy(&bench().stdout), "laws --quick\n");
+}
+
+#[test]
 fn manual_pages_and_completions_tell_the_commands_and_hide_what_is_hidden() {
     let desk = Desk::new();
     desk.pullout(["pages", "share"]).expect(0);
