@@ -88,6 +88,8 @@ pub fn scatter(
 ) -> Result<Beams, Invalid> {
     settings.check()?;
     geometry.check()?;
+    let rising = openings.first() == Some(&0.0) && openings.windows(2).all(|pair| pair[1] > pair[0]);
+    Invalid::unless(rising, "openings".into(), "must rise from 0")?;
     let area = geometry.width * geometry.ligament();
     let mean = composite.fibres_per_area() * area;
     let some = mean > 0.0 && mean <= MOST_FIBRES;
