@@ -184,19 +184,13 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
         reader.problem(&place.key("cmname"), message);
         return None;
     };
-    let law = law_of_name(laws, cmname);
+    let law = Law::named(laws, cmname);
     if law.is_none() {
         let message = format!("'{cmname}' begins with the name of no law of the library{}", hint(cmname, names));
         reader.problem(&place.key("cmname"), message);
         return None;
     }
     Some(law.cloned())
-}
-
-/// The law whose name CMNAME begins with, the longest of several; upper and lower case are alike.
-pub fn law_of_name<'l>(laws: &'l [Law], cmname: &str) -> Option<&'l Law> {
-    let wanted = cmname.trim().to_lowercase();
-    laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
 }
 
 /// How the UMAT is called, as the case says.
@@ -312,7 +306,10 @@ fn properties(
         Ok(values) => {
             let filled = match purpose.entry {
                 Entry::Umat => values.clone(),
-                Entry::Uinter | Entry::Fric => filled_penalties(law, &values, purpose.entry),
+                // FRIC has no normal law
+                entry @ (Entry::Uinter | Entry::Fric) => {
+                    law.with_penalties(&values, (entry == Entry::Uinter).then_some(NORMAL_PENALTY), TANGENTIAL_PENALTY)
+                }
             };
             validate(reader, law, &filled, &place, &purpose.length);
             for (parameter, value) in props::in_order(law).zip(&values) {
@@ -335,28 +332,6 @@ fn properties(
             None
         }
     }
-}
-
-/// Parameters with a penalty role whose value is 0 are the host's to fill. A tangential one only where the law
-/// refuses its 0: others derive it from their own stiffness. FRIC has no normal law.
-fn filled_penalties(law: &Law, values: &[f64], entry: Entry) -> Vec<f64> {
-    let zero = |role: &str| {
-        let mut roles = law.parameters.iter().zip(values).map(|(p, value)| p.role == role && *value == 0.0);
-        roles.position(|unfilled| unfilled)
-    };
-    let mut filled = values.to_vec();
-    if let (Some(k), Entry::Uinter) = (zero("normal_penalty"), entry) {
-        filled[k] = NORMAL_PENALTY;
-    }
-    if let Some(k) = zero("tangential_penalty")
-        && let Validation::Invalid(_) = law.validate(&filled, None)
-    {
-        filled[k] = TANGENTIAL_PENALTY;
-        if let Validation::Invalid(_) = law.validate(&filled, None) {
-            filled[k] = 0.0;
-        }
-    }
-    filled
 }
 
 fn note_filling(reader: &mut Reader<'_>, law: &Law, k: usize, value: f64) {

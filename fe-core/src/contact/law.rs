@@ -6,9 +6,7 @@ use super::{ContactError, NormalDrive};
 use crate::assembly::IncrementContext;
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
-use umat_abi::host::{
-    CallOutcome, FricAnswer, FricCall, Law, NotFinite, Overrun, SurfaceFields, UinterCall, Validation,
-};
+use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, SurfaceFields, UinterCall, Validation, judge};
 
 /// A plugin that gave a number that is none may do better with a smaller increment.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -242,24 +240,12 @@ fn filled(
 ) -> Result<(PluginLaw, Option<(f64, bool)>), ContactError> {
     let mut filled = law.clone();
     let Some(description) = &law.law else { return Ok((filled, None)) };
-    let place = |role: &str| {
-        let mut roles = description.parameters.iter().zip(&law.props).map(|(parameter, _)| parameter.role == role);
-        roles.position(|found| found)
-    };
-    let mut normal = None;
-    if let (Some(k), Some(penalty)) = (place("normal_penalty"), normal_penalty) {
-        let empty = filled.props[k] == 0.0;
-        if empty {
-            filled.props[k] = penalty;
-        }
-        normal = Some((filled.props[k], empty));
-    }
-    if let Some(k) = place("tangential_penalty")
-        && filled.props[k] == 0.0
-        && refusal(description, &filled.props).is_some()
-    {
-        filled.props[k] = tangential_penalty;
-    }
+    let normal = normal_penalty.and_then(|penalty| {
+        let k = description.role("normal_penalty").filter(|k| *k < law.props.len())?;
+        let is_empty = law.props[k] == 0.0;
+        Some((if is_empty { penalty } else { law.props[k] }, is_empty))
+    });
+    filled.props = description.with_penalties(&law.props, normal_penalty, tangential_penalty);
     match refusal(description, &filled.props) {
         Some(message) => Err(ContactError::Parameters { pair: pair.name.clone(), message }),
         None => Ok((filled, normal)),
@@ -274,21 +260,9 @@ fn refusal(law: &Law, props: &[f64]) -> Option<String> {
     }
 }
 
-/// The call's end: what a host does with it.
-fn judged(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) -> Result<(), LawFailure> {
-    match outcome {
-        Ok(CallOutcome::Done) => match not_finite {
-            None => Ok(()),
-            Some(result) => {
-                let reason = format!("it returned {result}");
-                Err(LawFailure { reason, fraction: Some(FRACTION_AFTER_NAN) })
-            }
-        },
-        Ok(CallOutcome::CutBack(fraction)) => {
-            let reason = format!("it asks for {fraction:?} of the increment (PNEWDT)");
-            Err(LawFailure { reason, fraction: Some(fraction) })
-        }
-        Err(overrun) => Err(LawFailure { reason: overrun.to_string(), fraction: None }),
+impl From<CallFailure> for LawFailure {
+    fn from(failure: CallFailure) -> Self {
+        Self { reason: failure.to_string(), fraction: failure.fraction(FRACTION_AFTER_NAN) }
     }
 }
 
@@ -327,7 +301,7 @@ fn uinter(
     call.counters = [context.step, context.increment, context.iteration].map(counter);
     call.node = situation.number;
     let outcome = call.call();
-    judged(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
+    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     [end.pressure, end.shear] = [call.traction()[0], call.traction()[1]];
     statev.copy_from_slice(call.statev());
     (end.plugin_energies, end.flags) = (call.energies, call.flags);
@@ -389,7 +363,7 @@ fn fric(
     call.counters = [context.step, context.increment].map(counter);
     call.node = situation.number;
     let outcome = call.call();
-    judged(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
+    judge(outcome, call.not_finite().or_else(|| call.moduli_not_finite()))?;
     statev.copy_from_slice(call.statev());
     end.plugin_energies[..2].copy_from_slice(&call.energies);
     (end.stick, end.inelastic_slip) = (call.next_lm(), start.inelastic_slip);

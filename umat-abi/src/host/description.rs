@@ -168,6 +168,36 @@ impl Law {
         self.states.iter().position(|state| state.name.as_bytes() == name.to_bytes())
     }
 
+    /// The law of a library that CMNAME chooses: whose name it begins with, the longest of several; upper and lower case are alike.
+    pub fn named<'l>(laws: &'l [Self], cmname: &str) -> Option<&'l Self> {
+        let wanted = cmname.trim().to_lowercase();
+        laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
+    }
+
+    /// Position in PROPS of the parameter with this role, if the law has one.
+    pub fn role(&self, role: &str) -> Option<usize> {
+        self.parameters.iter().position(|parameter| parameter.role == role)
+    }
+
+    /// PROPS with the penalties that their zeros leave to the host. A tangential one only where the law refuses its zero: others
+    /// derive it from their own stiffness.
+    pub fn with_penalties(&self, props: &[f64], normal: Option<f64>, tangential: f64) -> Vec<f64> {
+        let mut filled = props.to_vec();
+        let zero = |role: &str| self.role(role).filter(|k| props.get(*k) == Some(&0.0));
+        if let (Some(k), Some(penalty)) = (zero("normal_penalty"), normal) {
+            filled[k] = penalty;
+        }
+        let is_refused = |props: &[f64]| matches!(self.validate(props, None), Validation::Invalid(_));
+        if let Some(k) = zero("tangential_penalty").filter(|_| is_refused(&filled)) {
+            filled[k] = tangential;
+            if is_refused(&filled) {
+                // it was not the zero
+                filled[k] = 0.0;
+            }
+        }
+        filled
+    }
+
     /// Asks the law itself about PROPS and, if known, the characteristic length.
     pub fn validate(&self, props: &[f64], characteristic_length: Option<f64>) -> Validation {
         let mut message = [0_u8; 1024];

@@ -172,9 +172,10 @@ impl Library {
 
     /// What messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
     pub(super) fn name_of_law(&self, cmname: &str) -> String {
-        let wanted = cmname.trim().to_lowercase();
-        let named = |law: &&Law| self.laws.len() == 1 || wanted.starts_with(&law.name.to_lowercase());
-        let law = self.laws.iter().filter(named).max_by_key(|law| law.name.len());
+        let law = match &*self.laws {
+            [law] => Some(law),
+            laws => Law::named(laws, cmname),
+        };
         let stem = self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
         law.map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone())
     }

@@ -21,6 +21,7 @@ mod probe;
 pub mod recorder;
 mod routines;
 mod utilities;
+mod verdict;
 
 /// DTIME of a call that takes no time, s: laws divide by it.
 pub const MOMENT: f64 = 1e-12;
@@ -41,3 +42,4 @@ pub use prints::{flush_prints, print_by_lines, write_messages_to};
 pub use probe::{Alignment, Probed};
 pub use routines::{Clock, ExternalDatabases};
 pub use utilities::{UTILITIES, UnavailableUtilities, announce_job, utilities_path};
+pub use verdict::{CallFailure, judge};

@@ -1,6 +1,5 @@
 //! PROPS of laws with groups and choices: the metadata of `linear_elastic`, changed.
 
-use super::super::plugin::law_of_name;
 use super::super::props_from_json;
 use serde_json::json;
 use umat_abi::host::{Choice, Found, Group, Law, Parameter, search_paths};
@@ -113,7 +112,7 @@ fn cmname_chooses_the_law_with_the_longest_name_that_it_begins_with() {
         law
     };
     let laws = [named("bond"), named("bond_slip"), named("damage")];
-    let chosen = |cmname: &str| law_of_name(&laws, cmname).map(|law| law.name.clone());
+    let chosen = |cmname: &str| Law::named(&laws, cmname).map(|law| law.name.clone());
     assert_eq!(chosen("BOND_SLIP_BAR_1").as_deref(), Some("bond_slip"));
     assert_eq!(chosen("Bond-2").as_deref(), Some("bond"));
     assert_eq!(chosen("my_damage"), None);

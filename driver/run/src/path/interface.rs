@@ -11,7 +11,9 @@ use crate::program::lerp;
 use crate::program::{
     FieldValues, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program,
 };
-use umat_abi::host::{Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall};
+use umat_abi::host::{
+    Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall, judge,
+};
 
 /// Index of the normal value in \[slip, slip2, normal\].
 const NORMAL: usize = 2;
@@ -91,7 +93,6 @@ struct Runner<'p> {
     clock: Clock,
     directions: usize,
     arguments: &'p ContactArguments,
-    plugin_name: &'p str,
     derived: &'p [Derived],
     max_iterations: u32,
     committed: Committed,
@@ -164,7 +165,6 @@ impl<'p> Runner<'p> {
             clock: Clock::default(),
             directions,
             arguments,
-            plugin_name: &plugin.name,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
             max_iterations: program.controls.max_iterations,
             trial: committed.clone(),
@@ -357,7 +357,7 @@ impl<'p> Runner<'p> {
                 (outcome, call.not_finite())
             }
         };
-        Trouble::of_call(outcome, not_finite, self.plugin_name)
+        Ok(judge(outcome, not_finite)?)
     }
 
     /// UINTER under a prescribed pressure: Newton on DDSDDR(1,1) for the penetration, with bisection once two places

@@ -15,7 +15,7 @@ use crate::program::{
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use nalgebra::Matrix3;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall,
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall, judge,
 };
 use umat_abi::law::Request;
 
@@ -126,7 +126,6 @@ struct Runner<'p> {
     plane_stress: bool,
     /// State that tells ε33, if the law has one.
     strain_33: Option<usize>,
-    plugin_name: &'p str,
     max_iterations: u32,
     derived: &'p [Derived],
     databases: &'p mut ExternalDatabases,
@@ -203,7 +202,6 @@ impl<'p> Runner<'p> {
             arguments: &point.arguments,
             plane_stress,
             strain_33,
-            plugin_name: &plugin.name,
             max_iterations: program.controls.max_iterations,
             derived: plugin.law.as_ref().map_or(&[], |law| &law.derived),
             databases,
@@ -358,7 +356,6 @@ impl<'p> Runner<'p> {
             committed: &self.committed,
             finite: self.finite.as_mut(),
             components: self.components,
-            plugin: self.plugin_name,
             statistics,
         }
     }
@@ -447,7 +444,6 @@ struct Point<'r> {
     committed: &'r Committed,
     finite: Option<&'r mut Finite>,
     components: &'static [usize],
-    plugin: &'r str,
     statistics: &'r mut Statistics,
 }
 
@@ -495,7 +491,7 @@ impl Point<'_> {
         call.energies = self.committed.energies;
         self.statistics.plugin_calls += 1;
         let outcome = call.call(request);
-        Trouble::of_call(outcome, call.not_finite(), self.plugin)
+        Ok(judge(outcome, call.not_finite())?)
     }
 }
 

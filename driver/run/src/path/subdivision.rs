@@ -2,7 +2,7 @@
 
 use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Until};
-use umat_abi::host::{CallOutcome, NotFinite, Overrun};
+use umat_abi::host::CallFailure;
 
 /// An attempt that did not succeed.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,24 +18,12 @@ pub(super) enum Trouble {
     Fatal(String),
 }
 
-impl Trouble {
-    /// Judges a call of a plugin, with what it returned that is no number.
-    #[inline]
-    pub(super) fn of_call(
-        outcome: Result<CallOutcome, Overrun>,
-        not_finite: Option<NotFinite>,
-        plugin: &str,
-    ) -> Result<(), Self> {
-        match outcome {
-            Ok(CallOutcome::Done) => match not_finite {
-                None => Ok(()),
-                Some(result) => Err(Self::CutBack { fraction: 0.5, reason: format!("it returned {result}") }),
-            },
-            Ok(CallOutcome::CutBack(fraction)) => Err(Self::CutBack {
-                fraction,
-                reason: format!("the plugin '{plugin}' asks for smaller increments (PNEWDT = {fraction:?})"),
-            }),
-            Err(overrun) => Err(Self::Fatal(overrun.to_string())),
+impl From<CallFailure> for Trouble {
+    fn from(failure: CallFailure) -> Self {
+        let reason = failure.to_string();
+        match failure.fraction(0.5) {
+            Some(fraction) => Self::CutBack { fraction, reason },
+            None => Self::Fatal(reason),
         }
     }
 }

@@ -8,7 +8,7 @@ use crate::kinematics::finite::{
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
-use umat_abi::host::{CallOutcome, TangentSource, UmatCall};
+use umat_abi::host::{TangentSource, UmatCall, judge};
 use umat_abi::law::Request;
 
 /// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
@@ -463,21 +463,11 @@ impl Points {
     fn run(&mut self, request: Request) -> Result<(), PointTrouble> {
         self.calls += 1;
         let outcome = self.call.call(request);
-        let trouble = |reason: String, fraction: Option<f64>| {
-            Err(PointTrouble { reason: format!("plugin '{}': {reason}", self.call.plugin()), fraction })
-        };
-        match outcome {
-            Err(overrun) => return trouble(overrun.to_string(), None),
-            Ok(CallOutcome::CutBack(fraction)) => {
-                return trouble(format!("it asks for {fraction:?} of the increment (PNEWDT)"), Some(fraction));
-            }
-            Ok(CallOutcome::Done) => {}
-        }
         let moduli = || self.call.moduli_not_finite().filter(|_| request == Request::StressAndTangent);
-        match self.call.not_finite().or_else(moduli) {
-            None => Ok(()),
-            Some(result) => trouble(format!("it returned {result}"), Some(USUAL_FRACTION)),
-        }
+        judge(outcome, self.call.not_finite().or_else(moduli)).map_err(|failure| PointTrouble {
+            reason: format!("plugin '{}': {failure}", self.call.plugin()),
+            fraction: failure.fraction(USUAL_FRACTION),
+        })
     }
 
     /// DDSDDE over all four components.

@@ -1,0 +1,52 @@
+//! What a host makes of a call that came back.
+
+use super::call::CallOutcome;
+use super::memory::{NotFinite, Overrun};
+use std::fmt;
+
+/// Why a host cannot go on with what a call came back with.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum CallFailure {
+    /// The plugin asks for this fraction of the increment.
+    CutBack(f64),
+    /// A result is no number.
+    NotFinite(NotFinite),
+    /// The plugin wrote outside an array.
+    Overrun(Overrun),
+}
+
+impl CallFailure {
+    /// The fraction of the increment that is worth a try: `usual` where the plugin does not name one; `None`: no smaller one can
+    /// help.
+    pub fn fraction(&self, usual: f64) -> Option<f64> {
+        match self {
+            Self::CutBack(fraction) => Some(*fraction),
+            Self::NotFinite(_) => Some(usual),
+            Self::Overrun(_) => None,
+        }
+    }
+}
+
+impl fmt::Display for CallFailure {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CutBack(fraction) => write!(f, "it asks for smaller increments (PNEWDT = {fraction:?})"),
+            Self::NotFinite(result) => write!(f, "it returned {result}"),
+            Self::Overrun(overrun) => overrun.fmt(f),
+        }
+    }
+}
+
+/// Judges a call, with what it returned that is no number.
+///
+/// # Errors
+/// What a host cannot go on with.
+#[inline]
+pub fn judge(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) -> Result<(), CallFailure> {
+    match (outcome, not_finite) {
+        (Ok(CallOutcome::Done), None) => Ok(()),
+        (Ok(CallOutcome::Done), Some(result)) => Err(CallFailure::NotFinite(result)),
+        (Ok(CallOutcome::CutBack(fraction)), _) => Err(CallFailure::CutBack(fraction)),
+        (Err(overrun), _) => Err(CallFailure::Overrun(overrun)),
+    }
+}
