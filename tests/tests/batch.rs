@@ -28,7 +28,7 @@ impl Both {
 
     fn set_length(&mut self, point: usize, length: f64) {
         self.points[point].celent = length;
-        self.batch.celent_mut()[point] = length;
+        self.batch.celent[point] = length;
     }
 
     /// Sets strain and increment of one point.
@@ -37,8 +37,8 @@ impl Both {
         let memory = &mut self.points[point];
         memory.dstran = *increment;
         for i in 0..self.stress_state.components().len() {
-            self.batch.strain_mut()[i * count + point] = memory.stran[i];
-            self.batch.dstrain_mut()[i * count + point] = increment[i];
+            self.batch.strain[i * count + point] = memory.stran[i];
+            self.batch.dstrain[i * count + point] = increment[i];
         }
     }
 
@@ -61,10 +61,10 @@ impl Both {
             };
             let bits = |array: &[f64]| -> Vec<u64> { array.iter().map(|x| x.to_bits()).collect() };
             let ntens = point.ntens();
-            assert_eq!(column(self.batch.stress(), ntens), bits(point.stress()), "stress, {context}");
-            assert_eq!(column(self.batch.statev(), self.law.states), bits(&point.statev), "states, {context}");
+            assert_eq!(column(&self.batch.stress, ntens), bits(point.stress()), "stress, {context}");
+            assert_eq!(column(&self.batch.statev, self.law.states), bits(&point.statev), "states, {context}");
             if request.wants_tangent() {
-                assert_eq!(column(self.batch.ddsdde(), ntens * ntens), bits(point.tangent()), "tangent, {context}");
+                assert_eq!(column(&self.batch.ddsdde, ntens * ntens), bits(point.tangent()), "tangent, {context}");
             }
             let refused = point.stress().iter().any(|stress| stress.is_nan());
             let expected = match point.pnewdt {
@@ -72,7 +72,7 @@ impl Both {
                 _ if refused => batch_results::REFUSED,
                 _ => batch_results::CUT_BACK,
             };
-            assert_eq!(self.batch.status()[k], expected, "status, {context}");
+            assert_eq!(self.batch.status[k], expected, "status, {context}");
             if expected == batch_results::DONE {
                 for i in 0..6 {
                     point.stran[i] += point.dstran[i];
@@ -153,7 +153,7 @@ fn lengths_of_a_crack_band_are_those_of_each_point() {
         }
         both.call(Request::Stress);
     }
-    assert!(both.batch.status().contains(&batch_results::REFUSED));
+    assert!(both.batch.status.contains(&batch_results::REFUSED));
 }
 
 #[test]
@@ -168,8 +168,8 @@ fn a_bad_point_leaves_its_neighbours_alone() {
                     both.set_strain(k, &[strain, 1e-5, 0.0, 3e-5, 0.0, -2e-5]);
                 }
                 both.call(Request::Stress);
-                let count = both.batch.status().iter().filter(|status| **status != batch_results::DONE).count();
-                assert!(count == 0 || step == 2 && count == 1, "{name} {bad}: {:?}", both.batch.status());
+                let count = both.batch.status.iter().filter(|status| **status != batch_results::DONE).count();
+                assert!(count == 0 || step == 2 && count == 1, "{name} {bad}: {:?}", both.batch.status);
             }
         }
     }
@@ -189,9 +189,9 @@ fn refused_parameters_are_told_of_every_point() {
     ];
     for batch in &mut wrong {
         batch.call(Request::StressAndTangent);
-        assert_eq!(batch.status(), [batch_results::REFUSED; 11]);
-        assert!(batch.stress().iter().chain(batch.ddsdde()).all(|value| value.is_nan()));
-        assert!(batch.statev().iter().all(|value| *value == 0.0));
+        assert_eq!(batch.status[..], [batch_results::REFUSED; 11]);
+        assert!(batch.stress.iter().chain(batch.ddsdde.iter()).all(|value| value.is_nan()));
+        assert!(batch.statev.iter().all(|value| *value == 0.0));
     }
 }
 
@@ -203,10 +203,10 @@ fn a_panic_is_that_of_its_point() {
     let props: Vec<f64> = law.parameters.iter().map(|parameter| parameter.default_value).collect();
     let mut batch =
         BatchCall::new(&library, StressState::ThreeD, law.states.len(), &props, 5).expect("a batch function");
-    batch.dstrain_mut().fill(1e-2);
+    batch.dstrain.fill(1e-2);
     batch.call(Request::Stress);
-    assert_eq!(batch.status(), [batch_results::REFUSED; 5]);
-    assert!(batch.stress().iter().all(|stress| stress.is_nan()));
+    assert_eq!(batch.status[..], [batch_results::REFUSED; 5]);
+    assert!(batch.stress.iter().all(|stress| stress.is_nan()));
 }
 
 #[test]

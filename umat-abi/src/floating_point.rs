@@ -6,17 +6,17 @@
 const DEFAULT: u32 = 0x1f80;
 
 /// The masks of invalid operations, divisions by zero and overflow.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "host", target_arch = "x86_64"))]
 const MASKS: u32 = 1 << 7 | 1 << 9 | 1 << 10;
 
 /// The control with traps for invalid operations, divisions by zero and overflow, and no exception pending.
-#[cfg(target_arch = "x86_64")]
+#[cfg(all(feature = "host", target_arch = "x86_64"))]
 pub(crate) fn with_traps(control: u32) -> u32 {
     modes(control) & !MASKS
 }
 
 /// Elsewhere there are none.
-#[cfg(not(target_arch = "x86_64"))]
+#[cfg(all(feature = "host", not(target_arch = "x86_64")))]
 pub(crate) fn with_traps(control: u32) -> u32 {
     control
 }

@@ -135,7 +135,7 @@ fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure
     if state.is_finite() && numbers.iter().all(|numbers| all_finite(numbers)) {
         Ok(())
     } else {
-        Err(Failure::CutBack { fraction: 0.25, reason: NO_NUMBER })
+        Err(Failure::CutBack { fraction: CUT_BACK, reason: NO_NUMBER })
     }
 }
 
@@ -303,6 +303,21 @@ pub struct LawInfo {
     pub derived: &'static [DerivedOutput],
     /// [`crate::metadata::flags`].
     pub flags: u32,
+}
+
+impl LawInfo {
+    /// The tables of parameters and states; name, description and flags are the law's to fill in.
+    pub const fn of<P: Parameters<'static>, S: States>() -> Self {
+        Self {
+            name: c"",
+            description: c"",
+            parameters: P::TABLE,
+            repeating: P::REPEATING,
+            states: S::TABLE,
+            derived: &[],
+            flags: 0,
+        }
+    }
 }
 
 /// A constitutive law of a material point.

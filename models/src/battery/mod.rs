@@ -5,6 +5,7 @@
 mod differences;
 mod proportional;
 mod rotation;
+pub mod samples;
 pub mod stability;
 
 #[cfg(test)]

@@ -7,7 +7,6 @@ use effective::EffectiveStress;
 use equation::{Trial, Update};
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 use weights::{Mixture, WeightGradients, Weights, has_direction};
 
 mod effective;
@@ -18,9 +17,6 @@ mod weights;
 
 pub use weights::{BetaMode, HydrostaticWeight, WeightTime};
 
-#[cfg(test)]
-mod proportional;
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -154,11 +150,9 @@ impl Law for BiaxialDamage {
         name: c"biaxial_damage",
         description:
             c"Biaxial damage of concrete (thesis model IV): tension, compression and weighted hydrostatic part",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         flags: flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

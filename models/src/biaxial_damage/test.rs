@@ -1,13 +1,15 @@
-use super::proportional::{Equilibrium, Proportional};
-use super::samples::*;
+mod proportional;
+
 use super::*;
 use crate::battery::reference::check;
+use crate::battery::samples::biaxial_damage::*;
 use crate::battery::{
     Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_rotation, check_tangents,
     check_virgin,
 };
 use crate::tensor::{Spectral, trace};
 use approx::assert_relative_eq;
+use proportional::{Equilibrium, Proportional};
 use umat_abi::law::{advance_values, parameters_of};
 
 fn virgin(props: &[f64; 12], stress_state: StressState) -> Point<'_, BiaxialDamage> {

@@ -20,7 +20,6 @@ use umat_abi::law::{
     TangentialResponse,
 };
 use umat_abi::metadata::{StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 /// The law.
 pub struct BondSlip;
@@ -65,11 +64,8 @@ impl InterfaceLaw for BondSlip {
     const INFO: LawInfo = LawInfo {
         name: c"bond_slip",
         description: c"Bond and friction of a fibre-matrix interface with opening",
-        parameters: BondSlipParameters::TABLE,
-        repeating: BondSlipParameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<BondSlipParameters<'_>, State>()
     };
 
     type Parameters<'p> = BondSlipParameters<'p>;

@@ -7,7 +7,6 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
 use crate::tensor::work;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, OVERSTRESS_WORK, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 /// The law.
 pub struct ConcreteDamageImplex;
@@ -91,15 +90,13 @@ impl Law for ConcreteDamageImplex {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_damage_implex",
         description: c"Concrete: concrete_damage (IV-H) with IMPL-EX integration: damage is extrapolated",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::USES_CELENT
             | flags::STRESS_ONLY
             | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
     type Parameters<'p> = Parameters;
     type State = State;

@@ -12,7 +12,6 @@ mod split;
 mod stress_and_tangent;
 mod uniaxial;
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -23,7 +22,6 @@ use evolution::{Evolution, History};
 use stress_and_tangent::Point;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 pub use implex::ConcreteDamageImplex;
 
@@ -126,12 +124,10 @@ impl Law for ConcreteDamage {
     const INFO: LawInfo = LawInfo {
         name: c"concrete_damage",
         description: c"Concrete: tensile and compressive damage with crack closure (IV-H), inelastic strain (IV-HP)",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         // no PATH_EXACT: IV-HP (b_t, b_c > 0) is not, and a flag speaks for all parameters
         flags: flags::THREAD_SAFE | flags::USES_CELENT | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
     type Parameters<'p> = Parameters;
     type State = State;

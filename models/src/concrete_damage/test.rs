@@ -7,8 +7,8 @@ mod extremes;
 mod implex;
 mod strength;
 
-use super::samples::*;
 use super::*;
+use crate::battery::samples::concrete_damage::*;
 use crate::battery::{self, PATH_COUNTS, Point, STRESS_STATES, Sample, reference};
 use umat_abi::law::StressState;
 

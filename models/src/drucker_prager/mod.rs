@@ -12,9 +12,7 @@ use crate::tensor::{Elasticity, strain_norm_squared};
 use return_map::{Regime, Returned, invariants};
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -45,11 +43,8 @@ impl Law for DruckerPrager {
     const INFO: LawInfo = LawInfo {
         name: c"drucker_prager",
         description: c"Perfectly plastic Drucker-Prager cone, associated or not",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

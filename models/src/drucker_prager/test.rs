@@ -1,5 +1,5 @@
-use super::samples::*;
 use super::*;
+use crate::battery::samples::drucker_prager::*;
 use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, advance_free};
 use crate::battery::{
     Point, Random, STRESS_STATES, Sample, check_invariants, check_rotation, check_tangents, check_virgin,

@@ -5,7 +5,6 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_
 use crate::tensor::{IsotropicSplit, add_dyad, isotropic_stiffness};
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 mod closed_criterion;
 mod marched_criterion;
@@ -15,7 +14,6 @@ use poisson_effect::PoissonEffect;
 
 pub use poisson_effect::LambdaForm;
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -62,15 +60,13 @@ impl Law for InelasticDamage {
     const INFO: LawInfo = LawInfo {
         name: c"inelastic_damage",
         description: c"Model II: one damage variable with isotropic inelastic strain",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D", 0)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

@@ -12,9 +12,7 @@ use crate::linear_elastic::{poisson_ratio, youngs_modulus};
 use crate::tensor::Elasticity;
 use umat_abi::law::{ConfigurationError, Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, RepeatingGroup, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -100,11 +98,8 @@ impl Law for J2Plasticity {
     const INFO: LawInfo = LawInfo {
         name: c"j2_plasticity",
         description: c"Von Mises plasticity with isotropic hardening from a table",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::SYMMETRIC_TANGENT | flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters<'_>, State>()
     };
 
     type Parameters<'p> = Parameters<'p>;

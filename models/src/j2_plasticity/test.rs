@@ -1,5 +1,5 @@
-use super::samples::*;
 use super::*;
+use crate::battery::samples::j2_plasticity::*;
 use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, OUT_OF_PLANE, advance_free};
 use crate::battery::{
     PATH_COUNTS, Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_rotation,

@@ -3,7 +3,6 @@
 use crate::tensor::Elasticity;
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 #[cfg(test)]
 mod test;
@@ -52,15 +51,12 @@ impl Law for LinearElastic {
     const INFO: LawInfo = LawInfo {
         name: c"linear_elastic",
         description: c"Isotropic linear elasticity",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
     type Parameters<'p> = Parameters;
     type State = State;

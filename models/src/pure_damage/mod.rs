@@ -5,9 +5,7 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_
 use crate::tensor::{Elasticity, IsotropicSplit, add_dyad, isotropic_stiffness};
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -43,15 +41,13 @@ impl Law for PureDamage {
     const INFO: LawInfo = LawInfo {
         name: c"pure_damage",
         description: c"Model I: one isotropic damage variable, no inelastic strain",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D", 0)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
     type Parameters<'p> = Parameters;
     type State = State;

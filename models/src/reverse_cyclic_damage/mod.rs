@@ -5,7 +5,6 @@ use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33, poisson_ratio, youngs_
 use crate::tensor::{Elasticity, Spectral};
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{DerivedOutput, Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 mod principal;
 
@@ -13,7 +12,6 @@ use principal::{Damage, SignSplit};
 
 pub use principal::Variant;
 
-pub(crate) mod samples;
 #[cfg(test)]
 mod test;
 
@@ -61,15 +59,13 @@ impl Law for ReverseCyclicDamage {
     const INFO: LawInfo = LawInfo {
         name: c"reverse_cyclic_damage",
         description: c"Model III: separate tensile and compressive damage by the signs of the principal strains",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
         derived: &const { [DerivedOutput::damage(c"D_t", 0), DerivedOutput::damage(c"D_c", 1)] },
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
             | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

@@ -1,7 +1,7 @@
-use super::samples::*;
 use super::*;
 use crate::battery::energy::{check_frozen_damage, imbalance};
 use crate::battery::peak::Uniaxial;
+use crate::battery::samples::reverse_cyclic_damage::*;
 use crate::battery::{
     PATH_COUNTS, Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths,
     check_rotation, check_tangents, check_virgin, reference, rotated,

@@ -14,13 +14,20 @@ pub struct BatchCall {
     stress_state: StressState,
     props: Vec<f64>,
     nstatv: usize,
-    strain: Vec<f64>,
-    dstrain: Vec<f64>,
-    stress: Vec<f64>,
-    statev: Vec<f64>,
-    ddsdde: Vec<f64>,
-    celent: Vec<f64>,
-    status: Vec<i32>,
+    /// Total strains at the start.
+    pub strain: Box<[f64]>,
+    /// Strain increments.
+    pub dstrain: Box<[f64]>,
+    /// Stresses at the start, and at the end.
+    pub stress: Box<[f64]>,
+    /// State variables.
+    pub statev: Box<[f64]>,
+    /// Tangents of the last call with tangents.
+    pub ddsdde: Box<[f64]>,
+    /// Characteristic lengths, mm; 0: none.
+    pub celent: Box<[f64]>,
+    /// [`crate::metadata::batch_results`] of each point.
+    pub status: Box<[i32]>,
 }
 
 impl BatchCall {
@@ -42,59 +49,14 @@ impl BatchCall {
             stress_state,
             props: props.to_vec(),
             nstatv,
-            strain: vec![0.0; ntens * points],
-            dstrain: vec![0.0; ntens * points],
-            stress: vec![0.0; ntens * points],
-            statev: vec![0.0; nstatv * points],
-            ddsdde: vec![0.0; ntens * ntens * points],
-            celent: vec![0.0; points],
-            status: vec![0; points],
+            strain: vec![0.0; ntens * points].into(),
+            dstrain: vec![0.0; ntens * points].into(),
+            stress: vec![0.0; ntens * points].into(),
+            statev: vec![0.0; nstatv * points].into(),
+            ddsdde: vec![0.0; ntens * ntens * points].into(),
+            celent: vec![0.0; points].into(),
+            status: vec![0; points].into(),
         })
-    }
-
-    /// Total strains at the start.
-    pub fn strain_mut(&mut self) -> &mut [f64] {
-        &mut self.strain
-    }
-
-    /// Strain increments.
-    pub fn dstrain_mut(&mut self) -> &mut [f64] {
-        &mut self.dstrain
-    }
-
-    /// Stresses.
-    pub fn stress(&self) -> &[f64] {
-        &self.stress
-    }
-
-    /// Stresses at the start, to be set before a call.
-    pub fn stress_mut(&mut self) -> &mut [f64] {
-        &mut self.stress
-    }
-
-    /// State variables.
-    pub fn statev(&self) -> &[f64] {
-        &self.statev
-    }
-
-    /// State variables, to be set before a call.
-    pub fn statev_mut(&mut self) -> &mut [f64] {
-        &mut self.statev
-    }
-
-    /// Tangents of the last call with tangents.
-    pub fn ddsdde(&self) -> &[f64] {
-        &self.ddsdde
-    }
-
-    /// Characteristic lengths, mm; 0: none.
-    pub fn celent_mut(&mut self) -> &mut [f64] {
-        &mut self.celent
-    }
-
-    /// [`crate::metadata::batch_results`] of each point.
-    pub fn status(&self) -> &[i32] {
-        &self.status
     }
 
     /// Calls the plugin.

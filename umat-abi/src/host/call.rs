@@ -1,19 +1,16 @@
 //! A safe call of a UMAT: every argument valid, buffers reused, what it must not write looked at.
 
-use super::exchange::{Exchange, Numbers, inputs, outputs};
-use super::guard::{Guard, run};
+use super::exchange::{Numbers, arguments, inputs, outputs, zeros};
+use super::guard::run;
 use super::library::{Library, LoadError};
 use super::manner::Detour;
-use super::memory::{Guarded, NotFinite, Overrun, fortran_name, same_bits};
-use super::recorder::{self, Arguments, Slot, UmatRecord};
+use super::memory::{NotFinite, Overrun, fortran_name};
+use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
+use super::recorder::{Arguments, UmatRecord};
 use crate::law::{Request, StressState};
 use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
-use std::ffi::c_char;
 use std::ops::{Deref, DerefMut};
-
-/// PNEWDT on entry: large, so that a plugin that takes the minimum or assigns is understood alike.
-const PNEWDT_ON_ENTRY: f64 = 1e36;
 
 /// What a call came back with.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -95,22 +92,10 @@ outputs! {
 /// them) and the slices, calls, and reads the slices back.
 #[derive(Debug)]
 pub struct UmatCall {
+    common: PluginCall<UmatInputs, UmatOutputs>,
     function: UmatFunction,
-    /// Keeps the function's code loaded.
-    _library: Library,
-    plugin: String,
     honours_stress_only: bool,
-    guard: Option<Guard>,
     stress_state: StressState,
-    stress: Guarded,
-    statev: Guarded,
-    ddsdde: Guarded,
-    /// PROPS as the host has them, and as the plugin gets them.
-    own_props: Vec<f64>,
-    props: Guarded,
-    exchange: Exchange<UmatInputs, UmatOutputs>,
-    /// PREDEF and DPRED of a plugin that nobody vouches for.
-    lent_fields: Option<[Guarded; 2]>,
     /// Energies: stored, plastic, creep ("SCD").
     pub energies: [f64; 3],
     /// Field variables at the start. A call makes them at least one, and as many as `dpred`, by zeros.
@@ -120,30 +105,29 @@ pub struct UmatCall {
     /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
     /// before a call, that of the end behind it.
     pub strain_33: f64,
-    pnewdt: f64,
-    /// Where calls are noted, if they are.
-    slot: Option<Slot>,
     /// How calls are made that are not plain.
     pub(super) detour: Option<Box<Detour>>,
 }
 
 impl Deref for UmatCall {
-    type Target = UmatInputs;
+    type Target = PluginCall<UmatInputs, UmatOutputs>;
 
     #[inline]
-    fn deref(&self) -> &UmatInputs {
-        &self.exchange.inputs
+    fn deref(&self) -> &Self::Target {
+        &self.common
     }
 }
 
 impl DerefMut for UmatCall {
     #[inline]
-    fn deref_mut(&mut self) -> &mut UmatInputs {
-        &mut self.exchange.inputs
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.common
     }
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+/// Characters of CMNAME.
+const NAME_LENGTH: usize = 80;
 /// JSTEP(2): static stress analysis.
 const STATIC_PROCEDURE: i32 = 1;
 
@@ -164,21 +148,9 @@ impl UmatCall {
         props: &[f64],
     ) -> Result<Self, LoadError> {
         let function = library.umat(symbol)?;
-        let (ntens, ndi, nshr) = stress_state.counts();
-        let components = stress_state.components().len();
-        let mut guarded_props = Guarded::new("PROPS", props.len());
-        guarded_props.as_mut_slice().copy_from_slice(props);
-        let statev = Guarded::new("STATEV", nstatv);
-        let described = !library.laws().is_empty();
-        let guard = library.guard();
-        let inputs = UmatInputs {
-            stran: [0.0; 6],
-            dstran: [0.0; 6],
-            time: [0.0; 2],
+        let (_, ndi, nshr) = stress_state.counts();
+        let inputs = |[ntens, nstatv, nprops]: [i32; 3]| UmatInputs {
             dtime: 1.0,
-            temp: 0.0,
-            dtemp: 0.0,
-            coords: [0.0; 3],
             drot: IDENTITY,
             celent: 1.0,
             dfgrd0: IDENTITY,
@@ -190,67 +162,45 @@ impl UmatCall {
             ntens,
             ndi,
             nshr,
-            nstatv: *statev.count(),
-            nprops: *guarded_props.count(),
+            nstatv,
+            nprops,
             // the only layer and section point
             layer: 1,
             kspt: 1,
             cmname: fortran_name(name),
+            ..zeros()
         };
-        let lends = guard.is_some();
+        let sizes = (stress_state.components().len(), nstatv, props);
+        let described = !library.laws().is_empty();
         Ok(Self {
+            common: PluginCall::new(library, symbol, name, sizes, ["STRESS", "DDSDDE"], inputs),
             function,
-            _library: library.clone(),
-            plugin: library.name_of_law(name),
             honours_stress_only: described && library.laws().iter().all(|law| law.has(flags::STRESS_ONLY)),
-            guard,
             stress_state,
-            stress: Guarded::new("STRESS", components),
-            statev,
-            ddsdde: Guarded::new("DDSDDE", components * components),
-            own_props: props.to_vec(),
-            props: guarded_props,
-            exchange: Exchange::new(inputs, lends),
-            lent_fields: lends.then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 1))),
             energies: [0.0; 3],
             predef: vec![0.0],
             dpred: vec![0.0],
             strain_33: 0.0,
-            pnewdt: PNEWDT_ON_ENTRY,
-            slot: Slot::new(library, symbol, name),
             detour: None,
         })
     }
 
-    /// Lets every array end where a page begins that cannot be written, where the recorder of this process wants that
-    /// ([`recorder::Recorder::fence_arrays`]): a store behind one ends the process, and the recorder tells which.
+    /// As [`PluginCall::fence`], of the call with six components as well.
     pub fn fence(&mut self) {
-        if !recorder::fences_arrays() {
-            return;
-        }
-        for array in [&mut self.stress, &mut self.statev, &mut self.ddsdde, &mut self.props] {
-            array.fence();
-        }
-        self.lent_fields.iter_mut().flatten().for_each(Guarded::fence);
-        self.exchange.fence();
+        self.common.fence();
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid_mut()) {
             solid.fence();
         }
     }
 
-    /// What messages call the plugin.
-    pub fn plugin(&self) -> &str {
-        &self.plugin
-    }
-
     /// Number of stress components.
     pub fn ntens(&self) -> usize {
-        self.stress.as_slice().len()
+        self.common.stress.as_slice().len()
     }
 
     /// NDI.
     pub(super) fn ndi(&self) -> i32 {
-        self.exchange.inputs.ndi
+        self.common.ndi
     }
 
     /// The stress state it was made for.
@@ -260,38 +210,17 @@ impl UmatCall {
 
     /// STRESS.
     pub fn stress(&self) -> &[f64] {
-        self.stress.as_slice()
+        self.common.stress.as_slice()
     }
 
     /// STRESS, to be set before a call.
     pub fn stress_mut(&mut self) -> &mut [f64] {
-        self.stress.as_mut_slice()
-    }
-
-    /// STATEV.
-    pub fn statev(&self) -> &[f64] {
-        self.statev.as_slice()
-    }
-
-    /// STATEV, to be set before a call.
-    pub fn statev_mut(&mut self) -> &mut [f64] {
-        self.statev.as_mut_slice()
-    }
-
-    /// PROPS.
-    pub fn props(&self) -> &[f64] {
-        &self.own_props
-    }
-
-    /// DDSDDE(row, column) of the last call, indices from 0.
-    #[inline]
-    pub fn tangent(&self, row: usize, column: usize) -> f64 {
-        self.ddsdde.as_slice()[column * self.ntens() + row]
+        self.common.stress.as_mut_slice()
     }
 
     /// DDSDDE, column-major.
     pub fn ddsdde(&self) -> &[f64] {
-        self.ddsdde.as_slice()
+        self.common.tangent.as_slice()
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDSDDE aside, which not every host needs.
@@ -310,18 +239,18 @@ impl UmatCall {
 
     /// DDSDDE, to be set behind a call.
     pub(super) fn ddsdde_mut(&mut self) -> &mut [f64] {
-        self.ddsdde.as_mut_slice()
+        self.common.tangent.as_mut_slice()
     }
 
     /// As if the last call had asked for a fraction of the increment.
     pub(super) fn cut_back(&mut self, fraction: f64) -> CallOutcome {
-        self.pnewdt = fraction;
+        self.common.pnewdt = fraction;
         self.outcome()
     }
 
     /// As if the last call had asked for nothing.
     pub(super) fn restore_outcome(&mut self) {
-        self.pnewdt = PNEWDT_ON_ENTRY;
+        self.common.pnewdt = PNEWDT_ON_ENTRY;
     }
 
     /// Whether DDSDDE = NULL is understood.
@@ -361,18 +290,18 @@ impl UmatCall {
         let stress_only = request == Request::Stress && self.honours_stress_only;
         let mut start = [0.0; 6];
         let start = &mut start[..self.ntens()];
-        start.copy_from_slice(self.stress.as_slice());
-        let states = self.statev.as_slice().to_vec();
+        start.copy_from_slice(self.common.stress.as_slice());
+        let states = self.common.statev.as_slice().to_vec();
         for _ in 0..count {
-            self.stress.as_mut_slice().copy_from_slice(start);
-            self.statev.as_mut_slice().copy_from_slice(&states);
+            self.common.stress.as_mut_slice().copy_from_slice(start);
+            self.common.statev.as_mut_slice().copy_from_slice(&states);
             let arguments = self.arguments(stress_only);
             // SAFETY: every pointer is valid for the sizes that the counts tell.
-            run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+            run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
             self.take_back()?;
         }
-        self.stress.as_mut_slice().copy_from_slice(start);
-        self.statev.as_mut_slice().copy_from_slice(&states);
+        self.common.stress.as_mut_slice().copy_from_slice(start);
+        self.common.statev.as_mut_slice().copy_from_slice(&states);
         Ok(self.outcome())
     }
 
@@ -392,7 +321,7 @@ impl UmatCall {
     ) -> CallOutcome {
         let ntens = self.ntens();
         assert!(stran.len() == ntens && dstran.len() == ntens && stress.len() == ntens, "NTENS values");
-        assert!(statev.len() == self.statev.as_slice().len(), "NSTATV values");
+        assert!(statev.len() == self.common.statev.as_slice().len(), "NSTATV values");
         let stress_only = request == Request::Stress && self.honours_stress_only;
         let arguments = UmatArguments {
             stran: stran.as_ptr(),
@@ -402,7 +331,7 @@ impl UmatCall {
             ..self.arguments(stress_only)
         };
         // SAFETY: every pointer is valid for the sizes that the counts tell.
-        run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
+        run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
         self.take_outputs();
         self.outcome()
     }
@@ -410,46 +339,21 @@ impl UmatCall {
     /// Takes over what the call wrote besides its arrays.
     #[inline]
     fn take_outputs(&mut self) {
-        let UmatOutputs { sse, spd, scd, pnewdt, .. } = self.exchange.outputs();
-        (self.energies, self.pnewdt) = ([sse, spd, scd].map(|energy| energy.values[0]), pnewdt.values[0]);
+        let UmatOutputs { sse, spd, scd, pnewdt, .. } = self.common.exchange.outputs();
+        let pnewdt = pnewdt.values[0];
+        self.energies = [sse, spd, scd].map(|energy| energy.values[0]);
+        self.common.pnewdt = pnewdt;
     }
 
     /// Takes over what the call wrote, and looks at what it must not write.
     #[inline]
     fn take_back(&mut self) -> Result<(), Overrun> {
-        let has_inputs = self.exchange.take_back()?;
-        self.take_outputs();
-        self.stress.check()?;
-        self.statev.check()?;
-        self.ddsdde.check()?;
-        self.props.check()?;
-        let Some([predef, dpred]) = &mut self.lent_fields else { return Ok(()) };
-        predef.check()?;
-        dpred.check()?;
-        let has_fields = same_bits(predef.as_slice(), &self.predef) && same_bits(dpred.as_slice(), &self.dpred);
-        if !has_inputs || !has_fields || !same_bits(self.props.as_slice(), &self.own_props) {
-            self.note_written();
-        }
-        Ok(())
-    }
-
-    /// The call wrote into inputs.
-    #[cold]
-    fn note_written(&mut self) {
-        let mut written = self.exchange.written();
-        let lent = self.lent_fields.iter().flatten().zip([("PREDEF", &self.predef), ("DPRED", &self.dpred)]);
-        let arrays = lent.chain([(&self.props, ("PROPS", &self.own_props))]);
-        written.extend(arrays.filter(|(lent, (_, own))| !same_bits(lent.as_slice(), own)).map(|(_, (name, _))| name));
-        self.props.as_mut_slice().copy_from_slice(&self.own_props);
-        if let Some(guard) = &self.guard {
-            guard.note_written(written, [self.jstep[0], self.kinc, self.noel, self.npt]);
-        }
-    }
-
-    /// What the last call came back with, also if it wrote behind an array.
-    #[inline]
-    pub fn outcome(&self) -> CallOutcome {
-        CallOutcome::of(self.pnewdt)
+        let place = |inputs: &UmatInputs| [inputs.jstep[0], inputs.kinc, inputs.noel, inputs.npt];
+        let pnewdt = |outputs: &UmatOutputs| outputs.pnewdt.values[0];
+        let result = self.common.take_back([&self.predef, &self.dpred], pnewdt, place);
+        let UmatOutputs { sse, spd, scd, .. } = self.common.exchange.outputs();
+        self.energies = [sse, spd, scd].map(|energy| energy.values[0]);
+        result
     }
 
     /// The call itself, with the arguments as `alter` leaves them.
@@ -463,15 +367,15 @@ impl UmatCall {
         filling: f64,
         alter: impl FnOnce(&mut UmatArguments),
     ) -> Result<CallOutcome, Overrun> {
-        self.ddsdde.as_mut_slice().fill(filling);
-        if self.slot.is_some() {
+        self.common.tangent.as_mut_slice().fill(filling);
+        if self.common.slot.is_some() {
             self.note(stress_only);
         }
         let mut arguments = self.arguments(stress_only);
         alter(&mut arguments);
         // SAFETY: every pointer is valid for the sizes that the counts tell.
-        run(self.guard.as_ref(), || unsafe { arguments.call(self.function) });
-        if let Some(slot) = &mut self.slot {
+        run(self.common.guard.as_ref(), || unsafe { arguments.call(self.function) });
+        if let Some(slot) = &mut self.common.slot {
             slot.leave();
         }
         self.take_back()?;
@@ -480,12 +384,12 @@ impl UmatCall {
 
     /// Notes the arguments for whoever finds that the plugin ended the process.
     fn note(&mut self, stress_only: bool) {
-        if let Some(mut slot) = self.slot.take() {
+        if let Some(mut slot) = self.common.slot.take() {
             slot.enter(|to| {
                 to.put_integers([Arguments::UMAT, i32::from(!stress_only)]);
                 UmatRecord::write(self, to);
             });
-            self.slot = Some(slot);
+            self.common.slot = Some(slot);
         }
     }
 
@@ -505,59 +409,25 @@ impl UmatCall {
         }
         let [sse, spd, scd] = self.energies.map(Numbers::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
-        let outputs = self.exchange.outputs_mut();
+        let common = &mut self.common;
+        let outputs = common.exchange.outputs_mut();
         (outputs.sse, outputs.spd, outputs.scd, outputs.pnewdt) = (sse, spd, scd, pnewdt);
-        let (inputs, outputs) = self.exchange.hand_over();
-        let mut fields = [self.predef.as_ptr(), self.dpred.as_ptr()];
-        if let Some(lent) = &mut self.lent_fields {
-            for ((lent, own), field) in lent.iter_mut().zip([&self.predef, &self.dpred]).zip(&mut fields) {
-                lent.hold(own);
-                *field = lent.as_mut_ptr();
-            }
-        }
-        let ddsdde = if stress_only { std::ptr::null_mut() } else { self.ddsdde.as_mut_ptr() };
-        // SAFETY: both live as long as the call object, and only addresses are taken.
-        unsafe {
+        let [predef, dpred] = common.hand_over_fields([&self.predef, &self.dpred]);
+        let (inputs, outputs) = common.exchange.hand_over();
+        let ddsdde = if stress_only { std::ptr::null_mut() } else { common.tangent.as_mut_ptr() };
+        arguments! {
             UmatArguments {
-                stress: self.stress.as_mut_ptr(),
-                statev: self.statev.as_mut_ptr(),
-                ddsdde,
-                sse: (&raw mut (*outputs).sse).cast(),
-                spd: (&raw mut (*outputs).spd).cast(),
-                scd: (&raw mut (*outputs).scd).cast(),
-                rpl: (&raw mut (*outputs).rpl).cast(),
-                ddsddt: (&raw mut (*outputs).ddsddt).cast(),
-                drplde: (&raw mut (*outputs).drplde).cast(),
-                drpldt: (&raw mut (*outputs).drpldt).cast(),
-                stran: (&raw const (*inputs).stran).cast(),
-                dstran: (&raw const (*inputs).dstran).cast(),
-                time: (&raw const (*inputs).time).cast(),
-                dtime: &raw const (*inputs).dtime,
-                temp: &raw const (*inputs).temp,
-                dtemp: &raw const (*inputs).dtemp,
-                predef: fields[0],
-                dpred: fields[1],
-                cmname: (&raw const (*inputs).cmname).cast::<c_char>(),
-                ndi: &raw const (*inputs).ndi,
-                nshr: &raw const (*inputs).nshr,
-                ntens: &raw const (*inputs).ntens,
-                nstatv: &raw const (*inputs).nstatv,
-                props: self.props.as_mut_ptr(),
-                nprops: &raw const (*inputs).nprops,
-                coords: (&raw const (*inputs).coords).cast(),
-                drot: (&raw const (*inputs).drot).cast(),
-                pnewdt: (&raw mut (*outputs).pnewdt).cast(),
-                celent: &raw const (*inputs).celent,
-                dfgrd0: (&raw const (*inputs).dfgrd0).cast(),
-                dfgrd1: (&raw const (*inputs).dfgrd1).cast(),
-                noel: &raw const (*inputs).noel,
-                npt: &raw const (*inputs).npt,
-                layer: &raw const (*inputs).layer,
-                kspt: &raw const (*inputs).kspt,
-                jstep: (&raw const (*inputs).jstep).cast(),
-                kinc: &raw const (*inputs).kinc,
-                cmname_length: self.exchange.inputs.cmname.len(),
+                stress: common.stress.as_mut_ptr(),
+                statev: common.statev.as_mut_ptr(),
+                ddsdde: ddsdde,
+                predef: predef,
+                dpred: dpred,
+                props: common.props.as_mut_ptr(),
+                cmname_length: NAME_LENGTH,
             }
+            inputs: stran dstran time dtime temp dtemp cmname ndi nshr ntens nstatv nprops coords drot celent dfgrd0 dfgrd1 noel
+                npt layer kspt jstep kinc;
+            outputs: sse spd scd rpl ddsddt drplde drpldt pnewdt;
         }
     }
 }

@@ -63,7 +63,24 @@ macro_rules! outputs {
         }
     };
 }
-pub(super) use {inputs, outputs};
+
+/// Fills an argument list: what the call has of its own, and the addresses of inputs and outputs of the same names.
+macro_rules! arguments {
+    (
+        $arguments:ident { $($own:ident: $value:expr,)+ }
+        $inputs:ident: $($input:ident)+; $outputs:ident: $($output:ident)+;
+    ) => {
+        // SAFETY: both live as long as the call object, and only addresses are taken.
+        unsafe {
+            $arguments {
+                $($own: $value,)+
+                $($input: (&raw const (*$inputs).$input).cast(),)+
+                $($output: (&raw mut (*$outputs).$output).cast(),)+
+            }
+        }
+    };
+}
+pub(super) use {arguments, inputs, outputs};
 
 /// Numbers with a canary behind them.
 #[repr(C)]
@@ -257,6 +274,12 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
             I::PLACES.iter().zip(ends).filter(|((_, start), end)| before[*start..*end] != after[*start..*end]);
         changed.map(|((name, _), _)| *name).collect()
     }
+}
+
+/// Inputs that are all 0.
+pub(super) fn zeros<I: Inputs>() -> I {
+    // SAFETY: plain values, of which any bits are some.
+    unsafe { std::mem::zeroed() }
 }
 
 /// Inputs as the recorder notes them: in one piece.

@@ -1,21 +1,22 @@
 //! Safe calls of UINTER and FRIC.
 
 use super::call::CallOutcome;
-use super::exchange::{Exchange, Inputs, Integer, Numbers, Outputs, inputs, outputs};
-use super::guard::{Guard, run};
+use super::exchange::{Inputs, Integer, Numbers, Outputs, arguments, inputs, outputs, zeros};
+use super::guard::run;
 use super::library::{Library, LoadError};
-use super::memory::{Guarded, NotFinite, Overrun, fortran_name, same_bits};
-use super::recorder::{self, Arguments, FricRecord, Slot, UinterRecord};
+use super::memory::{NotFinite, Overrun, fortran_name};
+use super::plugin_call::{PNEWDT_ON_ENTRY, PluginCall};
+use super::recorder::{Arguments, FricRecord, UinterRecord};
 use crate::fric::{FricArguments, FricFunction};
 use crate::uinter::{UinterArguments, UinterFunction};
 use std::ops::{Deref, DerefMut};
 
-/// PNEWDT on entry; see [`super::UmatCall`].
-const PNEWDT_ON_ENTRY: f64 = 1e36;
 /// MCRD, the coordinates of a point.
 const MCRD: i32 = 3;
 const IDENTITY_2: [f64; 4] = [1.0, 0.0, 0.0, 1.0];
 const IDENTITY_3: [f64; 9] = [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
+/// Characters of a name.
+const NAME_LENGTH: usize = 80;
 /// SLNAME and MSNAME.
 const SURFACES: [&str; 2] = ["SLAVE", "MASTER"];
 
@@ -203,83 +204,18 @@ impl SurfaceFields {
     }
 }
 
-/// What both calls share and give access to: the arrays that the plugin writes, the properties, and by [`Deref`] the inputs.
+/// What both calls share, and give access to by [`Deref`].
 #[derive(Debug)]
 pub struct Contact<I, O> {
-    /// Keeps the function's code loaded.
-    _library: Library,
-    plugin: String,
-    guard: Option<Guard>,
-    traction: Guarded,
-    tangent: Guarded,
-    statev: Guarded,
-    /// PROPS as the host has them, and as the plugin gets them.
-    own_props: Vec<f64>,
-    props: Guarded,
-    exchange: Exchange<I, O>,
+    common: PluginCall<I, O>,
     /// What both surfaces have.
     pub fields: SurfaceFields,
-    /// PREDEF and DPRED of a plugin that nobody vouches for.
-    lent_fields: Option<[Guarded; 2]>,
-    pnewdt: f64,
     calls: u64,
-    /// Where calls are noted, if they are.
-    slot: Option<Slot>,
 }
 
 impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
-    /// `inputs` are made of the numbers of states and properties as Fortran passes them.
-    fn new(
-        library: &Library,
-        symbol: Option<&str>,
-        name: &str,
-        (directions, nstatv, props): (usize, usize, &[f64]),
-        names: [&'static str; 2],
-        inputs: impl FnOnce([i32; 3]) -> I,
-    ) -> Self {
-        let mut guarded_props = Guarded::new("PROPS", props.len());
-        guarded_props.as_mut_slice().copy_from_slice(props);
-        let (traction, statev) = (Guarded::new(names[0], directions), Guarded::new("STATEV", nstatv));
-        let guard = library.guard();
-        let inputs = inputs([&traction, &statev, &guarded_props].map(|array| *array.count()));
-        Self {
-            _library: library.clone(),
-            plugin: library.name_of_law(name),
-            exchange: Exchange::new(inputs, guard.is_some()),
-            fields: SurfaceFields::default(),
-            lent_fields: guard.is_some().then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 2))),
-            guard,
-            traction,
-            tangent: Guarded::new(names[1], directions * directions),
-            statev,
-            own_props: props.to_vec(),
-            props: guarded_props,
-            pnewdt: PNEWDT_ON_ENTRY,
-            calls: 0,
-            slot: Slot::new(library, symbol, name),
-        }
-    }
-
-    /// As [`super::UmatCall::fence`].
-    pub fn fence(&mut self) {
-        if !recorder::fences_arrays() {
-            return;
-        }
-        for array in [&mut self.traction, &mut self.tangent, &mut self.statev, &mut self.props] {
-            array.fence();
-        }
-        self.lent_fields.iter_mut().flatten().for_each(Guarded::fence);
-        self.exchange.fence();
-    }
-
-    /// PREDEF and DPRED as the plugin gets them.
-    fn hand_over_fields(&mut self) -> [*const f64; 2] {
-        let own = self.fields.predef();
-        let Some(lent) = &mut self.lent_fields else { return own.map(<[f64]>::as_ptr) };
-        for (lent, own) in lent.iter_mut().zip(own) {
-            lent.hold(own);
-        }
-        lent.each_mut().map(|lent| lent.as_mut_ptr().cast_const())
+    fn new(common: PluginCall<I, O>) -> Self {
+        Self { common, fields: SurfaceFields::default(), calls: 0 }
     }
 
     /// TEMP and DTEMP.
@@ -292,44 +228,14 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
         self.fields.predef()
     }
 
-    /// What messages call the plugin.
-    pub fn plugin(&self) -> &str {
-        &self.plugin
-    }
-
     /// STRESS (UINTER: \[0\] > 0 is compression) or TAU (FRIC).
     pub fn traction(&self) -> &[f64] {
-        self.traction.as_slice()
+        self.common.stress.as_slice()
     }
 
     /// The traction, to be set before a call.
     pub fn traction_mut(&mut self) -> &mut [f64] {
-        self.traction.as_mut_slice()
-    }
-
-    /// STATEV.
-    pub fn statev(&self) -> &[f64] {
-        self.statev.as_slice()
-    }
-
-    /// STATEV, to be set before a call.
-    pub fn statev_mut(&mut self) -> &mut [f64] {
-        self.statev.as_mut_slice()
-    }
-
-    /// DDSDDR or DDTDDG (row, column), indices from 0.
-    pub fn tangent(&self, row: usize, column: usize) -> f64 {
-        self.tangent.as_slice()[column * self.traction.as_slice().len() + row]
-    }
-
-    /// PROPS.
-    pub fn props(&self) -> &[f64] {
-        &self.own_props
-    }
-
-    /// What the last call came back with, also if it wrote outside an array.
-    pub fn outcome(&self) -> CallOutcome {
-        CallOutcome::of(self.pnewdt)
+        self.common.stress.as_mut_slice()
     }
 
     /// Calls so far.
@@ -340,55 +246,34 @@ impl<I: Inputs, O: Outputs + Default> Contact<I, O> {
     /// Makes a call; `pnewdt` finds its answer among the outputs, `place` step, increment and point.
     fn run(&mut self, call: impl FnOnce(), pnewdt: fn(&O) -> f64, place: fn(&I) -> [i32; 4]) -> Result<(), Overrun> {
         self.calls += 1;
-        run(self.guard.as_ref(), call);
-        if let Some(slot) = &mut self.slot {
+        run(self.common.guard.as_ref(), call);
+        if let Some(slot) = &mut self.common.slot {
             slot.leave();
         }
-        let has_inputs = self.exchange.take_back()?;
-        self.pnewdt = pnewdt(self.exchange.outputs());
-        self.traction.check()?;
-        self.tangent.check()?;
-        self.statev.check()?;
-        self.props.check()?;
-        for array in self.lent_fields.iter_mut().flatten() {
-            array.check()?;
-        }
-        let lent = || {
-            let fields = self.lent_fields.iter().flatten().zip(self.fields.predef());
-            fields.chain([(&self.props, self.own_props.as_slice())])
-        };
-        let is_written = |(lent, own): &(&Guarded, &[f64])| !same_bits(lent.as_slice(), own);
-        if let Some(guard) = &self.guard
-            && (!has_inputs || lent().any(|array| is_written(&array)))
-        {
-            let arrays: Vec<_> = lent().filter(is_written).map(|(lent, _)| lent.name()).collect();
-            guard.note_written(self.exchange.written().into_iter().chain(arrays), place(&self.exchange.inputs));
-            self.props.as_mut_slice().copy_from_slice(&self.own_props);
-        }
-        Ok(())
+        self.common.take_back(self.fields.predef(), pnewdt, place)
     }
 }
 
 impl<I, O> Deref for Contact<I, O> {
-    type Target = I;
+    type Target = PluginCall<I, O>;
 
     #[inline]
-    fn deref(&self) -> &I {
-        &self.exchange.inputs
+    fn deref(&self) -> &Self::Target {
+        &self.common
     }
 }
 
 impl<I, O> DerefMut for Contact<I, O> {
     #[inline]
-    fn deref_mut(&mut self) -> &mut I {
-        &mut self.exchange.inputs
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.common
     }
 }
 
 /// One contact point's UINTER arguments and the function that takes them.
 #[derive(Debug)]
 pub struct UinterCall {
-    common: Contact<UinterInputs, UinterOutputs>,
+    contact: Contact<UinterInputs, UinterOutputs>,
     function: UinterFunction,
     /// SED, SFD, SPD, SVD, SCD.
     pub energies: [f64; 5],
@@ -416,14 +301,7 @@ impl UinterCall {
         let inputs = |[ndir, nstatv, nprops]: [i32; 3]| {
             let [slname, msname] = SURFACES.map(fortran_name);
             UinterInputs {
-                rdisp: [0.0; 3],
-                drdisp: [0.0; 3],
-                temp: [0.0; 2],
-                dtemp: [0.0; 2],
-                time: [0.0; 2],
                 dtime: 1.0,
-                freqr: 0.0,
-                coords: [0.0; 3],
                 local_directions: IDENTITY_3,
                 drot: IDENTITY_2,
                 area: 1.0,
@@ -435,17 +313,22 @@ impl UinterCall {
                 nprops,
                 mcrd: MCRD,
                 counters: [1; 3],
-                linper: 0,
-                lprint: 0,
-                behind_lprint: 0,
                 ciname: fortran_name(name),
                 slname,
                 msname,
+                ..zeros()
             }
         };
         Ok(Self {
             function: library.uinter(symbol)?,
-            common: Contact::new(library, symbol, name, (directions, nstatv, props), ["STRESS", "DDSDDR"], inputs),
+            contact: Contact::new(PluginCall::new(
+                library,
+                symbol,
+                name,
+                (directions, nstatv, props),
+                ["STRESS", "DDSDDR"],
+                inputs,
+            )),
             energies: [0.0; 5],
             flags: [-1; 2],
         })
@@ -469,7 +352,7 @@ impl UinterCall {
         filling: f64,
         alter: impl FnOnce(&mut UinterArguments),
     ) -> Result<CallOutcome, Overrun> {
-        self.common.tangent.as_mut_slice().fill(filling);
+        self.contact.common.tangent.as_mut_slice().fill(filling);
         self.note();
         let mut arguments = self.arguments();
         alter(&mut arguments);
@@ -477,11 +360,11 @@ impl UinterCall {
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &UinterInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
-        let result = self.common.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.common.exchange.outputs();
+        let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
+        let UinterOutputs { sed, sfd, spd, svd, scd, lopenclose, lstate, .. } = self.contact.common.exchange.outputs();
         self.energies = [sed, sfd, spd, svd, scd].map(|energy| energy.values[0]);
         self.flags = [lopenclose.value, lstate.value];
-        result.map(|()| self.common.outcome())
+        result.map(|()| self.contact.outcome())
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDSDDR aside, which not every host needs.
@@ -492,17 +375,17 @@ impl UinterCall {
 
     /// Returns an entry of DDSDDR of the last call that is no number.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
-        NotFinite::among([("DDSDDR", self.tangent.as_slice())])
+        NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())])
     }
 
     /// Notes the arguments for whoever finds that the plugin ended the process.
     fn note(&mut self) {
-        if let Some(mut slot) = self.common.slot.take() {
+        if let Some(mut slot) = self.contact.common.slot.take() {
             slot.enter(|to| {
                 to.put_integers([Arguments::UINTER, 1]);
                 UinterRecord::write(self, to);
             });
-            self.common.slot = Some(slot);
+            self.contact.common.slot = Some(slot);
         }
     }
 
@@ -512,7 +395,7 @@ impl UinterCall {
     }
 
     pub(super) fn arguments(&mut self) -> UinterArguments {
-        let common = &mut self.common;
+        let Contact { common, fields, .. } = &mut self.contact;
         let [sed, sfd, spd, svd, scd] = self.energies.map(Numbers::from);
         let [lopenclose, lstate] = self.flags.map(Integer::from);
         let pnewdt = Numbers::from(PNEWDT_ON_ENTRY);
@@ -520,64 +403,29 @@ impl UinterCall {
         *common.exchange.outputs_mut() =
             UinterOutputs { sed, sfd, spd, svd, scd, pnewdt, lopenclose, lstate, ..UinterOutputs::default() };
         let inputs = &mut common.exchange.inputs;
-        (inputs.temp, inputs.dtemp) = (common.fields.temperature, common.fields.temperature_increment);
-        inputs.npred = common.fields.count;
-        let [predef, dpred] = common.hand_over_fields();
+        (inputs.temp, inputs.dtemp) = (fields.temperature, fields.temperature_increment);
+        inputs.npred = fields.count;
+        let [predef, dpred] = common.hand_over_fields(fields.predef());
         let (inputs, outputs) = common.exchange.hand_over();
-        // SAFETY: both live as long as the call object, and only addresses are taken.
-        unsafe {
+        arguments! {
             UinterArguments {
-                stress: common.traction.as_mut_ptr(),
+                stress: common.stress.as_mut_ptr(),
                 ddsddr: common.tangent.as_mut_ptr(),
-                dviscous: (&raw mut (*outputs).dviscous).cast(),
-                dstructural: (&raw mut (*outputs).dstructural).cast(),
-                flux: (&raw mut (*outputs).flux).cast(),
-                ddfddt: (&raw mut (*outputs).ddfddt).cast(),
-                ddsddt: (&raw mut (*outputs).ddsddt).cast(),
-                ddfddr: (&raw mut (*outputs).ddfddr).cast(),
                 statev: common.statev.as_mut_ptr(),
-                sed: (&raw mut (*outputs).sed).cast(),
-                sfd: (&raw mut (*outputs).sfd).cast(),
-                spd: (&raw mut (*outputs).spd).cast(),
-                svd: (&raw mut (*outputs).svd).cast(),
-                scd: (&raw mut (*outputs).scd).cast(),
-                pnewdt: (&raw mut (*outputs).pnewdt).cast(),
-                rdisp: (&raw const (*inputs).rdisp).cast(),
-                drdisp: (&raw const (*inputs).drdisp).cast(),
-                temp: (&raw const (*inputs).temp).cast(),
-                dtemp: (&raw const (*inputs).dtemp).cast(),
-                predef,
-                dpred,
-                time: (&raw const (*inputs).time).cast(),
-                dtime: &raw const (*inputs).dtime,
-                freqr: &raw const (*inputs).freqr,
-                ciname: (&raw const (*inputs).ciname).cast(),
-                slname: (&raw const (*inputs).slname).cast(),
-                msname: (&raw const (*inputs).msname).cast(),
+                predef: predef,
+                dpred: dpred,
                 props: common.props.as_mut_ptr(),
-                coords: (&raw const (*inputs).coords).cast(),
                 alocaldir: (&raw const (*inputs).local_directions).cast(),
-                drot: (&raw const (*inputs).drot).cast(),
-                area: &raw const (*inputs).area,
-                chrlngth: &raw const (*inputs).chrlngth,
-                node: &raw const (*inputs).node,
-                ndir: &raw const (*inputs).ndir,
-                nstatv: &raw const (*inputs).nstatv,
-                npred: &raw const (*inputs).npred,
-                nprops: &raw const (*inputs).nprops,
-                mcrd: &raw const (*inputs).mcrd,
                 kstep: &raw const (*inputs).counters[0],
                 kinc: &raw const (*inputs).counters[1],
                 kit: &raw const (*inputs).counters[2],
-                linper: &raw const (*inputs).linper,
-                lopenclose: (&raw mut (*outputs).lopenclose).cast(),
-                lstate: (&raw mut (*outputs).lstate).cast(),
-                lsdi: (&raw mut (*outputs).lsdi).cast(),
-                lprint: &raw const (*inputs).lprint,
-                ciname_length: 80,
-                slname_length: 80,
-                msname_length: 80,
+                ciname_length: NAME_LENGTH,
+                slname_length: NAME_LENGTH,
+                msname_length: NAME_LENGTH,
             }
+            inputs: rdisp drdisp temp dtemp time dtime freqr ciname slname msname coords drot area chrlngth node ndir nstatv npred
+                nprops mcrd linper lprint;
+            outputs: dviscous dstructural flux ddfddt ddsddt ddfddr sed sfd spd svd scd pnewdt lopenclose lstate lsdi;
         }
     }
 }
@@ -596,7 +444,7 @@ pub enum FricAnswer {
 /// One contact point's FRIC arguments and the function that takes them.
 #[derive(Debug)]
 pub struct FricCall {
-    common: Contact<FricInputs, FricOutputs>,
+    contact: Contact<FricInputs, FricOutputs>,
     function: FricFunction,
     /// On entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
     pub lm: i32,
@@ -628,17 +476,8 @@ impl FricCall {
         let inputs = |[nfdir, nstatv, nprops]: [i32; 3]| {
             let [slname, msname] = SURFACES.map(fortran_name);
             FricInputs {
-                dgam: [0.0; 2],
-                taulm: [0.0; 2],
-                pressure: [0.0; 2],
-                ddpddh: 0.0,
-                slip: [0.0; 2],
-                time: [0.0; 2],
                 dtime: 1.0,
-                coords: [0.0; 3],
-                rcoord: [0.0; 3],
                 drot: IDENTITY_2,
-                temp: [0.0; 2],
                 chrlngth: 1.0,
                 counters: [1; 2],
                 noel: 1,
@@ -650,15 +489,22 @@ impl FricCall {
                 npred: 1,
                 nstatv,
                 nprops,
-                behind_nprops: 0,
                 ciname: fortran_name(name),
                 slname,
                 msname,
+                ..zeros()
             }
         };
         Ok(Self {
             function: library.fric(symbol)?,
-            common: Contact::new(library, symbol, name, (directions, nstatv, props), ["TAU", "DDTDDG"], inputs),
+            contact: Contact::new(PluginCall::new(
+                library,
+                symbol,
+                name,
+                (directions, nstatv, props),
+                ["TAU", "DDTDDG"],
+                inputs,
+            )),
             lm: Self::STICKING,
             dslip: [0.0; 2],
             pressure_tangent: [0.0; 2],
@@ -701,7 +547,7 @@ impl FricCall {
     /// Returns an entry of DDTDDG or DDTDDP of the last call that is no number.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         let by_pressure = &self.pressure_tangent[..self.traction().len()];
-        NotFinite::among(self.given([("DDTDDG", self.tangent.as_slice()), ("DDTDDP", by_pressure)]))
+        NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice()), ("DDTDDP", by_pressure)]))
     }
 
     /// These results if the answer says that they are given.
@@ -732,7 +578,7 @@ impl FricCall {
         filling: f64,
         alter: impl FnOnce(&mut FricArguments),
     ) -> Result<CallOutcome, Overrun> {
-        self.common.tangent.as_mut_slice().fill(filling);
+        self.contact.common.tangent.as_mut_slice().fill(filling);
         self.dslip = [filling; 2];
         self.pressure_tangent = [filling; 2];
         self.note();
@@ -742,21 +588,21 @@ impl FricCall {
         // SAFETY: every pointer is valid for the sizes that the counts tell, or NULL where the caller wants that.
         let call = || unsafe { arguments.call(function) };
         let place = |inputs: &FricInputs| [inputs.counters[0], inputs.counters[1], 0, inputs.node];
-        let result = self.common.run(call, |outputs| outputs.pnewdt.values[0], place);
-        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.common.exchange.outputs();
+        let result = self.contact.run(call, |outputs| outputs.pnewdt.values[0], place);
+        let FricOutputs { ddtddp, dslip, sed, sfd, lm, .. } = self.contact.common.exchange.outputs();
         (self.pressure_tangent, self.dslip) = (ddtddp.values, dslip.values);
         (self.energies, self.lm) = ([sed.values[0], sfd.values[0]], lm.value);
-        result.map(|()| self.common.outcome())
+        result.map(|()| self.contact.outcome())
     }
 
     /// As [`UinterCall`]'s.
     fn note(&mut self) {
-        if let Some(mut slot) = self.common.slot.take() {
+        if let Some(mut slot) = self.contact.common.slot.take() {
             slot.enter(|to| {
                 to.put_integers([Arguments::FRIC, 1]);
                 FricRecord::write(self, to);
             });
-            self.common.slot = Some(slot);
+            self.contact.common.slot = Some(slot);
         }
     }
 
@@ -766,62 +612,34 @@ impl FricCall {
     }
 
     pub(super) fn arguments(&mut self) -> FricArguments {
-        let common = &mut self.common;
+        let Contact { common, fields, .. } = &mut self.contact;
         let [sed, sfd] = self.energies.map(Numbers::from);
         let [ddtddp, dslip] = [self.pressure_tangent, self.dslip].map(Numbers::from);
         let (pnewdt, lm) = (Numbers::from(PNEWDT_ON_ENTRY), Integer::from(self.lm));
         *common.exchange.outputs_mut() =
             FricOutputs { ddtddp, dslip, sed, sfd, ddtddt: Numbers::default(), pnewdt, lm };
         let inputs = &mut common.exchange.inputs;
-        (inputs.temp, inputs.npred) = (common.fields.temperature, common.fields.count);
-        let [predef, _] = common.hand_over_fields();
+        (inputs.temp, inputs.npred) = (fields.temperature, fields.count);
+        let [predef, _] = common.hand_over_fields(fields.predef());
         let (inputs, outputs) = common.exchange.hand_over();
-        // SAFETY: both live as long as the call object, and only addresses are taken.
-        unsafe {
+        arguments! {
             FricArguments {
-                lm: (&raw mut (*outputs).lm).cast(),
-                tau: common.traction.as_mut_ptr(),
+                tau: common.stress.as_mut_ptr(),
                 ddtddg: common.tangent.as_mut_ptr(),
-                ddtddp: (&raw mut (*outputs).ddtddp).cast(),
-                dslip: (&raw mut (*outputs).dslip).cast(),
-                sed: (&raw mut (*outputs).sed).cast(),
-                sfd: (&raw mut (*outputs).sfd).cast(),
-                ddtddt: (&raw mut (*outputs).ddtddt).cast(),
-                pnewdt: (&raw mut (*outputs).pnewdt).cast(),
                 statev: common.statev.as_mut_ptr(),
-                dgam: (&raw const (*inputs).dgam).cast(),
-                taulm: (&raw const (*inputs).taulm).cast(),
                 press: &raw const (*inputs).pressure[0],
                 dpress: &raw const (*inputs).pressure[1],
-                ddpddh: &raw const (*inputs).ddpddh,
-                slip: (&raw const (*inputs).slip).cast(),
                 kstep: &raw const (*inputs).counters[0],
                 kinc: &raw const (*inputs).counters[1],
-                time: (&raw const (*inputs).time).cast(),
-                dtime: &raw const (*inputs).dtime,
-                noel: &raw const (*inputs).noel,
-                ciname: (&raw const (*inputs).ciname).cast(),
-                slname: (&raw const (*inputs).slname).cast(),
-                msname: (&raw const (*inputs).msname).cast(),
-                npt: &raw const (*inputs).npt,
-                node: &raw const (*inputs).node,
-                npatch: &raw const (*inputs).npatch,
-                coords: (&raw const (*inputs).coords).cast(),
-                rcoord: (&raw const (*inputs).rcoord).cast(),
-                drot: (&raw const (*inputs).drot).cast(),
-                temp: (&raw const (*inputs).temp).cast(),
-                predef,
-                nfdir: &raw const (*inputs).nfdir,
-                mcrd: &raw const (*inputs).mcrd,
-                npred: &raw const (*inputs).npred,
-                nstatv: &raw const (*inputs).nstatv,
-                chrlngth: &raw const (*inputs).chrlngth,
+                predef: predef,
                 props: common.props.as_mut_ptr(),
-                nprops: &raw const (*inputs).nprops,
-                ciname_length: 80,
-                slname_length: 80,
-                msname_length: 80,
+                ciname_length: NAME_LENGTH,
+                slname_length: NAME_LENGTH,
+                msname_length: NAME_LENGTH,
             }
+            inputs: dgam taulm ddpddh slip time dtime noel ciname slname msname npt node npatch coords rcoord drot temp nfdir mcrd
+                npred nstatv chrlngth nprops;
+            outputs: lm ddtddp dslip sed sfd ddtddt pnewdt;
         }
     }
 }
@@ -834,14 +652,14 @@ macro_rules! contact {
 
             #[inline]
             fn deref(&self) -> &Self::Target {
-                &self.common
+                &self.contact
             }
         }
 
         impl DerefMut for $call {
             #[inline]
             fn deref_mut(&mut self) -> &mut Self::Target {
-                &mut self.common
+                &mut self.contact
             }
         }
     )+};

@@ -15,6 +15,7 @@ mod interface_call;
 mod library;
 mod manner;
 mod memory;
+mod plugin_call;
 mod prints;
 #[cfg(unix)]
 mod probe;
@@ -37,6 +38,7 @@ pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceField
 pub use library::{Library, LoadError, Routine, binds_deeply};
 pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::{NotFinite, Overrun, Trespass};
+pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]
 pub use probe::{Alignment, Probed};

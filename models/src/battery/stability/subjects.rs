@@ -1,15 +1,19 @@
 //! Every law of a solid, in the forms whose promises differ.
 
 use super::{Ledger, Subject, corners, throw};
+use crate::battery::samples::{
+    biaxial_damage as biaxial, concrete_damage as concrete, drucker_prager as cone, inelastic_damage as inelastic,
+    j2_plasticity as mises, pure_damage as pure, reverse_cyclic_damage as reverse,
+};
 use crate::battery::{STRESS_STATES, Sample};
-use crate::biaxial_damage::{BiaxialDamage, samples as biaxial};
-use crate::concrete_damage::{ConcreteDamage, samples as concrete};
-use crate::drucker_prager::{DruckerPrager, samples as cone};
-use crate::inelastic_damage::{InelasticDamage, samples as inelastic};
-use crate::j2_plasticity::{J2Plasticity, samples as mises};
+use crate::biaxial_damage::BiaxialDamage;
+use crate::concrete_damage::ConcreteDamage;
+use crate::drucker_prager::DruckerPrager;
+use crate::inelastic_damage::InelasticDamage;
+use crate::j2_plasticity::J2Plasticity;
 use crate::linear_elastic::LinearElastic;
-use crate::pure_damage::{PureDamage, samples as pure};
-use crate::reverse_cyclic_damage::{ReverseCyclicDamage, samples as reverse};
+use crate::pure_damage::PureDamage;
+use crate::reverse_cyclic_damage::ReverseCyclicDamage;
 use umat_abi::law::StressState;
 
 /// A law in one of its forms.

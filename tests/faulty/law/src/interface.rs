@@ -7,7 +7,6 @@ use umat_abi::law::{
     TangentialResponse,
 };
 use umat_abi::metadata::{Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 /// How much of the tangent's damage term is returned.
 pub trait Share {
@@ -88,11 +87,8 @@ impl<S: Share> InterfaceLaw for InterfaceDamage<S> {
     const INFO: LawInfo = LawInfo {
         name: S::NAME,
         description: c"Contact with a penalty and a bond with damage",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::SYMMETRIC_TANGENT | flags::THREAD_SAFE | flags::STRESS_ONLY | flags::ISOTROPIC,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

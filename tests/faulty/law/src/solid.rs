@@ -6,7 +6,6 @@ use std::ffi::CStr;
 use std::marker::PhantomData;
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
-use umat_abi::table::{Parameters as _, States as _};
 
 /// What an error may need to know.
 #[derive(Clone, Copy, Debug)]
@@ -75,16 +74,13 @@ impl<F: Fault> Law for Damage<F> {
     const INFO: LawInfo = LawInfo {
         name: F::NAME,
         description: c"Isotropic damage with an exponential decay",
-        parameters: Parameters::TABLE,
-        repeating: Parameters::REPEATING,
-        states: State::TABLE,
-        derived: &[],
         flags: flags::SYMMETRIC_TANGENT
             | flags::THREAD_SAFE
             | flags::STRESS_ONLY
             | flags::PATH_EXACT
             | flags::ISOTROPIC
             | F::FLAGS,
+        ..LawInfo::of::<Parameters, State>()
     };
 
     type Parameters<'p> = Parameters;

@@ -1,7 +1,7 @@
 //! Proportional stress states in closed form, against which the law is tested: once the energy release
 //! rate Y is chosen, weights, damage, stress and strain are explicit.
 
-use super::{BetaMode, Parameters};
+use super::super::{BetaMode, Parameters};
 use crate::damage_law::DamageLaw;
 
 /// Proportional stress in closed form: at the energy release rate `y` every other quantity is explicit.

@@ -1,0 +1,177 @@
+//! What calls of UMAT, UINTER and FRIC share: the arrays that the plugin writes, the properties, the inputs and outputs.
+
+use super::call::CallOutcome;
+use super::exchange::{Exchange, Inputs, Outputs};
+use super::guard::Guard;
+use super::library::Library;
+use super::memory::{Guarded, Overrun, same_bits};
+use super::recorder::{self, Slot};
+use std::ops::{Deref, DerefMut};
+
+/// PNEWDT on entry: large, so that a plugin that takes the minimum or assigns is understood alike.
+pub(super) const PNEWDT_ON_ENTRY: f64 = 1e36;
+
+/// A call, which gives access to its inputs by [`Deref`].
+#[derive(Debug)]
+pub struct PluginCall<I, O> {
+    /// Keeps the function's code loaded.
+    _library: Library,
+    plugin: String,
+    pub(super) guard: Option<Guard>,
+    pub(super) stress: Guarded,
+    pub(super) tangent: Guarded,
+    pub(super) statev: Guarded,
+    /// PROPS as the host has them, and as the plugin gets them.
+    own_props: Vec<f64>,
+    pub(super) props: Guarded,
+    pub(super) exchange: Exchange<I, O>,
+    /// PREDEF and DPRED of a plugin that nobody vouches for.
+    lent_fields: Option<[Guarded; 2]>,
+    pub(super) pnewdt: f64,
+    /// Where calls are noted, if they are.
+    pub(super) slot: Option<Slot>,
+}
+
+impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
+    /// `names` are those of the stress and the tangent; `inputs` are made of the numbers of components, states and properties as
+    /// Fortran passes them.
+    pub(super) fn new(
+        library: &Library,
+        symbol: Option<&str>,
+        name: &str,
+        (components, nstatv, props): (usize, usize, &[f64]),
+        names: [&'static str; 2],
+        inputs: impl FnOnce([i32; 3]) -> I,
+    ) -> Self {
+        let mut guarded_props = Guarded::new("PROPS", props.len());
+        guarded_props.as_mut_slice().copy_from_slice(props);
+        let (stress, statev) = (Guarded::new(names[0], components), Guarded::new("STATEV", nstatv));
+        let guard = library.guard();
+        let inputs = inputs([&stress, &statev, &guarded_props].map(|array| *array.count()));
+        Self {
+            _library: library.clone(),
+            plugin: library.name_of_law(name),
+            exchange: Exchange::new(inputs, guard.is_some()),
+            lent_fields: guard.is_some().then(|| ["PREDEF", "DPRED"].map(|name| Guarded::new(name, 1))),
+            guard,
+            stress,
+            tangent: Guarded::new(names[1], components * components),
+            statev,
+            own_props: props.to_vec(),
+            props: guarded_props,
+            pnewdt: PNEWDT_ON_ENTRY,
+            slot: Slot::new(library, symbol, name),
+        }
+    }
+
+    /// Lets every array end where a page begins that cannot be written, where the recorder of this process wants that
+    /// ([`recorder::Recorder::fence_arrays`]): a store behind one ends the process, and the recorder tells which.
+    pub fn fence(&mut self) {
+        if !recorder::fences_arrays() {
+            return;
+        }
+        for array in [&mut self.stress, &mut self.tangent, &mut self.statev, &mut self.props] {
+            array.fence();
+        }
+        self.lent_fields.iter_mut().flatten().for_each(Guarded::fence);
+        self.exchange.fence();
+    }
+
+    /// PREDEF and DPRED as the plugin gets them.
+    #[inline(always)]
+    pub(super) fn hand_over_fields(&mut self, own: [&[f64]; 2]) -> [*const f64; 2] {
+        let Some(lent) = &mut self.lent_fields else { return own.map(<[f64]>::as_ptr) };
+        for (lent, own) in lent.iter_mut().zip(own) {
+            lent.hold(own);
+        }
+        lent.each_mut().map(|lent| lent.as_mut_ptr().cast_const())
+    }
+
+    /// Takes over the answer, and looks at what the call must not write; `pnewdt` finds the answer among the outputs, `place`
+    /// tells step, increment, element and point.
+    #[inline(always)]
+    pub(super) fn take_back(
+        &mut self,
+        fields: [&[f64]; 2],
+        pnewdt: impl Fn(&O) -> f64,
+        place: impl Fn(&I) -> [i32; 4],
+    ) -> Result<(), Overrun> {
+        let has_inputs = self.exchange.take_back()?;
+        self.pnewdt = pnewdt(self.exchange.outputs());
+        self.stress.check()?;
+        self.statev.check()?;
+        self.tangent.check()?;
+        self.props.check()?;
+        let Some(lent) = &mut self.lent_fields else { return Ok(()) };
+        for array in &mut *lent {
+            array.check()?;
+        }
+        let has_fields = lent.iter().zip(fields).all(|(lent, own)| same_bits(lent.as_slice(), own));
+        if !has_inputs || !has_fields || !same_bits(self.props.as_slice(), &self.own_props) {
+            self.note_written(fields, place(&self.exchange.inputs));
+        }
+        Ok(())
+    }
+
+    /// The call wrote into inputs.
+    #[cold]
+    fn note_written(&mut self, fields: [&[f64]; 2], place: [i32; 4]) {
+        let mut written = self.exchange.written();
+        let arrays = self.lent_fields.iter().flatten().zip(fields).chain([(&self.props, self.own_props.as_slice())]);
+        written.extend(arrays.filter(|(lent, own)| !same_bits(lent.as_slice(), own)).map(|(lent, _)| lent.name()));
+        self.props.as_mut_slice().copy_from_slice(&self.own_props);
+        if let Some(guard) = &self.guard {
+            guard.note_written(written, place);
+        }
+    }
+}
+
+impl<I, O> PluginCall<I, O> {
+    /// What messages call the plugin.
+    pub fn plugin(&self) -> &str {
+        &self.plugin
+    }
+
+    /// STATEV.
+    pub fn statev(&self) -> &[f64] {
+        self.statev.as_slice()
+    }
+
+    /// STATEV, to be set before a call.
+    pub fn statev_mut(&mut self) -> &mut [f64] {
+        self.statev.as_mut_slice()
+    }
+
+    /// PROPS.
+    pub fn props(&self) -> &[f64] {
+        &self.own_props
+    }
+
+    /// DDSDDE, DDSDDR or DDTDDG (row, column) of the last call, indices from 0.
+    #[inline]
+    pub fn tangent(&self, row: usize, column: usize) -> f64 {
+        self.tangent.as_slice()[column * self.stress.as_slice().len() + row]
+    }
+
+    /// What the last call came back with, also if it wrote outside an array.
+    #[inline]
+    pub fn outcome(&self) -> CallOutcome {
+        CallOutcome::of(self.pnewdt)
+    }
+}
+
+impl<I, O> Deref for PluginCall<I, O> {
+    type Target = I;
+
+    #[inline]
+    fn deref(&self) -> &I {
+        &self.exchange.inputs
+    }
+}
+
+impl<I, O> DerefMut for PluginCall<I, O> {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut I {
+        &mut self.exchange.inputs
+    }
+}
