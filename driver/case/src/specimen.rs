@@ -46,7 +46,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let couplings = couplings::resolve(reader, case, scene);
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
-    let columns = columns::of_specimen();
+    let columns = columns::of_specimen(&boundary.measured.fibres);
     let about =
         history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, Some(&columns));
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();

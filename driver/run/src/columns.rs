@@ -4,7 +4,8 @@
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
 use Group::{Count, Density, Energy, Gradient, Load, Other, Second, Slip, Strain, Stress};
-use fe_core::stepping::Record;
+use fe_core::model::MeasuredFibre;
+use fe_core::stepping::{FibreRecord, Record};
 
 /// A column of histories whose rows are made of an `R`.
 #[derive(Clone, Copy, Debug)]
@@ -209,6 +210,17 @@ pub static SPECIMEN: [Column<Record>; 31] = [
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
 ];
 
+/// Of each of several fibres of a specimen, behind the columns of the specimen: `load.NAME`.
+pub static FIBRE: [Column<FibreRecord>; 7] = [
+    column("slip", "mm", "slip", Other, |fibre| fibre.slip),
+    column("load", "N", "load", Load, |fibre| fibre.load),
+    column("load_axial", "N", "axial component of the load", Load, |fibre| fibre.load_axial),
+    column("load_shear", "N", "shear component of the load", Load, |fibre| fibre.load_shear),
+    column("slip_exit", "mm", "slip at the exit", Slip, |fibre| fibre.slip_exit),
+    column("slip_tail", "mm", "slip of the tail", Slip, |fibre| fibre.slip_tail),
+    column("separation_length", "mm", "open length of the interface", Other, |fibre| fibre.separation_length),
+];
+
 const fn column<R>(
     name: &'static str,
     unit: &'static str,
@@ -248,9 +260,22 @@ pub fn of_contact(tangential_directions: usize, states: &[String]) -> Vec<String
     with_states(&CONTACT, (tangential_directions < 2).then_some(Second), states)
 }
 
-/// The history's columns of a specimen.
-pub fn of_specimen() -> Vec<String> {
-    framed(SPECIMEN.iter().map(|column| column.name))
+/// The history's columns of a specimen, of each of several fibres too.
+pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
+    let of = |fibre: &MeasuredFibre| FIBRE.iter().map(|column| format!("{}.{}", column.name, fibre.name)).collect();
+    let each: Vec<String> = fibres.iter().flat_map(|fibre| -> Vec<String> { of(fibre) }).collect();
+    framed(SPECIMEN.iter().map(|column| column.name).chain(each.iter().map(String::as_str)))
+}
+
+/// The values of a specimen's row.
+pub fn values_of_specimen(record: &Record) -> Vec<f64> {
+    let each = record.fibres.iter().flat_map(|fibre| FIBRE.iter().map(|column| (column.value)(fibre)));
+    SPECIMEN.iter().map(|column| (column.value)(record)).chain(each).collect()
+}
+
+/// How many values a specimen's rows have.
+pub fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
+    SPECIMEN.len() + FIBRE.len() * fibres.len()
 }
 
 /// Sets the values of a row: those of the table with the states before the energies.
@@ -273,13 +298,14 @@ pub fn place_in_specimen(name: &str) -> Option<usize> {
     SPECIMEN.iter().position(|column| column.name == name)
 }
 
-/// Title, unit and group of the column of this name, which has the same in all tables.
+/// Title, unit and group of the column of this name, which has the same in all tables; those of a fibre without its name.
 pub fn shown(name: &str) -> Option<(&'static str, &'static str, Group)> {
     fn of<R>(table: &'static [Column<R>], name: &str) -> Option<(&'static str, &'static str, Group)> {
         let found = table.iter().find(|column| column.name == name);
         found.map(|column| (column.title, column.unit, column.group))
     }
-    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name))
+    let of_fibre = || of(&FIBRE, name.split_once('.')?.0);
+    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name)).or_else(of_fibre)
 }
 
 #[cfg(test)]

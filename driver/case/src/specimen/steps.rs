@@ -52,9 +52,10 @@ impl steps::StepDocument for StepDocument {
 pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Boundary) -> Vec<ResolvedStep> {
     let place = Place::root().key("steps");
     let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let columns = columns::of_specimen(&boundary.measured.fibres);
     let drives = &mut boundary.drives;
     let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| match step {
-        StepDocument::Ramp(ramp) => Some(one_step(reader, ramp, drives, place)),
+        StepDocument::Ramp(ramp) => Some(one_step(reader, ramp, drives, &columns, place)),
         StepDocument::Cycle(_) | StepDocument::Cycles(_) => None,
     };
     let steps = steps::expand(reader, documents, &place, &mut resolve);
@@ -96,7 +97,13 @@ pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep
     Fields { initial, ends }
 }
 
-fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut Drives, place: &Place) -> ResolvedStep {
+fn one_step(
+    reader: &mut Reader<'_>,
+    ramp: &document::PulloutRamp,
+    drives: &mut Drives,
+    columns: &[String],
+    place: &Place,
+) -> ResolvedStep {
     let mut targets = vec![None; drives.len()];
     let mut named: Vec<(&str, f64, Place)> = Vec::new();
     let of_fibres = drives.of_fibres();
@@ -123,9 +130,9 @@ fn one_step(reader: &mut Reader<'_>, ramp: &document::PulloutRamp, drives: &mut 
             targets[index].get_or_insert(slip);
         }
     }
-    let columns = columns::of_specimen();
+
     let until = ramp.until.as_ref();
-    let until = until.and_then(|until| history::until(reader, until, Some(&columns), &place.key("until")));
+    let until = until.and_then(|until| history::until(reader, until, Some(columns), &place.key("until")));
     let control = control(reader, ramp.increments, &place.key("increments"));
     let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
     ResolvedStep { step, until, temperature: ramp.temperature, predef: ramp.predef.clone() }

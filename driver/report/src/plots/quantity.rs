@@ -29,7 +29,10 @@ impl Quantity {
     /// Of a column; `units` are those of the state variables.
     pub fn of(column: &str, units: &BTreeMap<String, String>) -> Self {
         let (name, unit) = match columns::shown(column) {
-            Some((title, unit, _)) => (title.to_owned(), unit),
+            Some((title, unit, _)) => match column.split_once('.') {
+                Some((_, fibre)) => (format!("{title}, {fibre}"), unit),
+                None => (title.to_owned(), unit),
+            },
             None => (symbol(column), units.get(column).map_or("", String::as_str)),
         };
         Self { name, unit: if matches!(unit, "-" | "–" | "1") { String::new() } else { unit.into() } }

@@ -27,7 +27,7 @@ pub struct Program {
 impl Program {
     /// The history's columns.
     pub fn columns(&self) -> Vec<String> {
-        columns::of_specimen()
+        columns::of_specimen(&self.model.measured.fibres)
     }
 
     /// All laws with what they are of, those of contact first; pairs of the same law stand together.

@@ -5,7 +5,7 @@ use super::fields::{FieldWriter, WrittenFields};
 use super::findings::{self, Findings};
 use super::peak::{KeptPeak, PeakKeeper};
 use super::{Program, crack_band, overlap, replay};
-use crate::columns::{SPECIMEN, place_in_specimen};
+use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
 use crate::program::Until;
@@ -233,7 +233,7 @@ impl RecorderState {
     /// Whether a run of this program can have come to it.
     pub(super) fn fits(&self, program: &Program) -> bool {
         let Self { fields, peak, present, energies, so_far, energy_error, step_start } = self;
-        present.values.len() == SPECIMEN.len()
+        present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
             && fields.is_some() == program.fields_every.is_some()
             && fields.as_ref().is_none_or(WrittenFields::is_sound)
             && peak.fits(&program.model.mesh)
@@ -249,7 +249,7 @@ impl RecorderState {
 struct Present {
     step: u32,
     increment: u32,
-    /// Those of [`SPECIMEN`].
+    /// As [`columns::values_of_specimen`] makes them.
     values: Vec<f64>,
     iterations: u32,
     written: bool,
@@ -277,8 +277,8 @@ impl Present {
 
 impl<'p, 'o> Recorder<'p, 'o> {
     fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
-        let present =
-            Present { step: 0, increment: 0, values: vec![0.0; SPECIMEN.len()], iterations: 0, written: true };
+        let values = vec![0.0; columns::count_in_specimen(&program.model.measured.fibres)];
+        let present = Present { step: 0, increment: 0, values, iterations: 0, written: true };
         let peak = PeakKeeper::new(program.about.plots.then_some(&program.model.mesh));
         Self {
             program,
@@ -360,7 +360,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
         self.present = Present {
             step: record.step,
             increment: record.increment,
-            values: SPECIMEN.iter().map(|column| (column.value)(record)).collect(),
+            values: columns::values_of_specimen(record),
             iterations: u32::try_from(record.iterations.len()).unwrap_or(u32::MAX),
             written: false,
         };
