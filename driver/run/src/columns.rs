@@ -212,12 +212,19 @@ pub static SPECIMEN: [Column<Record>; 31] = [
 
 /// Of each of several fibres of a specimen, behind the columns of the specimen: `load.NAME`.
 pub static FIBRE: [Column<FibreRecord>; 7] = [
+    // its drive
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
+    // its reaction along the pull direction
     column("load", "N", "load", Load, |fibre| fibre.load),
+    // along its own axis
     column("load_axial", "N", "axial component of the load", Load, |fibre| fibre.load_axial),
+    // across it
     column("load_shear", "N", "shear component of the load", Load, |fibre| fibre.load_shear),
+    // of its exit along its axis
     column("slip_exit", "mm", "slip at the exit", Slip, |fibre| fibre.slip_exit),
+    // of its tail
     column("slip_tail", "mm", "slip of the tail", Slip, |fibre| fibre.slip_tail),
+    // how much of its side that opened most is open
     column("separation_length", "mm", "open length of the interface", Other, |fibre| fibre.separation_length),
 ];
 

@@ -462,7 +462,9 @@ impl<'m> Analysis<'m> {
     fn measured_load(&self, snapshot: &Snapshot<'_>) -> [f64; 2] {
         let [x, y] = self.model.measured.direction;
         let supports = &self.model.measured.supports;
-        [[x, y], [-y, x]].map(|along| supports.iter().map(|&support| snapshot.reaction_of(support, along)).sum())
+        let reactions = |along| supports.iter().map(move |&support| snapshot.reaction_of(support, along));
+        // a sum of nothing would be −0
+        [[x, y], [-y, x]].map(|along| reactions(along).fold(0.0, |sum, reaction| sum + reaction))
     }
 
     /// Makes a converged increment the present state.

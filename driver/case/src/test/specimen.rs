@@ -711,7 +711,7 @@ fn several_fibres_are_pulled_together_or_each_and_measured_each() {
         fibres.map(|fibre| (fibre.name.clone(), fibre.slip, fibre.lines.clone())).collect()
     };
     assert_eq!(of(&model), [("a".to_owned(), 0, vec![0, 1]), ("b".to_owned(), 0, vec![2, 3])]);
-    let columns = accepted(&two_fibres(), &["steps.0.until={\"column\": \"load.b\", \"below\": -1}"]).columns();
+    let columns = accepted(&two_fibres(), &["steps.0.until={\"quantity\": \"load.b\", \"less_than\": -1}"]).columns();
     assert_eq!(columns.iter().filter(|name| name.ends_with(".b")).count(), 7, "{columns:?}");
     for (overrides, targets) in [
         (&["mesh.specimen.grips=each"][..], [Some(2.0), Some(2.0)]),
