@@ -12,8 +12,6 @@ const ARC_LENGTH_POINTS: usize = 10;
 const STRAIGHT: f64 = 1e-6;
 /// Directions that differ by more are meant: a corner; rad.
 const CORNER: f64 = 0.5;
-/// dN/dξ of an edge's chord.
-const CHORD: [f64; 3] = [-0.5, 0.5, 0.0];
 /// Nodes of an edge (three) and of its neighbours (two more each).
 pub(super) const MAX_SHAPE_NODES: usize = 7;
 
@@ -30,8 +28,6 @@ pub(super) struct Chain {
     closed: bool,
     /// Whether normals are smoothed where each edge meets the next.
     smooth: Vec<bool>,
-    /// Whether the ends of an open chain go on along the chords of their edges, not along their tangents.
-    bends: bool,
     rule: Vec<LinePoint>,
 }
 
@@ -99,7 +95,6 @@ impl Chain {
             chain.add(&edge, reference);
         }
         let straight = if bends { 0.0 } else { STRAIGHT };
-        chain.bends = bends;
         chain.smooth = (0..chain.len() as i64).map(|edge| chain.turns_after(edge, straight..CORNER)).collect();
         Ok(chain)
     }
@@ -120,7 +115,6 @@ impl Chain {
             length: 0.0,
             closed,
             smooth: Vec::new(),
-            bends: false,
             rule: gauss_legendre(ARC_LENGTH_POINTS),
         }
     }
@@ -198,7 +192,7 @@ impl Chain {
         let kind = self.kinds[self.index(edge)];
         let excess = self.excess(edge, coordinate);
         let at = coordinate - excess;
-        let (values, first) = (kind.shape_functions(at), self.derivatives(edge, at, excess));
+        let (values, first) = (kind.shape_functions(at), kind.shape_derivatives(at));
         let second = if excess == 0.0 { kind.shape_second_derivatives() } else { [0.0; 3] };
         let mut shape = Shape {
             count: kind.node_count(),
@@ -222,26 +216,15 @@ impl Chain {
         shape
     }
 
-    /// dN/dξ on an edge, or on the continuation of a chain: there of the end's tangent, or of the edge's chord.
-    fn derivatives(&self, edge: i64, at: f64, excess: f64) -> [f64; 3] {
-        if excess != 0.0 && self.bends { CHORD } else { self.kinds[self.index(edge)].shape_derivatives(at) }
-    }
-
-    /// Adds to m, at each end of an edge that is smoothed, what makes it there the mean of both edges' directions dx/ds₀, or
-    /// that of the continuation; linearly from 0 at the other end.
+    /// Adds to m, at each end of an edge that is smoothed, what makes it there the mean of both edges' directions dx/ds₀;
+    /// linearly from 0 at the other end.
     fn smooth(&self, edge: i64, coordinate: f64, shape: &mut Shape) {
         for side in [-1, 1] {
-            let end = side as f64;
-            let share = [0.5 * (1.0 + end * coordinate), 0.5 * end];
-            if self.bends && !self.goes_on(edge, side) && self.kinds[self.index(edge)] == EdgeKind::Quadratic {
-                for (first, factor) in [(self.derivatives(edge, end, 0.0), -1.0), (CHORD, 1.0)] {
-                    shape.add_direction(self.nodes(edge), &first, share.map(|share| factor * share));
-                }
-                shape.smoothed = true;
-            }
             if !self.is_smooth_at(edge, side) {
                 continue;
             }
+            let end = side as f64;
+            let share = [0.5 * (1.0 + end * coordinate), 0.5 * end];
             let [own, other] = [(edge, end), (edge + side, -end)].map(|(edge, at)| self.stretch(edge, at));
             let directions = [(edge, end, -0.5), (edge + side, -end, 0.5 * own / other)];
             for (edge, at, factor) in directions {
@@ -269,8 +252,7 @@ impl Chain {
         let stretch = tangent[0].hypot(tangent[1]);
         let inside = self.starts[index] + rounds * self.length + self.length_within(index, at);
         if excess != 0.0 {
-            let along = if self.bends { chord_stretch(nodes) } else { stretch };
-            return [inside + excess * along, along, 0.0];
+            return [inside + excess * stretch, stretch, 0.0];
         }
         let mut bend = 0.0;
         for (second, node) in kind.shape_second_derivatives().iter().zip(nodes).take(kind.node_count()) {
@@ -288,11 +270,6 @@ impl Chain {
         };
         half * self.rule.iter().map(part).sum::<f64>()
     }
-}
-
-/// ds₀/dξ along an edge's chord.
-fn chord_stretch([start, end, _]: &[[f64; 2]; 3]) -> f64 {
-    0.5 * (end[0] - start[0]).hypot(end[1] - start[1])
 }
 
 /// The edges in a row, and whether it closes.

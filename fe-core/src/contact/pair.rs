@@ -85,24 +85,15 @@ impl Pair {
         if !self.release || self.chain.is_closed() {
             return (1.0, 0.0);
         }
-        let (point, datum) = (&self.points[index], &self.data[index]);
-        let ramp = Ramp::after(arc_length - datum.arc_length, 0.5 * point.edge_length);
-        let [ahead, behind] = [point.length - datum.behind, datum.behind];
-        // of the tributary length, between two places so far inside an end: its share of the ramp, by s towards the end and by r
-        let share = |innermost: f64, outermost: f64| {
-            let (inner, outer) = (ramp.before(innermost), ramp.before(outermost));
-            let [share, slope, growth] = [0, 1, 2].map(|k| (inner[k] - outer[k]) / point.length);
-            match share {
-                share if share >= 1.0 - WEIGHT_ROUNDING => [1.0, 0.0, 0.0],
-                share if share <= 0.0 => [0.0; 3],
-                share => [share, slope, growth],
-            }
+        let (length, behind) = (self.points[index].length, self.data[index].behind);
+        let clip = |share: f64, slope: f64| match share {
+            share if share >= 1.0 - WEIGHT_ROUNDING => (1.0, 0.0),
+            share if share <= 0.0 => (0.0, 0.0),
+            share => (share, slope),
         };
-        let left = self.chain.length() - arc_length;
-        let [end, end_slope, end_growth] = share(left + behind, left - ahead);
-        let [start, start_slope, start_growth] = share(arc_length + ahead, arc_length - behind);
-        let by_ramp = ramp.growth * (start_growth * end + start * end_growth);
-        (start * end, start_slope * end - start * end_slope + by_ramp)
+        let (end, end_slope) = clip((self.chain.length() - arc_length + behind) / length, -1.0 / length);
+        let (start, start_slope) = clip((arc_length + length - behind) / length, 1.0 / length);
+        (start * end, start_slope * end + start * end_slope)
     }
 
     /// A point on trial with the energies of the increment.
@@ -233,35 +224,6 @@ impl Pair {
         end.pressure += by_gap * (asked_at - gap);
         end.shear += shear_by_gap * (asked_at - gap);
         Ok(())
-    }
-}
-
-/// An end of the master as a point finds it: its height falls linearly from 1 to 0.
-struct Ramp {
-    /// r, of which half lies within the master, mm.
-    length: f64,
-    /// dr/ds.
-    growth: f64,
-}
-
-impl Ramp {
-    /// For a point that has slid so far: what started within the master started whole.
-    fn after(slip: f64, longest: f64) -> Self {
-        let length = (2.0 * slip.abs()).min(longest);
-        Self { length, growth: if length < longest { 2.0 * slip.signum() } else { 0.0 } }
-    }
-
-    /// G: how much there is of it between its foot and a place so far inside the end, mm, and the derivatives by the place and by r.
-    fn before(&self, inside: f64) -> [f64; 3] {
-        let half = 0.5 * self.length;
-        match inside {
-            inside if inside >= half => [inside, 1.0, 0.0],
-            inside if inside <= -half => [0.0; 3],
-            inside => {
-                let height = (inside + half) / self.length;
-                [0.5 * self.length * height * height, height, 0.5 * height * (1.0 - height)]
-            }
-        }
     }
 }
 

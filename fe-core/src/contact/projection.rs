@@ -58,9 +58,8 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
             };
             let end = side as f64;
             if !self.chain.goes_on(edge, side) {
-                let beyond = 2.0 * end;
-                let Slope { value, stretch_squared, .. } = self.slope(point, edge, beyond);
-                return Some(Foot { edge, coordinate: beyond + value / stretch_squared, corner: false });
+                let Slope { value, stretch_squared, .. } = self.slope(point, edge, end);
+                return Some(Foot { edge, coordinate: end + value / stretch_squared, corner: false });
             }
             if came == -side {
                 return Some(Foot { edge, coordinate: end, corner: true });
