@@ -167,7 +167,12 @@ impl Law {
     }
 
     fn run_whole(&self, case: &Path, settings: &Settings, folder: &Path) -> Result<(), BenchError> {
-        let mut command = Command::new(std::env::current_exe()?);
+        let program = std::env::current_exe()?.with_file_name("pullout");
+        if !program.is_file() {
+            let words = format!("{}: there is no pullout beside this program: cargo build --release", self.plugin);
+            return Err(BenchError::Failed(words));
+        }
+        let mut command = Command::new(program);
         command.args(["run", "--quiet", "--set", "output.every=100000000", "--out"]);
         command.arg(folder.join("out")).arg(case).stdout(Stdio::null());
         for path in &settings.plugin_paths {
