@@ -2,7 +2,7 @@
 //!
 //! [`history`] is written while the run goes on, one system call a line; [`progress`] tells a person how far it is.
 //! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it,
-//! [`summary`] and [`report`] say what came out. Nothing of the curve is kept in memory during the run.
+//! [`summary`] and [`page`] say what came out. Nothing of the curve is kept in memory during the run.
 
 use std::io;
 use std::path::Path;

@@ -1,5 +1,5 @@
 //! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
-//! tables read. [`pullout_case`] makes it; [`super`] runs it.
+//! tables read. The crate `pullout-case` makes it; [`super`] runs it.
 
 use crate::arguments::{ContactArguments, UmatArguments};
 use crate::columns;

@@ -167,8 +167,8 @@ impl Pace {
     }
 }
 
-/// When a line is due: about every tenth of the run, not sooner than [`LEAST_PAUSE`] after the last, not later than
-/// [`GREATEST_PAUSE`]. A run of under two seconds prints none.
+/// When a line is due: about every tenth of the run, not sooner than a least pause after the last, not later than
+/// a greatest one. A run of under two seconds prints none.
 #[derive(Default)]
 pub struct Schedule {
     last: Duration,
