@@ -56,13 +56,13 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let Boundary { drives, supports, loads, mut measured } = boundary;
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
     let ground = ground?;
-    measured.interface_lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
-    let masters = contact::masters(&contacts, &ground.defaults.pairs, &measured.interface_lines);
+    let lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
     for fibre in &mut measured.fibres {
         let prefix = format!("fibre.{}.", fibre.name);
-        let own = masters.iter().enumerate().filter(|(_, master)| master.is_some_and(|name| name.starts_with(&prefix)));
+        let own = lines.keys().enumerate().filter(|(_, master)| master.starts_with(&prefix));
         fibre.lines = own.map(|(line, _)| line).collect();
     }
+    measured.interface_lines = lines.into_values().collect();
     measured.bearing_factor = contact::bearing_factor(&contacts, ground.diameter);
     let nlgeom: Vec<bool> = parts.nlgeom.into_iter().map(|of_part| of_part.unwrap_or(nlgeom)).collect();
     for pair in &mut contacts {

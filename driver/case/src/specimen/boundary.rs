@@ -35,13 +35,15 @@ struct Drive {
     place: Place,
     /// Whether a step moves it.
     moved: bool,
+    /// Whether it pulls one of several fibres.
+    of_fibre: bool,
 }
 
 impl Drives {
     /// Index of a drive that something follows.
     fn followed(&mut self, name: &str, place: &Place) -> usize {
         self.index(name).unwrap_or_else(|| {
-            self.0.push(Drive { name: name.into(), place: place.clone(), moved: false });
+            self.0.push(Drive { name: name.into(), place: place.clone(), moved: false, of_fibre: false });
             self.0.len() - 1
         })
     }
@@ -67,10 +69,16 @@ impl Drives {
         self.0.iter().filter(|drive| !drive.moved).map(|drive| (drive.name.as_str(), &drive.place))
     }
 
-    /// Indices of the drives of several fibres.
+    /// Index of the drive of one of several fibres.
+    fn of_fibre(&mut self, fibre: &PulledFibre, place: &Place) -> usize {
+        let index = self.followed(&format!("{SLIP}.{}", fibre.name.as_deref().unwrap_or_default()), place);
+        self.0[index].of_fibre = true;
+        index
+    }
+
+    /// Indices of the drives that pull one of several fibres each.
     pub fn of_fibres(&self) -> Vec<usize> {
-        let is_one = |drive: &Drive| drive.name.strip_prefix(SLIP).is_some_and(|rest| rest.starts_with('.'));
-        (0..self.0.len()).filter(|&index| is_one(&self.0[index])).collect()
+        (0..self.0.len()).filter(|&index| self.0[index].of_fibre).collect()
     }
 
     pub fn names(&self) -> Vec<String> {
@@ -111,7 +119,7 @@ impl Boundary {
         let fibres = if case.grip.as_ref().is_some_and(chosen) { &[][..] } else { fibres };
         // known even where the rest is not: steps may name it
         let drives: Vec<usize> = match defaults.is_some_and(|defaults| defaults.grips_each) && !fibres.is_empty() {
-            true => fibres.iter().map(|(fibre, _)| self.drives.followed(&drive_of(fibre), &place)).collect(),
+            true => fibres.iter().map(|(fibre, _)| self.drives.of_fibre(fibre, &place)).collect(),
             false => vec![self.drives.followed(SLIP, &place)],
         };
         let given = match &case.grip {
@@ -288,11 +296,6 @@ impl Boundary {
         self.measured.exit_node = find(given.exit.as_ref(), defaults.and_then(|d| d.exit), "exit");
         self.measured.tail_node = find(given.tail.as_ref(), defaults.and_then(|d| d.tail), "tail");
     }
-}
-
-/// The drive of one of several fibres.
-fn drive_of(fibre: &PulledFibre) -> String {
-    format!("{SLIP}.{}", fibre.name.as_deref().unwrap_or_default())
 }
 
 fn load_kind(

@@ -62,8 +62,9 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, scene: Scene<'_>) ->
     }
 }
 
-/// The pairs that bond the fibre, line by line: those of a specimen that share a master, and any other pair by itself.
-pub fn interface_lines(contacts: &[ContactPair], defaults: &[DefaultPair]) -> Vec<Vec<usize>> {
+/// The pairs that bond fibres, line by line: those of a specimen that share a master, which names the line, and any other pair
+/// by itself.
+pub fn interface_lines<'n>(contacts: &'n [ContactPair], defaults: &'n [DefaultPair]) -> IndexMap<&'n str, Vec<usize>> {
     let mut lines: IndexMap<&str, Vec<usize>> = IndexMap::new();
     for (index, pair) in contacts.iter().enumerate() {
         match defaults.iter().find(|default| default.name == pair.name) {
@@ -72,20 +73,7 @@ pub fn interface_lines(contacts: &[ContactPair], defaults: &[DefaultPair]) -> Ve
             None => lines.entry(&pair.name).or_default().push(index),
         }
     }
-    lines.into_values().collect()
-}
-
-/// The edge set that each line of bond slides on, in a specimen that names them.
-pub fn masters<'d>(
-    contacts: &[ContactPair],
-    defaults: &'d [DefaultPair],
-    lines: &[Vec<usize>],
-) -> Vec<Option<&'d str>> {
-    let of = |line: &Vec<usize>| {
-        let pair = defaults.iter().find(|default| default.name == contacts[line[0]].name);
-        pair.map(|pair| pair.master.as_str())
-    };
-    lines.iter().map(of).collect()
+    lines
 }
 
 /// The width of a line of contact over the diameter of a round fibre; 1 without one, and in axial symmetry.

@@ -174,17 +174,24 @@ fn inclined_fibre(
         fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
         ..default
     };
-    let block = Block {
+    let block = document::Fibres {
+        fibres: Vec::new(),
+        grips: None,
         width: given.width,
         depth: given.depth,
         matrix_thickness: given.matrix_thickness,
         cover: given.cover,
         graded_thickness: given.graded_thickness,
-        elements: [given.fibre_element, given.matrix_element],
+        fibre_element: given.fibre_element,
+        matrix_element: given.matrix_element,
+        mesh_size: given.mesh_size,
         elements_across: given.elements_across,
-        sizes: [given.mesh_size, given.exit_size, given.largest_fibre_size, given.growth_rate, given.largest_size],
+        exit_size: given.exit_size,
+        largest_fibre_size: given.largest_fibre_size,
+        growth_rate: given.growth_rate,
+        largest_size: given.largest_size,
     };
-    let mut generated = block.around("inclined_fibre", vec![fibre], matrix)?;
+    let mut generated = around("inclined_fibre", vec![fibre], &block, matrix)?;
     let own = taken(&[
         ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
         ("fibre_diameter", given.fibre_diameter.is_none(), diameter),
@@ -239,17 +246,7 @@ fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Res
             ..default
         });
     }
-    let block = Block {
-        width: given.width,
-        depth: given.depth,
-        matrix_thickness: given.matrix_thickness,
-        cover: given.cover,
-        graded_thickness: given.graded_thickness,
-        elements: [given.fibre_element, given.matrix_element],
-        elements_across: given.elements_across,
-        sizes: [given.mesh_size, given.exit_size, given.largest_fibre_size, given.growth_rate, given.largest_size],
-    };
-    let mut generated = block.around("fibres", made, matrix)?;
+    let mut generated = around("fibres", made, given, matrix)?;
     generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
     generated.taken.splice(0..0, own);
     Ok(generated)
@@ -273,64 +270,48 @@ fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_lengt
     given.map(|length| length.0).or(slides_out)
 }
 
-/// The block around fibres, and the sizes of its elements.
-struct Block {
-    width: Option<Positive>,
-    depth: Option<Positive>,
-    matrix_thickness: Option<Positive>,
-    cover: Option<bool>,
-    graded_thickness: Option<document::GradedThickness>,
-    /// Of the fibres and of the matrix.
-    elements: [Option<ElementName>; 2],
-    elements_across: Option<Elements>,
-    /// `mesh_size`, `exit_size`, `largest_fibre_size`, `growth_rate`, `largest_size`.
-    sizes: [Option<Positive>; 5],
-}
-
-impl Block {
-    fn around(
-        self,
-        name: &'static str,
-        fibres: Vec<Fibre>,
-        matrix: Option<Thickness>,
-    ) -> Result<Generated, SpecimenError> {
-        let (default, sizes) = (Fibres::default(), FibresMesh::default());
-        let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
-        let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
-        let matrix_thickness = matrix_thickness(matrix, self.matrix_thickness, thickest, default.matrix_thickness);
-        let [mesh_size, exit_size, largest_fibre_size, growth_rate, largest_size] = self.sizes;
-        let parameters = Fibres {
-            width: length(self.width, default.width),
-            depth: length(self.depth, default.depth),
-            matrix_thickness,
-            cover: self.cover.unwrap_or(matrix_thickness > thickest),
-            graded_thickness: self.graded_thickness.map(graded),
-            fibres,
-            fibre: part(self.elements[0], ElementName::Q8),
-            matrix: part(self.elements[1], ElementName::T6),
-            mesh: FibresMesh {
-                size: length(mesh_size, sizes.size),
-                elements_across: number(self.elements_across, sizes.elements_across),
-                exit_size: exit_size.map(|size| size.0),
-                largest_fibre_size: length(largest_fibre_size, sizes.largest_fibre_size),
-                growth_rate: length(growth_rate, sizes.growth_rate),
-                largest_size: length(largest_size, sizes.largest_size),
-            },
-            ..default
-        };
-        let made = specimen::fibres(&parameters)?;
-        let ways = ["sides", "face_near", "face_away", "bottom"];
-        let mut generated = pulled_fibre(name, made, &ways, &[]);
-        generated.taken = taken(&[
-            ("width", self.width.is_none(), parameters.width),
-            ("depth", self.depth.is_none(), parameters.depth),
-            ("matrix_thickness", matrix.is_none() && self.matrix_thickness.is_none(), matrix_thickness),
-        ]);
-        if self.cover.is_none() {
-            generated.taken.push(format!("cover = {}", parameters.cover));
-        }
-        Ok(generated)
+/// A specimen of fibres in the block that a case describes; its own list of fibres is not looked at.
+fn around(
+    name: &'static str,
+    fibres: Vec<Fibre>,
+    block: &document::Fibres,
+    matrix: Option<Thickness>,
+) -> Result<Generated, SpecimenError> {
+    let (default, sizes) = (Fibres::default(), FibresMesh::default());
+    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
+    let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
+    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness);
+    let parameters = Fibres {
+        width: length(block.width, default.width),
+        depth: length(block.depth, default.depth),
+        matrix_thickness,
+        cover: block.cover.unwrap_or(matrix_thickness > thickest),
+        graded_thickness: block.graded_thickness.map(graded),
+        fibres,
+        fibre: part(block.fibre_element, ElementName::Q8),
+        matrix: part(block.matrix_element, ElementName::T6),
+        mesh: FibresMesh {
+            size: length(block.mesh_size, sizes.size),
+            elements_across: number(block.elements_across, sizes.elements_across),
+            exit_size: block.exit_size.map(|size| size.0),
+            largest_fibre_size: length(block.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: length(block.growth_rate, sizes.growth_rate),
+            largest_size: length(block.largest_size, sizes.largest_size),
+        },
+        ..default
+    };
+    let made = specimen::fibres(&parameters)?;
+    let ways = ["sides", "face_near", "face_away", "bottom"];
+    let mut generated = pulled_fibre(name, made, &ways, &[]);
+    generated.taken = taken(&[
+        ("width", block.width.is_none(), parameters.width),
+        ("depth", block.depth.is_none(), parameters.depth),
+        ("matrix_thickness", matrix.is_none() && block.matrix_thickness.is_none(), matrix_thickness),
+    ]);
+    if block.cover.is_none() {
+        generated.taken.push(format!("cover = {}", parameters.cover));
     }
+    Ok(generated)
 }
 
 /// Names and values of those that are left to defaults.

@@ -725,6 +725,16 @@ fn several_fibres_are_pulled_together_or_each_and_measured_each() {
 }
 
 #[test]
+fn a_drive_that_is_called_like_a_fibres_leaves_the_slip_to_the_grip() {
+    let mut case = pullout_case();
+    case["supports"]["fibre_bottom"] = json!({ "direction": "x", "drive": "slip.extra" });
+    case["steps"] = json!([{ "slip": 0.1, "drives": { "slip.extra": 0.0 } }]);
+    let model = accepted(&case, &[]).model;
+    let target = |name: &str| model.drives.iter().position(|drive| drive == name).map(|k| model.steps[0].targets[k]);
+    assert_eq!([target("slip"), target("slip.extra")], [Some(Some(0.1)), Some(Some(0.0))]);
+}
+
+#[test]
 fn parts_of_fibres_are_named_one_by_one_or_all_at_once() {
     let model = accepted(&two_fibres(), &["parts.fibre.material.props.E=1000"]).model;
     let names: Vec<&str> = model.mesh.parts().iter().map(|part| part.name.as_str()).collect();
