@@ -4,11 +4,11 @@
 //! `cargo bench -p fe-core --bench element`. The law is linear elasticity, nothing is skipped, and the time of as many
 //! calls of the plugin alone is taken off. Ways alternate in short repeats, and medians are compared.
 
-use fe_core::assembly::{IncrementContext, Solids};
+use fe_core::assembly::Solids;
 use fe_core::element::{ElementKind, Integration};
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
-use fe_core::model::{Controls, Measured, Model, PluginLaw, Skipping};
+use fe_core::model::{Controls, IncrementContext, Measured, Model, PluginLaw, Skipping};
 use std::collections::HashMap;
 use std::hint::black_box;
 use std::time::Instant;

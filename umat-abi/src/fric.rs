@@ -3,7 +3,7 @@
 use crate::umat::entry_point;
 
 entry_point! {
-    ($)
+    ($) fric
     /// `fric_` as gfortran compiles it on Linux.
     type FricFunction, fric_symbol;
     /// The arguments of FRIC in order.

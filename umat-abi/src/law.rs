@@ -4,13 +4,13 @@
 //! The same table makes the metadata of the shared library, the checks of PROPS and the printed
 //! documentation. Nothing here touches a pointer or the C side: [`crate::export`] does.
 
-use crate::metadata::{DerivedOutput, Parameter, RepeatingGroup, StateVariable, open_bounds, stress_states};
-use crate::table::{Parameters, States};
+use crate::metadata::{
+    ABI_VERSION, DerivedOutput, Parameter, Plugin, RepeatingGroup, StateVariable, Table, Text, Validate, stress_states,
+};
+use crate::table::{Parameters, States, all_finite};
 use std::ffi::CStr;
-use std::fmt;
 
-/// Largest number of state variables of a law exported by this crate.
-pub const MAX_STATES: usize = 64;
+pub use crate::table::{ConfigurationError, MAX_STATES};
 
 /// Which components a stress state has. Components are always embedded in six,
 /// 11, 22, 33, 12, 13, 23, strains with engineering shear.
@@ -160,111 +160,6 @@ impl Response {
     }
 }
 
-/// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
-/// and NaN of anything else (in the default rounding mode, in which laws run).
-///
-/// Two by two from the first: a pair that a copy has just written in two halves would have to wait for both.
-#[inline(always)]
-#[expect(clippy::eq_op, reason = "x - x is not 0 of every x")]
-pub(crate) fn all_finite(values: &[f64]) -> bool {
-    let (pairs, last) = values.as_chunks::<2>();
-    let mut bits = [0, 0];
-    for pair in pairs {
-        bits[0] |= (pair[0] - pair[0]).to_bits();
-        bits[1] |= (pair[1] - pair[1]).to_bits();
-    }
-    for x in last {
-        bits[0] |= (x - x).to_bits();
-    }
-    bits[0] | bits[1] == 0
-}
-
-/// PROPS, the characteristic length or the state layout are wrong: no increment can be computed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum ConfigurationError {
-    /// NPROPS does not fit the parameter table.
-    ParameterCount {
-        /// What the host passed.
-        given: usize,
-        /// The least that the law needs.
-        expected: usize,
-    },
-    /// A parameter is NaN, infinite, or outside its bounds.
-    OutOfBounds {
-        /// Name in the parameter table.
-        parameter: &'static str,
-        /// What the host passed.
-        value: f64,
-        /// Least admissible value.
-        lower: f64,
-        /// Greatest admissible value.
-        upper: f64,
-        /// Which of them are not admissible themselves ([`crate::metadata::open_bounds`]).
-        open_bounds: u32,
-    },
-    /// A selecting parameter has a value that names no variant.
-    NotAChoice {
-        /// Name in the parameter table.
-        parameter: &'static str,
-        /// What the host passed.
-        value: f64,
-    },
-    /// Two or more parameters contradict each other.
-    Inconsistent {
-        /// Which rule is broken, in words.
-        rule: &'static str,
-        /// The number that breaks it.
-        value: f64,
-    },
-    /// A crack band is asked for, and CELENT is NULL, NaN, infinite or not positive.
-    CharacteristicLengthMissing {
-        /// Which fracture energy: the parameter's name.
-        parameter: &'static str,
-    },
-    /// The crack band cannot dissipate the fracture energy over so long an element.
-    CharacteristicLengthTooLarge {
-        /// Which fracture energy: the parameter's name.
-        parameter: &'static str,
-        /// CELENT, mm.
-        length: f64,
-        /// Largest admissible CELENT, mm.
-        limit: f64,
-    },
-}
-
-impl fmt::Display for ConfigurationError {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match *self {
-            Self::ParameterCount { given, expected } => {
-                write!(f, "{given} properties given, {expected} expected")
-            }
-            Self::OutOfBounds { parameter, value, lower, upper, open_bounds } => {
-                // no number is infinite: such a bound is open
-                let is_open = |bit: u32, bound: f64| open_bounds & bit != 0 || bound.is_infinite();
-                let left = if is_open(open_bounds::LOWER, lower) { '(' } else { '[' };
-                let right = if is_open(open_bounds::UPPER, upper) { ')' } else { ']' };
-                write!(f, "{parameter} = {value} is outside its bounds {left}{lower}, {upper}{right}")
-            }
-            Self::NotAChoice { parameter, value } => {
-                write!(f, "{parameter} = {value} is none of its listed values")
-            }
-            Self::Inconsistent { rule, value } => write!(f, "{rule} (found {value})"),
-            Self::CharacteristicLengthMissing { parameter } => write!(
-                f,
-                "{parameter} > 0 asks for a crack band, which needs the element's length (CELENT > 0), but this program \
-                 gives none: set {parameter} to 0 for the law without crack band, or let the program give the length"
-            ),
-            Self::CharacteristicLengthTooLarge { parameter, length, limit } => write!(
-                f,
-                "characteristic length {length} mm is too large for {parameter}: the limit is {limit:.6} mm; \
-                 refine the mesh or raise {parameter}"
-            ),
-        }
-    }
-}
-
-impl std::error::Error for ConfigurationError {}
-
 /// An update that could not be completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Failure {
@@ -316,6 +211,32 @@ impl LawInfo {
             states: S::TABLE,
             derived: &[],
             flags: 0,
+        }
+    }
+
+    /// The description that a library exports of the law.
+    pub const fn plugin(&self, version: &'static CStr, kinds: u32, stress_states: u32, validate: Validate) -> Plugin {
+        let (has_repeating, repeating) = match self.repeating {
+            Some(group) => (1, group),
+            None => (0, RepeatingGroup::new(c"", 0, 0, -1)),
+        };
+        Plugin {
+            abi_version: ABI_VERSION,
+            struct_size: size_of::<Plugin>() as u32,
+            law: Text::new(self.name),
+            version: Text::new(version),
+            description: Text::new(self.description),
+            kinds,
+            stress_states,
+            flags: self.flags,
+            has_repeating,
+            parameters: Table::new(self.parameters),
+            repeating,
+            states: Table::new(self.states),
+            derived: Table::new(self.derived),
+            validate,
+            next: std::ptr::null(),
+            reserved: std::ptr::null(),
         }
     }
 }

@@ -484,38 +484,6 @@ unsafe impl Sync for Plugin {}
 unsafe impl Send for Plugin {}
 
 impl Plugin {
-    /// The description of a law.
-    pub const fn new(
-        info: &crate::law::LawInfo,
-        version: &'static CStr,
-        kinds: u32,
-        stress_states: u32,
-        validate: Validate,
-    ) -> Self {
-        let (has_repeating, repeating) = match info.repeating {
-            Some(group) => (1, group),
-            None => (0, RepeatingGroup::new(c"", 0, 0, -1)),
-        };
-        Self {
-            abi_version: ABI_VERSION,
-            struct_size: size_of::<Self>() as u32,
-            law: Text::new(info.name),
-            version: Text::new(version),
-            description: Text::new(info.description),
-            kinds,
-            stress_states,
-            flags: info.flags,
-            has_repeating,
-            parameters: Table::new(info.parameters),
-            repeating,
-            states: Table::new(info.states),
-            derived: Table::new(info.derived),
-            validate,
-            next: std::ptr::null(),
-            reserved: std::ptr::null(),
-        }
-    }
-
     /// The same with a following law, for libraries that hold several.
     pub const fn followed_by(mut self, next: &'static Plugin) -> Self {
         self.next = next;

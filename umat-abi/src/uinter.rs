@@ -6,7 +6,7 @@
 use crate::umat::entry_point;
 
 entry_point! {
-    ($)
+    ($) uinter
     /// `uinter_` as gfortran compiles it on Linux.
     type UinterFunction, uinter_symbol;
     /// The arguments of UINTER in order.

@@ -7,7 +7,7 @@
 /// backticks, the argument is an array of that shape. `$` stands first because a macro cannot write one for the macro it makes.
 macro_rules! entry_point {
     (
-        ($d:tt)
+        ($d:tt) $module:ident
         $(#[$type_doc:meta])* type $function:ident, $symbol:ident;
         $(#[$struct_doc:meta])* struct $arguments:ident { $($(#[$doc:meta])* $name:ident: $type:ty,)+ }
     ) => {
@@ -42,7 +42,7 @@ macro_rules! entry_point {
                 #[allow(clippy::too_many_arguments, reason = "the argument list is ABAQUS's")]
                 #[unsafe(export_name = $d symbol)]
                 pub unsafe extern "C" fn $d ident($($name: $type),+) {
-                    let arguments = $d crate::export::$arguments { $($name),+ };
+                    let arguments = $d crate::$module::$arguments { $($name),+ };
                     // SAFETY: forwarded to the caller.
                     unsafe { $d body(&arguments) }
                 }
@@ -53,7 +53,7 @@ macro_rules! entry_point {
 pub(crate) use entry_point;
 
 entry_point! {
-    ($)
+    ($) umat
     /// `umat_` as gfortran compiles it on Linux.
     type UmatFunction, umat_symbol;
     /// The arguments of UMAT in order. Arrays are Fortran arrays: DDSDDE(NTENS,NTENS) column-major.

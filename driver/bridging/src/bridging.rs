@@ -1,8 +1,8 @@
 //! The fibre across the crack: its bond, its angle, its strength.
 
-use crate::average::Resolution;
 use crate::bond::{Bridged, ClosedSide, ShearLagSide, Side, one_sided, two_sided};
 use crate::inclination::{Inclined, Spalls};
+use crate::quadrature::Resolution;
 use crate::table::{Row, Table};
 use crate::{Closed, Fibre, Inclination, Invalid, ShearLag, Sides};
 use schemars::JsonSchema;

@@ -6,6 +6,26 @@ use std::sync::OnceLock;
 /// Degrees of the rules; a result is accepted when two neighbours agree.
 pub const DEGREES: [usize; 4] = [6, 12, 24, 48];
 
+/// How closely an integral is followed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Resolution {
+    /// Agreement of two rules, relative, that ends the refinement.
+    pub agreement: f64,
+    /// Halvings of a distance between samples to a kink, over the length and over the angle.
+    pub halvings: [i32; 2],
+    /// Samples of a panel of lengths, and of the angle over the quarter circle, between which kinks are looked for.
+    pub samples: usize,
+}
+
+impl Resolution {
+    /// Closed forms, whose kinks are all found: rounding.
+    pub const EXACT: Self = Self { agreement: 1e-9, halvings: [44, 44], samples: 12 };
+    /// Bond laws of lines and tabulated spalls, which have more kinks than are worth looking for.
+    pub const LINES: Self = Self { agreement: 1e-5, halvings: [16, 36], samples: 8 };
+    /// Tables, whose curves have a kink at every point.
+    pub const TABLE: Self = Self { agreement: 3e-4, halvings: [14, 18], samples: 4 };
+}
+
 /// Nodes and weights on (0, 1) of the rule of `DEGREES[level]`.
 pub fn rule(level: usize) -> &'static [(f64, f64)] {
     static RULES: [OnceLock<Vec<(f64, f64)>>; DEGREES.len()] = [const { OnceLock::new() }; DEGREES.len()];

@@ -4,10 +4,12 @@
 //! the freedoms; only corrections and residuals are by rows.
 
 use super::far_field::FarField;
-use super::{Blocks, Equations, Solids};
+use super::{Equations, Solids};
 use crate::mesh::Mesh;
 use crate::model::Freedom;
-use crate::solver::{FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix};
+use crate::solver::{
+    Blocks, FactorisationReport, LinearSolver, Pattern, SolverError, SolverOptions, Symmetry, SystemMatrix,
+};
 use crate::threads::Threads;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;

@@ -1,10 +1,9 @@
 //! From gap and slip to tractions: the calls of UINTER and FRIC.
 
+use super::ContactError;
 use super::history::{PointState, PointStatus};
 use super::normal::{HostNormal, NormalState};
-use super::{ContactError, NormalDrive};
-use crate::assembly::IncrementContext;
-use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, PluginLaw};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, SurfaceFields, UinterCall, Validation, judge};
 
@@ -146,55 +145,25 @@ impl PointLaw {
         }
     }
 
-    fn props(&self) -> &[f64] {
-        match self {
-            Self::Uinter { call, .. } => call.props(),
-            Self::Fric { call, .. } => call.props(),
-        }
-    }
-
-    /// The increment that the plugin was last called for, if it was for this point, from its state at the start.
-    pub fn last_call<'a>(
-        &'a self,
-        point: usize,
-        start: &PointState,
-        statev: &'a [f64],
-    ) -> Option<super::ContactCall<'a>> {
-        let props = self.props();
+    /// The last call of the plugin, if it was for this point, from its state at the start.
+    pub fn last_call(&self, point: usize, start: &PointState, statev: &[f64]) -> Option<Arguments> {
         let number = i32::try_from(point + 1).ok().filter(|_| self.calls() > 0);
+        let statev = statev.to_vec();
         match self {
-            Self::Uinter { call, .. } if Some(call.node) == number => Some(super::ContactCall {
-                slip: [call.rdisp[1] - call.drdisp[1], call.rdisp[1]],
-                normal: NormalDrive::Gap([call.drdisp[0] - call.rdisp[0], -call.rdisp[0]]),
+            Self::Uinter { call, .. } if Some(call.node) == number => Some(Arguments::Uinter(UinterRecord {
+                stress: vec![start.pressure, start.shear],
                 statev,
-                props,
-                characteristic_length: call.chrlngth,
-                time: call.time[1] - call.dtime,
-                time_increment: call.dtime,
-                fields: fields_of(&call.fields),
-                arguments: Arguments::Uinter(UinterRecord {
-                    stress: vec![start.pressure, start.shear],
-                    energies: start.plugin_energies.to_vec(),
-                    flags: start.flags.map(f64::from).to_vec(),
-                    ..UinterRecord::of(call)
-                }),
-            }),
-            Self::Fric { call, .. } if Some(call.node) == number => Some(super::ContactCall {
-                slip: [start.slip, start.slip + call.dgam[0]],
-                normal: NormalDrive::Pressure(call.pressure[0]),
+                energies: start.plugin_energies.to_vec(),
+                flags: start.flags.map(f64::from).to_vec(),
+                ..UinterRecord::of(call)
+            })),
+            Self::Fric { call, .. } if Some(call.node) == number => Some(Arguments::Fric(FricRecord {
+                lm: vec![start.stick.into()],
+                tau: vec![start.shear],
                 statev,
-                props,
-                characteristic_length: call.chrlngth,
-                time: call.time[1] - call.dtime,
-                time_increment: call.dtime,
-                fields: fields_of(&call.fields),
-                arguments: Arguments::Fric(FricRecord {
-                    lm: vec![start.stick.into()],
-                    tau: vec![start.shear],
-                    energies: start.plugin_energies[..2].to_vec(),
-                    ..FricRecord::of(call)
-                }),
-            }),
+                energies: start.plugin_energies[..2].to_vec(),
+                ..FricRecord::of(call)
+            })),
             _ => None,
         }
     }
@@ -217,17 +186,6 @@ impl PointLaw {
             Self::Fric { .. } => false,
         })
     }
-}
-
-/// Temperature and field variables at the start and at the end of a call's increment.
-fn fields_of(fields: &SurfaceFields) -> [FieldValues; 2] {
-    let [temperature, increment] = fields.temperature();
-    let [variables, increments] = fields.predef().map(|pairs| pairs.iter().copied().step_by(2));
-    let start = variables.clone().zip(increments).map(|(end, increment)| end - increment).collect();
-    [
-        FieldValues { temperature: temperature - increment, variables: start },
-        FieldValues { temperature, variables: variables.collect() },
-    ]
 }
 
 /// The law with penalties by role in place of zeros; with it the value of its normal penalty, and whether the host

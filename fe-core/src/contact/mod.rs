@@ -21,9 +21,10 @@ pub use pair::Evaluation;
 pub use settle::Settlement;
 pub use state::ContactState;
 
-use crate::assembly::{Blocks, IncrementContext, Trouble};
+use crate::assembly::Trouble;
 use crate::mesh::Mesh;
-use crate::model::{ContactPair, FieldValues, Freedom};
+use crate::model::{ContactPair, FieldValues, Freedom, IncrementContext};
+use crate::solver::Blocks;
 use history::PointState;
 use kinematics::Kinematics;
 use pair::{Output, Pair};
@@ -130,38 +131,6 @@ pub struct SlipGrowth {
     pub ratio: f64,
 }
 
-/// The increment that a point's law was last called for.
-#[derive(Clone, Debug, PartialEq)]
-pub struct ContactCall<'a> {
-    /// g at its start and at its end, mm.
-    pub slip: [f64; 2],
-    /// What was given in the normal direction.
-    pub normal: NormalDrive,
-    /// STATEV at its start.
-    pub statev: &'a [f64],
-    /// PROPS, with the penalties that the host filled in.
-    pub props: &'a [f64],
-    /// CHRLNGTH, mm.
-    pub characteristic_length: f64,
-    /// Total time at its start, s.
-    pub time: f64,
-    /// Its duration, s.
-    pub time_increment: f64,
-    /// Temperature and field variables at its start and at its end.
-    pub fields: [FieldValues; 2],
-    /// All arguments, with what the law changes as it was at the start.
-    pub arguments: Arguments,
-}
-
-/// What a law is given in the normal direction.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum NormalDrive {
-    /// UINTER: −RDISP(1) at the start and at the end, mm.
-    Gap([f64; 2]),
-    /// FRIC: the pressure at the end, MPa.
-    Pressure(f64),
-}
-
 impl Contact {
     /// The pairs of a mesh without displacements. `moduli`: an elastic modulus of each part, MPa, for the penalty.
     /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
@@ -210,8 +179,9 @@ impl Contact {
         self.earlier_calls + self.pairs.iter().map(|pair| pair.law.calls()).sum::<u64>()
     }
 
-    /// The last call of a pair's law, if it was for this point: the one that failed, where a law did.
-    pub fn last_call(&self, pair: &str, point: usize) -> Option<ContactCall<'_>> {
+    /// The last call of a pair's law, if it was for this point: the one that failed, where a law did. What the law changes is
+    /// as it was at the start.
+    pub fn last_call(&self, pair: &str, point: usize) -> Option<Arguments> {
         let pair = self.pairs.iter().find(|other| other.name == pair)?;
         let statev = pair.committed.statev.get(point * pair.state_count..(point + 1) * pair.state_count)?;
         pair.law.last_call(point, pair.committed.points.get(point)?, statev)

@@ -8,8 +8,9 @@ use super::law::{LawFailure, PointLaw, Situation, Tangent};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::ContactPoint;
-use crate::assembly::{Blocks, IncrementContext, Place, Trouble};
-use crate::model::Enforcement;
+use crate::assembly::{Place, Trouble};
+use crate::model::{Enforcement, IncrementContext};
+use crate::solver::Blocks;
 use std::ops::Range;
 use umat_abi::law::Request;
 

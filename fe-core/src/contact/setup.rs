@@ -10,9 +10,8 @@ use super::pair::{Datum, Pair, situation};
 use super::patch::Scratch;
 use super::projection::Projection;
 use super::quadrature::{ContactPoint, contact_points, patches};
-use crate::assembly::IncrementContext;
 use crate::mesh::Mesh;
-use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, NormalLaw, Width};
+use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, NormalLaw, Width};
 
 /// Gaps at the start up to this × the contact width (a given one, otherwise the slave edge's length) come from faceted
 /// curves: stored and subtracted.

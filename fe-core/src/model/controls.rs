@@ -1,4 +1,4 @@
-//! Steps, tolerances and what may be skipped.
+//! Steps and their increments, tolerances and what may be skipped.
 
 /// A stretch of time in which the drives go to new values.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,6 +28,30 @@ pub enum StepControl {
         /// The least: below it the run fails.
         minimum: f64,
     },
+}
+
+/// The increment over which points are asked to advance.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct IncrementContext {
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment in the step, from 1.
+    pub increment: u32,
+    /// Newton iteration, from 1.
+    pub iteration: u32,
+    /// Step time at the start of the increment, s.
+    pub step_time: f64,
+    /// Total time at the start of the increment, s.
+    pub total_time: f64,
+    /// Time increment, s.
+    pub time_increment: f64,
+}
+
+impl IncrementContext {
+    /// DTIME, s. Laws divide by it: what takes no time, as the equilibrium at the start, takes a moment for them.
+    pub(crate) fn dtime(&self) -> f64 {
+        if self.time_increment > 0.0 { self.time_increment } else { umat_abi::host::MOMENT }
+    }
 }
 
 /// Tolerances and limits.

@@ -1,7 +1,6 @@
 //! Temperature and field variables, which are the same at all points and change from step to step.
 
-use super::Step;
-use crate::assembly::IncrementContext;
+use super::{IncrementContext, Step};
 
 /// Values at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -15,7 +15,7 @@ mod fields;
 mod law;
 
 pub use contact::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
-pub use controls::{Controls, Skipping, Spalling, Step, StepControl};
+pub use controls::{Controls, IncrementContext, Skipping, Spalling, Step, StepControl};
 pub use fields::{FieldValues, Fields};
 pub use law::{LawError, PluginLaw};
 

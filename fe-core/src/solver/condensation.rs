@@ -52,7 +52,7 @@ impl Superelement {
         &self.border
     }
 
-    /// S, N/mm, row by row: a block for [`crate::assembly::Blocks`], symmetric to the last bit.
+    /// S, N/mm, row by row: a block for [`crate::solver::Blocks`], symmetric to the last bit.
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness
     }

@@ -8,11 +8,10 @@ use super::pattern::check_length;
 use super::whole::{Outcome, Whole};
 use super::zone::{DenseLu, Zone};
 use super::{
-    ACCEPTED_RESIDUAL, CONDENSATION_ADVANTAGE, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern,
+    ACCEPTED_RESIDUAL, Blocks, CONDENSATION_ADVANTAGE, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern,
     REFINED_RESIDUAL, ROUNDING, ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry,
     SystemMatrix,
 };
-use crate::assembly::Blocks;
 use crate::threads::Threads;
 
 /// Factorises and solves systems over one pattern; see the module's page for how.

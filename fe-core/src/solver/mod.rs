@@ -2,6 +2,7 @@
 
 mod analysis;
 mod block_lu;
+mod blocks;
 mod cholesky;
 mod condensation;
 mod cut;
@@ -15,6 +16,7 @@ mod pattern;
 mod whole;
 mod zone;
 
+pub use blocks::Blocks;
 pub use condensation::Superelement;
 pub use error::SolverError;
 pub use linear::LinearSolver;

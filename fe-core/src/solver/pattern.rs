@@ -2,8 +2,7 @@
 
 use std::sync::Arc;
 
-use super::SolverError;
-use crate::assembly::Blocks;
+use super::{Blocks, SolverError};
 
 /// Symmetric pattern of a square matrix, compressed by columns: both triangles, rows ascending, diagonal always there.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

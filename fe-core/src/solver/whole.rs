@@ -8,8 +8,7 @@ use super::cholesky::Cholesky;
 use super::general_lu::GeneralLu;
 use super::ordering::elimination_order;
 use super::parts::Parts;
-use super::{LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
-use crate::assembly::Blocks;
+use super::{Blocks, LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
 use crate::threads::Threads;
 
 /// How many times the entries of the present matrix a pattern may have, before it is made anew.

@@ -13,8 +13,7 @@ use super::analysis::{Analysis, body_by_body};
 use super::cholesky::{Cholesky, Refusal};
 use super::graph::NONE;
 use super::ordering::elimination_order;
-use super::{Pattern, SINGULAR_PIVOT, SolverError};
-use crate::assembly::Blocks;
+use super::{Blocks, Pattern, SINGULAR_PIVOT, SolverError};
 
 /// What is added to the diagonal of the zone, relative to it, so that A has an LLᵀ although a body may hang on contact
 /// alone; a soft zone needs the second. It is taken off again, which costs as many digits as it has more than A.

@@ -7,8 +7,7 @@
 use super::control::StepRun;
 use super::newton::{Equilibrium, EquilibriumState, foreign_state};
 use super::{Analysis, ModelError, Present, clock};
-use crate::assembly::IncrementContext;
-use crate::model::Model;
+use crate::model::{IncrementContext, Model};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
 
@@ -49,7 +48,7 @@ impl Checkpoint {
             && u64::from(increment) < MOST_COUNTED
             && step_time.is_finite()
             && self.present.fits(model)
-            && self.equilibrium.is_finite()
+            && self.equilibrium.is_sound()
     }
 }
 
@@ -85,20 +84,20 @@ impl<'m> Analysis<'m> {
             equilibrium: Equilibrium::with_state(model, &checkpoint.equilibrium)?,
             present: checkpoint.present.clone(),
             checkpoint_every: None,
-            last_checkpoint: checkpoint.present.statistics.increments,
+            last_checkpoint: checkpoint.equilibrium.memory.statistics.increments,
             resumed: Some(checkpoint.position.clone()),
         })
     }
 
     /// Whether a checkpoint is due before the next increment: after the last one there is nothing to go on with.
     pub(super) fn is_checkpoint_due(&self) -> bool {
-        let done = self.present.statistics.increments;
+        let done = self.statistics().increments;
         done > self.last_checkpoint && self.checkpoint_every.is_some_and(|every| done.is_multiple_of(every))
     }
 
     /// What the rest of the run depends on.
     pub(super) fn checkpoint(&mut self, position: Position) -> Checkpoint {
-        self.last_checkpoint = self.present.statistics.increments;
+        self.last_checkpoint = self.statistics().increments;
         Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() }
     }
 }

@@ -4,6 +4,7 @@ mod checkpoint;
 mod control;
 mod energy;
 mod error;
+mod findings;
 mod newton;
 mod record;
 mod size;
@@ -23,13 +24,13 @@ pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use snapshot::Snapshot;
 pub use times::Times;
 
-use crate::assembly::solids::{PartAccount, SolidEnergies};
-use crate::assembly::{Equations, GREATEST_COUNT, IncrementContext, Place, Solids, Trouble};
-use crate::model::{Model, Step};
+use crate::assembly::solids::PartAccount;
+use crate::assembly::{Equations, GREATEST_COUNT, Place, Solids, Trouble};
+use crate::model::{IncrementContext, Model, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
-use control::{Advance, Findings, Judgement, LoadHistory, StepRun};
-use newton::{Committed, Converged, Equilibrium, Target};
+use control::{Advance, Judgement, LoadHistory, StepRun};
+use newton::{Attempt, Committed, Converged, Equilibrium, Target};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{Clock, ExternalDatabases};
 
@@ -56,6 +57,17 @@ pub struct Statistics {
     pub solutions: u64,
 }
 
+impl Statistics {
+    /// Whether a run can have come to it.
+    fn is_sound(&self) -> bool {
+        let Self { increments, iterations, cutbacks, settlements, expansions, .. } = *self;
+        let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
+        let of_increments = [increments, iterations, cutbacks, settlements, expansions];
+        let of_the_solver = [evaluations, factorisations, block_factorisations, solutions];
+        of_increments.into_iter().chain(of_the_solver).all(|count| count < GREATEST_COUNT)
+    }
+}
+
 /// What a run has come to, besides its points.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Present {
@@ -65,7 +77,6 @@ struct Present {
     datum: Energies,
     /// What the solids' laws had reported then.
     datum_accounts: Vec<PartAccount>,
-    statistics: Statistics,
     total_time: f64,
     load: LoadHistory,
     greatest_work: f64,
@@ -75,23 +86,8 @@ struct Present {
 impl Present {
     /// Whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
     fn fits(&self, model: &Model) -> bool {
-        let Self { committed, energies, datum, datum_accounts, statistics, total_time, load, greatest_work, spalled } =
-            self;
-        let Statistics {
-            increments,
-            iterations,
-            cutbacks,
-            settlements,
-            expansions,
-            evaluations,
-            factorisations,
-            block_factorisations,
-            solutions,
-        } = *statistics;
-        let counts = [increments, iterations, cutbacks, settlements, expansions, evaluations, factorisations];
-        let counts_on = counts.into_iter().chain([block_factorisations, solutions]).all(|count| count < GREATEST_COUNT);
-        counts_on
-            && committed.fits(model)
+        let Self { committed, energies, datum, datum_accounts, total_time, load, greatest_work, spalled } = self;
+        committed.fits(model)
             && [energies, datum].into_iter().all(Energies::is_finite)
             && datum_accounts.len() == model.mesh.parts().len()
             && datum_accounts.iter().all(PartAccount::is_finite)
@@ -144,7 +140,6 @@ impl<'m> Analysis<'m> {
                 energies: Energies::default(),
                 datum: Energies::default(),
                 datum_accounts: Vec::new(),
-                statistics: Statistics::default(),
                 total_time: 0.0,
                 load: LoadHistory::default(),
                 greatest_work: 0.0,
@@ -241,7 +236,7 @@ impl<'m> Analysis<'m> {
 
     /// What it has cost so far.
     pub fn statistics(&self) -> Statistics {
-        self.present.statistics
+        self.equilibrium.memory.statistics
     }
 
     /// Where the time went so far.
@@ -265,14 +260,14 @@ impl<'m> Analysis<'m> {
         self.databases.increment_starts(clock_of_first);
         let converged = self
             .equilibrium
-            .attempt(&self.present.committed, &target, context, &mut self.present.statistics)
+            .attempt(Attempt::new(&self.present.committed, &target, context))
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
         self.commit(converged, 0.0);
         self.present.datum = self.equilibrium.energies();
         self.present.datum_accounts = self.equilibrium.solids.accounts();
         self.present.energies = Energies::default();
         self.present.greatest_work = 0.0;
-        self.present.statistics.increments = 0;
+        self.equilibrium.memory.statistics.increments = 0;
         Ok(())
     }
 
@@ -333,7 +328,7 @@ impl<'m> Analysis<'m> {
                 }
                 Err(Judgement { trouble, has_failed }) => {
                     self.equilibrium.restore();
-                    self.present.statistics.cutbacks += 1;
+                    self.equilibrium.memory.statistics.cutbacks += 1;
                     cutbacks += 1;
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;
                     if too_many || run.reject(&trouble, has_failed) == Advance::Failed {
@@ -350,7 +345,7 @@ impl<'m> Analysis<'m> {
     /// One attempt at an increment from the present state.
     fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
         self.databases.increment_starts(clock(&context, 0.0));
-        self.equilibrium.attempt(&self.present.committed, target, context, &mut self.present.statistics)
+        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context))
     }
 
     /// Attempts smaller increments, until one shows that a law's report of energies contradicts the work whatever their
@@ -366,96 +361,9 @@ impl<'m> Analysis<'m> {
         self.equilibrium.restore();
     }
 
-    /// What a converged increment is judged by.
-    fn findings(&self, converged: &Converged) -> Findings {
-        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
-        let trial =
-            Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
-        let [load, _] = self.measured_load(&trial);
-        let drive = |state: &Committed| self.model.measured.slip_of(&state.drives);
-        // what temperature and fields do to a material is no work of the drives
-        let is_driven_alone = !self.model.fields.change();
-        let [energy_error_before, energy_error] =
-            if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
-        let external_work = self.external_work_at(&converged.end);
-        let overstress = if self.model.extrapolates() {
-            let reference = self.work_reference(external_work, &converged.end);
-            let spent = solids.trial_energies().overstress - solids.energies().overstress;
-            if reference > 0.0 { spent / reference } else { 0.0 }
-        } else {
-            0.0
-        };
-        Findings {
-            load: load.abs(),
-            pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
-            slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
-            energy_error,
-            energy_error_before,
-            overstress,
-            gives_back: is_driven_alone && self.gives_back(external_work - self.present.energies.external_work),
-        }
-    }
-
-    /// Whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
-    /// increment.
-    fn gives_back(&self, work: f64) -> bool {
-        // sums over all points
-        let spent = || self.equilibrium.trial_energies().since(&self.equilibrium.energies()).spent();
-        work < 0.0 && spent() < LEAST_DISSIPATION * -work
-    }
-
-    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
-    /// the increment's size if its energies do not balance.
-    fn believed_findings(&mut self, findings: Findings, converged: &Converged, refused: Option<f64>) -> Findings {
-        if !self.equilibrium.solids.has_unproven_energies() {
-            return findings;
-        }
-        let end = &converged.end;
-        let added = findings.energy_error * self.work_reference(self.external_work_at(end), end);
-        let refused = refused.map(|size| [size, added]);
-        let found = self.equilibrium.solids.judge_energies(refused);
-        if found.is_empty() {
-            return findings;
-        }
-        for part in found {
-            let Some(account) = self.present.datum_accounts.get(part) else { continue };
-            let SolidEnergies { stored, plastic, damage, .. } = account.reported();
-            let datum = &mut self.present.datum;
-            datum.elastic -= stored;
-            datum.plastic -= plastic;
-            datum.damage -= damage;
-            datum.unaccounted += account.work;
-        }
-        let external_work = self.present.energies.external_work;
-        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
-        self.findings(converged)
-    }
-
     /// What users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
     pub fn remarks(&self) -> Vec<String> {
         self.equilibrium.solids.remarks()
-    }
-
-    /// The imbalance of the energies, and what an increment would add to it, relative to the work at its end.
-    fn energy_errors_of(&self, end: &Committed) -> [f64; 2] {
-        let external_work = self.external_work_at(end);
-        let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.present.datum) };
-        let reference = self.work_reference(external_work, end);
-        let before = self.present.energies.imbalance();
-        let relative = |imbalance: f64| if reference > 0.0 { imbalance / reference } else { 0.0 };
-        [before, energies.imbalance() - before].map(relative)
-    }
-
-    /// The work of supports and loads up to the end of an increment, N mm.
-    fn external_work_at(&self, end: &Committed) -> f64 {
-        let equations = self.equilibrium.system.equations();
-        self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
-    }
-
-    /// What an imbalance of the energies is compared with, N mm.
-    fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
-        let rounding = self.equilibrium.rounding() * newton::largest(&state.displacements);
-        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(rounding)
     }
 
     /// The load and the lateral load, N.
@@ -481,66 +389,9 @@ impl<'m> Analysis<'m> {
         self.present.load.peaked |= load < self.present.load.greatest;
         self.present.load.greatest = self.present.load.greatest.max(load);
         self.present.load.last = load;
-        self.present.load.noise = self.equilibrium.rounding();
-        self.present.statistics.increments += 1;
+        self.present.load.noise = self.equilibrium.memory.rounding;
+        self.equilibrium.memory.statistics.increments += 1;
         self.spall();
-    }
-
-    fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
-        let snapshot = self.snapshot();
-        let measured = &self.model.measured;
-        let [load, load_lateral] = self.measured_load(&snapshot);
-        let [axis, across] = measured.components();
-        let [pull_x, pull_y] = measured.direction;
-        let force = [load * pull_x - load_lateral * pull_y, load * pull_y + load_lateral * pull_x];
-        let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
-        let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
-        let open: Vec<f64> = open.collect();
-        let fibres = measured.fibres.iter().map(|fibre| {
-            let along = |node: usize| snapshot.displacement_of(node, fibre.axis);
-            let [load_axial, load_shear] =
-                measured.components_along(fibre.axis).map(|direction| snapshot.reaction_of(fibre.support, direction));
-            FibreRecord {
-                slip: self.present.committed.drives[fibre.slip],
-                load: snapshot.reaction_of(fibre.support, measured.direction),
-                load_axial,
-                load_shear,
-                slip_exit: along(fibre.exit_node),
-                slip_tail: along(fibre.tail_node),
-                separation_length: fibre.lines.iter().map(|&line| open[line]).fold(0.0, f64::max),
-            }
-        });
-        let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
-        let fibres: Vec<FibreRecord> = fibres.collect();
-        // of several fibres: loads together, slips on average
-        let sum = |of: fn(&FibreRecord) -> f64, alone: f64| match fibres.is_empty() {
-            true => alone,
-            false => fibres.iter().map(of).sum(),
-        };
-        let mean = |of: fn(&FibreRecord) -> f64, node| sum(of, along(node)) / fibres.len().max(1) as f64;
-        Record {
-            step,
-            increment,
-            time: self.present.total_time,
-            slip: measured.slip_of(&self.present.committed.drives),
-            load,
-            load_lateral,
-            load_axial: sum(|fibre| fibre.load_axial, force[0] * axis[0] + force[1] * axis[1]),
-            load_shear: sum(|fibre| fibre.load_shear, force[0] * across[0] + force[1] * across[1]),
-            slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
-            slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
-            energies: self.present.energies,
-            energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
-            counts: self.equilibrium.counts(),
-            damaged_volume: snapshot.solids().damaged_volume(),
-            spalled_volume: self.present.spalled.volume,
-            spalled_depth: self.present.spalled.depth,
-            separation_length: open.iter().copied().fold(0.0, f64::max),
-            greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
-            cutbacks,
-            iterations,
-            fibres,
-        }
     }
 }
 
@@ -554,8 +405,3 @@ fn clock(context: &IncrementContext, passed: f64) -> Clock {
         increment: as_i32(context.increment),
     }
 }
-
-/// Where the drives take energy back, at least this part of it is dissipated: less is elastic unloading.
-const LEAST_DISSIPATION: f64 = 1e-2;
-/// The energy error is relative to at least this part of the greatest work so far.
-const LEAST_RELATIVE_WORK: f64 = 1e-3;

@@ -1,6 +1,6 @@
 //! What is told of each increment.
 
-use super::{Checkpoint, Energies, Iteration, Snapshot};
+use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot};
 use std::io;
 
 /// One accepted increment, or the initial state (step 0, increment 0).
@@ -113,5 +113,65 @@ pub trait Observer {
     /// Whatever kept it from being written; the run stops.
     fn checkpoint(&mut self, _checkpoint: &Checkpoint) -> io::Result<()> {
         Ok(())
+    }
+}
+
+impl Analysis<'_> {
+    /// What is told of the present state, the end of an increment.
+    pub(super) fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
+        let snapshot = self.snapshot();
+        let measured = &self.model.measured;
+        let [load, load_lateral] = self.measured_load(&snapshot);
+        let [axis, across] = measured.components();
+        let [pull_x, pull_y] = measured.direction;
+        let force = [load * pull_x - load_lateral * pull_y, load * pull_y + load_lateral * pull_x];
+        let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
+        let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
+        let open: Vec<f64> = open.collect();
+        let fibres = measured.fibres.iter().map(|fibre| {
+            let along = |node: usize| snapshot.displacement_of(node, fibre.axis);
+            let [load_axial, load_shear] =
+                measured.components_along(fibre.axis).map(|direction| snapshot.reaction_of(fibre.support, direction));
+            FibreRecord {
+                slip: self.present.committed.drives[fibre.slip],
+                load: snapshot.reaction_of(fibre.support, measured.direction),
+                load_axial,
+                load_shear,
+                slip_exit: along(fibre.exit_node),
+                slip_tail: along(fibre.tail_node),
+                separation_length: fibre.lines.iter().map(|&line| open[line]).fold(0.0, f64::max),
+            }
+        });
+        let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
+        let fibres: Vec<FibreRecord> = fibres.collect();
+        // of several fibres: loads together, slips on average
+        let sum = |of: fn(&FibreRecord) -> f64, alone: f64| match fibres.is_empty() {
+            true => alone,
+            false => fibres.iter().map(of).sum(),
+        };
+        let mean = |of: fn(&FibreRecord) -> f64, node| sum(of, along(node)) / fibres.len().max(1) as f64;
+        Record {
+            step,
+            increment,
+            time: self.present.total_time,
+            slip: measured.slip_of(&self.present.committed.drives),
+            load,
+            load_lateral,
+            load_axial: sum(|fibre| fibre.load_axial, force[0] * axis[0] + force[1] * axis[1]),
+            load_shear: sum(|fibre| fibre.load_shear, force[0] * across[0] + force[1] * across[1]),
+            slip_exit: mean(|fibre| fibre.slip_exit, measured.exit_node),
+            slip_tail: mean(|fibre| fibre.slip_tail, measured.tail_node),
+            energies: self.present.energies,
+            energy_error: if reference > 0.0 { self.present.energies.imbalance() / reference } else { 0.0 },
+            counts: self.equilibrium.counts(),
+            damaged_volume: snapshot.solids().damaged_volume(),
+            spalled_volume: self.present.spalled.volume,
+            spalled_depth: self.present.spalled.depth,
+            separation_length: open.iter().copied().fold(0.0, f64::max),
+            greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
+            cutbacks,
+            iterations,
+            fibres,
+        }
     }
 }

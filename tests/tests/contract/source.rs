@@ -79,8 +79,9 @@ struct Declaration {
 
 impl Parse for Declaration {
     fn parse(input: ParseStream<'_>) -> syn::Result<Self> {
-        // ($), which the macro needs
+        // ($) and the module, which the macro needs
         input.parse::<proc_macro2::Group>()?;
+        input.parse::<Ident>()?;
         let mut doc = documentation(&input.call(Attribute::parse_outer)?);
         input.parse::<syn::Token![type]>()?;
         input.parse::<Ident>()?;

@@ -95,8 +95,7 @@ macro_rules! crate_version {
 #[macro_export]
 macro_rules! law_plugin {
     ((umat $law:ty)) => {
-        $crate::metadata::Plugin::new(
-            &<$law as $crate::law::Law>::INFO,
+        <$law as $crate::law::Law>::INFO.plugin(
             $crate::crate_version!(),
             $crate::metadata::kinds::UMAT,
             <$law as $crate::law::Law>::STRESS_STATES,
@@ -104,8 +103,7 @@ macro_rules! law_plugin {
         )
     };
     ((interface $law:ty)) => {
-        $crate::metadata::Plugin::new(
-            &<$law as $crate::law::InterfaceLaw>::INFO,
+        <$law as $crate::law::InterfaceLaw>::INFO.plugin(
             $crate::crate_version!(),
             $crate::metadata::kinds::UINTER | $crate::metadata::kinds::FRIC,
             0,

@@ -26,8 +26,8 @@ pub use solid::umat;
 pub use validate::{validate_interface, validate_solid};
 
 use crate::floating_point::in_default_environment;
-use crate::law::{ConfigurationError, Failure, LawInfo, all_finite};
-use crate::table::States;
+use crate::law::{ConfigurationError, Failure, LawInfo};
+use crate::table::{States, all_finite};
 use std::ffi::{CStr, c_char};
 use std::fmt;
 use std::io::Write;

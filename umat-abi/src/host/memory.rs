@@ -5,7 +5,7 @@
 use super::fence::{Fenced, Outside, Watched, watch};
 #[cfg(unix)]
 use super::probe::Alignment;
-use crate::law::all_finite;
+use crate::table::all_finite;
 use std::borrow::Cow;
 use std::fmt;
 

@@ -2,23 +2,51 @@
 
 use super::need::{CALL_TIME_LIMIT, Need};
 use super::trust;
-use crate::path::replay::{self, StrainDrive, duration};
+use crate::path::replay;
 use crate::program::{FieldValues, STRAIN_NAMES, STRESS_NAMES};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
 
-/// A case that makes this call, and no other before it; `None` if an argument is no number, which JSON cannot tell, and
-/// for the routines beside the entry points, which every run calls.
+/// A case that makes this call of a process that ended, and no other before it; `None` if an argument is no number, which JSON
+/// cannot tell, and for the routines beside the entry points, which every run calls.
 pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
-    let mut case = match &call.arguments {
-        Arguments::Umat(umat) => point(umat, call.wants_tangent),
-        contact => contact_point(contact)?,
-    };
-    case["title"] = json!("");
-    case["material"] = material(call, need)?;
+    let mut case = of_call(call)?;
+    let material = &mut case["material"];
+    if trust::may_run_here(&call.library) {
+        // it was isolated because the case said so
+        material["isolate"] = json!(true);
+    }
+    let limit = need.time_limit(&call.library);
+    if limit != CALL_TIME_LIMIT {
+        material["call_time_limit_s"] = json!(limit);
+    }
     (!has_null(&case)).then_some(case)
+}
+
+/// A case that makes this call, and no other before it, without its title; `None` for the routines beside the entry points.
+pub fn of_call(call: &CallRecord) -> Option<Value> {
+    let (mut case, props, statev, entry) = match &call.arguments {
+        Arguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
+        Arguments::Uinter(uinter) => (uinter_case(uinter), &uinter.props, &uinter.statev, "uinter"),
+        Arguments::Fric(fric) => (fric_case(fric), &fric.props, &fric.statev, "fric"),
+        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
+    };
+    // by the absolute path: the case may be moved
+    let library = std::path::absolute(&call.library).unwrap_or_else(|_| call.library.clone());
+    case["title"] = json!("");
+    case["material"] = json!({
+        "plugin": library.to_string_lossy(),
+        "cmname": call.cmname,
+        "entry": entry,
+        "props": props,
+        "nstatv": statev.len(),
+    });
+    if let Some(symbol) = &call.symbol {
+        case["material"]["symbol"] = json!(symbol);
+    }
+    Some(case)
 }
 
 /// Names the case whose call a replay repeats, and the folder from which it was run.
@@ -36,34 +64,6 @@ fn has_null(value: &Value) -> bool {
         Value::Object(entries) => entries.values().any(has_null),
         Value::Bool(_) | Value::Number(_) | Value::String(_) => false,
     }
-}
-
-fn material(call: &CallRecord, need: &Need) -> Option<Value> {
-    let (props, statev, entry) = match &call.arguments {
-        Arguments::Umat(umat) => (&umat.props, &umat.statev, "umat"),
-        Arguments::Uinter(uinter) => (&uinter.props, &uinter.statev, "uinter"),
-        Arguments::Fric(fric) => (&fric.props, &fric.statev, "fric"),
-        Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
-    };
-    let mut material = json!({
-        "plugin": call.library.to_string_lossy(),
-        "cmname": call.cmname,
-        "entry": entry,
-        "props": props,
-        "nstatv": statev.len(),
-    });
-    if let Some(symbol) = &call.symbol {
-        material["symbol"] = json!(symbol);
-    }
-    if trust::may_run_here(&call.library) {
-        // it was isolated because the case said so
-        material["isolate"] = json!(true);
-    }
-    let limit = need.time_limit(&call.library);
-    if limit != CALL_TIME_LIMIT {
-        material["call_time_limit_s"] = json!(limit);
-    }
-    Some(material)
 }
 
 /// Entry `k`; a record that a plugin has destroyed may have fewer.
@@ -88,9 +88,14 @@ fn rows(matrix: &[f64]) -> Value {
     json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
 }
 
+/// A duration of a step, s, which takes some time; equilibrium before the first step takes none.
+fn duration(time_increment: f64) -> f64 {
+    if time_increment > 0.0 { time_increment } else { 1.0 }
+}
+
 /// What a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
 /// but for rounding.
-pub fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
+fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
     let mut arguments = json!({
         "dstran": call.dstran,
         "dtime": at(&call.dtime, 0),
@@ -119,8 +124,16 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
         3 => StressState::PlaneStress,
         _ => StressState::PlaneStrainOrAxisymmetric,
     };
+    let components = stress_state.components();
     let has_strain_33 = at(&call.stran, 2) != 0.0 || at(&call.dstran, 2) != 0.0;
-    let StrainDrive { mode, components, driven } = StrainDrive::new(stress_state, has_strain_33);
+    // the components whose strains are targets; the others are 0, or the law's business
+    let (mode, driven): (_, &[usize]) = match stress_state {
+        StressState::ThreeD => ("3d", &[0, 1, 2, 3, 4, 5]),
+        StressState::PlaneStress => ("plane_stress", &[0, 1, 3]),
+        // as in axial symmetry, or in plane strain where an element's dilatation is averaged: the mode has the NTENS and NDI of both
+        StressState::PlaneStrainOrAxisymmetric if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3]),
+        StressState::PlaneStrainOrAxisymmetric => ("plane_strain", &[0, 1, 3]),
+    };
     let named = |names: &[&str; 6], which: &[usize], value: &dyn Fn(usize) -> f64| -> Value {
         let entries = components.iter().enumerate().filter(|(_, component)| which.contains(component));
         entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
@@ -150,15 +163,6 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
         [call.predef.clone(), ends.collect()]
     });
     case
-}
-
-/// A case of kind "interface" without its material, of a call of UINTER or FRIC.
-pub fn contact_point(call: &Arguments) -> Option<Value> {
-    match call {
-        Arguments::Uinter(uinter) => Some(uinter_case(uinter)),
-        Arguments::Fric(fric) => Some(fric_case(fric)),
-        _ => None,
-    }
 }
 
 /// Whether these are the host's one variable of 0, that of a case without any.

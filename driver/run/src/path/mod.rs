@@ -5,7 +5,7 @@ mod finite;
 mod interface;
 mod newton;
 mod point;
-pub mod replay;
+pub(crate) mod replay;
 mod subdivision;
 #[cfg(test)]
 mod test;

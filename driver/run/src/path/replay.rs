@@ -11,37 +11,6 @@ use crate::program::{
 };
 use serde_json::{Map, Value, json};
 use umat_abi::host::{self, UmatCall};
-use umat_abi::law::StressState;
-
-/// How a case of kind "point" repeats a call that was given all its strains.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct StrainDrive {
-    /// Its `mode`.
-    pub mode: &'static str,
-    /// The six components of a case that the call's arrays hold, in their order.
-    pub components: &'static [usize],
-    /// Those whose strains are targets; the others are 0, or the law's business.
-    pub driven: &'static [usize],
-}
-
-impl StrainDrive {
-    /// `has_strain_33`: with NTENS 4, whether the strain 33 is not 0, as in axial symmetry, or in plane strain where an
-    /// element's dilatation is averaged. The axisymmetric mode has the NTENS and NDI of both, and drives all four.
-    pub fn new(stress_state: StressState, has_strain_33: bool) -> Self {
-        let (mode, driven): (_, &[usize]) = match stress_state {
-            StressState::ThreeD => ("3d", &[0, 1, 2, 3, 4, 5]),
-            StressState::PlaneStress => ("plane_stress", &[0, 1, 3]),
-            StressState::PlaneStrainOrAxisymmetric if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3]),
-            StressState::PlaneStrainOrAxisymmetric => ("plane_strain", &[0, 1, 3]),
-        };
-        Self { mode, components: stress_state.components(), driven }
-    }
-}
-
-/// A duration of a step, s, which takes some time; equilibrium before the first step takes none.
-pub fn duration(time_increment: f64) -> f64 {
-    if time_increment > 0.0 { time_increment } else { 1.0 }
-}
 
 const TITLE: &str = "Replay of a failed increment: ";
 
@@ -144,7 +113,7 @@ pub(super) fn point(
 }
 
 /// Sets temperature and field variables before and at the end of the only step.
-pub fn set_fields(case: &mut Value, start: &FieldValues, end: &FieldValues) {
+pub(crate) fn set_fields(case: &mut Value, start: &FieldValues, end: &FieldValues) {
     case["temperature"] = json!(start.temperature);
     case["steps"][0]["temperature"] = json!(end.temperature);
     if !start.variables.is_empty() {

@@ -9,11 +9,11 @@
 //! Under large displacements a pressure acts on the present edge, with the present radius; the thickness of a plane part
 //! stays the reference one. Tractions and forces keep direction and area.
 
-use super::Blocks;
 use crate::element::EdgePoint;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{EdgeNodes, ElementEdge, Mesh};
 use crate::model::{Freedom, LoadKind, Model};
+use crate::solver::Blocks;
 
 #[cfg(test)]
 mod test;

@@ -6,10 +6,10 @@ use super::kernel::Nodal;
 use super::points::same_bits;
 use super::record::{Body, Record, Spalled, number_of};
 use super::summary::Counters;
-use crate::assembly::{IncrementContext, Place, Trouble};
+use crate::assembly::{Place, Trouble};
 use crate::element::ElementKind;
 use crate::kinematics::finite::TangentForm;
-use crate::model::FieldValues;
+use crate::model::{FieldValues, IncrementContext};
 use umat_abi::law::Request;
 
 /// Where an element is.

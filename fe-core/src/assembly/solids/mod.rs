@@ -51,9 +51,9 @@ pub use state::SolidsState;
 pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 
-use super::{IncrementContext, Place, Trouble};
+use super::{Place, Trouble};
 use crate::kinematics::finite::TangentForm;
-use crate::model::{Fields, Model, Step};
+use crate::model::{Fields, IncrementContext, Model, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
 use points::same_bits;

@@ -450,15 +450,6 @@ impl Points {
         }
     }
 
-    /// DSTRAN of the last call.
-    pub(super) fn last_strain_increment(&self) -> Components {
-        let mut increment = [0.0; MAX_COMPONENTS];
-        for (value, &component) in self.call.dstran.iter().zip(self.components) {
-            increment[component] = *value;
-        }
-        increment
-    }
-
     /// Calls the UMAT and judges what came back.
     fn run(&mut self, request: Request) -> Result<(), PointTrouble> {
         self.calls += 1;

@@ -7,7 +7,6 @@ use super::record::{Body, Spalled};
 use super::trust::work_of;
 use crate::assembly::GREATEST_COUNT;
 use crate::kinematics::finite::{Components, rotated};
-use crate::model::FieldValues;
 use umat_abi::host::recorder::UmatRecord;
 
 /// Energies of the committed state, N·mm (of a plane part over its thickness).
@@ -100,29 +99,13 @@ pub struct PointView<'a> {
     pub volume: f64,
 }
 
-/// The increment that a point's UMAT was last called for.
+/// The last call of a point's UMAT.
 #[derive(Clone, Debug, PartialEq)]
-pub struct PointCall<'a> {
-    /// σ at its start, MPa: turned with the body, as the UMAT got it.
-    pub stress: Components,
-    /// ε at its start, likewise.
-    pub strain: Components,
-    /// Δε.
-    pub strain_increment: Components,
-    /// STATEV at its start.
-    pub statev: &'a [f64],
-    /// Total time at its start, s.
-    pub time: f64,
-    /// Its duration, s.
-    pub time_increment: f64,
-    /// CELENT, mm.
-    pub characteristic_length: f64,
-    /// Temperature and field variables at its start and at its end.
-    pub fields: [FieldValues; 2],
-    /// Whether the UMAT was called with six components; of plane stress the strain 33 is then known.
-    pub through_six: bool,
-    /// The arguments that a path leaves open, with SSE, SPD and SCD at its start.
+pub struct PointCall {
+    /// Its arguments, with what the UMAT changes as it was at the start: turned with the body, as the UMAT got it.
     pub arguments: UmatRecord,
+    /// ε33 at the start, if the UMAT was called with six components.
+    pub strain_33: Option<f64>,
 }
 
 fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
@@ -131,36 +114,29 @@ fn sum(parts: Vec<SolidEnergies>) -> SolidEnergies {
     sum
 }
 
-/// Values by their starts and increments.
-fn after(starts: &[f64], increments: &[f64]) -> Vec<f64> {
-    starts.iter().zip(increments).map(|(start, increment)| start + increment).collect()
-}
-
 impl Solids {
     /// The last call of the law of an element's part, if it was for this point: the one that failed, where a law did.
-    pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall<'_>> {
-        let points = &self.block(element).body.points;
-        let call = &points.call;
+    pub fn last_call(&self, element: usize, point: usize) -> Option<PointCall> {
+        let call = &self.block(element).body.points.call;
         let number = |index: usize| i32::try_from(index + 1).ok();
         if [Some(call.noel), Some(call.npt)] != [number(element), number(point)] {
             return None;
         }
         let PointView { stress, strain, statev, energies, .. } = self.point(element, point);
         let rotation = (call.drot[0][0], call.drot[0][1]);
+        let turned = |tensor: &Components, shear: f64| -> Vec<f64> {
+            let turned = rotated(tensor, rotation, shear);
+            call.stress_state().components().iter().map(|&component| turned[component]).collect()
+        };
         Some(PointCall {
-            stress: rotated(&stress, rotation, 1.0),
-            strain: rotated(&strain, rotation, 2.0),
-            strain_increment: points.last_strain_increment(),
-            statev,
-            time: call.time[1],
-            time_increment: call.dtime,
-            characteristic_length: call.celent,
-            fields: [
-                FieldValues { temperature: call.temp, variables: call.predef.clone() },
-                FieldValues { temperature: call.temp + call.dtemp, variables: after(&call.predef, &call.dpred) },
-            ],
-            through_six: call.is_through_solid(),
-            arguments: UmatRecord { energies: energies.to_vec(), ..UmatRecord::of(call) },
+            arguments: UmatRecord {
+                stress: turned(&stress, 1.0),
+                stran: turned(&strain, 2.0),
+                statev: statev.to_vec(),
+                energies: energies.to_vec(),
+                ..UmatRecord::of(call)
+            },
+            strain_33: call.is_through_solid().then_some(strain[2]),
         })
     }
 

@@ -7,13 +7,14 @@ mod sliding;
 mod tangent;
 
 use super::Contact;
-use crate::assembly::{Blocks, IncrementContext};
 use crate::element::ElementKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, ElementEdge, Mesh, MeshDefinition, Part};
 use crate::model::{
-    ContactLaw, ContactPair, Enforcement, FieldValues, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width,
+    ContactLaw, ContactPair, Enforcement, FieldValues, HardLaw, IncrementContext, NormalLaw, PluginLaw, Quadrature,
+    SoftLaw, Width,
 };
+use crate::solver::Blocks;
 use std::collections::HashMap;
 use umat_abi::law::Request;
 

@@ -4,8 +4,9 @@ use super::*;
 use crate::assembly::Place;
 use crate::contact::chain::Foot;
 use crate::contact::law::PointLaw;
-use crate::contact::{NormalDrive, PointIndex, PointStatus};
+use crate::contact::{PointIndex, PointStatus};
 use crate::element::ElementKind::{Q4, Q8};
+use umat_abi::host::recorder::Arguments;
 
 #[test]
 fn a_walk_finds_what_a_full_search_finds() {
@@ -438,17 +439,24 @@ fn the_last_call_of_a_law_tells_the_increment_of_its_point_only() {
         assert_eq!(contact.law_calls() - before, 2 * count as u64);
         contact.restore();
         let call = contact.last_call(&pair, point).expect("it was the last");
-        approx::assert_abs_diff_eq!(call.slip[0], start.0, epsilon = 1e-12);
-        approx::assert_abs_diff_eq!(call.slip[1], end.0, epsilon = 1e-12);
         approx::assert_abs_diff_eq!((end.0 - start.0).abs(), 0.02, epsilon = 1e-12);
-        assert_eq!(call.statev, start.2);
-        match call.normal {
-            NormalDrive::Gap(gaps) => {
+        let close = |given: f64, expected: f64| approx::assert_abs_diff_eq!(given, expected, epsilon = 1e-12);
+        match call {
+            Arguments::Uinter(call) => {
                 assert!(is_uinter);
-                approx::assert_abs_diff_eq!(gaps[0], start.1, epsilon = 1e-12);
-                approx::assert_abs_diff_eq!(gaps[1], end.1, epsilon = 1e-12);
+                assert_eq!(call.statev, start.2);
+                close(call.rdisp[1] - call.drdisp[1], start.0);
+                close(call.rdisp[1], end.0);
+                // RDISP(1) > 0 is penetration
+                close(call.drdisp[0] - call.rdisp[0], start.1);
+                close(-call.rdisp[0], end.1);
             }
-            NormalDrive::Pressure(pressure) => assert_eq!((is_uinter, pressure), (false, end.2)),
+            Arguments::Fric(call) => {
+                assert_eq!((call.statev, call.press[0]), (start.2, end.2));
+                close(call.dgam[0], end.0 - start.0);
+                assert!(!is_uinter);
+            }
+            other => panic!("{other:?}"),
         }
     }
 }

@@ -1,7 +1,6 @@
 use std::sync::Arc;
 
 use super::*;
-use crate::assembly::Blocks;
 use crate::element::{ElementKind, Integration, MappedPoint};
 use crate::kinematics::{MAX_FREEDOMS, PlaneModel, StrainDisplacement};
 use faer::Mat;

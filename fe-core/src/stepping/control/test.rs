@@ -1,5 +1,6 @@
 //! Which increments may stand.
 
+use super::judgement::repeat;
 use super::*;
 use crate::model::{PluginLaw, StepControl};
 use crate::stepping::test::strip;

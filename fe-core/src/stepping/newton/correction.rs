@@ -1,9 +1,8 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
-use super::{CUT, Committed, Equilibrium, Leader, Target, largest, trouble};
-use crate::assembly::{IncrementContext, Place, Trouble, loads};
-use crate::model::Model;
-use crate::stepping::Statistics;
+use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, trouble, unsolvable};
+use crate::assembly::{Place, Trouble, loads};
+use crate::model::{IncrementContext, Model};
 use crate::stepping::times::timed;
 use umat_abi::law::Request;
 
@@ -60,37 +59,29 @@ impl Direction {
 
 impl Equilibrium<'_> {
     /// The correction of this iteration.
-    pub(super) fn direction(
-        &mut self,
-        start: &Committed,
-        trial: &Committed,
-        target: &Target,
-        (pending, context): (bool, IncrementContext),
-        statistics: &mut Statistics,
-    ) -> Result<Direction, Trouble> {
-        let mut correction = self.residual.clone();
+    pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, Trouble> {
+        let &Attempt { start, target, ref trial, .. } = attempt;
+        let mut correction = self.memory.residual.clone();
         match target {
             Target::Drives(goal) => {
                 let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
-                if pending {
+                if attempt.predicts() {
                     let change = self.drive_force(start, &drives);
                     correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
                 }
-                self.solve(&mut correction, statistics)?;
+                self.solve(&mut correction)?;
                 Ok(self.as_direction(&correction, drives))
             }
             Target::Led { by, growth, direction } => {
                 let mut along = self.drive_force(start, direction);
-                self.solve(&mut correction, statistics)?;
-                self.solve(&mut along, statistics)?;
+                self.solve(&mut correction)?;
+                self.solve(&mut along)?;
                 let zero = vec![0.0; direction.len()];
                 let from_residual = self.as_direction(&correction, zero);
                 let from_drives = self.as_direction(&along, direction.clone());
                 let progress = match by {
-                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, pending),
-                    Leader::Dissipation => {
-                        self.dissipation_progress([start, trial], &from_residual, &from_drives, context)?
-                    }
+                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, attempt.predicts()),
+                    Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
@@ -102,9 +93,15 @@ impl Equilibrium<'_> {
         }
     }
 
+    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), Trouble> {
+        self.memory.statistics.solutions += 1;
+        let Self { system, times, .. } = self;
+        timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
+    }
+
     /// How far the leading point has slid; chosen where the increment starts.
-    fn slip_progress(&mut self, from_residual: &Direction, from_drives: &Direction, pending: bool) -> Progress {
-        if pending {
+    fn slip_progress(&mut self, from_residual: &Direction, from_drives: &Direction, predicts: bool) -> Progress {
+        if predicts {
             let breaking = self.contact.breaking_point().or(self.breaking_point.take());
             let leading = breaking.or_else(|| self.contact.fastest_point(&from_drives.displacements));
             self.leading_point = leading.map(|point| (point, self.contact.slip_of(point)));
@@ -122,14 +119,14 @@ impl Equilibrium<'_> {
     /// its derivatives. The points' trial state is lost.
     fn dissipation_progress(
         &mut self,
-        [start, trial]: [&Committed; 2],
+        attempt: &Attempt<'_>,
         from_residual: &Direction,
         from_drives: &Direction,
-        context: IncrementContext,
     ) -> Result<Progress, Trouble> {
+        let (trial, context) = (&attempt.trial, attempt.context());
         // the last evaluation was of this trial state
         let now = self.solids.trial_dissipation();
-        let probe = (PROBE * self.last_move).max(LEAST_PROBE * largest(&trial.displacements));
+        let probe = (PROBE * self.memory.last_move).max(LEAST_PROBE * largest(&trial.displacements));
         let mut slope = |along: &Direction| -> Result<f64, Trouble> {
             let greatest = largest(&along.displacements);
             if greatest == 0.0 {
@@ -144,7 +141,7 @@ impl Equilibrium<'_> {
             let (ahead, back) = (growth(length)?, growth(-length)?);
             Ok(if ahead >= -back { ahead } else { back })
         };
-        let so_far = now - start.dissipation;
+        let so_far = now - attempt.start.dissipation;
         Ok(Progress { so_far, along_residual: slope(from_residual)?, along_drives: slope(from_drives)? })
     }
 
@@ -173,28 +170,22 @@ impl Equilibrium<'_> {
         Direction { displacements: self.system.displacements(unknowns, &drives), drives }
     }
 
-    /// Applies a correction and evaluates; a shorter one if the residual grows. `(predicting, before, request)`: whether
-    /// the drives move, the residual before, what to ask of the points.
-    pub(super) fn advance(
-        &mut self,
-        trial: &mut Committed,
-        direction: &Direction,
-        context: IncrementContext,
-        (predicting, before, request): (bool, f64, Request),
-        statistics: &mut Statistics,
-    ) -> Result<f64, Trouble> {
-        let from = trial.displacements.clone();
-        let work_before = self.work_along(direction);
-        for (drive, change) in trial.drives.iter_mut().zip(&direction.drives) {
+    /// Applies a correction and evaluates; a shorter one if the residual grows. Returns which part of it was applied.
+    pub(super) fn advance(&mut self, attempt: &mut Attempt<'_>, direction: &Direction) -> Result<f64, Trouble> {
+        let predicts = attempt.predicts();
+        let request = if predicts { Request::StressAndTangent } else { self.request_after() };
+        let from = attempt.trial.displacements.clone();
+        let (before, work_before) = (largest(&self.memory.residual), self.work_along(direction));
+        for (drive, change) in attempt.trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
-        self.contact.foretell(&direction.displacements, predicting);
-        direction.place(&from, 1.0, trial);
-        self.evaluate(trial, context, request, statistics)?;
+        self.contact.foretell(&direction.displacements, predicts);
+        direction.place(&from, 1.0, &mut attempt.trial);
+        self.evaluate(attempt, request)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
-        let full = largest(&self.residual);
-        let contact_changes = self.contact_changes > 0 && context.iteration <= BEFORE_HALVING;
-        if !self.model.controls.line_search || predicting || moves_drives || contact_changes || full <= before {
+        let full = largest(&self.memory.residual);
+        let contact_changes = self.contact_changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
+        if !self.model.controls.line_search || predicts || moves_drives || contact_changes || full <= before {
             return Ok(1.0);
         }
         let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };
@@ -203,16 +194,14 @@ impl Equilibrium<'_> {
             return Ok(1.0);
         }
         if self.model.extrapolates() {
-            return self.least_work(trial, direction, (&from, context), work_before, statistics);
+            return self.least_work(attempt, direction, &from, work_before);
         }
         let mut best = (full, 1.0);
         let mut length = 1.0;
         for _ in 0..MAX_HALVINGS {
             length *= 0.5;
-            self.place(direction, &from, length, trial);
-            // with tangents: the one that ends the search is where the next iteration starts
-            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
-            let residual = largest(&self.residual);
+            self.place(attempt, direction, &from, length)?;
+            let residual = largest(&self.memory.residual);
             if residual < best.0 {
                 best = (residual, length);
             }
@@ -221,16 +210,23 @@ impl Equilibrium<'_> {
             }
         }
         if best.1 != length {
-            self.place(direction, &from, best.1, trial);
-            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+            self.place(attempt, direction, &from, best.1)?;
         }
         Ok(best.1)
     }
 
-    /// Displaces by a part of a correction.
-    fn place(&mut self, direction: &Direction, from: &[f64], length: f64, trial: &mut Committed) {
+    /// Displaces by a part of a correction and evaluates with tangents: the one that ends the search is where the next
+    /// iteration starts.
+    fn place(
+        &mut self,
+        attempt: &mut Attempt<'_>,
+        direction: &Direction,
+        from: &[f64],
+        length: f64,
+    ) -> Result<(), Trouble> {
         self.contact.foretell_part(length);
-        direction.place(from, length, trial);
+        direction.place(from, length, &mut attempt.trial);
+        self.evaluate(attempt, Request::StressAndTangent)
     }
 
     /// Applies as much of a correction as minimises the energy along it, from the full one, which passes the minimum: with
@@ -238,11 +234,10 @@ impl Equilibrium<'_> {
     /// one, short of them the same correction would be found again.
     fn least_work(
         &mut self,
-        trial: &mut Committed,
+        attempt: &mut Attempt<'_>,
         direction: &Direction,
-        (from, context): (&[f64], IncrementContext),
+        from: &[f64],
         work_before: f64,
-        statistics: &mut Statistics,
     ) -> Result<f64, Trouble> {
         // regula falsi in Illinois' form
         let (mut low, mut high) = ((0.0, work_before), (1.0, self.work_along(direction)));
@@ -252,8 +247,7 @@ impl Equilibrium<'_> {
                 break;
             }
             length = low.0 + (high.0 - low.0) * (low.1 / (low.1 - high.1)).max(LEAST_OF_BRACKET);
-            self.place(direction, from, length, trial);
-            self.evaluate(trial, context, Request::StressAndTangent, statistics)?;
+            self.place(attempt, direction, from, length)?;
             let work = self.work_along(direction);
             if work.abs() <= MINIMUM_REACHED * work_before.abs() {
                 break;
@@ -271,7 +265,7 @@ impl Equilibrium<'_> {
 
     /// The work of the unbalanced forces along a correction, N mm: 0 where a shorter or longer one gains nothing.
     fn work_along(&self, direction: &Direction) -> f64 {
-        let forces = self.external.iter().zip(&self.internal);
+        let forces = self.memory.external.iter().zip(&self.memory.internal);
         forces.zip(&direction.displacements).map(|((external, internal), change)| (external - internal) * change).sum()
     }
 }

@@ -14,20 +14,22 @@
 
 mod correction;
 mod iteration;
+mod policy;
 mod state;
 
 pub(super) use state::{EquilibriumState, foreign_state};
 
 use super::times::timed;
 use super::zone::Zone;
-use super::{Counts, Energies, ModelError, Statistics, Times};
+use super::{Counts, Energies, ModelError, Times};
 use crate::assembly::solids::SolidEnergies;
-use crate::assembly::{Blocks, Equations, IncrementContext, Place, Solids, System, Trouble, loaded_freedoms, loads};
+use crate::assembly::{Equations, Place, Solids, System, Trouble, loaded_freedoms, loads};
 use crate::contact::{self, Contact, ContactError, PointIndex};
-use crate::model::Model;
+use crate::model::{IncrementContext, Model};
 use crate::solver::SolverError;
 use crate::threads::Threads;
 use serde::{Deserialize, Serialize};
+use state::Memory;
 use umat_abi::law::Request;
 
 /// The state at the end of the last accepted increment.
@@ -89,6 +91,38 @@ pub struct Iteration {
     pub step_length: f64,
 }
 
+/// An attempt at an increment.
+pub(super) struct Attempt<'a> {
+    start: &'a Committed,
+    target: &'a Target,
+    context: IncrementContext,
+    trial: Committed,
+    iterations: Vec<Iteration>,
+    /// Iterations before this round: between rounds contact settles and the far field shrinks.
+    before: usize,
+}
+
+impl<'a> Attempt<'a> {
+    pub(super) fn new(start: &'a Committed, target: &'a Target, context: IncrementContext) -> Self {
+        Self { start, target, context, trial: start.clone(), iterations: Vec::new(), before: 0 }
+    }
+
+    /// The iterations of this round.
+    fn round(&self) -> &[Iteration] {
+        &self.iterations[self.before..]
+    }
+
+    /// Whether the next correction predicts: it takes the drives to where they shall be.
+    fn predicts(&self) -> bool {
+        self.iterations.is_empty()
+    }
+
+    /// What laws are told in the next iteration.
+    fn context(&self) -> IncrementContext {
+        IncrementContext { iteration: u32::try_from(self.iterations.len() + 1).unwrap_or(u32::MAX), ..self.context }
+    }
+}
+
 /// An attempt that converged.
 #[derive(Clone, Debug)]
 pub(super) struct Converged {
@@ -103,35 +137,9 @@ pub(super) struct Equilibrium<'m> {
     pub(super) contact: Contact,
     pub(super) system: System,
     zone: Zone,
-    internal: Vec<f64>,
-    contact_forces: Vec<f64>,
-    external: Vec<f64>,
-    residual: Vec<f64>,
-    blocks: Blocks,
-    /// Whether a factor of the present pattern exists.
-    factorised: bool,
-    /// Whether its tangents are of contact laws that were asked elsewhere than at their gaps.
-    factor_is_elsewhere: bool,
-    /// The solids' stiffnesses in the matrix.
-    assembled_version: u64,
-    /// Whether the last evaluation gave tangents.
-    has_tangents: bool,
-    /// By which the last correction multiplied the residual.
-    last_reduction: f64,
-    /// Iterations of the last increment.
-    last_iterations: usize,
-    /// Whether the last evaluation is of the committed state, with the tangents that led there.
-    at_committed_state: bool,
-    /// The largest force scale so far.
-    greatest_scale: f64,
-    /// Elements whose stiffness is not the consistent one.
-    fallen_back: Vec<usize>,
+    pub(super) memory: Memory,
     /// The largest coordinate, mm.
     extent: f64,
-    /// Forces that rounding of positions makes of the largest stiffness, N.
-    rounding: f64,
-    /// The largest change of a displacement in the last increment, mm.
-    last_move: f64,
     /// Contact points that opened or closed in the last evaluation.
     contact_changes: usize,
     /// The contact point that leads, and its slip at the start of the increment.
@@ -168,23 +176,8 @@ impl<'m> Equilibrium<'m> {
             contact,
             system,
             zone,
-            internal: vec![0.0; freedoms],
-            contact_forces: vec![0.0; freedoms],
-            external: vec![0.0; freedoms],
-            residual: Vec::new(),
-            blocks: Blocks::default(),
-            factorised: false,
-            factor_is_elsewhere: false,
-            assembled_version: 0,
-            has_tangents: false,
-            last_reduction: 1.0,
-            last_iterations: 0,
-            at_committed_state: false,
-            greatest_scale: 0.0,
-            fallen_back: Vec::new(),
+            memory: Memory::new(freedoms),
             extent: model.mesh.nodes().iter().flatten().fold(0.0, |largest: f64, x| largest.max(x.abs())),
-            rounding: 0.0,
-            last_move: 0.0,
             contact_changes: 0,
             leading_point: None,
             breaking_point: None,
@@ -200,69 +193,63 @@ impl<'m> Equilibrium<'m> {
         self.threads = threads;
     }
 
-    /// Finds equilibrium for a target from the committed state.
-    pub(super) fn attempt(
-        &mut self,
-        start: &Committed,
-        target: &Target,
-        context: IncrementContext,
-        statistics: &mut Statistics,
-    ) -> Result<Converged, Trouble> {
-        let mut trial = start.clone();
-        let mut iterations: Vec<Iteration> = Vec::new();
-        if !self.at_committed_state {
-            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+    /// Finds equilibrium for a target from the committed state: rounds of iterations until contact has settled and the far
+    /// field is elastic.
+    pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
+        if !self.memory.at_committed_state {
+            self.evaluate(&attempt, Request::StressAndTangent)?;
         }
-        self.at_committed_state = false;
+        self.memory.at_committed_state = false;
         let mut settlements = 0;
         self.contact.foretell_nothing();
         loop {
-            let round = self.newton(start, &mut trial, target, context, iterations.len(), statistics)?;
-            iterations.extend(round);
+            self.newton(&mut attempt)?;
             if self.contact.settle().again {
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
                     return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
                 }
-                statistics.settlements += 1;
+                self.memory.statistics.settlements += 1;
             } else {
-                self.last_iterations = iterations.len();
-                self.prepare_next(&trial, context, statistics)?;
-                if self.far_field_holds(&mut trial, context)? {
+                self.memory.last_iterations = attempt.iterations.len();
+                self.prepare_next(&attempt)?;
+                if self.far_field_holds(&mut attempt)? {
                     break;
                 }
-                statistics.expansions += 1;
+                self.memory.statistics.expansions += 1;
             }
-            let context = IncrementContext { iteration: iteration_number(iterations.len()), ..context };
-            self.evaluate(&trial, context, Request::StressAndTangent, statistics)?;
+            self.evaluate(&attempt, Request::StressAndTangent)?;
         }
-        trial.mean_slip = self.contact.mean_slip();
-        trial.dissipation = self.solids.trial_dissipation();
-        trial.external.clone_from(&self.external);
-        trial.reactions = self.internal.iter().zip(&self.external).map(|(i, e)| i - e).collect();
-        Ok(Converged { end: trial, iterations })
+        let Attempt { trial: mut end, iterations, .. } = attempt;
+        end.mean_slip = self.contact.mean_slip();
+        end.dissipation = self.solids.trial_dissipation();
+        end.external.clone_from(&self.memory.external);
+        end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
+        Ok(Converged { end, iterations })
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
     /// that are no longer elastic iterate from now on.
-    fn far_field_holds(&mut self, trial: &mut Committed, context: IncrementContext) -> Result<bool, Trouble> {
+    fn far_field_holds(&mut self, attempt: &mut Attempt<'_>) -> Result<bool, Trouble> {
         if !self.zone.condenses() {
             return Ok(true);
         }
+        let context = attempt.context();
+        let trial = &mut attempt.trial;
         self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
-        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.internal);
+        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
         let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
         self.solids.set_active(&far);
-        let Self { solids, internal, times, .. } = self;
+        let Self { solids, memory, times, .. } = self;
         let called = timed(&mut times.solids, || {
-            solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, internal)
+            solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut memory.internal)
         });
         self.solids.set_active(self.zone.active());
         called?;
         let equations = self.system.equations();
         let mut residual = vec![0.0; equations.count()];
-        equations.reduce(&self.unbalanced(), &mut residual);
-        let limit = (self.model.controls.force_tolerance * self.force_scale()).max(self.rounding);
+        equations.reduce(&self.memory.unbalanced(), &mut residual);
+        let limit = (self.model.controls.force_tolerance * self.force_scale()).max(self.memory.rounding);
         let unbalanced: Vec<bool> = residual.iter().map(|force| force.abs() > limit).collect();
         if !unbalanced.contains(&true) {
             return Ok(true);
@@ -281,32 +268,32 @@ impl<'m> Equilibrium<'m> {
             .map_err(|error| unsolvable(&error))?;
         self.system.set_threads(&self.threads);
         self.solids.set_active(self.zone.active());
-        self.factorised = false;
+        self.memory.factorised = false;
         Ok(false)
     }
 
     /// The last attempt becomes the committed state.
     pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
         self.breaking_point = None;
-        self.last_move = largest_difference(&end.displacements, &start.displacements);
+        self.memory.last_move = largest_difference(&end.displacements, &start.displacements);
         self.solids.commit(&end.displacements);
         self.contact.commit();
-        self.at_committed_state = true;
+        self.memory.at_committed_state = true;
     }
 
     /// Releases torn elements after an increment was accepted, and the points of contact on them.
     pub(super) fn release(&mut self, elements: &[usize]) {
         self.solids.release(elements);
         self.contact.release(|element| self.solids.is_spalled(element));
-        self.at_committed_state = false;
+        self.memory.at_committed_state = false;
     }
 
     /// The last attempt is forgotten.
     pub(super) fn restore(&mut self) {
-        self.last_reduction = 1.0;
+        self.memory.last_reduction = 1.0;
         self.solids.restore();
         self.contact.restore();
-        self.at_committed_state = false;
+        self.memory.at_committed_state = false;
     }
 
     /// Energies of the committed state but for the external work.
@@ -317,11 +304,6 @@ impl<'m> Equilibrium<'m> {
     /// Energies of the state of the last evaluation but for the external work.
     pub(super) fn trial_energies(&self) -> Energies {
         stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies())
-    }
-
-    /// Forces that rounding makes, N.
-    pub(super) fn rounding(&self) -> f64 {
-        self.rounding
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -340,63 +322,53 @@ impl<'m> Equilibrium<'m> {
     fn force_scale(&mut self) -> f64 {
         let equations = self.system.equations();
         let held = |freedom: usize| equations.equations_of(freedom).is_empty();
-        let reactions = self.internal.iter().zip(&self.external).enumerate();
+        let reactions = self.memory.internal.iter().zip(&self.memory.external).enumerate();
         let reaction = reactions.filter(|(f, _)| held(*f)).map(|(_, (i, e))| (i - e).abs()).fold(0.0, f64::max);
-        let scale = reaction.max(largest(&self.external)).max(largest(&self.contact_forces));
-        self.greatest_scale = self.greatest_scale.max(scale);
-        scale.max(LEAST_RELATIVE_SCALE * self.greatest_scale)
+        let scale = reaction.max(largest(&self.memory.external)).max(largest(&self.memory.contact_forces));
+        self.memory.greatest_scale = self.memory.greatest_scale.max(scale);
+        scale.max(LEAST_RELATIVE_SCALE * self.memory.greatest_scale)
     }
 
-    /// Forces, residual and, if wanted, tangents at a trial state.
-    fn evaluate(
-        &mut self,
-        trial: &Committed,
-        context: IncrementContext,
-        request: Request,
-        statistics: &mut Statistics,
-    ) -> Result<(), Trouble> {
-        statistics.evaluations += 1;
-        self.has_tangents = request.wants_tangent();
-        self.internal.fill(0.0);
-        let Self { solids, internal, times, .. } = self;
-        timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, internal))?;
-        if self.has_tangents {
-            self.blocks.clear();
+    /// Forces, residual and, if wanted, tangents at the trial state.
+    pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>, request: Request) -> Result<(), Trouble> {
+        let (trial, context) = (&attempt.trial, attempt.context());
+        let Model { mesh, nlgeom, loads, fields, steps, .. } = self.model;
+        let Self { solids, contact, system, memory, times, .. } = self;
+        memory.statistics.evaluations += 1;
+        memory.has_tangents = request.wants_tangent();
+        memory.internal.fill(0.0);
+        timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
+        if memory.has_tangents {
+            memory.blocks.clear();
         }
-        self.contact_forces.fill(0.0);
-        if self.model.fields.change() {
-            let [start, end] = self.model.fields.over(&self.model.steps, &context);
-            self.contact.set_fields(&start, &end);
+        memory.contact_forces.fill(0.0);
+        if fields.change() {
+            let [start, end] = fields.over(steps, &context);
+            contact.set_fields(&start, &end);
         }
-        let Self { contact, contact_forces, blocks, times, .. } = self;
+        let Memory { contact_forces, blocks, .. } = memory;
         let evaluation = timed(&mut times.contact, || {
             contact.evaluate(&trial.displacements, &context, request, contact_forces, blocks)
         })?;
         self.contact_changes = evaluation.changes;
-        self.internal.iter_mut().zip(&self.contact_forces).for_each(|(sum, force)| *sum += force);
-        self.external.fill(0.0);
-        for load in &self.model.loads {
+        memory.internal.iter_mut().zip(&memory.contact_forces).for_each(|(sum, force)| *sum += force);
+        memory.external.fill(0.0);
+        for load in loads {
             let factor = trial.drives[load.drive];
-            let blocks = request.wants_tangent().then_some(&mut self.blocks);
-            let Model { mesh, nlgeom, .. } = self.model;
-            loads::external(mesh, nlgeom, &load.kind, factor, &trial.displacements, &mut self.external, blocks);
+            let blocks = request.wants_tangent().then_some(&mut memory.blocks);
+            loads::external(mesh, nlgeom, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
         }
-        self.system.add_far_forces(&trial.displacements, 1.0, &mut self.internal);
-        let unbalanced = self.unbalanced();
-        self.residual = self.system.reduce(&unbalanced);
+        system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
+        let unbalanced = memory.unbalanced();
+        memory.residual = system.reduce(&unbalanced);
         match unbalanced.iter().position(|force| !force.is_finite()) {
             None => Ok(()),
             Some(freedom) => {
                 let node = freedom / 2;
-                let place = Place::Node { node, position: self.model.mesh.nodes()[node] };
+                let place = Place::Node { node, position: mesh.nodes()[node] };
                 Err(trouble(place, "the internal force is not a finite number".into(), CUT))
             }
         }
-    }
-
-    /// External less internal forces.
-    fn unbalanced(&self) -> Vec<f64> {
-        self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
 }
 
@@ -426,10 +398,6 @@ fn trouble(place: Place, reason: String, fraction: f64) -> Trouble {
     Trouble { place, reason, fraction: Some(fraction) }
 }
 
-fn iteration_number(done: usize) -> u32 {
-    u32::try_from(done + 1).unwrap_or(u32::MAX)
-}
-
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |greatest, value| value.abs().max(greatest))
 }
@@ -451,14 +419,14 @@ impl Equilibrium<'_> {
         context: IncrementContext,
         request: Request,
     ) -> Result<Vec<f64>, Trouble> {
-        self.evaluate(trial, context, request, &mut Statistics::default())?;
-        Ok(self.residual.clone())
+        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context), request)?;
+        Ok(self.memory.residual.clone())
     }
 
     /// K times unknowns by rows, with the tangents of the last evaluation.
     pub(super) fn tangent_times(&mut self, unknowns: &[f64]) -> Vec<f64> {
         self.system.assemble_elements(&self.solids);
-        self.system.set_blocks(&self.blocks);
+        self.system.set_blocks(&self.memory.blocks);
         self.system.multiply(unknowns)
     }
 }

@@ -2,57 +2,95 @@
 
 use super::{Equilibrium, coupled_freedoms};
 use crate::assembly::solids::SolidsState;
-use crate::assembly::{Blocks, Equations, SystemState};
+use crate::assembly::{Equations, SystemState};
 use crate::contact::ContactState;
 use crate::model::Model;
-use crate::stepping::ModelError;
+use crate::solver::Blocks;
 use crate::stepping::zone::Zone;
+use crate::stepping::{ModelError, Statistics};
 use serde::{Deserialize, Serialize};
 
-/// States, the elements that iterate, the scales that tolerances are relative to, and what the next increment begins with:
-/// the last evaluation, stiffnesses and the matrix, which may be of an earlier increment. The factor follows from the
-/// matrix. A checkpoint does not change a run, and one that is resumed goes on to the same bits.
+/// What the next increment begins with: the last evaluation, what was learnt of tangents and factors, and the scales that
+/// tolerances are relative to.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub(in crate::stepping) struct Memory {
+    pub(super) internal: Vec<f64>,
+    pub(super) contact_forces: Vec<f64>,
+    pub(super) external: Vec<f64>,
+    /// What is left of the forces, by rows.
+    pub(super) residual: Vec<f64>,
+    pub(super) blocks: Blocks,
+    /// Whether a factor of the present pattern exists.
+    pub(super) factorised: bool,
+    /// Whether its tangents are of contact laws that were asked elsewhere than at their gaps.
+    pub(super) factor_is_elsewhere: bool,
+    /// The solids' stiffnesses in the matrix.
+    pub(super) assembled_version: u64,
+    /// Whether the last evaluation gave tangents.
+    pub(super) has_tangents: bool,
+    /// By which the last correction multiplied the residual.
+    pub(super) last_reduction: f64,
+    /// Iterations of the last increment.
+    pub(super) last_iterations: usize,
+    /// Whether the last evaluation is of the committed state, with the tangents that led there.
+    pub(super) at_committed_state: bool,
+    /// The largest force scale so far.
+    pub(super) greatest_scale: f64,
+    /// Elements whose stiffness is not the consistent one.
+    pub(super) fallen_back: Vec<usize>,
+    /// Forces that rounding of positions makes of the largest stiffness, N.
+    pub(in crate::stepping) rounding: f64,
+    /// The largest change of a displacement in the last increment, mm.
+    pub(super) last_move: f64,
+    pub(in crate::stepping) statistics: Statistics,
+}
+
+impl Memory {
+    pub(super) fn new(freedoms: usize) -> Self {
+        let zero = vec![0.0; freedoms];
+        Self {
+            internal: zero.clone(),
+            contact_forces: zero.clone(),
+            external: zero,
+            last_reduction: 1.0,
+            ..Self::default()
+        }
+    }
+
+    /// External less internal forces.
+    pub(super) fn unbalanced(&self) -> Vec<f64> {
+        self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
+    }
+
+    /// Whether what it has of freedoms, rows and elements is of this equilibrium.
+    fn fits(&self, made: &Equilibrium<'_>) -> bool {
+        let freedoms = made.memory.internal.len();
+        [&self.internal, &self.contact_forces, &self.external].into_iter().all(|forces| forces.len() == freedoms)
+            && self.residual.len() == made.system.row_count()
+            && self.blocks.is_sound(freedoms)
+            && self.fallen_back.iter().all(|&element| element < made.model.mesh.elements().len())
+    }
+}
+
+/// The memory with states and the elements that iterate, and the matrix, which may be of an earlier increment. The factor
+/// follows from the matrix. A checkpoint does not change a run, and one that is resumed goes on to the same bits.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct EquilibriumState {
     solids: SolidsState,
     contact: ContactState,
     system: SystemState,
     zone: Zone,
-    greatest_scale: f64,
-    rounding: f64,
-    last_move: f64,
-    last_iterations: usize,
-    last_reduction: f64,
-    assembled_version: u64,
-    factorised: bool,
-    factor_is_elsewhere: bool,
-    has_tangents: bool,
-    at_committed_state: bool,
-    fallen_back: Vec<usize>,
-    /// Internal, contact and external forces of the last evaluation, and what is left of them by rows.
-    forces: [Vec<f64>; 3],
-    residual: Vec<f64>,
-    blocks: Blocks,
+    pub(in crate::stepping) memory: Memory,
 }
 
 impl EquilibriumState {
-    /// Whether the scales are numbers.
-    pub(in crate::stepping) fn is_finite(&self) -> bool {
-        let scales = [self.greatest_scale, self.rounding, self.last_move];
-        scales
-            .into_iter()
-            .chain(self.forces.iter().flatten().copied())
-            .chain(self.residual.iter().copied())
-            .all(f64::is_finite)
-    }
-
-    /// Whether what it has of freedoms, rows and elements is of this equilibrium.
-    fn fits(&self, made: &Equilibrium<'_>) -> bool {
-        let freedoms = made.internal.len();
-        self.forces.iter().all(|forces| forces.len() == freedoms)
-            && self.residual.len() == made.system.row_count()
-            && self.blocks.is_sound(freedoms)
-            && self.fallen_back.iter().all(|&element| element < made.model.mesh.elements().len())
+    /// Whether a run can have come to its forces, scales and counts.
+    pub(in crate::stepping) fn is_sound(&self) -> bool {
+        let Memory { internal, contact_forces, external, residual, greatest_scale, rounding, last_move, .. } =
+            &self.memory;
+        let forces = [internal, contact_forces, external, residual].into_iter().flatten();
+        forces.chain([greatest_scale, rounding, last_move]).all(|number| number.is_finite())
+            && self.memory.statistics.is_sound()
     }
 }
 
@@ -62,22 +100,9 @@ impl<'m> Equilibrium<'m> {
         EquilibriumState {
             solids: self.solids.state(),
             contact: self.contact.state(),
-            zone: self.zone.clone(),
-            greatest_scale: self.greatest_scale,
-            rounding: self.rounding,
-            last_move: self.last_move,
-            last_iterations: self.last_iterations,
             system: self.system.state(),
-            last_reduction: self.last_reduction,
-            assembled_version: self.assembled_version,
-            factorised: self.factorised,
-            factor_is_elsewhere: self.factor_is_elsewhere,
-            has_tangents: self.has_tangents,
-            at_committed_state: self.at_committed_state,
-            fallen_back: self.fallen_back.clone(),
-            forces: [&self.internal, &self.contact_forces, &self.external].map(Vec::clone),
-            residual: self.residual.clone(),
-            blocks: self.blocks.clone(),
+            zone: self.zone.clone(),
+            memory: self.memory.clone(),
         }
     }
 
@@ -98,25 +123,14 @@ impl<'m> Equilibrium<'m> {
             made.system = made.zone.system(model, equations, &coupled_freedoms(model, &made.contact), &made.solids)?;
             made.solids.set_active(made.zone.active());
         }
-        let fits = state.fits(&made)
+        let fits = state.memory.fits(&made)
             && made.solids.set_state(&state.solids)
             && made.contact.set_state(&state.contact)
             && made.system.set_state(&state.system);
         if !fits {
             return Err(foreign_state());
         }
-        [made.internal, made.contact_forces, made.external] = state.forces.clone();
-        made.residual.clone_from(&state.residual);
-        made.blocks.clone_from(&state.blocks);
-        made.fallen_back.clone_from(&state.fallen_back);
-        (made.factorised, made.assembled_version) = (state.factorised, state.assembled_version);
-        made.factor_is_elsewhere = state.factor_is_elsewhere;
-        (made.has_tangents, made.at_committed_state) = (state.has_tangents, state.at_committed_state);
-        made.last_reduction = state.last_reduction;
-        made.greatest_scale = state.greatest_scale;
-        made.rounding = state.rounding;
-        made.last_move = state.last_move;
-        made.last_iterations = state.last_iterations;
+        made.memory = state.memory.clone();
         Ok(made)
     }
 }

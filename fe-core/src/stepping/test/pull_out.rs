@@ -2,13 +2,13 @@
 
 use super::super::newton::{Committed, Equilibrium};
 use super::{Keeper, run};
-use crate::assembly::{Equations, IncrementContext};
+use crate::assembly::Equations;
 use crate::kinematics::PlaneModel;
 use crate::mesh::Mesh;
 use crate::mesh::specimen::{Configuration, FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use crate::model::{
-    ContactLaw, ContactPair, Controls, Enforcement, Measured, Model, PluginLaw, Quadrature, Skipping, Step,
-    StepControl, Support, Width,
+    ContactLaw, ContactPair, Controls, Enforcement, IncrementContext, Measured, Model, PluginLaw, Quadrature, Skipping,
+    Step, StepControl, Support, Width,
 };
 use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
 use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};

@@ -1,0 +1,180 @@
+//! Whether an increment that converged may stand.
+
+use super::{Lead, Led, LoadHistory, StepRun};
+use crate::assembly::{Place, Trouble};
+use crate::stepping::newton::{Converged, Leader};
+
+/// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
+const ENERGY_TOLERANCE: f64 = 3e-4;
+/// What all increments have added may come to so much of the work (doc.md): an increment that adds to it may add less, the
+/// less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
+pub const ENERGY_BUDGET: f64 = 1e-3;
+/// but not less than this part of its usual share.
+const LEAST_SHARE: f64 = 0.05;
+/// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
+const ENERGY_MARGIN: f64 = 0.7;
+const MAX_ENERGY_REFUSALS: u32 = 6;
+/// Overstress cuts increments to this part of the greatest.
+const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
+/// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
+const MAX_ENERGY_LOOKS: u32 = 3;
+const LOOK: f64 = 0.3;
+/// The load of neighbours of the peak differs by less than this part of it.
+const PEAK_RESOLUTION: f64 = 2e-3;
+/// The drives move at most so many times as far as in the last increment where dissipation leads: elastic unloading needs
+/// next to none of it, and would be taken for the path.
+const LARGEST_TURN: f64 = 2.0;
+/// A load that falls by more than this part of the greatest in one increment, while the drive pulls on, has jumped over a
+/// snap-back, which another lead can follow.
+const LARGEST_FALL: f64 = 0.05;
+/// After so many refusals a jump stands: no lead follows it.
+const MAX_REFUSALS: u32 = 12;
+/// An increment that jumped is repeated with this part of it.
+const JUMP_CUT: f64 = 0.3;
+/// Aim a little below the greatest admissible slip.
+pub(super) const SLIP_MARGIN: f64 = 0.9;
+/// No single judgement makes an increment smaller than this part.
+const LEAST_FRACTION: f64 = 0.05;
+
+/// What an increment that converged is judged by.
+#[derive(Clone, Copy, Debug, Default)]
+pub(in crate::stepping) struct Findings {
+    /// |load| at its end.
+    pub(in crate::stepping) load: f64,
+    /// The largest growth of a contact point's slip, as a multiple of what is admissible.
+    pub(in crate::stepping) slip_growth: f64,
+    /// Whether the drive of the slip went where the load pulls.
+    pub(in crate::stepping) pulls_on: bool,
+    /// What the increment adds to the imbalance of the energies, and that imbalance before it, relative to the work.
+    pub(in crate::stepping) energy_error: f64,
+    pub(in crate::stepping) energy_error_before: f64,
+    /// The work of the overstress of laws that extrapolate in the increment, likewise.
+    pub(in crate::stepping) overstress: f64,
+    /// Whether the drives took energy back that was stored: elastic unloading.
+    pub(in crate::stepping) gives_back: bool,
+}
+
+impl Findings {
+    /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
+    fn imbalance_excess(&self) -> f64 {
+        let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
+        self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
+    }
+}
+
+/// Why an increment that converged may not stand.
+#[derive(Debug)]
+pub(in crate::stepping) struct Judgement {
+    pub(in crate::stepping) trouble: Trouble,
+    /// Whether it is worth no more than one that did not converge.
+    pub(in crate::stepping) has_failed: bool,
+}
+
+impl StepRun {
+    /// Whether a converged increment may stand; otherwise with which part of it to try again.
+    pub(in crate::stepping) fn judge(
+        &mut self,
+        converged: &Converged,
+        load: LoadHistory,
+        findings: Findings,
+    ) -> Result<(), Judgement> {
+        if let Lead::Other(Led { by, .. }) = self.lead {
+            let progress = self.progress_of(&converged.end.drives);
+            if progress >= 1.0 {
+                // the step's end lies within: go there
+                self.lead = Lead::Drives;
+                self.size.restart(1.0 - self.progress);
+                return Err(repeat("the increment passes the end of the step", 1.0));
+            }
+            let turns = (progress - self.progress).abs() > LARGEST_TURN * self.last_progress.abs();
+            if by == Leader::Dissipation && turns && !self.is_least() {
+                return Err(failed("the drives leave the path of the last increments"));
+            }
+        }
+        if matches!(self.lead, Lead::Other(_)) && findings.gives_back {
+            return Err(failed(
+                "the drives turn back, and what they take back was stored: the specimen unloads elastically",
+            ));
+        }
+        let fall = (load.last - findings.load) / load.greatest;
+        let jumps = match self.lead {
+            Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
+            Lead::Other(_) => fall.abs() > LARGEST_FALL,
+        };
+        if jumps && load.greatest > load.noise && self.jumps_refused < MAX_REFUSALS && !self.is_least() {
+            self.jumps_refused += 1;
+            return Err(failed("the load jumps"));
+        }
+        if self.refuses_energies(&findings).is_some() {
+            self.energy_refused += 1;
+            let fraction = self.energy_excess(&findings).recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+            return Err(repeat("the energies of the increment do not balance", fraction));
+        }
+        if !self.locates_peak || load.peaked || self.is_least() {
+            return Ok(());
+        }
+        if findings.slip_growth > 1.0 {
+            let fraction = (SLIP_MARGIN / findings.slip_growth).max(LEAST_FRACTION);
+            return Err(repeat("the slip of a contact point grows too fast to follow its law", fraction));
+        }
+        if findings.load < load.greatest * (1.0 - PEAK_RESOLUTION) {
+            return Err(repeat("the load has a peak within the increment", 0.5));
+        }
+        Ok(())
+    }
+
+    /// The size of an increment that is refused because its energies do not balance.
+    pub(in crate::stepping) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
+        let refuses = self.size.is_automatic()
+            && self.misses_energies(findings)
+            && self.energy_refused < MAX_ENERGY_REFUSALS
+            && !self.is_least();
+        refuses.then_some(self.attempted)
+    }
+
+    /// Whether an increment under the drives adds more to the imbalance of the energies than it may.
+    fn misses_energies(&self, findings: &Findings) -> bool {
+        matches!(self.lead, Lead::Drives) && self.energy_excess(findings) > 1.0
+    }
+
+    /// How much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
+    /// What snaps back costs its overstress in increments of any size: it cuts them to some size only.
+    fn energy_excess(&self, findings: &Findings) -> f64 {
+        let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
+        let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
+        findings.imbalance_excess().max(overstress)
+    }
+
+    /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for
+    /// equal increments and so refuses none for their energies. Empty: there is nothing to tell, or it was looked at too
+    /// often.
+    pub(in crate::stepping) fn smaller_looks(&mut self, findings: &Findings) -> Vec<Self> {
+        if self.size.is_automatic() || self.energy_looks == MAX_ENERGY_LOOKS || !self.misses_energies(findings) {
+            return Vec::new();
+        }
+        self.energy_looks += 1;
+        let part = |power| {
+            let mut look = self.clone();
+            look.size.cut(self.attempted, LOOK.powi(power));
+            look
+        };
+        vec![part(1), part(2)]
+    }
+
+    /// Whether a smaller increment is not allowed.
+    pub(super) fn is_least(&self) -> bool {
+        match self.lead {
+            Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
+            Lead::Other(led) => led.increment * 0.5 < led.least(),
+        }
+    }
+}
+
+pub(super) fn repeat(reason: &str, fraction: f64) -> Judgement {
+    let trouble = Trouble { place: Place::System, reason: reason.into(), fraction: Some(fraction) };
+    Judgement { trouble, has_failed: false }
+}
+
+fn failed(reason: &str) -> Judgement {
+    Judgement { has_failed: true, ..repeat(reason, JUMP_CUT) }
+}

@@ -1,0 +1,105 @@
+//! What an increment that converged is judged by: its load, its slips, and what its energies miss.
+
+use super::control::Findings;
+use super::newton::{Committed, Converged, Equilibrium, largest};
+use super::{Analysis, Energies, Snapshot};
+use crate::assembly::solids::SolidEnergies;
+
+/// Where the drives take energy back, at least this part of it is dissipated: less is elastic unloading.
+const LEAST_DISSIPATION: f64 = 1e-2;
+/// The energy error is relative to at least this part of the greatest work so far.
+const LEAST_RELATIVE_WORK: f64 = 1e-3;
+
+impl Analysis<'_> {
+    /// What a converged increment is judged by.
+    pub(super) fn findings(&self, converged: &Converged) -> Findings {
+        let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
+        let trial =
+            Snapshot::new(self.model, solids, contact, system.equations(), &converged.end, self.present.total_time);
+        let [load, _] = self.measured_load(&trial);
+        let drive = |state: &Committed| self.model.measured.slip_of(&state.drives);
+        // what temperature and fields do to a material is no work of the drives
+        let is_driven_alone = !self.model.fields.change();
+        let [energy_error_before, energy_error] =
+            if is_driven_alone { self.energy_errors_of(&converged.end) } else { [0.0; 2] };
+        let external_work = self.external_work_at(&converged.end);
+        let overstress = if self.model.extrapolates() {
+            let reference = self.work_reference(external_work, &converged.end);
+            let spent = solids.trial_energies().overstress - solids.energies().overstress;
+            if reference > 0.0 { spent / reference } else { 0.0 }
+        } else {
+            0.0
+        };
+        Findings {
+            load: load.abs(),
+            pulls_on: (drive(&converged.end) - drive(&self.present.committed)) * load > 0.0,
+            slip_growth: contact.largest_slip_growth().map_or(0.0, |growth| growth.ratio),
+            energy_error,
+            energy_error_before,
+            overstress,
+            gives_back: is_driven_alone && self.gives_back(external_work - self.present.energies.external_work),
+        }
+    }
+
+    /// Whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
+    /// increment.
+    fn gives_back(&self, work: f64) -> bool {
+        // sums over all points
+        let spent = || self.equilibrium.trial_energies().since(&self.equilibrium.energies()).spent();
+        work < 0.0 && spent() < LEAST_DISSIPATION * -work
+    }
+
+    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
+    /// the increment's size if its energies do not balance.
+    pub(super) fn believed_findings(
+        &mut self,
+        findings: Findings,
+        converged: &Converged,
+        refused: Option<f64>,
+    ) -> Findings {
+        if !self.equilibrium.solids.has_unproven_energies() {
+            return findings;
+        }
+        let end = &converged.end;
+        let added = findings.energy_error * self.work_reference(self.external_work_at(end), end);
+        let refused = refused.map(|size| [size, added]);
+        let found = self.equilibrium.solids.judge_energies(refused);
+        if found.is_empty() {
+            return findings;
+        }
+        for part in found {
+            let Some(account) = self.present.datum_accounts.get(part) else { continue };
+            let SolidEnergies { stored, plastic, damage, .. } = account.reported();
+            let datum = &mut self.present.datum;
+            datum.elastic -= stored;
+            datum.plastic -= plastic;
+            datum.damage -= damage;
+            datum.unaccounted += account.work;
+        }
+        let external_work = self.present.energies.external_work;
+        self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
+        self.findings(converged)
+    }
+
+    /// The imbalance of the energies, and what an increment would add to it, relative to the work at its end.
+    fn energy_errors_of(&self, end: &Committed) -> [f64; 2] {
+        let external_work = self.external_work_at(end);
+        let energies = Energies { external_work, ..self.equilibrium.trial_energies().since(&self.present.datum) };
+        let reference = self.work_reference(external_work, end);
+        let before = self.present.energies.imbalance();
+        let relative = |imbalance: f64| if reference > 0.0 { imbalance / reference } else { 0.0 };
+        [before, energies.imbalance() - before].map(relative)
+    }
+
+    /// The work of supports and loads up to the end of an increment, N mm.
+    fn external_work_at(&self, end: &Committed) -> f64 {
+        let equations = self.equilibrium.system.equations();
+        self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
+    }
+
+    /// What an imbalance of the energies is compared with, N mm.
+    pub(super) fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
+        let rounding = self.equilibrium.memory.rounding * largest(&state.displacements);
+        external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(rounding)
+    }
+}

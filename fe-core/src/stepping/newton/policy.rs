@@ -1,0 +1,137 @@
+//! Which tangents and which factor serve an iteration.
+
+use super::{Attempt, Equilibrium, unsolvable};
+use crate::assembly::solids::TangentChoice;
+use crate::assembly::{Trouble, touching};
+use crate::solver::Symmetry;
+use crate::stepping::times::timed;
+use umat_abi::law::Request;
+
+/// After how many iterations the stiffness of damaging elements out of balance becomes safer (doc.md). That of plastic
+/// ones is safe, and the elastic one far too stiff where flow spreads.
+const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
+/// A residual that falls faster than this needs no safer stiffness.
+const SLOW_REDUCTION: f64 = 0.5;
+/// Iterations that still converge as slowly as this after as many put tangents in doubt: Newton's method squares what is
+/// left.
+const LINEAR_REDUCTION: f64 = 0.1;
+const BEFORE_DOUBT: usize = 4;
+/// A factor that made the residual smaller by this serves again.
+const FAST_REDUCTION: f64 = 0.05;
+/// Only while increments need at most so many iterations.
+const EASY_WITH_OLD_FACTORS: usize = 6;
+/// Positions are known to a few units of their last place.
+const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+impl Equilibrium<'_> {
+    /// Makes sure of a factor that is good enough: the last one while it converges fast, otherwise one of the present
+    /// tangents, or of others where those did not help.
+    pub(super) fn prepare_factor(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+        let done = attempt.round().len();
+        let is_slow = self.memory.last_reduction > SLOW_REDUCTION;
+        if let Some((_, choice)) = FALLBACKS.iter().find(|(after, _)| is_slow && *after == done) {
+            self.choose_tangents(*choice);
+        }
+        let is_linear = self.memory.last_reduction > LINEAR_REDUCTION;
+        if done == BEFORE_DOUBT && is_linear && self.solids.doubts_tangents() {
+            self.judge_tangents(attempt)?;
+        }
+        if self.may_reuse_factor() {
+            return Ok(());
+        }
+        if !self.memory.has_tangents {
+            self.evaluate(attempt, Request::StressAndTangent)?;
+        }
+        self.factorise()
+    }
+
+    /// Compares tangents in doubt with differences; where they are far off, differences take their place.
+    fn judge_tangents(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+        self.solids.compare_tangents();
+        let compared = self.evaluate(attempt, Request::StressAndTangent);
+        if self.solids.judge_tangents() {
+            self.memory.has_tangents = false;
+            self.memory.last_reduction = 1.0;
+        }
+        compared
+    }
+
+    /// Makes the stiffness of elements that are out of balance safer: of all elements, back to the consistent one.
+    pub(super) fn choose_tangents(&mut self, choice: TangentChoice) {
+        if choice == TangentChoice::Consistent {
+            for element in std::mem::take(&mut self.memory.fallen_back) {
+                self.solids.set_tangent_choice(element, choice);
+                self.memory.has_tangents = false;
+            }
+            return;
+        }
+        let limit = self.model.controls.force_tolerance * self.force_scale();
+        let residual = &self.memory.residual;
+        let unbalanced = (0..residual.len()).filter(|&row| residual[row].abs() > limit);
+        let freedoms: Vec<usize> = unbalanced.map(|row| 2 * self.system.node_of_row(row)).collect();
+        let both: Vec<usize> = freedoms.iter().flat_map(|&freedom| [freedom, freedom + 1]).collect();
+        for (element, is_unbalanced) in touching(&self.model.mesh, &both).into_iter().enumerate() {
+            if is_unbalanced && self.solids.softens(element) {
+                self.solids.set_tangent_choice(element, choice);
+                self.memory.fallen_back.push(element);
+                self.memory.has_tangents = false;
+                self.memory.last_reduction = 1.0;
+            }
+        }
+    }
+
+    /// Where the last increment was hard an old factor makes the next one harder: cracks turn the stiffness over. One of
+    /// contact laws that were asked elsewhere than at their gaps serves once.
+    fn may_reuse_factor(&self) -> bool {
+        let was_easy = self.memory.last_iterations <= EASY_WITH_OLD_FACTORS;
+        let is_known = self.memory.factorised && !self.memory.factor_is_elsewhere;
+        let converges_fast = self.memory.last_reduction < FAST_REDUCTION;
+        self.model.skipping.factor_reuse && was_easy && is_known && converges_fast
+    }
+
+    /// What to ask of the points after a correction: no tangents if an old factor serves the next iteration. The tangents
+    /// of the last iteration of an increment are not for nothing: the next increment begins with them.
+    pub(super) fn request_after(&self) -> Request {
+        if self.model.skipping.unused_tangents && self.may_reuse_factor() {
+            Request::Stress
+        } else {
+            Request::StressAndTangent
+        }
+    }
+
+    /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
+    /// nothing grows, would be of an unloading solid, and predict badly.
+    pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+        if self.memory.has_tangents || self.may_reuse_factor() {
+            return Ok(());
+        }
+        self.evaluate(attempt, Request::StressAndTangent)
+    }
+
+    /// Factorises what has changed since the last time.
+    fn factorise(&mut self) -> Result<(), Trouble> {
+        let Self { model, solids, contact, system, memory, times, extent, .. } = self;
+        let keep = model.skipping.unchanged_elements && memory.factorised;
+        let elements_changed = !keep || solids.latest_version() != memory.assembled_version;
+        timed(&mut times.assembly, || {
+            if elements_changed {
+                system.assemble_elements(solids);
+            }
+            system.set_blocks(&memory.blocks);
+        });
+        let symmetric = model.skipping.symmetric_solver && solids.symmetric();
+        let symmetry = if symmetric { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
+        let result = if elements_changed {
+            memory.assembled_version = solids.latest_version();
+            memory.statistics.factorisations += 1;
+            timed(&mut times.factorisation, || system.factorise(symmetry))
+        } else {
+            memory.statistics.block_factorisations += 1;
+            timed(&mut times.factorisation, || system.factorise_blocks())
+        };
+        memory.rounding = POSITION_ROUNDING * *extent * system.largest_diagonal();
+        memory.factorised = result.is_ok();
+        memory.factor_is_elsewhere = contact.is_elsewhere();
+        result.map(|_| ()).map_err(|error| unsolvable(&error))
+    }
+}
