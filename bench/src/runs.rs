@@ -107,7 +107,7 @@ pub(super) fn run_within(
 pub(super) fn read(file: &Path, overrides: &[String], plugins: &[PathBuf]) -> Result<Box<Program>, BenchError> {
     match pullout_case::read(file, overrides, plugins)? {
         Case::Pullout(program) => Ok(program),
-        Case::Path(_) => Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
+        _ => Err(BenchError::Failed(format!("{}: not a specimen", file.display()))),
     }
 }
 

@@ -256,7 +256,14 @@ impl<'l> Beam<'l> {
         let greatest = if notch > 0.0 { cmod / notch } else { elongation(0.0) / ligament / LEAST_ROTATION };
         let normal = |rotation: f64| self.forces(rotation, axis(rotation))[0];
         let least = LEAST_ROTATION * greatest;
-        let rotation = if normal(least) > 0.0 { root(normal, least, greatest) } else { least };
+        let rotation = if normal(least) <= 0.0 {
+            least
+        } else if normal(greatest) >= 0.0 {
+            // it is just about to crack, but for rounding
+            greatest
+        } else {
+            root(normal, least, greatest)
+        };
         let neutral_axis = axis(rotation);
         let moment = width * self.forces(rotation, neutral_axis)[1] / (rotation * rotation);
         Load { cmod, deflection, force: 4.0 * moment / span, neutral_axis, rotation }

@@ -11,6 +11,7 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 pub use pullout_run::arguments::{ContactArguments, UmatArguments};
+pub mod bridging;
 mod point;
 pub use point::*;
 mod interface;

@@ -1,10 +1,11 @@
 //! Reads case files: JSON, overrides, structure, meaning.
 
+use crate::document::bridging::BridgingCase;
 use crate::document::{self, InterfaceCase, Piece, PointCase, PulloutCase};
 use crate::point::Resolved;
 use crate::problem::{CaseErrors, Place, Problem};
 use crate::reader::Reader;
-use crate::{history, interface, json, point, specimen, structure};
+use crate::{bridging, history, interface, json, point, specimen, structure};
 use fe_core::stepping::Analysis;
 use pullout_run::input::{self, Input, folder_of};
 use pullout_run::isolation::{self, Need};
@@ -22,6 +23,8 @@ pub enum Case {
     Path(Box<Program>),
     /// A specimen in two dimensions.
     Pullout(Box<pullout::Program>),
+    /// Fibres across a crack.
+    Bridging(Box<pullout_run::bridging::Program>),
 }
 
 impl Case {
@@ -30,6 +33,7 @@ impl Case {
         match self {
             Self::Path(program) => &program.about,
             Self::Pullout(program) => &program.about,
+            Self::Bridging(program) => &program.about,
         }
     }
 
@@ -37,7 +41,7 @@ impl Case {
     pub fn announce(&self) {
         match self {
             Self::Path(program) => announce(&program.about.case_file, &program.document),
-            Self::Pullout(program) => announce(&program.about.case_file, &Value::Null),
+            Self::Pullout(_) | Self::Bridging(_) => announce(&self.about().case_file, &Value::Null),
         }
     }
 
@@ -58,11 +62,12 @@ impl Case {
         })
     }
 
-    /// The history's columns, in the order of the CSV.
+    /// The history's columns, in the order of the CSV; of bridging those of all its files.
     pub fn columns(&self) -> Vec<String> {
         match self {
             Self::Path(program) => program.columns(),
             Self::Pullout(program) => program.columns(),
+            Self::Bridging(program) => program.columns(),
         }
     }
 
@@ -73,6 +78,7 @@ impl Case {
             Self::Pullout(program) => {
                 program.laws().into_iter().map(|(_, law)| law.library.path().to_owned()).collect()
             }
+            Self::Bridging(_) => Vec::new(),
         }
     }
 }
@@ -240,6 +246,9 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
         }),
         "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
+        }),
+        "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
+            bridging::resolve(reader, path, &case).map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);

@@ -3,6 +3,7 @@
 //! The `jsonschema` crate decides; this module chooses among the branches of a union the one that was meant,
 //! so that "neither this nor that nor that" does not reach the user.
 
+use crate::document::bridging::BridgingCase;
 use crate::document::study::StudyFile;
 use crate::document::{InterfaceCase, PointCase, PulloutCase};
 use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
@@ -26,6 +27,7 @@ const KINDS: &[KindSchema] = &[
     ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
     ("interface", |generator| generator.subschema_for::<InterfaceCase>().to_value()),
     ("pullout", |generator| generator.subschema_for::<PulloutCase>().to_value()),
+    ("bridging", |generator| generator.subschema_for::<BridgingCase>().to_value()),
 ];
 
 /// Names of the kinds of cases.

@@ -9,6 +9,7 @@ use std::sync::LazyLock;
 use tempfile::TempDir;
 use umat_abi::host::{Found, search_paths};
 
+mod bridging;
 mod damaged;
 mod malformed;
 mod parameters;
@@ -42,6 +43,7 @@ impl Bench {
             ("no_rows.csv", "time,e11\n"),
             ("empty.csv", ""),
             ("fixed.csv", "e33\n1e-4\n"),
+            ("short.csv", "theta_deg,embedded,slip,load\n0,5,0.1,10\n0,5,1,5\n"),
             ("no_library.so", "this is text"),
         ];
         for (name, text) in files {
@@ -69,7 +71,7 @@ impl Bench {
     fn read_point(&self, case: &Value, overrides: &[&str]) -> Result<Program, CaseErrors> {
         match self.read(case, overrides)? {
             Case::Path(program) => Ok(*program),
-            Case::Pullout(_) => panic!("a case of a point"),
+            _ => panic!("a case of a point"),
         }
     }
 }

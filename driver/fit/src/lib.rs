@@ -1,4 +1,4 @@
-//! `pullout fit bond`: the bond law behind the load–slip curve of a perpendicular fibre.
+//! `pullout fit`: σ(w) from the test of a notched beam (`beam`), and with `pullout fit bond` the bond law behind the load–slip curve of a perpendicular fibre.
 //!
 //! ```text
 //! CSV ─ curve ── mean traction against mean slip ── regression ── inverse finite elements ── law ± error ─ output
@@ -8,6 +8,7 @@
 //! The regressions of the thesis's section 6.2 take the bond as uniform along the fibre. The computed pull-out does not:
 //! what is left between its curve and the measured one moves the law until they agree.
 
+mod beam;
 mod curve;
 mod geometry;
 mod inverse;
@@ -20,6 +21,7 @@ mod specimen;
 mod test;
 mod uncertainty;
 
+pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, write as write_beam};
 pub use curve::LoadSlipCurve;
 pub use geometry::{Fibre, SlipAt};
 pub use inverse::Weights;

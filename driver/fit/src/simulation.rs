@@ -65,7 +65,7 @@ impl Simulator {
                 .laws()
                 .iter()
                 .all(|(_, law)| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0)),
-            Case::Path(_) => false,
+            Case::Path(_) | Case::Bridging(_) => false,
         };
         let threads = if is_shared { std::thread::available_parallelism().map_or(1, usize::from) } else { 1 };
         Ok(Self { specimen, slip_at, plugin_paths: plugin_paths.to_vec(), threads })

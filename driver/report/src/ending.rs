@@ -128,6 +128,7 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
         cpu_time_s: end.cpu_time_s,
         compare: Vec::new(),
         specimen: None,
+        bridging: None,
         warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).collect(),
     })
 }
@@ -150,6 +151,7 @@ fn plugins(case: &Case) -> io::Result<(PluginFile, Vec<PluginOf>)> {
             let first = plugins.first().map(|plugin| plugin.file.clone()).unwrap_or_default();
             Ok((first, plugins))
         }
+        Case::Bridging(_) => Ok(Default::default()),
     }
 }
 
@@ -161,6 +163,7 @@ fn warnings(case: &Case) -> Vec<String> {
         Case::Pullout(program) => {
             program.laws().into_iter().map(|(_, law)| (law.name.as_str(), &law.library)).collect()
         }
+        Case::Bridging(_) => Vec::new(),
     };
     for (name, library) in libraries.iter().filter(|(_, library)| library.calls_change_floating_point()) {
         warnings.push(format!(

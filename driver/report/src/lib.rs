@@ -7,6 +7,7 @@
 use std::io;
 use std::path::Path;
 
+pub mod bridging;
 pub mod compare;
 pub mod directory;
 pub mod ending;

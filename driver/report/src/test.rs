@@ -92,6 +92,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
         cpu_time_s: Some(0.0121),
         compare: vec![compare(&history, &measured).unwrap()],
         specimen: None,
+        bridging: None,
         warnings: vec![],
     };
     directory.write(crate::summary::FILE, summary.text().unwrap()).unwrap();

@@ -3,9 +3,10 @@
 //!
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
-use Group::{Count, Density, Energy, Gradient, Load, Other, Second, Slip, Strain, Stress};
+use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use fe_core::model::MeasuredFibre;
 use fe_core::stepping::{FibreRecord, Record};
+use pullout_bridging::{Average, Load as BeamLoad, Residual};
 
 /// A column of histories whose rows are made of an `R`.
 #[derive(Clone, Copy, Debug)]
@@ -45,6 +46,10 @@ pub enum Group {
     Second,
     /// Energies of a point: behind its states.
     Density,
+    /// Parts of the bridging stress.
+    Share,
+    /// Quantiles of beams made at random: where there are such.
+    Band,
     /// Only with itself.
     Other,
 }
@@ -60,7 +65,8 @@ impl Group {
             Load => Some(["load", "N"]),
             Energy => Some(["energy", "N·mm"]),
             Count => Some(["points", ""]),
-            Gradient | Second | Density | Other => None,
+            Share => Some(["share of σ_{f}", ""]),
+            Gradient | Second | Density | Band | Other => None,
         }
     }
 }
@@ -228,6 +234,128 @@ pub static FIBRE: [Column<FibreRecord>; 7] = [
     column("separation_length", "mm", "open length of the interface", Other, |fibre| fibre.separation_length),
 ];
 
+/// What a row of bridging is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BridgingRow {
+    /// Of the fibres.
+    pub fibres: Average,
+    /// Of the matrix, MPa.
+    pub matrix: f64,
+    /// Parts of the fibres' stress by angle, 10° each.
+    pub shares: [f64; 9],
+    /// 5, 50 and 95 % quantiles of the fibres' stress in beams made at random, MPa.
+    pub quantiles: [f64; 3],
+}
+
+/// Of bridging: `bridging.csv`.
+pub static BRIDGING: [Column<BridgingRow>; 20] = [
+    // opening of the crack
+    column("w", "mm", "w", Other, |row| row.fibres.opening),
+    // of fibres and matrix
+    column("sigma", "MPa", "σ", Stress, |row| row.fibres.stress + row.matrix),
+    // of the fibres
+    column("sigma_fibre", "MPa", "σ_{f}", Stress, |row| row.fibres.stress),
+    // of the matrix, by its part of the section
+    column("sigma_matrix", "MPa", "σ_{m}", Stress, |row| row.matrix),
+    // part of the fibres across the crack that carry load
+    column("active", "", "part of fibres that carry", Other, |row| row.fibres.active),
+    // part that has broken
+    column("ruptured", "", "part of fibres broken", Other, |row| row.fibres.ruptured),
+    // mean of the lengths that have spalled off
+    column("spalled_mean", "mm", "mean length spalled", Other, |row| row.fibres.spalled_mean),
+    // estimate of the error of sigma_fibre by quadrature
+    column("error", "MPa", "error of σ_{f}", Other, |row| row.fibres.error),
+    // part of sigma_fibre that fibres at these angles carry; nan where there is none
+    column("share_0_10", "", "0–10°", Share, |row| row.shares[0]),
+    column("share_10_20", "", "10–20°", Share, |row| row.shares[1]),
+    column("share_20_30", "", "20–30°", Share, |row| row.shares[2]),
+    column("share_30_40", "", "30–40°", Share, |row| row.shares[3]),
+    column("share_40_50", "", "40–50°", Share, |row| row.shares[4]),
+    column("share_50_60", "", "50–60°", Share, |row| row.shares[5]),
+    column("share_60_70", "", "60–70°", Share, |row| row.shares[6]),
+    column("share_70_80", "", "70–80°", Share, |row| row.shares[7]),
+    column("share_80_90", "", "80–90°", Share, |row| row.shares[8]),
+    // quantiles of sigma over beams made at random
+    column("sigma_05", "MPa", "5 % of beams", Band, |row| row.quantiles[0] + row.matrix),
+    column("sigma_50", "MPa", "50 %", Band, |row| row.quantiles[1] + row.matrix),
+    column("sigma_95", "MPa", "95 %", Band, |row| row.quantiles[2] + row.matrix),
+];
+
+/// What a row of a notched beam is made of.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct BeamRow {
+    /// By the mean σ(w).
+    pub load: BeamLoad,
+    /// f_R = 3Fl/(2bh_sp²), MPa.
+    pub strength: f64,
+    /// 5, 50 and 95 % quantiles of the force of beams made at random, N.
+    pub quantiles: [f64; 3],
+}
+
+/// Of a notched beam: `beam.csv`.
+pub static BEAM: [Column<BeamRow>; 8] = [
+    // opening at the mouth of the notch
+    column("cmod", "mm", "CMOD", Other, |row| row.load.cmod),
+    // of midspan, 0.85 CMOD + 0.04 (EN 14651)
+    column("deflection", "mm", "deflection", Other, |row| row.load.deflection),
+    // at midspan
+    column("load", "N", "load", Load, |row| row.load.force),
+    // flexural strength 3Fl/(2bh_sp²)
+    column("f_R", "MPa", "f_{R}", Other, |row| row.strength),
+    // depth of the neutral axis below the top
+    column("y0", "mm", "y_{0}", Other, |row| row.load.neutral_axis),
+    // quantiles of load over beams made at random
+    column("load_05", "N", "5 % of beams", Band, |row| row.quantiles[0]),
+    column("load_50", "N", "50 %", Band, |row| row.quantiles[1]),
+    column("load_95", "N", "95 %", Band, |row| row.quantiles[2]),
+];
+
+/// A beam made at random.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ScatterRow {
+    /// From 1.
+    pub beam: usize,
+    /// Fibres across the ligament.
+    pub fibres: usize,
+    /// Its strengths.
+    pub residual: Residual,
+}
+
+/// Of beams made at random: `scatter.csv`.
+pub static SCATTER: [Column<ScatterRow>; 7] = [
+    column("beam", "", "beam", Other, |row| row.beam as f64),
+    // across the ligament
+    column("fibres", "", "fibres", Other, |row| row.fibres as f64),
+    // greatest flexural strength up to CMOD 0.05 mm
+    column("f_L", "MPa", "f_{L}", Other, |row| row.residual.limit),
+    // at CMOD 0.5, 1.5, 2.5 and 3.5 mm
+    column("f_R1", "MPa", "f_{R1}", Other, |row| row.residual.residual[0]),
+    column("f_R2", "MPa", "f_{R2}", Other, |row| row.residual.residual[1]),
+    column("f_R3", "MPa", "f_{R3}", Other, |row| row.residual.residual[2]),
+    column("f_R4", "MPa", "f_{R4}", Other, |row| row.residual.residual[3]),
+];
+
+/// Whether a table has a column of this name.
+fn is_in<R>(table: &[Column<R>], name: &str) -> bool {
+    table.iter().any(|column| column.name == name)
+}
+
+/// Whether of columns that a case of kind "bridging" knows two stand in two files.
+pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
+    // a specimen has a load too
+    known.iter().any(|name| name == "cmod") && is_in(&BEAM, one) != is_in(&BEAM, other)
+}
+
+/// Names of the columns of a table but those of one group.
+pub fn names_without<R>(table: &[Column<R>], left_out: Option<Group>) -> Vec<String> {
+    with(table, left_out).map(|column| column.name.to_owned()).collect()
+}
+
+/// Columns of a table but those of one group.
+pub fn with<R>(table: &[Column<R>], left_out: Option<Group>) -> impl Iterator<Item = &Column<R>> {
+    table.iter().filter(move |column| Some(column.group) != left_out)
+}
+
 const fn column<R>(
     name: &'static str,
     unit: &'static str,
@@ -250,7 +378,7 @@ fn framed<'n>(values: impl Iterator<Item = &'n str>) -> Vec<String> {
 
 /// The columns of a table, one group left out, with those of a plugin's states before the energies.
 fn with_states<R>(table: &[Column<R>], left_out: Option<Group>, states: &[String]) -> Vec<String> {
-    let taken = || table.iter().filter(|column| Some(column.group) != left_out);
+    let taken = || with(table, left_out);
     let names = |is_behind: bool| {
         taken().filter(move |column| (column.group == Density) == is_behind).map(|column| column.name)
     };
@@ -294,7 +422,7 @@ pub fn fill<R>(
     to: &mut [f64],
 ) {
     let value = |column: &Column<R>| (column.value)(row);
-    let taken = || table.iter().filter(|column| Some(column.group) != left_out);
+    let taken = || with(table, left_out);
     let before = taken().filter(|column| column.group != Density).map(value);
     let behind = taken().filter(|column| column.group == Density).map(value);
     to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
@@ -312,7 +440,8 @@ pub fn shown(name: &str) -> Option<(&'static str, &'static str, Group)> {
         found.map(|column| (column.title, column.unit, column.group))
     }
     let of_fibre = || of(&FIBRE, name.split_once('.')?.0);
-    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name)).or_else(of_fibre)
+    let of_beam = || of(&BRIDGING, name).or_else(|| of(&BEAM, name));
+    of(&POINT, name).or_else(|| of(&CONTACT, name)).or_else(|| of(&SPECIMEN, name)).or_else(of_beam).or_else(of_fibre)
 }
 
 #[cfg(test)]
@@ -332,5 +461,15 @@ mod test {
             names.dedup();
             assert_eq!(names.len(), count);
         }
+    }
+
+    /// A study finds a column of a case of kind bridging by its name alone.
+    #[test]
+    fn names_of_bridging_and_beam_are_unique() {
+        let mut all: Vec<&str> = names(&BRIDGING).into_iter().chain(names(&BEAM)).collect();
+        let count = all.len();
+        all.sort_unstable();
+        all.dedup();
+        assert_eq!(all.len(), count);
     }
 }

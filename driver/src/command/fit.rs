@@ -9,6 +9,8 @@ use std::ffi::OsString;
 use std::io;
 use std::path::PathBuf;
 
+mod beam;
+
 /// What is fitted.
 #[derive(Debug, Subcommand)]
 pub(super) enum Law {
@@ -20,6 +22,13 @@ pub(super) enum Law {
     /// FORM-case.json (a complete case that runs), FORM-curve.csv (what it computes), fit.json (all numbers with their
     /// standard errors and correlations), plots/, report.html.
     Bond(Box<Bond>),
+    /// σ(w) from the test of a notched beam, and the bond from σ(w).
+    ///
+    /// A rigid hinge gives a first σ(w); the hinge model with E, f_t and σ at openings is then moved until its curve is the
+    /// measured one (Levenberg and Marquardt, smoothed by the corner of the L-curve). With fibre and dosage of the case
+    /// friction and snubbing follow, where its model is "closed". Written to the result directory: sigma.csv, curve.csv,
+    /// fit.json (all numbers with their standard errors), bond-case.json (the case with the bond), plots/, report.html.
+    Beam(beam::Beam),
 }
 
 /// Forms to be fitted.
@@ -120,14 +129,22 @@ fn not_negative(text: &str) -> Result<f64, String> {
 impl Law {
     /// Where plugins are called.
     pub(super) fn place(&self) -> Place {
-        let Self::Bond(bond) = self;
-        bond.place
+        match self {
+            Self::Bond(bond) => bond.place,
+            Self::Beam(beam) => beam.reading.place,
+        }
     }
 }
 
 /// Fits a law, as the command line says, whose words are `line`.
 pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
-    let Law::Bond(bond) = law;
+    match law {
+        Law::Bond(bond) => act_on_bond(bond, line),
+        Law::Beam(beam) => beam.act(),
+    }
+}
+
+fn act_on_bond(bond: &Bond, line: &[OsString]) -> u8 {
     let curve = match LoadSlipCurve::read(&bond.curve, bond.slip.as_deref(), bond.load.as_deref()) {
         Ok(curve) => curve,
         Err(problems) => {

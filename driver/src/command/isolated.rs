@@ -168,6 +168,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
         cpu_time_s: None,
         compare: Vec::new(),
         specimen: None,
+        bridging: None,
         warnings: Vec::new(),
     })
 }

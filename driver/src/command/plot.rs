@@ -2,7 +2,7 @@
 
 use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
 use pullout_report::directory::{Kind, ResultDirectory};
-use pullout_report::history::{History, HistoryFile};
+use pullout_report::history::History;
 use pullout_report::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
 use pullout_run::input::{self, Input};
 use std::io;
@@ -111,7 +111,7 @@ fn present(folder: &Path) -> Vec<String> {
 }
 
 fn read(folder: &Path) -> io::Result<(History, Spec)> {
-    let history = HistoryFile::open(&folder.join("history.csv"))?.for_pictures()?;
+    let history = History::of_run(folder, |table| table.for_pictures())?;
     let spec = Spec::read(&folder.join("plots").join(SPEC_FILE))?;
     Ok((history, spec))
 }

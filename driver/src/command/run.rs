@@ -11,7 +11,7 @@ use pullout_report::summary::{Status, Summary};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Need, worker};
-use pullout_run::path::{self, Stop};
+use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::program::{self, STRESS_NAMES};
 use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
@@ -22,6 +22,7 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
+mod bridging;
 mod interruption;
 
 pub(super) use interruption::Interruption;
@@ -193,6 +194,9 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
                             program.threads = threads.clone();
                             interruption.warn_of_memory(program);
                         }
+                        if let Case::Bridging(program) = &mut case {
+                            program.threads = arguments.threads.unwrap_or_else(super::processors);
+                        }
                         jobs.push((Job::Here(Box::new(case), checkpoints), file, folder));
                     }
                     Err(message) => {
@@ -328,6 +332,9 @@ fn run_case(
     checkpoints: &Checkpoints,
     telling: Telling,
 ) -> io::Result<(Summary, io::Result<()>)> {
+    if let Case::Bridging(program) = case {
+        return bridging::run_case(case, program, directory);
+    }
     let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
     // a plugin may change the folder in which this process works
@@ -343,6 +350,7 @@ fn run_case(
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
     let (statistics, result, specimen) = match case {
+        Case::Bridging(_) => (Statistics::default(), Ok(()), None),
         Case::Path(program) => {
             let (statistics, result) = path::run(program, &mut record);
             (statistics, result, None)
@@ -384,6 +392,7 @@ fn extent(case: &Case) -> Extent {
     match case {
         Case::Path(program) => Extent::Increments(path::increments(program)),
         Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
+        Case::Bridging(_) => Extent::Increments(0),
     }
 }
 
@@ -395,6 +404,7 @@ fn shown(case: &Case) -> Vec<(String, usize)> {
             program::Kind::Interface(_) => &["slip", "tau"],
         },
         Case::Pullout(_) => &["slip", "load"],
+        Case::Bridging(_) => &[],
     };
     let columns = case.columns();
     let index = |name: &str| columns.iter().position(|column| column == name).map(|k| k - LEADING.len());
@@ -409,20 +419,19 @@ fn outcome(summary: &Summary, case: &Case, folder: &Path) -> String {
         Status::Failed => "FAILED",
         Status::Interrupted => "interrupted",
     };
-    let mut text = format!(
-        "{}: {done}, {} increments, {} plugin calls, {:.3} s -> {}\n",
-        title(case),
-        summary.increments,
-        summary.plugin_calls,
-        summary.wall_time_s,
-        folder.display()
-    );
+    let effort = match case {
+        Case::Bridging(_) => String::new(),
+        _ => format!("{} increments, {} plugin calls, ", summary.increments, summary.plugin_calls),
+    };
+    let mut text = format!("{}: {done}, {effort}{:.3} s -> {}\n", title(case), summary.wall_time_s, folder.display());
+    text.push_str(&bridging::outcome(summary));
     let interesting = match case {
         Case::Path(program) => match &program.kind {
             program::Kind::Point(_) => &STRESS_NAMES[..],
             program::Kind::Interface(_) => &["tau", "p"],
         },
         Case::Pullout(_) => &["load", "load_lateral"],
+        Case::Bridging(_) => &[],
     };
     for name in interesting {
         if let Some(peak) = summary.peaks.get(*name)

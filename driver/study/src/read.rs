@@ -9,6 +9,7 @@ use pullout_case::study::{
 };
 use pullout_case::{Case, CaseErrors, CaseProblem, JsonPlace, ProblemKind, Reader, hint, read_study};
 use pullout_report::plots::quantity::Quantity as Shown;
+use pullout_run::columns;
 use pullout_run::input::{folder_of, is_stream};
 use pullout_run::number;
 use serde_json::{Map, Value};
@@ -118,7 +119,7 @@ impl Resolver<'_, '_> {
             pair.clone()
         });
         let overlays = overlays.collect();
-        let cast = Cast { members: &members, series: &series, columns: columns.as_deref() };
+        let cast = Cast { members: &members, series: &series, columns: columns.as_deref(), curve: &curve };
         let claims: Vec<Claim> =
             claims.into_iter().filter_map(|(place, claim)| self.claim(claim, &cast, &place)).collect();
         let unit = |column: &str| Shown::of(column, &Default::default()).unit;
@@ -327,6 +328,17 @@ impl Resolver<'_, '_> {
     fn columns(&mut self, pair: &Columns, known: Option<&[String]>, place: &JsonPlace) {
         self.column(&pair.x, known, &place.key("x"));
         self.column(&pair.y, known, &place.key("y"));
+        self.one_file(&pair.y, &pair.x, known, &place.key("y"));
+    }
+
+    /// Rows of two files do not belong together.
+    fn one_file(&mut self, column: &str, other: &str, known: Option<&[String]>, place: &JsonPlace) {
+        if known.is_some_and(|known| columns::are_of_two_files(known, column, other)) {
+            self.problem(
+                place,
+                format!("'{column}' and '{other}' are columns of two files: bridging.csv and beam.csv"),
+            );
+        }
     }
 
     fn column(&mut self, column: &str, known: Option<&[String]>, place: &JsonPlace) {
@@ -379,6 +391,10 @@ impl Resolver<'_, '_> {
                 };
                 over.iter().for_each(|column| self.column(column, cast.columns, &place.key("over")));
                 let at = value.at.unwrap_or(Where::Named(NamedPlace::End));
+                if matches!(at, Where::X(_) | Where::Named(NamedPlace::Peak)) {
+                    self.one_file(&value.column, &cast.curve.y, cast.columns, &place.key("at"));
+                }
+                over.iter().for_each(|o| self.one_file(&value.column, o, cast.columns, &place.key("over")));
                 Quantity::Column { column: value.column.clone(), at, over }
             }
         }
@@ -491,6 +507,7 @@ struct Cast<'a> {
     members: &'a [Member],
     series: &'a [Series],
     columns: Option<&'a [String]>,
+    curve: &'a Columns,
 }
 
 /// Something that is wrong with the case of runs, by series and member.
@@ -507,15 +524,16 @@ fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
 
 /// Columns that hold numbers of the run, behind step and increment.
 fn columns_of(case: &Case) -> Vec<String> {
-    case.columns().split_off(2)
+    if let Case::Bridging(program) = case { program.columns() } else { case.columns().split_off(2) }
 }
 
-/// Load against slip, τ against slip, σ11 against ε11.
+/// Load against slip, τ against slip, σ11 against ε11, σ against w.
 fn default_curve(base: &Path) -> Columns {
     let kind = pullout_case::document(base, &[]).map(|document| document["kind"].clone()).unwrap_or_default();
     let (x, y) = match kind.as_str() {
         Some("point") => ("e11", "s11"),
         Some("interface") => ("slip", "tau"),
+        Some("bridging") => ("w", "sigma"),
         _ => ("slip", "load"),
     };
     Columns { x: x.into(), y: y.into() }

@@ -11,7 +11,7 @@
 use super::execution::{State, is_refused};
 use super::{Columns, Quantity, Run, Study};
 use pullout_case::study::{NamedPlace, NamedQuantity, Where};
-use pullout_report::history::{History, HistoryFile};
+use pullout_report::history::History;
 use pullout_report::summary::{Status, Summary};
 use std::path::Path;
 
@@ -83,9 +83,8 @@ impl RunResult {
             let message = Some("it was not run; output.txt has the reason".into());
             return Self { status: Some(Status::Failed), message, ..Self::default() };
         }
-        let history = HistoryFile::open(&folder.join("history.csv"));
-        let history =
-            history.and_then(|history| history.read_columns(&Vec::from_iter(study.columns()))).unwrap_or_default();
+        let columns = Vec::from_iter(study.columns());
+        let history = History::of_run(&folder, |table| table.read_columns(&columns)).unwrap_or_default();
         let summary = Summary::read(&folder.join("summary.json")).ok();
         let mut result = Self {
             // without a summary it did not come to an end of its own
@@ -159,7 +158,7 @@ impl RunResult {
             finite.reduce(|best, k| if sign * values[k] > sign * values[best] { k } else { best })
         };
         match at {
-            Where::Named(NamedPlace::End) => self.history.rows().checked_sub(1),
+            Where::Named(NamedPlace::End) => column_of(column)?.len().checked_sub(1),
             Where::Named(NamedPlace::Greatest) => extreme(column_of(column)?, 1.0),
             Where::Named(NamedPlace::Least) => extreme(column_of(column)?, -1.0),
             Where::Named(NamedPlace::Peak) => {

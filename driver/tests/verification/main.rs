@@ -28,7 +28,7 @@ fn model_of(folder: &str, case: &str, overrides: &[&str]) -> Model {
     let overrides: Vec<String> = overrides.iter().map(ToString::to_string).collect();
     match pullout_case::read(&file, &overrides, &[plugin_folder()]) {
         Ok(Case::Pullout(program)) => program.model,
-        Ok(Case::Path(_)) => panic!("{} is of another kind", file.display()),
+        Ok(_) => panic!("{} is of another kind", file.display()),
         Err(errors) => panic!("{errors}"),
     }
 }

@@ -1,11 +1,15 @@
 //! The bond from σ_f(w).
 
-use super::{Fitted, LeastSquares, least_squares};
+use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
 use crate::composite::Matrix;
 use crate::{Bond, BridgingFibre, Closed, Composite, Fibre, Inclination, Invalid, Orientation, Sides};
 
-/// Friction τ and snubbing f whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: the logarithms are sought,
-/// from `start`. Without rupture σ_f depends on g(f) τ alone, and the correlation says so.
+/// With a greater correlation of τ and f only g(f) τ is told: 0.99985 is still enough where nothing else scatters.
+const LARGEST_CORRELATION: f64 = 0.99999;
+
+/// Friction τ and, as far as it is told, snubbing f whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: the logarithms are sought,
+/// from `start`. Without rupture σ_f depends on g(f) τ alone: where f is not told it stays what it is, and τ alone is
+/// sought.
 ///
 /// # Errors
 /// Numbers without sense.
@@ -29,12 +33,20 @@ pub fn bond_from_bridging(
     let greatest = target.iter().map(|row| row[1]).fold(0.0, f64::max);
     Invalid::unless(greatest > 0.0, "bridging".into(), "must have a stress above 0")?;
     let residuals = |parameters: &[f64]| -> Vec<f64> {
-        let Ok(composite) = composite(parameters[0].exp(), parameters[1].exp()) else {
+        let f = parameters.get(1).map_or(start.1, |logarithm| logarithm.exp());
+        let Ok(composite) = composite(parameters[0].exp(), f) else {
             return vec![f64::NAN; target.len()];
         };
         target.iter().map(|&[opening, stress]| (composite.average(opening).stress - stress) / greatest).collect()
     };
     let quantities = |parameters: &[f64]| parameters.iter().map(|x| x.exp()).collect();
     let problem = LeastSquares { residuals: &residuals, quantities: &quantities, data: target.len() };
-    Ok(least_squares(&problem, &[start.0.tau.ln(), start.1.ln()]))
+    let alone = least_squares(&problem, &[start.0.tau.ln()]);
+    let begin = [alone.parameters[0], start.1.ln()];
+    // a search along what nothing tells would take a minute
+    if assess(&problem, begin.to_vec()).correlation[(0, 1)].abs() > LARGEST_CORRELATION {
+        return Ok(alone);
+    }
+    let both = least_squares(&problem, &begin);
+    Ok(if both.estimates.iter().all(Estimate::is_identifiable) { both } else { alone })
 }

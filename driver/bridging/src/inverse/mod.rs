@@ -67,7 +67,11 @@ pub fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
     let search = Search { problem, parameters: DVector::from_column_slice(start) };
     let method = LevenbergMarquardt::new().with_ftol(SMALLEST_GAIN).with_xtol(SMALLEST_GAIN).with_patience(PATIENCE);
     let (search, _) = method.minimize(search);
-    let parameters = search.parameters.as_slice().to_vec();
+    assess(problem, search.parameters.as_slice().to_vec())
+}
+
+/// What is known at parameters.
+fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
     let residuals = (problem.residuals)(&parameters);
     let (data, penalties) = residuals.split_at(problem.data.min(residuals.len()));
     let rms = |rows: &[f64]| (rows.iter().map(|row| row * row).sum::<f64>() / rows.len().max(1) as f64).sqrt();

@@ -34,7 +34,7 @@ pub struct Faces {
 /// Parts of the section without walls within L_f/2, with one, and with two.
 pub fn zone_parts(size: [f64; 2], faces: &Faces, fibre_length: f64) -> Result<[f64; 3], Invalid> {
     let part = |size: f64, count: u8, name: &str| {
-        let place = format!("orientation.{name}");
+        let place = format!("orientation.size[{}]", usize::from(name == "height"));
         Invalid::unless(count <= 2, format!("orientation.faces.{name}"), "must be 0, 1 or 2")?;
         let part = 0.5 * f64::from(count) * fibre_length / size;
         let rule = "must not be below the length of a fibre between two walls, half of it beside one";

@@ -128,3 +128,19 @@ fn model_code_beside_the_law_it_stands_for() {
     assert_eq!(StrengthClass::new(4.0, 2.0, 0.9), None);
     assert!(!StrengthClass::new(8.0, 3.0, 3.0).expect("a class").structural);
 }
+
+/// A CMOD beyond that of cracking by rounding has its force.
+#[test]
+fn cracking_is_no_jump() {
+    let law = Polyline::new([(0.0, 3.0), (0.1, 1.0), (5.0, 0.5)]);
+    let section = [SectionLaw::new(&matrix(), &law, 62.5)];
+    let beam = Beam::new(NotchedBeam::default(), &section, &matrix());
+    // 2 f_t s_h a/(E h_sp)
+    let cracking = 0.0025_f64;
+    let [before, at] = [0.5 * cracking, cracking.next_up()].map(|cmod| beam.at(cmod).force);
+    assert_relative_eq!(at, 2.0 * before, max_relative = 1e-7);
+    for k in 1..20 {
+        let force = beam.at(cracking * (1.0 + 0.001 * f64::from(k))).force;
+        assert!(force > at && force < 1.01 * at, "{k}: {force} for {at}");
+    }
+}

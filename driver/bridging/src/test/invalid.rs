@@ -48,7 +48,7 @@ fn numbers_without_sense_are_refused_with_their_place() {
     let a = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];
     assert_eq!(orientation(Orientation::Tensor { a, normal: [1.0, 0.0, 0.0] }), "orientation.a");
     let thin = Orientation::Section { size: [20.0, 125.0], faces: Faces { width: 2, height: 1 } };
-    assert_eq!(orientation(thin), "orientation.width");
+    assert_eq!(orientation(thin), "orientation.size[0]");
     assert_eq!(place(NotchedBeam { notch: 200.0, ..NotchedBeam::default() }.check()), "beam.notch");
     assert_eq!(place(Scatter { beams: 0, ..Scatter::default() }.check()), "scatter.beams");
     let plane = pulled_out(fibre(), &Orientation::Planar);

@@ -96,9 +96,9 @@ fn bond_and_snubbing_come_back_where_fibres_break() {
     // without rupture only g(f) τ is told
     let whole = fit(fibre());
     let g = |f: f64| 2.0 * (1.0 + (0.5 * std::f64::consts::PI * f).exp()) / (4.0 + f * f);
-    let [tau, f] = [whole.estimates[0].value, whole.estimates[1].value];
-    assert_relative_eq!(tau * g(f), 3.0 * g(0.5), max_relative = 1e-6);
-    assert!(!whole.estimates[0].is_identifiable() || whole.correlation[(0, 1)].abs() > 0.999);
+    assert_eq!(whole.estimates.len(), 1, "f is not sought where nothing tells it");
+    assert_relative_eq!(whole.estimates[0].value * g(0.3), 3.0 * g(0.5), max_relative = 1e-6);
+    assert!(whole.estimates[0].is_identifiable());
 }
 
 #[test]

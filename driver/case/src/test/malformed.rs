@@ -15,7 +15,7 @@ use Seen::{ByMeaning, BySchema};
 const POINT: &[Sample] = &[
     // structure
     (&["kind=punkt"], "$.kind", "no kind of case is called 'punkt'", BySchema),
-    (&["kind=7"], "$.kind", "expected one of point, interface, pullout, found 7", BySchema),
+    (&["kind=7"], "$.kind", "expected one of point, interface, pullout, bridging, found 7", BySchema),
     (&["tilte=x"], "$.tilte", "unknown key; nearest valid name: 'title'", BySchema),
     (&["title=5"], "$.title", "expected a text, found 5", BySchema),
     (&["mode=plane-stress"], "$.mode", "nearest valid name: 'plane_stress'", BySchema),
@@ -475,7 +475,7 @@ fn broken_json_says_line_and_column() {
         ("{\"temperature\": 1e999}", "number out of range"),
         ("{} {}", "trailing characters"),
         ("[1]", "$: expected an object, found [1]"),
-        ("{}", "$.kind: is missing; valid names: point, interface, pullout"),
+        ("{}", "$.kind: is missing; valid names: point, interface, pullout, bridging"),
     ] {
         let errors = Bench::new().read_text(text, &[]).expect_err("malformed");
         assert!(errors.exit_code() == 2 && errors.to_string().contains(expected), "{errors}");

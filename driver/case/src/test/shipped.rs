@@ -144,6 +144,7 @@ fn the_shipped_cases_are_read() {
                         Kind::Interface(interface) => interface.steps.len(),
                     },
                     Case::Pullout(program) => program.model.steps.len(),
+                    Case::Bridging(program) => program.openings.len(),
                 };
                 assert!(steps > 0 && !case.columns().is_empty());
                 let unusual = case.about().warnings.iter().any(|warning| warning.contains("usual range"));

@@ -126,7 +126,7 @@ fn accepted(case: &Value, overrides: &[&str]) -> Program {
     assert!(schema_accepts(&overridden(case, overrides)), "the schema refuses {overrides:?}");
     match Bench::new().read(case, overrides) {
         Ok(Case::Pullout(program)) => *program,
-        Ok(Case::Path(_)) => panic!("a case of a specimen"),
+        Ok(_) => panic!("a case of a specimen"),
         Err(errors) => panic!("{errors}"),
     }
 }

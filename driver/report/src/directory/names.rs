@@ -40,11 +40,20 @@ const GROWING: [&str; 12] = [
     "replay.json",
 ];
 /// What else would be replaced, or taken for a result.
-const RUN: [&str; 5] = ["summary.json", "report.html", "fields/*.vtu", "plots/*.svg", "plots/spec.json"];
+const RUN: [&str; 8] = [
+    "summary.json",
+    "report.html",
+    "bridging.csv",
+    "beam.csv",
+    "scatter.csv",
+    "fields/*.vtu",
+    "plots/*.svg",
+    "plots/spec.json",
+];
 /// What a study leaves in the directory of a run.
 const MEMBER: [&str; 2] = ["run.json", "output.txt"];
 const STUDY: [&str; 5] = ["study.csv", "study.json", "report.html", "plots/*.svg", "plots/*.png"];
-const FIT: [&str; 10] = [
+const FIT: [&str; 12] = [
     "curve.csv",
     "fit.json",
     "report.html",
@@ -54,6 +63,8 @@ const FIT: [&str; 10] = [
     "piecewise-law.json",
     "piecewise-case.json",
     "piecewise-curve.csv",
+    "sigma.csv",
+    "bond-case.json",
     "plots/*.svg",
 ];
 

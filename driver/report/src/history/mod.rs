@@ -118,6 +118,9 @@ fn value_count(path: &Path, columns: &[String]) -> io::Result<usize> {
     columns.len().checked_sub(3).ok_or_else(|| malformed(path, "fewer than three columns"))
 }
 
+/// The tables of a run of kind "bridging" that have curves.
+pub const BRIDGING_TABLES: [&str; 2] = ["bridging.csv", "beam.csv"];
+
 /// A history read back, by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct History {
@@ -135,6 +138,27 @@ impl History {
     pub fn from_columns(columns: Vec<(String, Vec<f64>)>) -> Self {
         let (columns, data) = columns.into_iter().unzip();
         Self { columns, data }
+    }
+
+    /// What a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
+    /// "bridging", whose columns stand beside each other and are of different lengths.
+    ///
+    /// # Errors
+    /// A file cannot be read.
+    pub fn of_run(folder: &Path, read: impl Fn(HistoryFile) -> io::Result<Self>) -> io::Result<Self> {
+        let history = folder.join("history.csv");
+        let tables: Vec<PathBuf> =
+            BRIDGING_TABLES.iter().map(|name| folder.join(name)).filter(|table| table.is_file()).collect();
+        if tables.is_empty() || history.is_file() {
+            return read(HistoryFile::open(&history)?);
+        }
+        let mut all = Self::default();
+        for table in tables {
+            let Self { columns, data } = read(HistoryFile::open(&table)?)?;
+            all.columns.extend(columns);
+            all.data.extend(data);
+        }
+        Ok(all)
     }
 
     /// Names of the columns.

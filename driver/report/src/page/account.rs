@@ -1,6 +1,7 @@
 //! What was run, in words and tables.
 
 use pullout_case::Case;
+use pullout_run::bridging;
 use pullout_run::number::{rounded, signed};
 use pullout_run::program::{
     Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
@@ -72,6 +73,43 @@ impl Account {
         match case {
             Case::Path(program) => Self::of_point(program),
             Case::Pullout(program) => specimen::account(program),
+            Case::Bridging(program) => Self::of_bridging(program),
+        }
+    }
+
+    /// Of fibres across a crack: the parts of the case as it has them.
+    fn of_bridging(program: &bridging::Program) -> Self {
+        let json = |value: serde_json::Result<String>| value.unwrap_or_default();
+        let mut settings = vec![("Fibre".to_owned(), json(serde_json::to_string(&program.fibre)))];
+        match &program.source {
+            bridging::Source::Bond(bond, inclination) => {
+                settings.push(("Bond".into(), json(serde_json::to_string(bond))));
+                settings.push(("Angle".into(), json(serde_json::to_string(inclination))));
+            }
+            bridging::Source::Curves(curves, cut) => {
+                settings.push(("Curves".into(), format!("{}, none beyond {}°", curves.len(), rounded(*cut))));
+            }
+        }
+        let sides = match program.sides {
+            pullout_bridging::Sides::One => "one gives way",
+            pullout_bridging::Sides::Two => "two give way",
+        };
+        settings.extend([
+            ("Sides".to_owned(), sides.to_owned()),
+            ("V_f".into(), exact(program.volume_fraction)),
+            ("η_E".into(), exact(program.modular_ratio)),
+            ("Matrix".into(), json(serde_json::to_string(&program.matrix))),
+            ("Orientation".into(), json(serde_json::to_string(&program.orientation))),
+            ("w_a".into(), format!("{} mm", exact(program.activation))),
+        ]);
+        settings.extend(program.beam.map(|beam| ("Beam".to_owned(), json(serde_json::to_string(&beam)))));
+        settings.extend(program.scatter.map(|scatter| ("Scatter".to_owned(), json(serde_json::to_string(&scatter)))));
+        Self {
+            case_file: program.about.case_file.display().to_string(),
+            description: program.about.description.clone(),
+            settings,
+            defaults: program.about.defaults.clone(),
+            ..Self::default()
         }
     }
 

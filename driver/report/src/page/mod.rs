@@ -8,6 +8,7 @@ use pullout_run::number::{rounded, significant};
 use std::io;
 
 mod account;
+mod bridging;
 mod specimen;
 pub use account::{Account, LawAccount, Parameter};
 
@@ -31,8 +32,11 @@ pub fn write(
 
 fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
     let title = if summary.title.is_empty() { account.law.as_str() } else { summary.title.as_str() };
+    if let Some(findings) = &summary.bridging {
+        return page(title, &bridging::body(account, summary, findings, pictures));
+    }
     let body = html! {
-        (status(summary))
+        (status(summary, &format!("{} increments in", summary.increments)))
         @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
         @if !account.description.is_empty() { p.description { (account.description) } }
         (warnings(&summary.warnings))
@@ -68,7 +72,7 @@ pub fn page(title: &str, body: &Markup) -> Markup {
     }
 }
 
-fn status(summary: &Summary) -> Markup {
+fn status(summary: &Summary, effort: &str) -> Markup {
     html! {
         p {
             @match summary.status {
@@ -76,7 +80,7 @@ fn status(summary: &Summary) -> Markup {
                 Status::Failed => span.failed { "failed" },
                 Status::Interrupted => span.failed { "interrupted" },
             }
-            " " (summary.increments) " increments in " (significant(summary.wall_time_s, 3)) " s"
+            " " (effort) " " (significant(summary.wall_time_s, 3)) " s"
         }
         @if let Some(message) = &summary.message { div.message { (message) } }
     }

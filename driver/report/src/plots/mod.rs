@@ -60,6 +60,8 @@ pub enum Subject {
     Interface,
     /// A specimen.
     Pullout,
+    /// Fibres across a crack.
+    Bridging,
 }
 
 /// A measured curve in the history's units and signs.
@@ -137,6 +139,7 @@ impl Spec {
                 let law = program.laws().first().map_or(String::new(), |(_, law)| law.name.clone());
                 (law, Subject::Pullout, BTreeMap::new())
             }
+            Case::Bridging(_) => ("computed".into(), Subject::Bridging, BTreeMap::new()),
         };
         Self { title: case.about().title.to_owned(), law, subject, units, curves }
     }

@@ -1,6 +1,6 @@
 //! Which pictures a run gets, and what is in them.
 
-use super::figure::{Figure, Line, Marks, Scale, Style};
+use super::figure::{Figure, Line, Marks, PALETTE, Scale, Style};
 use super::quantity::{Quantity, group_of};
 use super::{Curve, Run, Subject};
 use pullout_run::columns::Group;
@@ -16,6 +16,7 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
         Subject::Point { controlled } => point(first, controlled),
         Subject::Interface => interface(first),
         Subject::Pullout => pullout(first),
+        Subject::Bridging => bridging(first),
     };
     place_curves(&mut layouts, runs);
     layouts.iter().filter_map(|layout| layout.figure(runs)).collect()
@@ -54,8 +55,8 @@ impl Layout {
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
                 if points.iter().any(|(x, y)| x.is_finite() && y.is_finite()) {
                     let label = self.label(run, several.then_some(k), x, y);
-                    // one run: a colour a column; several: a colour a run, a dash a column
-                    let (color, dash) = if several { (k, pair) } else { (pair, 0) };
+                    // one run: a colour a column, and dashes where colours come again; several: a colour a run, a dash a column
+                    let (color, dash) = if several { (k, pair) } else { (pair, pair / PALETTE.len()) };
                     let style = Style { color, dash };
                     lines.push(Line { label, points, columns: (x.clone(), y.clone()), style, marked: false });
                 }
@@ -224,6 +225,22 @@ fn pullout(run: &Run<'_>) -> Vec<Layout> {
         }
     }
     layouts.push(Layout::pair("iterations", "time", "iterations"));
+    layouts
+}
+
+/// σ(w) with its band, what fibres of each angle carry of it, those that broke, and the beam.
+fn bridging(run: &Run<'_>) -> Vec<Layout> {
+    let of = |x: &'static str, y: &[&str]| -> Vec<(&'static str, String)> {
+        y.iter().map(|y| (x, (*y).to_owned())).collect()
+    };
+    let mut layouts = vec![
+        Layout::new("sigma_w", of("w", &["sigma", "sigma_fibre", "sigma_matrix", "sigma_05", "sigma_95"])),
+        Layout::new("shares_w", columns(run, |column| group_of(column) == Group::Share).into_iter().map(|y| ("w", y))),
+    ];
+    if span(run, "ruptured") > 0.0 {
+        layouts.push(Layout::new("ruptured_w", of("w", &["ruptured"])));
+    }
+    layouts.push(Layout::new("load_cmod", of("cmod", &["load", "load_05", "load_50", "load_95"])));
     layouts
 }
 

@@ -3,6 +3,7 @@
 use super::compare::Comparison;
 use super::{at, malformed};
 use indexmap::IndexMap;
+use pullout_run::bridging;
 use pullout_run::input::{self, Input};
 use pullout_run::path::Row;
 use pullout_run::pullout::Findings;
@@ -17,10 +18,11 @@ pub(crate) mod test;
 pub const FILE: &str = "summary.json";
 
 /// How a run ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
     /// To the end, or to an `until`.
+    #[default]
     Done,
     /// No convergence or a plugin error; everything up to there is kept.
     Failed,
@@ -29,7 +31,7 @@ pub enum Status {
 }
 
 /// The content of `summary.json`.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// How the run ended.
     pub status: Status,
@@ -63,6 +65,9 @@ pub struct Summary {
     /// What only specimens have.
     #[serde(flatten)]
     pub specimen: Option<Findings>,
+    /// What only bridging has.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bridging: Option<bridging::Findings>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
 }

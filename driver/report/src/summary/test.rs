@@ -33,6 +33,7 @@ pub(crate) fn summary() -> Summary {
             y: "s11".into(),
         }],
         specimen: None,
+        bridging: None,
         warnings: vec!["strains beyond 5 %".into()],
     }
 }

@@ -287,7 +287,7 @@ fn plugins(arguments: &Arguments, library: &Library, options: &mut Options) -> R
     };
     let program = match pullout_case::read(file, &arguments.overrides(), &arguments.plugin_paths) {
         Ok(Case::Path(program)) => program,
-        Ok(Case::Pullout(_)) => {
+        Ok(_) => {
             return wrong(format!("{}: give a case of kind point or interface: it has one plugin", file.display()));
         }
         Err(errors) => return Err(refuse(&errors)),

@@ -1,0 +1,201 @@
+//! Kind "bridging": fibres across a crack.
+
+use crate::document::bridging::{BridgingCase, FibreOfFile, Openings, Spacing, TableFibre};
+use crate::history;
+use crate::problem::{Place, hint};
+use crate::reader::Reader;
+use crate::table::CsvFile;
+use pullout_bridging::{Bond, Closed, Curve, Fibre, Invalid, ShearLag};
+use pullout_run::bridging::{Program, Source};
+use pullout_run::columns;
+use pullout_run::program::About;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// Openings unless the case says otherwise: the last, mm, and how many.
+const OPENINGS: (f64, u64) = (3.5, 200);
+/// Beyond this angle fibres of tables carry nothing, degrees.
+const USUAL_CUT: f64 = 80.0;
+/// Columns of a table of curves.
+const CURVE_COLUMNS: [&str; 4] = ["theta_deg", "embedded", "slip", "load"];
+
+/// Resolves a case; what is wrong with it goes to the reader.
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase) -> Option<Program> {
+    let root = Place::root();
+    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, given));
+    let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
+    let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
+    let orientation = match &case.orientation {
+        Some(piece) => reader.piece(piece, &root.key("orientation")).cloned(),
+        None => Some(pullout_bridging::Orientation::Random3d),
+    };
+    let sides = reader.optional(case.sides.as_ref(), &root.key("sides")).copied().unwrap_or_default();
+    let given = reader.optional(case.openings.as_ref(), &root.key("openings")).copied().unwrap_or_default();
+    let beam = reader.optional(case.beam.as_ref(), &root.key("beam")).copied();
+    let scatter = reader.optional(case.scatter.as_ref(), &root.key("scatter")).copied();
+    let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    if case.scatter.is_some() && case.beam.is_none() {
+        reader.problem(&root.key("scatter"), "is of beams: give \"beam\" too ({} is that of EN 14651)");
+    }
+    // each on its own, so that all is told at once
+    let length = fibre.as_ref().map(|(fibre, _)| fibre.length);
+    let checks = [
+        matrix.map(|matrix| matrix.check()),
+        beam.map(|beam| beam.check()),
+        scatter.map(|scatter| scatter.check()),
+        orientation.as_ref().zip(length).map(|(orientation, length)| orientation.directions(length, &[]).map(drop)),
+    ];
+    checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
+    let program = program_of(case, fibre, volume_fraction, matrix, orientation);
+    let columns = program
+        .as_ref()
+        .map(|program| Program { sides, openings: openings(given), beam, scatter, ..program.clone() }.columns());
+    let about = history::about(reader, path, &case.title, &case.description, &None, &case.compare, columns.as_deref());
+    check_tables(reader, &about, columns.as_deref().unwrap_or_default());
+    let about = About {
+        every: 1,
+        plots: output.plots.unwrap_or(true),
+        warnings: std::mem::take(&mut reader.warnings),
+        defaults: std::mem::take(&mut reader.defaults),
+        ..about
+    };
+    let program = Program { about, sides, openings: openings(given), beam, scatter, ..program? };
+    if reader.problems.is_empty() {
+        tell(reader, program.composite().map(drop));
+    }
+    Some(program)
+}
+
+/// What the fibres and the matrix make; the rest is left open.
+fn program_of(
+    case: &BridgingCase,
+    fibre: Option<(Fibre, Source)>,
+    volume_fraction: Option<f64>,
+    matrix: Option<pullout_bridging::Matrix>,
+    orientation: Option<pullout_bridging::Orientation>,
+) -> Option<Program> {
+    let ((fibre, source), volume_fraction, matrix) = (fibre?, volume_fraction?, matrix?);
+    let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
+    Some(Program {
+        about: About::default(),
+        fibre,
+        source,
+        sides: Default::default(),
+        volume_fraction,
+        modular_ratio: case.modular_ratio.unwrap_or(composite),
+        matrix,
+        orientation: orientation?,
+        activation: case.activation.unwrap_or(0.0),
+        openings: Vec::new(),
+        beam: None,
+        scatter: None,
+        threads: NonZeroUsize::MIN,
+    })
+}
+
+fn openings(given: Openings) -> Vec<f64> {
+    let end = given.to.map_or(OPENINGS.0, |end| end.0);
+    let intervals = given.points.map_or(OPENINGS.1, |count| count.0) - 1;
+    let place = |k: u64| {
+        let part = k as f64 / intervals as f64;
+        end * match given.spacing.unwrap_or_default() {
+            Spacing::Power2 => part * part,
+            Spacing::Even => part,
+        }
+    };
+    (0..=intervals).map(place).collect()
+}
+
+/// Tells what the numbers themselves say is wrong with them.
+fn tell(reader: &mut Reader<'_>, checked: Result<(), Invalid>) {
+    if let Err(Invalid { place, rule }) = checked {
+        reader.problem(&place_of(&place), rule);
+    }
+}
+
+/// `fibre.law[2]` as a place.
+fn place_of(keys: &str) -> Place {
+    keys.split('.').fold(Place::root(), |place, key| match key.split_once('[') {
+        Some((name, index)) => place.key(name).index(index.trim_end_matches(']').parse().unwrap_or_default()),
+        None => place.key(key),
+    })
+}
+
+/// Both columns of a comparison are of one file.
+fn check_tables(reader: &mut Reader<'_>, about: &About, columns: &[String]) {
+    for (k, compare) in about.compare.iter().enumerate() {
+        let (x, y) = (&columns[compare.x], &columns[compare.y]);
+        if columns::are_of_two_files(columns, x, y) {
+            let message = format!("'{y}' and '{x}' are columns of two files: bridging.csv and beam.csv");
+            reader.problem(&Place::root().key("compare").index(k).key("y"), message);
+        }
+    }
+}
+
+/// The fibre, and where its load comes from.
+fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)> {
+    let before = reader.problems.len();
+    let (fibre, source) = match given {
+        FibreOfFile::Closed(closed) => {
+            let bond = Closed {
+                tau: closed.tau,
+                beta: closed.beta.unwrap_or_default(),
+                debonding_energy: closed.debonding_energy.unwrap_or_default(),
+                debonding: closed.debonding.unwrap_or_default(),
+                sliding: closed.sliding.unwrap_or_default(),
+            };
+            let inclination = closed.inclination.unwrap_or_default();
+            [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
+            (closed.fibre(), Some(Source::Bond(Bond::Closed(bond), inclination)))
+        }
+        FibreOfFile::ShearLag(lag) => {
+            let bond = ShearLag { law: lag.law.clone() };
+            let inclination = lag.inclination.unwrap_or_default();
+            [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
+            (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
+        }
+        FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
+    };
+    tell(reader, fibre.check());
+    (reader.problems.len() == before).then_some((fibre, source?))
+}
+
+/// Curves of tests.
+fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
+    let place = Place::root().key("fibre").key("file");
+    let path = reader.file(&table.file, &place)?;
+    let rows = read_columns(reader, &path, &place)?;
+    let mut curves: Vec<Curve> = Vec::new();
+    for row in rows {
+        let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);
+        match curves.iter_mut().find(|curve| curve.angle_deg == angle_deg && curve.embedded == embedded) {
+            Some(curve) => {
+                curve.slip.push(slip);
+                curve.load.push(load);
+            }
+            None => curves.push(Curve { angle_deg, embedded, slip: vec![slip], load: vec![load] }),
+        }
+    }
+    let widest = curves.iter().map(|curve| curve.angle_deg).fold(0.0, f64::max);
+    Some(Source::Curves(curves, table.cut_deg.unwrap_or(USUAL_CUT.max(widest))))
+}
+
+/// The rows of a table of curves.
+fn read_columns(reader: &mut Reader<'_>, path: &Path, place: &Place) -> Option<Vec<Vec<f64>>> {
+    let messages = match CsvFile::read(path) {
+        Ok(csv) => {
+            let place_of = |name| csv.header.iter().position(|column| column == name).ok_or(name);
+            let found: Result<Vec<usize>, &str> = CURVE_COLUMNS.into_iter().map(place_of).collect();
+            match found {
+                Ok(found) => match csv.numbers(&found, false) {
+                    Ok(rows) => return Some(rows),
+                    Err(messages) => messages.iter().map(|message| format!("{}, {message}", path.display())).collect(),
+                },
+                Err(name) => vec![format!("{} has no column '{name}'{}", path.display(), hint(name, &csv.header))],
+            }
+        }
+        Err(messages) => messages,
+    };
+    messages.into_iter().for_each(|message| reader.problem(place, message));
+    None
+}

@@ -1,0 +1,176 @@
+//! Kind "bridging".
+
+use super::{Compare, Piece, Positive, Whole};
+use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
+use schemars::JsonSchema;
+use serde::Deserialize;
+
+/// Fibres across a crack: from one fibre to σ(w), the notched beam and its scatter (kind "bridging").
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BridgingCase {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    #[expect(dead_code, reason = "read by editors")]
+    pub schema: Option<Piece<String>>,
+    /// "bridging".
+    #[expect(dead_code, reason = "dispatched on before")]
+    pub kind: BridgingKind,
+    /// Title of plots and report; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for the report.
+    pub description: Option<Piece<String>>,
+    /// The fibre, and where its load comes from.
+    pub fibre: Piece<FibreOfFile>,
+    /// V_f, at most 0.2.
+    pub volume_fraction: Piece<Positive>,
+    /// The matrix.
+    pub matrix: Piece<Matrix>,
+    /// η_E, the matrix's part in the stretch of the fibre (default E V_f/(E_m (1 − V_f)); 0: a stiff matrix).
+    #[schemars(range(min = 0.0))]
+    pub modular_ratio: Option<f64>,
+    /// How the fibres lie (default random_3d).
+    pub orientation: Option<Piece<Orientation>>,
+    /// Which sides of the crack give way (default two).
+    pub sides: Option<Piece<Sides>>,
+    /// w_a, the opening at which fibres begin to carry (default 0).
+    #[schemars(range(min = 0.0))]
+    pub activation: Option<f64>,
+    /// Where σ is told.
+    pub openings: Option<Piece<Openings>>,
+    /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
+    pub beam: Option<Piece<NotchedBeam>>,
+    /// Beams with fibres at random (default: none); needs a beam.
+    pub scatter: Option<Piece<Scatter>>,
+    /// Curves to compare with; x and y are two columns of bridging.csv, or two of beam.csv.
+    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
+    /// What is written.
+    pub output: Option<Piece<BridgingOutput>>,
+}
+
+/// The word "bridging".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum BridgingKind {
+    /// Fibres across a crack.
+    Bridging,
+}
+
+/// What is written.
+#[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct BridgingOutput {
+    /// Draw plots (default true).
+    pub plots: Option<bool>,
+}
+
+/// Where σ is told.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Openings {
+    /// The last opening, mm (default 3.5).
+    pub to: Option<Positive>,
+    /// How many, the first at 0 (default 200).
+    pub points: Option<Whole<3, 10_000>>,
+    /// How they lie (default power2).
+    pub spacing: Option<Spacing>,
+}
+
+/// How openings lie.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum Spacing {
+    /// With the square of their number: close at the beginning.
+    #[default]
+    Power2,
+    /// At equal distances.
+    Even,
+}
+
+/// A straight round fibre, and where the load of one comes from.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(tag = "model", rename_all = "snake_case")]
+pub enum FibreOfFile {
+    /// Constant friction in closed form, with debonding, slip hardening, an angle's part, rupture.
+    Closed(ClosedFibre),
+    /// A bond law τ(s) along a fibre that stretches.
+    ShearLag(ShearLagFibre),
+    /// Curves of tests.
+    Table(TableFibre),
+}
+
+/// What fibres of all models have.
+macro_rules! fibre_of_file {
+    ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident: $type:ty,)* }) => {
+        $(#[$of_struct])*
+        #[derive(Clone, Debug, Deserialize, JsonSchema)]
+        #[serde(deny_unknown_fields)]
+        pub struct $name {
+            /// d, mm.
+            pub diameter: f64,
+            /// L_f, mm; 5 diameters or more.
+            pub length: f64,
+            /// Young's modulus, MPa.
+            #[serde(rename = "E")]
+            pub modulus: f64,
+            /// Tensile strength σ_fu, MPa (default: it does not break).
+            pub strength: Option<f64>,
+            /// f_r: the strength at an angle is σ_fu exp(−f_r θ) (default 0).
+            pub rupture_f: Option<f64>,
+            $($(#[$of_field])* pub $field: $type,)*
+        }
+
+        impl $name {
+            /// The fibre alone.
+            pub fn fibre(&self) -> pullout_bridging::Fibre {
+                pullout_bridging::Fibre {
+                    diameter: self.diameter,
+                    length: self.length,
+                    modulus: self.modulus,
+                    strength: self.strength,
+                    rupture_f: self.rupture_f.unwrap_or_default(),
+                }
+            }
+        }
+    };
+}
+
+fibre_of_file! {
+    /// A fibre with constant friction.
+    ClosedFibre {
+        /// Friction τ, MPa.
+        tau: f64,
+        /// Slip hardening β (default 0).
+        beta: Option<f64>,
+        /// Energy of debonding G_d, N/mm (default 0).
+        debonding_energy: Option<f64>,
+        /// Until it slides as a whole (default elastic).
+        debonding: Option<Debonding>,
+        /// While it slides as a whole (default shortening).
+        sliding: Option<Sliding>,
+        /// What an angle adds (default exp with f = 0.35).
+        inclination: Option<Inclination>,
+    }
+}
+
+fibre_of_file! {
+    /// A fibre with a bond law.
+    ShearLagFibre {
+        /// τ(s).
+        law: BondLaw,
+        /// What an angle adds (default exp with f = 0.35).
+        inclination: Option<Inclination>,
+    }
+}
+
+fibre_of_file! {
+    /// A fibre whose curves were measured.
+    TableFibre {
+        /// CSV file, relative to the case file, with the columns theta_deg, embedded, slip and load: of each angle and
+        /// embedded length a curve by rising slip; the load is that along the crack's normal.
+        #[schemars(length(min = 1))]
+        file: String,
+        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves).
+        cut_deg: Option<f64>,
+    }
+}

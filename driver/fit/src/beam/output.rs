@@ -1,0 +1,185 @@
+//! What the fit of a beam leaves behind.
+
+use super::{BeamFit, IDENTIFIABLE, POINTS, measured_points};
+use maud::{PreEscaped, html};
+use pullout_bridging::{Estimate, Measured, Polyline};
+use pullout_report::directory::ResultDirectory;
+use pullout_report::page;
+use pullout_report::plots;
+use pullout_report::plots::figure::{Figure, Line, Marks, Scale, Style};
+use pullout_report::plots::quantity::Quantity;
+use pullout_run::number::significant;
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io;
+
+/// Measured points in a picture: more would be a band.
+const MOST_MARKS: usize = 150;
+
+/// Writes everything into a result directory. `case` is the document of the case; with the bond that was found it becomes
+/// a case of its own.
+///
+/// # Errors
+/// A file that cannot be written.
+pub fn write(
+    directory: &mut ResultDirectory,
+    source: &str,
+    case: &Value,
+    test: &Measured,
+    fit: &BeamFit,
+) -> io::Result<()> {
+    let measured = measured_points(&fit.geometry, test);
+    let computed = fit.forces(measured.iter().map(|point| point.0));
+    let rows = measured.iter().zip(&computed);
+    let curve = rows.map(|((cmod, load), (_, computed))| format!("{cmod},{load},{computed}\n"));
+    directory.write("curve.csv", ["cmod,load,computed\n".to_owned()].into_iter().chain(curve).collect::<String>())?;
+    let stresses = fit.full.openings.iter().zip(&fit.full.fitted.estimates[2..]);
+    let sigma = stresses
+        .map(|(w, estimate)| format!("{w},{},{},{}\n", estimate.value, estimate.standard_error, fit.fast.at(*w)));
+    let header = ["w,sigma,standard_error,sigma_fast\n".to_owned()].into_iter();
+    directory.write("sigma.csv", header.chain(sigma).collect::<String>())?;
+    directory.write("fit.json", format!("{:#}\n", summary(source, fit)))?;
+    if let Some(case) = with_bond(case, fit) {
+        directory.write("bond-case.json", format!("{case:#}\n"))?;
+    }
+    let pictures = plots::write_all(directory, "plots", &figures(&measured, fit))?;
+    let rows = fit.numbers();
+    let page = page::page(
+        "σ(w) from the test of a notched beam",
+        &html! {
+            h2 { "What was fitted" }
+            p { code { (source) } ", " (measured.len()) " points. RMS difference " (percent(fit.full.fitted.rms))
+                " of the greatest strength. σ(w) by a rigid hinge was the start." }
+            h2 { "Pictures" }
+            div.pictures { @for picture in &pictures { figure { (PreEscaped(&picture.svg)) } } }
+            h2 { "Numbers" }
+            div.scroll { table {
+                tr { th { "Number" } th { "Unit" } th.number { "Value" } th.number { "Standard error" } th { } }
+                @for (name, unit, estimate) in &rows {
+                    tr {
+                        td { code { (name) } } td { (unit) } td.number { (significant(estimate.value, 4)) }
+                        td.number { (error(estimate)) }
+                        td { @if !estimate.is_identifiable() { "not identifiable" } }
+                    }
+                }
+            } }
+            @if let Err(message) = &fit.bond { p { "The bond: " (message) "." } }
+            p { "Errors are standard errors to first order. A number whose standard error is above "
+                (significant(100.0 * IDENTIFIABLE, 2)) " % of its value is not identifiable: the test does not tell it." }
+        },
+    );
+    directory.write("report.html", page.into_string()).map(|_| ())
+}
+
+fn error(estimate: &Estimate) -> String {
+    if estimate.standard_error.is_finite() { significant(estimate.standard_error, 2) } else { "unknown".into() }
+}
+
+fn percent(part: f64) -> String {
+    format!("{} %", significant(100.0 * part, 2))
+}
+
+/// The fit in a few lines for the terminal.
+pub fn describe(fit: &BeamFit) -> String {
+    let mut text = format!("RMS {} of the greatest strength\n", percent(fit.full.fitted.rms));
+    for (name, unit, estimate) in fit.numbers() {
+        let doubt = if estimate.is_identifiable() { "" } else { ", NOT IDENTIFIABLE" };
+        let value = significant(estimate.value, 4);
+        // writing to a String cannot fail
+        let _ = writeln!(
+            text,
+            "{}",
+            format!("  {name:<12} {value} {unit} ± {}{doubt}", error(&estimate)).replace("  ±", " ±")
+        );
+    }
+    if let Err(message) = &fit.bond {
+        let _ = writeln!(text, "  bond: {message}");
+    }
+    text
+}
+
+fn summary(source: &str, fit: &BeamFit) -> Value {
+    let numbers = fit.numbers().into_iter().map(|(name, unit, estimate)| {
+        // JSON has no infinity: an error of which nothing is known is null
+        let entry = json!({
+            "value": estimate.value, "unit": unit, "standard_error": estimate.standard_error,
+            "identifiable": estimate.is_identifiable(),
+        });
+        (name, entry)
+    });
+    let numbers: serde_json::Map<String, Value> = numbers.collect();
+    let correlation = &fit.full.fitted.correlation;
+    let rows: Vec<Vec<f64>> = correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+    json!({
+        "test": source,
+        "rms_of_greatest": fit.full.fitted.rms,
+        "penalty_weight": fit.full.weight,
+        "numbers": numbers,
+        "correlation": rows,
+        "bond": match &fit.bond {
+            Ok(bond) => json!({ "rms_of_greatest": bond.rms, "correlation": bond.correlation.get((0, 1)) }),
+            Err(message) => json!({ "message": message }),
+        },
+    })
+}
+
+/// The case with the bond that was found.
+fn with_bond(case: &Value, fit: &BeamFit) -> Option<Value> {
+    let bond = fit.bond.as_ref().ok()?;
+    let mut case = case.clone();
+    case["fibre"]["tau"] = json!(bond.estimates[0].value);
+    if let Some(f) = bond.estimates.get(1) {
+        case["fibre"]["inclination"] = json!({ "type": "exp", "f": f.value });
+    }
+    Some(case)
+}
+
+fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
+    let line = |label: &str, points: Vec<(f64, f64)>, number: usize| Line {
+        label: label.into(),
+        points,
+        columns: (String::new(), String::new()),
+        style: Style { color: number, dash: number },
+        marked: false,
+    };
+    let quantity = |column: &str| Quantity::of(column, &Default::default());
+    let end = fit.full.openings.last().copied().unwrap_or_default();
+    let law = |law: &Polyline| law.points().filter(|point| point.0 <= end).collect::<Vec<_>>();
+    let cmod = measured.last().map_or(0.0, |point| point.0);
+    let cmods = (0..POINTS).map(|k| cmod * (k as f64 / (POINTS - 1) as f64).powi(2));
+    let every = measured.len().div_ceil(MOST_MARKS).max(1);
+    let figure = |name: &str, title: &str, [x, y]: [&str; 2], lines: Vec<Line>, marks: Vec<Marks>| Figure {
+        name: name.into(),
+        title: title.into(),
+        x: quantity(x),
+        y: quantity(y),
+        lines,
+        marks,
+        equal_units: false,
+        scale: Scale::Linear,
+    };
+    [
+        figure(
+            "sigma_w",
+            "σ(w) behind the test",
+            ["w", "sigma"],
+            vec![
+                line("from the test", law(&fit.full.law), 0),
+                line("by a rigid hinge", law(&fit.fast), 1),
+                line("the case's own", law(&fit.predicted), 2),
+            ],
+            Vec::new(),
+        ),
+        figure(
+            "load_cmod",
+            "Measured and computed load",
+            ["cmod", "load"],
+            vec![line("computed", fit.forces(cmods), 0)],
+            vec![Marks {
+                label: "measured".into(),
+                points: measured.iter().copied().step_by(every).collect(),
+                line: None,
+            }],
+        ),
+    ]
+}

@@ -1,0 +1,187 @@
+//! What a run of kind "bridging" leaves: its tables, pictures, summary and report.
+
+use crate::compare::{Comparison, compare};
+use crate::directory::ResultDirectory;
+use crate::history::{BRIDGING_TABLES, History};
+use crate::page::{self, Account};
+use crate::plots::figure::{Figure, Line, Scale, Style};
+use crate::plots::quantity::Quantity;
+use crate::plots::{self, Picture, Spec};
+use crate::summary::{self, Status, Summary};
+use pullout_bridging::Composite;
+use pullout_case::Case;
+use pullout_run::bridging::{Program, Results};
+use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
+use pullout_run::number;
+use std::f64::consts::FRAC_PI_2;
+use std::io;
+
+/// The family of curves of one fibre: parts of L_f/2, and angles, degrees.
+const FAMILY_LENGTHS: [f64; 3] = [0.25, 0.5, 1.0];
+const FAMILY_ANGLES: [f64; 3] = [0.0, 30.0, 60.0];
+/// Points of each.
+const FAMILY_POINTS: usize = 200;
+/// Points of the density of directions over the quarter circle.
+const DIRECTIONS: usize = 180;
+
+/// What was run: the program, its fibres, and what came out.
+pub type Done<'a> = (&'a Program, &'a Composite, &'a Results);
+
+/// Writes tables, summary, pictures and report; of a run that failed its message. The second result is what could not be
+/// written.
+///
+/// # Errors
+/// A table cannot be written.
+pub fn conclude(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    done: Result<Done<'_>, String>,
+    [wall_time_s, cpu_time_s]: [f64; 2],
+) -> io::Result<(Summary, io::Result<()>)> {
+    if let Ok((program, _, results)) = &done {
+        let [bridging, beam] = BRIDGING_TABLES;
+        write_table(directory, bridging, &BRIDGING, program.left_out(), &results.rows)?;
+        if !results.beam.is_empty() {
+            write_table(directory, beam, &BEAM, program.left_out(), &results.beam)?;
+        }
+        if !results.scatter.is_empty() {
+            write_table(directory, "scatter.csv", &SCATTER, None, &results.scatter)?;
+        }
+    }
+    let (results, message) = match &done {
+        Ok((.., results)) => (Some(results), None),
+        Err(message) => (None, Some(message.clone())),
+    };
+    let own = case.about().warnings.iter();
+    let mut summary = Summary {
+        status: if message.is_none() { Status::Done } else { Status::Failed },
+        message,
+        title: case.about().title.clone(),
+        wall_time_s,
+        cpu_time_s: Some(cpu_time_s),
+        bridging: results.map(|results| results.findings.clone()),
+        warnings: own.chain(results.into_iter().flat_map(|results| &results.warnings)).cloned().collect(),
+        ..Summary::default()
+    };
+    let history = match &done {
+        Ok(_) => History::of_run(directory.path(), |table| table.for_pictures())?,
+        Err(_) => History::default(),
+    };
+    let compared: io::Result<Vec<Comparison>> = match &done {
+        Ok(_) => case.about().compare.iter().map(|curve| compare(&history, curve)).collect(),
+        Err(_) => Ok(Vec::new()),
+    };
+    summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
+    let text = summary.text()?;
+    let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
+        let pictures = match &done {
+            Ok(done) if case.about().plots => draw(case, directory, &history, done),
+            _ => Ok(Vec::new()),
+        };
+        page::write(directory, &Account::of(case), &summary, pictures.as_deref().unwrap_or_default())?;
+        directory.finish()?;
+        pictures.and(compared.map(|_| ()))
+    });
+    Ok((summary, written))
+}
+
+/// Writes rows as a table with the columns that are not left out.
+fn write_table<R>(
+    directory: &mut ResultDirectory,
+    name: &str,
+    table: &'static [Column<R>],
+    left_out: Option<Group>,
+    rows: &[R],
+) -> io::Result<()> {
+    let mut text = columns::names_without(table, left_out).join(",").into_bytes();
+    text.push(b'\n');
+    for row in rows {
+        for (k, column) in columns::with(table, left_out).enumerate() {
+            if k > 0 {
+                text.push(b',');
+            }
+            number::push_exact(&mut text, (column.value)(row));
+        }
+        text.push(b'\n');
+    }
+    directory.write(name, text).map(|_| ())
+}
+
+fn draw(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    history: &History,
+    (program, composite, _): &Done<'_>,
+) -> io::Result<Vec<Picture>> {
+    let mut pictures = plots::draw(directory, "plots", history, &Spec::of(case))?;
+    let figures = [family(program, composite), directions(composite)];
+    pictures.extend(plots::write_all(directory, "plots", &figures)?);
+    Ok(pictures)
+}
+
+/// P(w; L_e, θ): a colour for each angle, a dash for each length.
+fn family(program: &Program, composite: &Composite) -> Figure {
+    let half = 0.5 * program.fibre.length;
+    let mut lines = Vec::new();
+    for (dash, part) in FAMILY_LENGTHS.iter().rev().enumerate() {
+        for (color, angle) in FAMILY_ANGLES.iter().enumerate() {
+            let embedded = part * half;
+            let end = program.openings.last().copied().unwrap_or(half).min(half);
+            let at = |k: usize| {
+                let opening = end * (k as f64 / FAMILY_POINTS as f64).powi(2);
+                (opening, composite.fibre.at(opening, embedded, angle.to_radians()).load)
+            };
+            lines.push(Line {
+                label: format!("{}°, L_{{e}} = {} mm", number::rounded(*angle), number::significant(embedded, 3)),
+                points: (0..=FAMILY_POINTS).map(at).collect(),
+                columns: ("w".into(), String::new()),
+                style: Style { color, dash },
+                marked: false,
+            });
+        }
+    }
+    Figure {
+        name: "load_of_a_fibre".into(),
+        title: "One fibre across the crack".into(),
+        x: Quantity::of("w", &Default::default()),
+        y: Quantity { name: "P".into(), unit: "N".into() },
+        lines,
+        marks: Vec::new(),
+        equal_units: false,
+        scale: Scale::Linear,
+    }
+}
+
+/// p(θ) around the crack's normal, which points up, with that of fibres that are alike in all directions of space.
+fn directions(composite: &Composite) -> Figure {
+    let polar = |density: &dyn Fn(f64) -> f64| -> Vec<(f64, f64)> {
+        let count = DIRECTIONS as i32;
+        let at = |k: i32| {
+            let angle = FRAC_PI_2 * f64::from(k) / f64::from(count);
+            let radius = density(angle.abs());
+            (radius * angle.sin(), radius * angle.cos())
+        };
+        (-count..=count).map(at).collect()
+    };
+    let line = |label: &str, points, number: usize| Line {
+        label: label.into(),
+        points,
+        columns: (String::new(), String::new()),
+        style: Style { color: number, dash: number },
+        marked: false,
+    };
+    let quantity = |name: &str| Quantity { name: name.into(), unit: "1/rad".into() };
+    Figure {
+        name: "orientation".into(),
+        title: "Directions of the fibres about the normal of the crack, which points up".into(),
+        x: quantity("p sin θ"),
+        y: quantity("p cos θ"),
+        lines: vec![
+            line("p(θ)", polar(&|angle| composite.directions.density(angle)), 0),
+            line("random in space", polar(&f64::sin), 1),
+        ],
+        marks: Vec::new(),
+        equal_units: true,
+        scale: Scale::Linear,
+    }
+}

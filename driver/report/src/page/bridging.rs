@@ -1,0 +1,98 @@
+//! Bridging on the report's page: a page that a designer may file.
+
+use super::{Account, comparison, status, warnings};
+use crate::plots::Picture;
+use crate::summary::Summary;
+use maud::{Markup, PreEscaped, html};
+use pullout_run::bridging::{BeamFindings, Findings, ScatterFindings, Spread};
+use pullout_run::number::{rounded, significant};
+
+pub(super) fn body(account: &Account, summary: &Summary, findings: &Findings, pictures: &[Picture]) -> Markup {
+    html! {
+        (status(summary, ""))
+        @if !account.description.is_empty() { p.description { (account.description) } }
+        (warnings(&summary.warnings))
+        (crack(findings))
+        @if let Some(beam) = &findings.beam { (strengths(beam, findings.scatter.as_ref())) }
+        @if !pictures.is_empty() {
+            h2 { "Pictures" }
+            div.pictures { @for picture in pictures { figure { (PreEscaped(&picture.svg)) } } }
+        }
+        (comparison(summary))
+        h2 { "What was run" }
+        table {
+            tr { td.key { "Case" } td { code { (account.case_file) } } }
+            @for (key, value) in &account.settings { tr { td.key { (key) } td { (value) } } }
+            tr { td.key { "Program" } td { "pullout " (env!("CARGO_PKG_VERSION")) } }
+        }
+    }
+}
+
+fn number(value: f64) -> String {
+    significant(value, 4)
+}
+
+fn crack(findings: &Findings) -> Markup {
+    let row =
+        |what: &str, value: String, unit: &str| html! { tr { td.key { (what) } td.number { (value) } td { (unit) } } };
+    let at = |opening: f64| format!(" at w = {} mm", number(opening));
+    html! {
+        h2 { "The crack" }
+        table {
+            (row("Orientation factor η", number(findings.efficiency), ""))
+            @if let Some(zones) = findings.efficiency_by_zones {
+                (row("the same by zones", number(zones), "Dupont, Vandewalle 2005"))
+            }
+            (row("Fibres", number(findings.fibres_per_cm2), "per cm²"))
+            (row("Greatest σ", number(findings.sigma_peak) + &at(findings.w_peak), "MPa"))
+            (row("Greatest σ of the fibres", number(findings.sigma_fibre_peak) + &at(findings.w_fibre_peak), "MPa"))
+            @for work in &findings.work {
+                (row(&format!("Work up to {} mm", rounded(work.to)), number(work.work), "N/mm"))
+            }
+            (row("Greatest error of quadrature, relative to the peak", significant(findings.error, 2), ""))
+        }
+    }
+}
+
+fn strengths(beam: &BeamFindings, scatter: Option<&ScatterFindings>) -> Markup {
+    let names = ["f_L", "f_R1", "f_R2", "f_R3", "f_R4"];
+    let means: Vec<f64> = std::iter::once(beam.limit).chain(beam.residual).collect();
+    let spreads: Vec<&Spread> =
+        scatter.iter().flat_map(|scatter| std::iter::once(&scatter.limit).chain(&scatter.residual)).collect();
+    let code = &beam.model_code_2010;
+    html! {
+        h2 { "The notched beam" }
+        div.scroll { table {
+            tr {
+                th { "MPa" } th.number { "by the mean σ(w)" }
+                @if scatter.is_some() {
+                    th.number { "mean of beams" } th.number { "coefficient of variation" } th.number { "characteristic (5 %)" }
+                }
+            }
+            @for (k, name) in names.iter().enumerate() {
+                tr {
+                    td { (name) } td.number { (number(means[k])) }
+                    @if let Some(spread) = spreads.get(k) {
+                        td.number { (number(spread.mean)) }
+                        td.number { (significant(100.0 * spread.cv, 3)) " %" }
+                        td.number { (number(spread.characteristic)) }
+                    }
+                }
+            }
+        } }
+        @if let Some(scatter) = scatter {
+            p {
+                (scatter.beams) " beams with " (significant(scatter.fibres.mean, 4)) " fibres across the ligament on average (coefficient of variation "
+                (significant(100.0 * scatter.fibres.cv, 3)) " %). Class of the fib Model Code 2010: "
+                (scatter.class.as_deref().unwrap_or("none")) ". "
+                @if scatter.structural { "Fibres may stand for bars." } @else { "Fibres may not stand for bars." }
+            }
+        }
+        p {
+            "By the fib Model Code 2010 from f_R1 and f_R3, w_u = 2.5 mm: rigid-plastic f_Ftu = " (number(code.rigid_plastic))
+            " MPa; linear f_Fts = " (number(code.serviceability)) " and f_Ftu = " (number(code.ultimate))
+            " MPa. The σ(w) that they stand for: " (number(code.sigma[0])) " MPa at 0.5 mm, " (number(code.sigma[1]))
+            " MPa at 2.5 mm."
+        }
+    }
+}

@@ -1,0 +1,365 @@
+//! Runs what a case of kind "bridging" asks for: σ(w), the notched beam, and beams made at random.
+
+use crate::columns::{self, BEAM, BRIDGING, Group};
+use crate::columns::{BeamRow, BridgingRow, ScatterRow};
+use crate::program::About;
+use pullout_bridging::{
+    Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Matrix, ModelCode2010,
+    NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table, averages,
+    quantile, scatter, shares_by_angle, wall_zones,
+};
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::num::NonZeroUsize;
+
+/// CMOD to which a beam is tested, mm (EN 14651).
+const LAST_CMOD: f64 = 4.0;
+/// CMODs that are told beside those of the standard, narrower at the beginning.
+const CMODS: usize = 81;
+/// CMOD up to which f_L is taken, mm (EN 14651).
+const LIMIT_CMOD: f64 = 0.05;
+/// w_u of the Model Code's linear model, mm.
+const ULTIMATE_OPENING: f64 = 2.5;
+/// Openings up to which the work is told, mm.
+const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
+/// Quantiles that are told.
+pub const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
+
+/// Everything a run needs.
+#[derive(Clone, Debug)]
+pub struct Program {
+    /// What it says as programs of all kinds do.
+    pub about: About,
+    /// The fibre.
+    pub fibre: Fibre,
+    /// Where the load of a fibre comes from.
+    pub source: Source,
+    /// Which sides of the crack give way.
+    pub sides: Sides,
+    /// V_f.
+    pub volume_fraction: f64,
+    /// η_E: the matrix's part in the stretch of the fibre.
+    pub modular_ratio: f64,
+    /// The matrix.
+    pub matrix: Matrix,
+    /// Directions of the fibres.
+    pub orientation: Orientation,
+    /// w_a, mm.
+    pub activation: f64,
+    /// Openings, mm, from 0.
+    pub openings: Vec<f64>,
+    /// The test.
+    pub beam: Option<NotchedBeam>,
+    /// Beams made at random.
+    pub scatter: Option<Scatter>,
+    /// Threads that share the work; the results have the same bits with any number.
+    pub threads: NonZeroUsize,
+}
+
+/// Where the load of a fibre comes from.
+#[derive(Clone, Debug)]
+pub enum Source {
+    /// A bond, and what an angle adds to it.
+    Bond(Bond, Inclination),
+    /// Curves of tests, and the angle beyond which fibres carry nothing, degrees.
+    Curves(Vec<Curve>, f64),
+}
+
+impl Program {
+    /// Columns of `bridging.csv`, then those of `beam.csv`.
+    pub fn columns(&self) -> Vec<String> {
+        let bridging = columns::names_without(&BRIDGING, self.left_out());
+        let beam = self.beam.map(|_| columns::names_without(&BEAM, self.left_out()));
+        bridging.into_iter().chain(beam.into_iter().flatten()).collect()
+    }
+
+    /// The columns that no beams were made for.
+    pub fn left_out(&self) -> Option<Group> {
+        self.scatter.is_none().then_some(Group::Band)
+    }
+
+    /// The fibres in their matrix.
+    ///
+    /// # Errors
+    /// Numbers without sense.
+    pub fn composite(&self) -> Result<Composite, Invalid> {
+        let fibre = match &self.source {
+            Source::Bond(bond, inclination) => {
+                BridgingFibre::new(self.fibre, bond, *inclination, self.sides, self.modular_ratio)?
+            }
+            Source::Curves(curves, cut_deg) => {
+                BridgingFibre::of_table(self.fibre, Table::new(curves, *cut_deg, self.fibre.length)?, self.sides)?
+            }
+        };
+        Composite::new(fibre, self.volume_fraction, &self.orientation, self.matrix, self.activation)
+    }
+}
+
+/// What came out.
+#[derive(Clone, Debug)]
+pub struct Results {
+    /// Over the openings.
+    pub rows: Vec<BridgingRow>,
+    /// Over the CMOD.
+    pub beam: Vec<BeamRow>,
+    /// The beams made at random.
+    pub scatter: Vec<ScatterRow>,
+    /// In a few numbers.
+    pub findings: Findings,
+    /// Things the user should know.
+    pub warnings: Vec<String>,
+}
+
+/// Bridging in a few numbers, as `summary.json` has them. Stresses in MPa, lengths in mm.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Findings {
+    /// Unit of each column of `bridging.csv` and `beam.csv`.
+    pub units: BTreeMap<String, String>,
+    /// η: fibres through the crack over those of fibres that are all perpendicular to it.
+    pub efficiency: f64,
+    /// The same by the zones of Dupont and Vandewalle, of a section with walls.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub efficiency_by_zones: Option<f64>,
+    /// Fibres through a square centimetre.
+    pub fibres_per_cm2: f64,
+    /// Greatest σ, and its opening.
+    pub sigma_peak: f64,
+    /// See above.
+    pub w_peak: f64,
+    /// Greatest σ of the fibres alone, and its opening.
+    pub sigma_fibre_peak: f64,
+    /// See above.
+    pub w_fibre_peak: f64,
+    /// ∫σ dw, N/mm, up to openings.
+    pub work: Vec<Work>,
+    /// Greatest estimate of the error of the fibres' stress over its peak.
+    pub error: f64,
+    /// Of the notched beam by the mean σ(w).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub beam: Option<BeamFindings>,
+    /// Of the beams made at random.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub scatter: Option<ScatterFindings>,
+}
+
+/// Work of the crack.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Work {
+    /// Opening, mm.
+    pub to: f64,
+    /// N/mm.
+    pub work: f64,
+}
+
+/// Strengths of a notched beam, MPa.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct BeamFindings {
+    /// f_L.
+    #[serde(rename = "f_L")]
+    pub limit: f64,
+    /// f_R1 … f_R4.
+    #[serde(rename = "f_R")]
+    pub residual: [f64; 4],
+    /// What the fib Model Code 2010 makes of the mean f_R1 and f_R3, for w_u = 2.5 mm.
+    pub model_code_2010: CodeFindings,
+}
+
+/// See [`ModelCode2010`].
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CodeFindings {
+    /// f_Ftu of the rigid-plastic model.
+    #[serde(rename = "f_Ftu_rigid_plastic")]
+    pub rigid_plastic: f64,
+    /// f_Fts of the linear model,
+    #[serde(rename = "f_Fts")]
+    pub serviceability: f64,
+    /// and its f_Ftu.
+    #[serde(rename = "f_Ftu")]
+    pub ultimate: f64,
+    /// σ(w) where the linear model has f_Fts and f_Ftu: at 0.5 mm and at w_u.
+    pub sigma: [f64; 2],
+}
+
+/// Scatter of a number.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Spread {
+    /// Mean.
+    pub mean: f64,
+    /// Coefficient of variation.
+    pub cv: f64,
+    /// 5 % quantile: the characteristic value.
+    pub characteristic: f64,
+    /// 95 % quantile.
+    pub upper: f64,
+}
+
+/// Of beams made at random.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct ScatterFindings {
+    /// How many.
+    pub beams: usize,
+    /// Fibres across the ligament.
+    pub fibres: Spread,
+    /// f_L.
+    #[serde(rename = "f_L")]
+    pub limit: Spread,
+    /// f_R1 … f_R4.
+    #[serde(rename = "f_R")]
+    pub residual: [Spread; 4],
+    /// Class of the fib Model Code 2010 by the characteristic values; none below all of them.
+    pub class: Option<String>,
+    /// Whether fibres may stand for bars: f_R1k/f_Lk > 0.4, f_R3k/f_R1k > 0.5.
+    pub structural: bool,
+}
+
+impl Spread {
+    fn of(values: &[f64]) -> Self {
+        let count = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / count;
+        let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        let cv = if mean == 0.0 { 0.0 } else { variance.sqrt() / mean };
+        Self { mean, cv, characteristic: quantile(values, QUANTILES[0]), upper: quantile(values, QUANTILES[2]) }
+    }
+}
+
+/// CMODs at which a beam is told: those of the standard among others.
+fn cmods() -> Vec<f64> {
+    let even = (0..CMODS).map(|k| LAST_CMOD * (k as f64 / (CMODS - 1) as f64).powi(2));
+    let mut all: Vec<f64> = even.chain(RESIDUAL_CMOD).chain([LIMIT_CMOD]).collect();
+    all.sort_by(f64::total_cmp);
+    all.dedup();
+    all
+}
+
+/// Runs it.
+///
+/// # Errors
+/// Numbers without sense, or no threads.
+pub fn run(program: &Program, composite: &Composite) -> Result<Results, String> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(program.threads.get());
+    let pool = threads.build().map_err(|error| error.to_string())?;
+    pool.install(|| run_here(program, composite)).map_err(|error| error.to_string())
+}
+
+fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid> {
+    let openings = &program.openings;
+    let fibres = averages(composite, openings);
+    let shares: Vec<[f64; 9]> = openings.par_iter().map(|&opening| shares_by_angle(composite, opening)).collect();
+    let mut rows: Vec<BridgingRow> = fibres
+        .iter()
+        .zip(shares)
+        .map(|(fibres, shares)| BridgingRow {
+            fibres: *fibres,
+            matrix: composite.matrix_stress(fibres.opening),
+            // of no stress there are no shares
+            shares: if fibres.stress > 0.0 { shares } else { [f64::NAN; 9] },
+            quantiles: [0.0; 3],
+        })
+        .collect();
+    let mut results = Results {
+        rows: Vec::new(),
+        beam: Vec::new(),
+        scatter: Vec::new(),
+        findings: findings(program, composite, &fibres)?,
+        warnings: Vec::new(),
+    };
+    if let Some(geometry) = &program.beam {
+        let law = composite.law(&fibres);
+        let section = [SectionLaw::new(&program.matrix, &law, geometry.hinge())];
+        if section[0].snaps {
+            let warning = "σ(w) falls so steeply that layers of the beam's hinge snap: each takes the least opening";
+            results.warnings.push(warning.into());
+        }
+        let tested = Beam::new(*geometry, &section, &program.matrix);
+        let cmods = cmods();
+        let row = |&cmod: &f64| {
+            let load = tested.at(cmod);
+            BeamRow { load, strength: geometry.flexural_strength(load.force), quantiles: [0.0; 3] }
+        };
+        results.beam = cmods.iter().map(row).collect();
+        let Residual { limit, residual } = tested.residual();
+        let code = ModelCode2010::new(residual[0], residual[2], ULTIMATE_OPENING);
+        results.findings.beam = Some(BeamFindings {
+            limit,
+            residual,
+            model_code_2010: CodeFindings {
+                rigid_plastic: code.rigid_plastic,
+                serviceability: code.serviceability,
+                ultimate: code.ultimate,
+                sigma: [0.5, ULTIMATE_OPENING].map(|opening| law.at(opening)),
+            },
+        });
+        if let Some(settings) = &program.scatter {
+            let beams = scatter(composite, geometry, openings, &cmods, settings)?;
+            for (k, row) in rows.iter_mut().enumerate() {
+                let stresses: Vec<f64> = beams.bridging.iter().map(|beam| beam[k]).collect();
+                row.quantiles = QUANTILES.map(|part| quantile(&stresses, part));
+            }
+            for (k, row) in results.beam.iter_mut().enumerate() {
+                let forces: Vec<f64> = beams.loads.iter().map(|beam| beam[k].force).collect();
+                row.quantiles = QUANTILES.map(|part| quantile(&forces, part));
+            }
+            results.findings.scatter = Some(scatter_findings(&beams));
+            let beam = |(k, (&fibres, &residual))| ScatterRow { beam: k + 1, fibres, residual };
+            results.scatter = beams.fibres.iter().zip(&beams.residual).enumerate().map(beam).collect();
+        }
+    }
+    results.rows = rows;
+    Ok(results)
+}
+
+fn findings(program: &Program, composite: &Composite, fibres: &[Average]) -> Result<Findings, Invalid> {
+    let law = composite.law(fibres);
+    let highest = |best: (f64, f64), point: (f64, f64)| if point.1 > best.1 { point } else { best };
+    let (w_peak, sigma_peak) = law.points().fold((0.0, 0.0), highest);
+    let (w_fibre_peak, sigma_fibre_peak) =
+        fibres.iter().map(|average| (average.opening, average.stress)).fold((0.0, 0.0), highest);
+    let points: Vec<(f64, f64)> = law.points().collect();
+    let work = |to: f64| {
+        let part = |ends: &[(f64, f64)]| {
+            let end = ends[1].0.min(to);
+            (end > ends[0].0).then(|| 0.5 * (end - ends[0].0) * (ends[0].1 + law.at(end)))
+        };
+        Work { to, work: points.windows(2).filter_map(part).sum() }
+    };
+    let last = program.openings.last().copied().unwrap_or_default();
+    let efficiency_by_zones = match &program.orientation {
+        Orientation::Section { size, faces } => Some(wall_zones(*size, faces, program.fibre.length)?),
+        _ => None,
+    };
+    let units = program.columns().into_iter().filter_map(|name| {
+        let (_, unit, _) = columns::shown(&name)?;
+        Some((name, unit.to_owned()))
+    });
+    let greatest_error = fibres.iter().map(|average| average.error).fold(0.0, f64::max);
+    Ok(Findings {
+        units: units.collect(),
+        efficiency: composite.directions.efficiency,
+        efficiency_by_zones,
+        fibres_per_cm2: 100.0 * composite.fibres_per_area(),
+        sigma_peak,
+        w_peak,
+        sigma_fibre_peak,
+        w_fibre_peak,
+        work: WORK_TO.into_iter().filter(|to| *to < last).chain([last]).map(work).collect(),
+        error: if sigma_fibre_peak > 0.0 { greatest_error / sigma_fibre_peak } else { 0.0 },
+        beam: None,
+        scatter: None,
+    })
+}
+
+fn scatter_findings(beams: &Beams) -> ScatterFindings {
+    let of = |value: &dyn Fn(&Residual) -> f64| Spread::of(&beams.residual.iter().map(value).collect::<Vec<_>>());
+    let limit = of(&|beam| beam.limit);
+    let residual = [0, 1, 2, 3].map(|k| of(&|beam| beam.residual[k]));
+    let class = StrengthClass::new(limit.characteristic, residual[0].characteristic, residual[2].characteristic);
+    ScatterFindings {
+        beams: beams.residual.len(),
+        fibres: Spread::of(&beams.fibres.iter().map(|&count| count as f64).collect::<Vec<_>>()),
+        limit,
+        residual,
+        class: class.map(|class| class.to_string()),
+        structural: class.is_some_and(|class| class.structural),
+    }
+}

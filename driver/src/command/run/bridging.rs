@@ -1,0 +1,55 @@
+//! Runs of cases of kind "bridging": no history grows while they go on.
+
+use pullout_case::Case;
+use pullout_report::bridging::conclude;
+use pullout_report::directory::ResultDirectory;
+use pullout_report::record::cpu_time;
+use pullout_report::summary::Summary;
+use pullout_run::bridging::{Program, run};
+use pullout_run::number::significant;
+use std::fmt::Write;
+use std::io;
+use std::time::Instant;
+
+/// Runs a case, and writes its results. The second result is what could not be written.
+pub(super) fn run_case(
+    case: &Case,
+    program: &Program,
+    directory: &mut ResultDirectory,
+) -> io::Result<(Summary, io::Result<()>)> {
+    directory.begin(&[])?;
+    let (start, cpu_start) = (Instant::now(), cpu_time());
+    let composite = program.composite().map_err(|error| error.to_string());
+    let done = composite.and_then(|composite| run(program, &composite).map(|results| (composite, results)));
+    let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
+    let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
+    conclude(case, directory, done, times)
+}
+
+/// A few lines of what came out.
+pub(super) fn outcome(summary: &Summary) -> String {
+    let mut text = String::new();
+    let Some(findings) = &summary.bridging else { return text };
+    let number = |value: f64| significant(value, 4);
+    // writing to a String cannot fail
+    let _ = writeln!(
+        text,
+        "  sigma: max {} MPa at w = {} mm; of the fibres {} MPa at {} mm, eta {}, {} per cm²",
+        number(findings.sigma_peak),
+        number(findings.w_peak),
+        number(findings.sigma_fibre_peak),
+        number(findings.w_fibre_peak),
+        number(findings.efficiency),
+        number(findings.fibres_per_cm2)
+    );
+    if let Some(beam) = &findings.beam {
+        let residual = beam.residual.map(number).join(", ");
+        let _ = writeln!(text, "  f_L {} MPa, f_R1–4 {residual} MPa", number(beam.limit));
+    }
+    if let Some(scatter) = &findings.scatter {
+        let residual = scatter.residual.map(|spread| number(spread.characteristic)).join(", ");
+        let class = scatter.class.as_deref().unwrap_or("none");
+        let _ = writeln!(text, "  of {} beams: f_R1k–4k {residual} MPa, class {class}", scatter.beams);
+    }
+    text
+}

@@ -1,0 +1,185 @@
+//! Cases of kind "bridging" as users meet them: run as a process, results read back.
+
+mod program;
+
+use program::{Desk, Table, cases, json};
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+
+/// A result directory without a history.
+struct Results {
+    folder: PathBuf,
+    bridging: Table,
+    summary: Value,
+}
+
+impl Results {
+    fn of(desk: &Desk, name: &str, settings: &[&str], out: &str) -> Self {
+        let case = cases().join("bridging").join(name);
+        let folder = desk.path(out);
+        let mut line = vec!["run", "--quiet", "--out", out, case.to_str().expect("UTF-8")];
+        settings.iter().for_each(|entry| line.extend(["--set", entry]));
+        let outcome = desk.pullout(&line).expect(0);
+        assert_eq!((outcome.stdout.as_str(), outcome.stderr.as_str()), ("", ""));
+        Self {
+            bridging: Table::read(&folder.join("bridging.csv")),
+            summary: json(&folder.join("summary.json")),
+            folder,
+        }
+    }
+
+    fn number(&self, pointer: &str) -> f64 {
+        self.summary["bridging"].pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("{pointer}"))
+    }
+
+    fn table(&self, name: &str) -> Table {
+        Table::read(&self.folder.join(name))
+    }
+}
+
+fn bits(folder: &Path, name: &str) -> Vec<u8> {
+    std::fs::read(folder.join(name)).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// σ_0 (1 − 2w/L_f)², whose area is σ_0 L_f/6.
+#[test]
+fn rigid_fibres_have_their_closed_form() {
+    let desk = Desk::new();
+    let run = Results::of(&desk, "closed.json", &[], "out");
+    let sigma_0 = 1.352_448_021_489_041_8;
+    for (w, sigma) in run.bridging.column("w").iter().zip(run.bridging.column("sigma_fibre")) {
+        assert!((sigma - sigma_0 * (1.0 - w / 15.0_f64).powi(2)).abs() < 1e-8 * sigma_0, "{w}");
+    }
+    assert!((run.number("/sigma_fibre_peak") - sigma_0).abs() < 1e-8);
+    assert!((run.number("/efficiency") - 0.5).abs() < 1e-12);
+    let shares: f64 = (0..9).map(|k| run.bridging.column(&format!("share_{}_{}", 10 * k, 10 * k + 10))[0]).sum();
+    assert!((shares - 1.0).abs() < 1e-12);
+    // σ is made of straight lines over 0.1 mm: the area below a parabola is greater by h²σ''L/12
+    let work = run.summary["bridging"]["work"].as_array().expect("work").last().expect("an end")["work"].as_f64();
+    assert!((work.expect("a number") - sigma_0 * 5.0).abs() < 1e-4 * 5.0 * sigma_0, "{work:?}");
+    assert_eq!(run.summary["bridging"]["units"]["sigma"], "MPa");
+}
+
+#[test]
+fn every_shipped_case_of_bridging_runs() {
+    let desk = Desk::new();
+    for name in ["two-sided", "shear-lag", "beam"] {
+        let run = Results::of(&desk, &format!("{name}.json"), &[], name);
+        assert_eq!(run.summary["status"], "done");
+        for column in &run.bridging.columns {
+            // at no opening fibres have no stress to share
+            let told = usize::from(column.starts_with("share_"));
+            assert!(run.bridging.column(column)[told..].iter().all(|value| value.is_finite()), "{name}: {column}");
+        }
+        assert!(run.number("/error") < 1e-3, "{name}");
+        let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
+        assert!(report.contains("<svg") && report.trim_end().ends_with("</html>"), "{name}");
+        for picture in ["sigma_w", "shares_w", "load_of_a_fibre", "orientation"] {
+            assert!(run.folder.join(format!("plots/{picture}.svg")).is_file(), "{name}: {picture}");
+        }
+    }
+}
+
+#[test]
+fn a_beam_has_the_strengths_of_its_curve() {
+    let desk = Desk::new();
+    let run = Results::of(&desk, "beam.json", &[], "out");
+    let beam = run.table("beam.csv");
+    for (k, cmod) in [0.5, 1.5, 2.5, 3.5].iter().enumerate() {
+        let row = beam.column("cmod").iter().position(|at| at == cmod).expect("a row at the standard's CMOD");
+        let strength = beam.column("f_R")[row];
+        assert!((strength - run.number(&format!("/beam/f_R/{k}"))).abs() < 1e-9, "{cmod}");
+        let load = beam.column("load")[row];
+        assert!((strength - 1.5 * load * 500.0 / (150.0 * 125.0 * 125.0)).abs() < 1e-9);
+    }
+    assert!(!run.folder.join("scatter.csv").exists());
+}
+
+/// And with any number of threads the same beams.
+#[test]
+fn beams_at_random_are_the_same_for_any_number_of_threads() {
+    let desk = Desk::new();
+    let few = ["scatter.beams=40", "openings.points=21"];
+    let run = Results::of(&desk, "monte-carlo.json", &few, "first");
+    let case = cases().join("bridging/monte-carlo.json");
+    let line = ["run", "--quiet", "--threads", "1", "--out", "second", "--set", few[0], "--set", few[1]];
+    desk.pullout(line.iter().copied().chain([case.to_str().expect("UTF-8")])).expect(0);
+    for name in ["bridging.csv", "beam.csv", "scatter.csv"] {
+        assert!(bits(&run.folder, name) == bits(&desk.path("second"), name), "{name}");
+    }
+    let scatter = run.table("scatter.csv");
+    assert_eq!(scatter.rows.len(), 40);
+    let mean = scatter.column("f_R3").iter().sum::<f64>() / 40.0;
+    assert!((run.number("/scatter/f_R/2/mean") - mean).abs() < 1e-9);
+    let beam = run.table("beam.csv");
+    for row in 1..beam.rows.len() {
+        let [low, middle, high] = ["load_05", "load_50", "load_95"].map(|name| beam.column(name)[row]);
+        assert!(low <= middle && middle <= high);
+    }
+}
+
+/// Columns of either file are a study's, but not of both at once.
+#[test]
+fn a_study_takes_columns_of_both_files() {
+    let desk = Desk::new();
+    let base = cases().join("bridging/beam.json");
+    let study = |y: &str| {
+        serde_json::json!({
+            "kind": "study", "base": base, "x": { "name": "V_f" }, "set": { "openings": { "points": 41 } },
+            "members": [
+                { "label": "half", "x": 0.5, "set": { "volume_fraction": 0.005 } },
+                { "label": "one", "x": 1, "set": { "volume_fraction": 0.01 } }
+            ],
+            "curve": { "x": "cmod", "y": y },
+            "claims": [
+                { "claim": "f_R3 grows with the dosage", "quantity": { "column": "f_R", "at": 2.5 }, "expect": { "trend": "increasing" } },
+                { "claim": "so does σ of the fibres, in proportion", "quantity": { "column": "sigma_fibre", "at": "greatest" },
+                  "expect": { "ratio_of": "one", "to": "half", "greater_than": 1.95, "less_than": 2.05 } }
+            ]
+        })
+    };
+    desk.case("study.json", &study("f_R"));
+    let outcome = desk.pullout(["study", "--quiet", "--out", "study", "study.json"]).expect(0);
+    assert_eq!(outcome.stderr, "");
+    let claims = json(&desk.path("study/study.json"))["claims"].clone();
+    for claim in claims.as_array().expect("claims") {
+        assert_eq!(claim["verdict"], "found", "{claim}");
+    }
+    desk.case("mixed.json", &study("sigma"));
+    let outcome = desk.pullout(["check", "mixed.json"]).expect(2);
+    assert!(outcome.stderr.contains("$.curve.y: 'sigma' and 'cmod' are columns of two files"), "{}", outcome.stderr);
+}
+
+/// From the strengths of beams made at random back to σ(w) and the friction that made them.
+#[test]
+fn strengths_lead_back_to_the_bond() {
+    let desk = Desk::new();
+    let few = ["scatter.beams=200", "openings.points=41"];
+    let run = Results::of(&desk, "monte-carlo.json", &few, "out");
+    let case = cases().join("bridging/monte-carlo.json");
+    let case = case.to_str().expect("UTF-8");
+    let fit = |more: &[&str], code: i32| {
+        let line = ["fit", "beam", "--case", case, "--out", "fit"];
+        desk.pullout(line.iter().chain(more).copied()).expect(code)
+    };
+    let outcome = fit(&["out/scatter.csv"], 0);
+    assert!(outcome.stdout.contains("NOT IDENTIFIABLE"), "five numbers do not tell E: {}", outcome.stdout);
+    let found = json(&desk.path("fit/fit.json"));
+    let tau = found["numbers"]["tau"]["value"].as_f64().expect("a friction");
+    assert!((tau / 4.0 - 1.0).abs() < 0.1, "{tau}");
+    // the matrix that is left is small there: σ is the fibres'
+    let sigma = found["numbers"]["sigma(1.25)"]["value"].as_f64().expect("a stress");
+    let at = run.bridging.column("w").iter().position(|w| *w >= 1.25).expect("an opening");
+    assert!((sigma / run.bridging.column("sigma_fibre")[at] - 1.0).abs() < 0.1, "{sigma}");
+    // what it found runs
+    desk.pullout(["check", "fit/bond-case.json"]).expect(0);
+    assert!(std::fs::read_to_string(desk.path("fit/report.html")).expect("a report").contains("<svg"));
+    for (more, message) in [
+        (&["out/bridging.csv"][..], "no column is called 'cmod'"),
+        (&["out/scatter.csv", "--load", "f_L"], "no column is called 'cmod'"),
+        (&["out/beam.csv", "--cmod", "load"], "must have CMODs that rise"),
+    ] {
+        let outcome = fit(more, 2);
+        assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
+    }
+}
