@@ -262,3 +262,20 @@ fn the_bond_law_of_the_tutorial_is_found() {
     let rms = run.summary["compare"][0]["rms"].as_f64().expect("a comparison");
     assert!((0.015..0.025).contains(&(rms / run.peak("load", "max"))), "{rms}");
 }
+
+/// The dosage of the tutorial does what is claimed of it, and the case that leads back has the strengths of the tests.
+#[test]
+fn the_beam_of_the_tutorial_leads_back() {
+    let desk = follow("docs/using/bridging.md");
+    let study = program::json(&desk.path("out/dosage/study.json"));
+    let claims = study["claims"].as_array().expect("claims");
+    assert!(claims.len() == 2 && claims.iter().all(|claim| claim["verdict"] == "found"), "{claims:?}");
+    let strength = |summary: &str, k: usize| {
+        program::json(&desk.path(summary))["bridging"]["beam"]["f_R"][k].as_f64().expect("a strength")
+    };
+    assert!(strength("out/beam/summary.json", 2) < strength("out/bond-case/summary.json", 2));
+    for (k, tested) in [4.133, 4.0, 3.867, 3.667].into_iter().enumerate() {
+        let found = strength("out/bond-case/summary.json", k);
+        assert!((found / tested - 1.0).abs() < 0.1, "f_R{}: {found} for {tested}", k + 1);
+    }
+}

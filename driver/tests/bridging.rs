@@ -183,3 +183,31 @@ fn strengths_lead_back_to_the_bond() {
         assert!(outcome.stderr.contains(message), "{more:?}: {}", outcome.stderr);
     }
 }
+
+/// Of friction that is the same at all angles: C2 without snubbing. The runs are kept, whoever asks for them again, and one
+/// that fails is named.
+#[test]
+fn curves_of_runs_give_the_closed_form() {
+    let desk = Desk::new();
+    let run = Results::of(&desk, "simulated.json", &[], "out");
+    let sigma_0 = 0.5 * 0.01 * 24.4 / 0.406;
+    for (w, sigma) in run.bridging.column("w").iter().zip(run.bridging.column("sigma_fibre")).skip(1) {
+        let exact = sigma_0 * (1.0 - w / 12.2).max(0.0).powi(2);
+        assert!((sigma - exact).abs() < 0.005 * sigma_0, "{w}: {sigma} for {exact}");
+    }
+    assert_eq!(run.number("/simulations/runs"), 2.0);
+    let again = Results::of(&desk, "simulated.json", &[], "again");
+    assert_eq!(again.number("/simulations/kept"), 2.0);
+    assert!(bits(&run.folder, "bridging.csv") == bits(&again.folder, "bridging.csv"));
+    // the curves are those of a table
+    let table = r#"fibre={"diameter":0.406,"length":24.4,"E":210000,"model":"table","cut_deg":90,"file":"FILE"}"#;
+    let table = table.replace("FILE", run.folder.join("fibres.csv").to_str().expect("UTF-8"));
+    let of_table = Results::of(&desk, "simulated.json", &[&table], "table");
+    assert!(bits(&run.folder, "bridging.csv") == bits(&of_table.folder, "bridging.csv"));
+    let case = cases().join("bridging/simulated.json");
+    let hopeless = r#"fibre.set={"controls":{"max_iterations":2,"force_tolerance":1e-15},"steps.0.increments.initial":0.002,"steps.0.increments.minimum":0.002}"#;
+    let line = ["run", "--out", "failed", "--set", hopeless];
+    let outcome = desk.pullout(line.iter().copied().chain([case.to_str().expect("UTF-8")])).expect(1);
+    assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: "), "{}", outcome.stderr);
+    assert_eq!(json(&desk.path("failed/summary.json"))["status"], "failed");
+}

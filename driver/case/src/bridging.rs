@@ -1,13 +1,15 @@
 //! Kind "bridging": fibres across a crack.
 
-use crate::document::bridging::{BridgingCase, FibreOfFile, Openings, Spacing, TableFibre};
+use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, Spacing, TableFibre};
 use crate::history;
-use crate::problem::{Place, hint};
+use crate::problem::{Place, Problem, hint};
+use crate::read::Case;
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{Bond, Closed, Curve, Fibre, Invalid, ShearLag};
-use pullout_run::bridging::{Program, Source};
+use pullout_run::bridging::{Program, Simulation, Simulations, Source};
 use pullout_run::columns;
+use pullout_run::input::is_stream;
 use pullout_run::program::About;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -16,6 +18,15 @@ use std::path::Path;
 const OPENINGS: (f64, u64) = (3.5, 200);
 /// Beyond this angle fibres of tables carry nothing, degrees.
 const USUAL_CUT: f64 = 80.0;
+/// Angles of runs of a specimen unless the case says otherwise, degrees,
+const ANGLES_DEG: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
+/// and lengths, as parts of half the fibre's.
+const LENGTHS: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 1.0];
+/// Fibres that reach less deep are not run, in diameters.
+const LEAST_DEPTH: f64 = 2.0;
+/// Diameters that differ by this part are the same.
+const SAME_DIAMETER: f64 = 1e-6;
+const NO_SPECIMEN: &str = "is no case of kind \"pullout\"";
 /// Columns of a table of curves.
 const CURVE_COLUMNS: [&str; 4] = ["theta_deg", "embedded", "slip", "load"];
 
@@ -61,7 +72,12 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase) -> Opt
     };
     let program = Program { about, sides, openings: openings(given), beam, scatter, ..program? };
     if reader.problems.is_empty() {
-        tell(reader, program.composite().map(drop));
+        let checked = match &program.source {
+            // without its curves: by those of a bond
+            Source::Simulated(_) => Program { source: stand_in(), ..program.clone() }.composite(&[]),
+            _ => program.composite(&[]),
+        };
+        tell(reader, checked.map(drop));
     }
     Some(program)
 }
@@ -155,9 +171,120 @@ fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)
             (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
         }
         FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
+        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, fe)),
     };
     tell(reader, fibre.check());
     (reader.problems.len() == before).then_some((fibre, source?))
+}
+
+/// Any bond.
+fn stand_in() -> Source {
+    let closed = Closed {
+        tau: 1.0,
+        beta: 0.0,
+        debonding_energy: 0.0,
+        debonding: Default::default(),
+        sliding: Default::default(),
+    };
+    Source::Bond(Bond::Closed(closed), Default::default())
+}
+
+/// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
+/// base is told here.
+fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
+    let place = Place::root().key("fibre");
+    let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());
+    let parts = fe.lengths.clone().unwrap_or(LENGTHS.into());
+    let rises = |values: &[f64]| !values.is_empty() && values.windows(2).all(|pair| pair[1] > pair[0]);
+    let before = reader.problems.len();
+    if !rises(&angles) || angles[0] < 0.0 || angles[angles.len() - 1] >= 90.0 {
+        reader.problem(&place.key("angles_deg"), "must rise, from 0 or more to less than 90 degrees");
+    }
+    if !rises(&parts) || parts[0] <= 0.0 || parts[parts.len() - 1] != 1.0 {
+        reader.problem(&place.key("lengths"), "must rise, from above 0 to 1: parts of half the fibre's length");
+    }
+    if reader.problems.len() > before {
+        return None;
+    }
+    let base = reader.file(&fe.base, &place.key("base"))?;
+    if is_stream(&base) {
+        reader.problem(&place.key("base"), "is a pipe or a device: each run reads its case from a file");
+        return None;
+    }
+    let lengths: Vec<f64> = parts.iter().map(|part| 0.5 * part * fe.length).collect();
+    let [angle_key, length_key] = [
+        fe.angle_key.as_deref().unwrap_or("mesh.specimen.angle_deg"),
+        fe.length_key.as_deref().unwrap_or("mesh.specimen.embedded_length"),
+    ];
+    let always = fe.set.iter().flatten().map(|(path, value)| format!("{path}={value}")).collect::<Vec<_>>();
+    let mut runs = Vec::new();
+    for &angle_deg in &angles {
+        // a fibre that is embedded by less than that is all corner
+        let is_run = |length: &f64| length * angle_deg.to_radians().cos() >= LEAST_DEPTH * fe.diameter;
+        for &embedded in lengths.iter().filter(|length| is_run(length)) {
+            let mut overrides = always.clone();
+            // a specimen without an angle is at 0
+            overrides.extend((angles.len() > 1 || angle_deg > 0.0).then(|| format!("{angle_key}={angle_deg}")));
+            overrides.push(format!("{length_key}={embedded}"));
+            runs.push(Simulation { angle_deg, embedded, overrides });
+        }
+        if runs.last().is_none_or(|run| run.angle_deg != angle_deg) {
+            let message = format!("{angle_deg}: no length reaches {LEAST_DEPTH} diameters deep at this angle");
+            reader.problem(&place.key("angles_deg"), message);
+            return None;
+        }
+    }
+    for run in [&runs[0], &runs[runs.len() - 1]] {
+        check_simulation(reader, &base, run, fe.diameter, &place);
+        if reader.problems.len() > before {
+            return None;
+        }
+    }
+    let widest = angles.last().copied().unwrap_or_default();
+    Some(Source::Simulated(Simulations {
+        base,
+        runs,
+        lengths,
+        cut_deg: fe.cut_deg.unwrap_or(USUAL_CUT.max(widest)),
+        cache: fe.cache.clone().unwrap_or("out/fibres".into()).into(),
+    }))
+}
+
+/// A run's case is one of a specimen with one fibre, and that this one.
+fn check_simulation(reader: &mut Reader<'_>, base: &Path, run: &Simulation, diameter: f64, place: &Place) {
+    let paths = reader.plugin_paths.to_vec();
+    // whose plugins must not be loaded here is checked by its run
+    if crate::read::need(base, &run.overrides, &paths).is_some() {
+        return;
+    }
+    let read = if reader.is_untrusted { crate::read::read_untrusted } else { crate::read::read };
+    let place = place.key("base");
+    let document = crate::read::document(base, &run.overrides);
+    // a case that is its own base would be read without end
+    if document.is_some_and(|document| document["kind"] != "pullout") {
+        reader.problem(&place, NO_SPECIMEN);
+        return;
+    }
+    let problem = match read(base, &run.overrides, &paths) {
+        Ok(Case::Pullout(program)) => match program.fibre_diameter {
+            Some(_) if !program.model.measured.fibres.is_empty() => "has several fibres: give a case with one".into(),
+            Some(own) if (own - diameter).abs() > SAME_DIAMETER * diameter => {
+                format!("has a fibre of {own} mm, this one is {diameter} mm thick")
+            }
+            Some(_) => return,
+            None => "has no fibre".into(),
+        },
+        Ok(_) => NO_SPECIMEN.into(),
+        Err(errors) => {
+            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
+            let name = format!("{}°, {} mm", run.angle_deg, run.embedded);
+            format!("{}: {name}: {first}", base.display())
+        }
+    };
+    let problem = Problem::new(place, problem);
+    if !reader.problems.contains(&problem) {
+        reader.push(problem);
+    }
 }
 
 /// Curves of tests.

@@ -87,7 +87,11 @@ impl BeamFit {
         let fast = fast_inverse(&geometry, test)?;
         let full = full_inverse(&geometry, &program.matrix, test)?;
         let end = program.openings.last().copied().unwrap_or_default();
-        let composite = program.composite()?;
+        let rule = "\"fe\" is not run by a fit: take the fibres.csv of its run as model \"table\"";
+        let composite = match &program.source {
+            Source::Simulated(_) => return Err(Invalid { place: "fibre.model".into(), rule: rule.into() }),
+            _ => program.composite(&[])?,
+        };
         let predicted = composite.law_to(end, POINTS);
         let target: Vec<[f64; 2]> = BOND_OPENINGS
             .iter()

@@ -8,7 +8,7 @@ use crate::plots::figure::{Figure, Line, Scale, Style};
 use crate::plots::quantity::Quantity;
 use crate::plots::{self, Picture, Spec};
 use crate::summary::{self, Status, Summary};
-use pullout_bridging::Composite;
+use pullout_bridging::{Composite, Curve};
 use pullout_case::Case;
 use pullout_run::bridging::{Program, Results};
 use pullout_run::columns::{self, BEAM, BRIDGING, Column, Group, SCATTER};
@@ -39,6 +39,9 @@ pub fn conclude(
     [wall_time_s, cpu_time_s]: [f64; 2],
 ) -> io::Result<(Summary, io::Result<()>)> {
     if let Ok((program, _, results)) = &done {
+        if !results.curves.is_empty() {
+            directory.write("fibres.csv", curves(&results.curves))?;
+        }
         let [bridging, beam] = BRIDGING_TABLES;
         write_table(directory, bridging, &BRIDGING, program.left_out(), &results.rows)?;
         if !results.beam.is_empty() {
@@ -83,6 +86,20 @@ pub fn conclude(
         pictures.and(compared.map(|_| ()))
     });
     Ok((summary, written))
+}
+
+/// Curves of fibres as a case of model "table" reads them.
+fn curves(curves: &[Curve]) -> Vec<u8> {
+    let mut text = b"theta_deg,embedded,slip,load\n".to_vec();
+    for curve in curves {
+        for (&slip, &load) in curve.slip.iter().zip(&curve.load) {
+            for (value, end) in [(curve.angle_deg, b','), (curve.embedded, b','), (slip, b','), (load, b'\n')] {
+                number::push_exact(&mut text, value);
+                text.push(end);
+            }
+        }
+    }
+    text
 }
 
 /// Writes rows as a table with the columns that are not left out.

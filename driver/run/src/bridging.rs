@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
+use std::path::PathBuf;
 
 /// CMOD to which a beam is tested, mm (EN 14651).
 const LAST_CMOD: f64 = 4.0;
@@ -64,6 +65,54 @@ pub enum Source {
     Bond(Bond, Inclination),
     /// Curves of tests, and the angle beyond which fibres carry nothing, degrees.
     Curves(Vec<Curve>, f64),
+    /// Curves of runs of a specimen.
+    Simulated(Simulations),
+}
+
+/// Runs of a specimen with one fibre.
+#[derive(Clone, Debug)]
+pub struct Simulations {
+    /// The specimen's case.
+    pub base: PathBuf,
+    /// Those that a table needs, but for lengths that are too short to be run.
+    pub runs: Vec<Simulation>,
+    /// Embedded lengths of the table, mm.
+    pub lengths: Vec<f64>,
+    /// Degrees beyond which fibres carry nothing.
+    pub cut_deg: f64,
+    /// The folder that keeps results for all that need them.
+    pub cache: PathBuf,
+}
+
+/// A run of a specimen with one fibre.
+#[derive(Clone, Debug)]
+pub struct Simulation {
+    /// Degrees.
+    pub angle_deg: f64,
+    /// mm.
+    pub embedded: f64,
+    /// As texts of `--set`.
+    pub overrides: Vec<String>,
+}
+
+impl Simulations {
+    /// Curves for all lengths of the table from those of the runs: what is too short to be run is taken in proportion to
+    /// the shortest one at the angle.
+    pub fn complete(&self, run: &[Curve]) -> Vec<Curve> {
+        let mut all = run.to_vec();
+        for shortest in run {
+            let same = |curve: &&Curve| curve.angle_deg == shortest.angle_deg;
+            if run.iter().filter(same).any(|other| other.embedded < shortest.embedded) {
+                continue;
+            }
+            all.extend(self.lengths.iter().filter(|length| **length < shortest.embedded).map(|&embedded| {
+                let part = embedded / shortest.embedded;
+                let scaled = |values: &[f64]| values.iter().map(|value| part * value).collect();
+                Curve { embedded, slip: scaled(&shortest.slip), load: scaled(&shortest.load), ..*shortest }
+            }));
+        }
+        all
+    }
 }
 
 impl Program {
@@ -79,18 +128,20 @@ impl Program {
         self.scatter.is_none().then_some(Group::Band)
     }
 
-    /// The fibres in their matrix.
+    /// The fibres in their matrix; `simulated` are the curves of [`Source::Simulated`].
     ///
     /// # Errors
     /// Numbers without sense.
-    pub fn composite(&self) -> Result<Composite, Invalid> {
+    pub fn composite(&self, simulated: &[Curve]) -> Result<Composite, Invalid> {
+        let table = |curves: &[Curve], cut_deg: f64| {
+            BridgingFibre::of_table(self.fibre, Table::new(curves, cut_deg, self.fibre.length)?, self.sides)
+        };
         let fibre = match &self.source {
             Source::Bond(bond, inclination) => {
                 BridgingFibre::new(self.fibre, bond, *inclination, self.sides, self.modular_ratio)?
             }
-            Source::Curves(curves, cut_deg) => {
-                BridgingFibre::of_table(self.fibre, Table::new(curves, *cut_deg, self.fibre.length)?, self.sides)?
-            }
+            Source::Curves(curves, cut_deg) => table(curves, *cut_deg)?,
+            Source::Simulated(simulations) => table(&simulations.complete(simulated), simulations.cut_deg)?,
         };
         Composite::new(fibre, self.volume_fraction, &self.orientation, self.matrix, self.activation)
     }
@@ -105,6 +156,8 @@ pub struct Results {
     pub beam: Vec<BeamRow>,
     /// The beams made at random.
     pub scatter: Vec<ScatterRow>,
+    /// Curves of runs of a specimen.
+    pub curves: Vec<Curve>,
     /// In a few numbers.
     pub findings: Findings,
     /// Things the user should know.
@@ -135,12 +188,26 @@ pub struct Findings {
     pub work: Vec<Work>,
     /// Greatest estimate of the error of the fibres' stress over its peak.
     pub error: f64,
+    /// The runs that the curves of fibres are of.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub simulations: Option<SimulationFindings>,
     /// Of the notched beam by the mean σ(w).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beam: Option<BeamFindings>,
     /// Of the beams made at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<ScatterFindings>,
+}
+
+/// Of the runs of fibres.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct SimulationFindings {
+    /// How many curves the table has of them.
+    pub runs: usize,
+    /// How many of them were there before.
+    pub kept: usize,
+    /// CPU time of all of them, s, those included that were there before.
+    pub cpu_time_s: f64,
 }
 
 /// Work of the crack.
@@ -261,6 +328,7 @@ fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid
         rows: Vec::new(),
         beam: Vec::new(),
         scatter: Vec::new(),
+        curves: Vec::new(),
         findings: findings(program, composite, &fibres)?,
         warnings: Vec::new(),
     };
@@ -344,6 +412,7 @@ fn findings(program: &Program, composite: &Composite, fibres: &[Average]) -> Res
         w_fibre_peak,
         work: WORK_TO.into_iter().filter(|to| *to < last).chain([last]).map(work).collect(),
         error: if sigma_fibre_peak > 0.0 { greatest_error / sigma_fibre_peak } else { 0.0 },
+        simulations: None,
         beam: None,
         scatter: None,
     })

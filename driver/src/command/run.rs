@@ -229,7 +229,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
             return signal.exit_code();
         }
         match job {
-            Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling),
+            Job::Here(case, checkpoints) => run_into(&case, directory, &checkpoints, telling, reading),
             Job::Isolated { file, need } => isolated::run(file, directory, arguments, &need),
         }
     };
@@ -321,8 +321,17 @@ const KEPT: [&str; 7] =
     ["history.csv", checkpoint::FILE, "fields.pvd", "fields/#.vtu", "fields/contact_#.vtu", "umat.log", "umat.msg"];
 
 /// Runs a case, and says what came out; the result is its exit code.
-fn run_into(case: &Case, mut directory: ResultDirectory, checkpoints: &Checkpoints, telling: Telling) -> u8 {
-    let concluded = run_case(case, &mut directory, checkpoints, telling);
+fn run_into(
+    case: &Case,
+    mut directory: ResultDirectory,
+    checkpoints: &Checkpoints,
+    telling: Telling,
+    reading: &Reading,
+) -> u8 {
+    let concluded = match case {
+        Case::Bridging(program) => bridging::run_case(case, program, &mut directory, reading, telling.quiet),
+        _ => run_case(case, &mut directory, checkpoints, telling),
+    };
     tell(case, directory.path(), telling.quiet, concluded)
 }
 
@@ -332,9 +341,6 @@ fn run_case(
     checkpoints: &Checkpoints,
     telling: Telling,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    if let Case::Bridging(program) = case {
-        return bridging::run_case(case, program, directory);
-    }
     let kept = checkpoints.from.as_deref().and_then(|saved| Kept::of(saved, &case.columns()));
     directory.begin(if kept.is_some() { &KEPT } else { &[] })?;
     // a plugin may change the folder in which this process works

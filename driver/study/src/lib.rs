@@ -9,6 +9,7 @@
 pub mod claims;
 
 mod execution;
+mod fibres;
 mod fingerprint;
 pub mod pictures;
 mod read;
@@ -18,6 +19,7 @@ mod table;
 
 pub use claims::{Expectation, Finding, Verdict};
 pub use execution::{Execution, State, execute};
+pub use fibres::curves_of_fibres;
 pub use pullout_case::study::{ColumnValue, Columns, Direction, NamedPlace, NamedQuantity, Where};
 pub use read::read;
 pub use report::write as write_report;

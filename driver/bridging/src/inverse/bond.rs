@@ -4,8 +4,8 @@ use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
 use crate::composite::Matrix;
 use crate::{Bond, BridgingFibre, Closed, Composite, Fibre, Inclination, Invalid, Orientation, Sides};
 
-/// With a greater correlation of τ and f only g(f) τ is told: 0.99985 is still enough where nothing else scatters.
-const LARGEST_CORRELATION: f64 = 0.99999;
+/// With a greater correlation of τ and f only g(f) τ is told; a search along what nothing tells takes a minute.
+const LARGEST_CORRELATION: f64 = 0.9999;
 
 /// Friction τ and, as far as it is told, snubbing f whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: the logarithms are sought,
 /// from `start`. Without rupture σ_f depends on g(f) τ alone: where f is not told it stays what it is, and τ alone is
@@ -43,7 +43,6 @@ pub fn bond_from_bridging(
     let problem = LeastSquares { residuals: &residuals, quantities: &quantities, data: target.len() };
     let alone = least_squares(&problem, &[start.0.tau.ln()]);
     let begin = [alone.parameters[0], start.1.ln()];
-    // a search along what nothing tells would take a minute
     if assess(&problem, begin.to_vec()).correlation[(0, 1)].abs() > LARGEST_CORRELATION {
         return Ok(alone);
     }

@@ -97,6 +97,8 @@ pub enum FibreOfFile {
     ShearLag(ShearLagFibre),
     /// Curves of tests.
     Table(TableFibre),
+    /// Curves of runs of a specimen with one fibre.
+    Fe(FeFibre),
 }
 
 /// What fibres of all models have.
@@ -172,5 +174,28 @@ fibre_of_file! {
         file: String,
         /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle of the curves).
         cut_deg: Option<f64>,
+    }
+}
+
+fibre_of_file! {
+    /// A fibre whose curves are runs of a specimen, kept for whoever needs them.
+    FeFibre {
+        /// The case of kind "pullout" with this fibre and no other, relative to this file.
+        #[schemars(length(min = 1))]
+        base: String,
+        /// Entries of the base that are set for all runs, by dotted path.
+        set: Option<serde_json::Map<String, serde_json::Value>>,
+        /// Angles, degrees (default 0, 15, 30, 45, 60, 75).
+        angles_deg: Option<Vec<f64>>,
+        /// Embedded lengths over half the fibre's length, the last 1 (default 0.125, 0.25, 0.5, 0.75, 1).
+        lengths: Option<Vec<f64>>,
+        /// The entry of the base that is the angle (default mesh.specimen.angle_deg; a specimen without one is at 0).
+        angle_key: Option<String>,
+        /// The entry of the base that is the embedded length (default mesh.specimen.embedded_length).
+        length_key: Option<String>,
+        /// Fibres at a larger angle carry nothing, degrees (default 80, or the largest angle).
+        cut_deg: Option<f64>,
+        /// The folder that keeps the runs, relative to the current one (default out/fibres).
+        cache: Option<String>,
     }
 }

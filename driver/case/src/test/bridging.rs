@@ -17,6 +17,8 @@ const TABLE: &str = r#"fibre={"diameter": 0.5, "length": 30, "E": 210000, "model
 const LAW: &str =
     r#"fibre={"diameter": 0.5, "length": 30, "E": 210000, "model": "shear_lag", "law": [[0, 1], [0, 2]]}"#;
 
+const RUNS: &str = r#"fibre={"diameter": 0.406, "length": 24.4, "E": 210000, "model": "fe", "base": "fibre.json"}"#;
+
 const MALFORMED: &[Sample] = &[
     (&["fibre.model=close"], "$.fibre.model", "nearest valid name: 'closed'", BySchema),
     (&["fibre.tua=3"], "$.fibre.tua", "unknown key", BySchema),
@@ -63,6 +65,13 @@ const MALFORMED: &[Sample] = &[
     (&[TABLE, "fibre.file=path.csv"], "$.fibre.file", "has no column 'theta_deg'", ByMeaning),
     (&[TABLE, "fibre.file=short.csv"], "$.fibre.curves", "must reach half the length of the fibre", ByMeaning),
     (&[LAW], "$.fibre.law[1]", "must have a greater slip", ByMeaning),
+    (&[RUNS, "fibre.base=case.json"], "$.fibre.base", "is no case of kind \"pullout\"", ByMeaning),
+    (&[RUNS, "fibre.base=nowhere.json"], "$.fibre.base", "cannot be read", ByMeaning),
+    (&[RUNS, "fibre.diameter=0.5"], "$.fibre.base", "has a fibre of 0.406 mm, this one is 0.5 mm thick", ByMeaning),
+    (&[RUNS, "fibre.set={\"steps.0.slip\": \"far\"}"], "$.fibre.base", "$.steps[0].slip", ByMeaning),
+    (&[RUNS, "fibre.angles_deg=[0, 45, 30]"], "$.fibre.angles_deg", "must rise", ByMeaning),
+    (&[RUNS, "fibre.angles_deg=[0, 89]"], "$.fibre.angles_deg", "no length reaches 2 diameters deep", ByMeaning),
+    (&[RUNS, "fibre.lengths=[0.5]"], "$.fibre.lengths", "from above 0 to 1", ByMeaning),
     (&["until={}"], "$.until", "unknown key", BySchema),
 ];
 

@@ -8,6 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::os::unix::fs::{MetadataExt, OpenOptionsExt};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// The lock's file in a directory.
 const FILE: &str = ".pullout.lock";
@@ -58,6 +59,26 @@ impl Lock {
             let [pid, host] = this_process();
             file.set_len(0).and_then(|()| writeln!(file, "{pid} {host}")).map_err(at(&path))?;
             return Ok((Self { path, _file: file }, note));
+        }
+    }
+}
+
+/// Time between two looks at a lock that another process has.
+const POLL: Duration = Duration::from_millis(200);
+
+impl Lock {
+    /// Takes the lock of a directory as soon as nobody else has it; `None` if `gives_up` says so meanwhile.
+    ///
+    /// # Errors
+    /// The file cannot be written.
+    pub fn wait(directory: &Path, gives_up: impl Fn() -> bool) -> io::Result<Option<Self>> {
+        loop {
+            match Self::take(directory) {
+                Ok((lock, _)) => return Ok(Some(lock)),
+                Err(Refusal::System(error)) => return Err(error),
+                Err(Refusal::Content(_)) if gives_up() => return Ok(None),
+                Err(Refusal::Content(_)) => std::thread::sleep(POLL),
+            }
         }
     }
 }

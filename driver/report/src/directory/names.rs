@@ -40,12 +40,13 @@ const GROWING: [&str; 12] = [
     "replay.json",
 ];
 /// What else would be replaced, or taken for a result.
-const RUN: [&str; 8] = [
+const RUN: [&str; 9] = [
     "summary.json",
     "report.html",
     "bridging.csv",
     "beam.csv",
     "scatter.csv",
+    "fibres.csv",
     "fields/*.vtu",
     "plots/*.svg",
     "plots/spec.json",

@@ -89,6 +89,13 @@ impl Account {
             bridging::Source::Curves(curves, cut) => {
                 settings.push(("Curves".into(), format!("{}, none beyond {}°", curves.len(), rounded(*cut))));
             }
+            bridging::Source::Simulated(simulations) => {
+                let (runs, cut) = (simulations.runs.len(), rounded(simulations.cut_deg));
+                settings.push((
+                    "Curves".into(),
+                    format!("{runs} runs of {}, none beyond {cut}°", simulations.base.display()),
+                ));
+            }
         }
         let sides = match program.sides {
             pullout_bridging::Sides::One => "one gives way",

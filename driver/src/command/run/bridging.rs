@@ -1,12 +1,15 @@
 //! Runs of cases of kind "bridging": no history grows while they go on.
 
+use super::super::{DONE, Reading, say};
+use pullout_bridging::Curve;
 use pullout_case::Case;
 use pullout_report::bridging::conclude;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::record::cpu_time;
 use pullout_report::summary::Summary;
-use pullout_run::bridging::{Program, run};
+use pullout_run::bridging::{Program, SimulationFindings, Source, run};
 use pullout_run::number::significant;
+use pullout_study::Execution;
 use std::fmt::Write;
 use std::io;
 use std::time::Instant;
@@ -16,14 +19,48 @@ pub(super) fn run_case(
     case: &Case,
     program: &Program,
     directory: &mut ResultDirectory,
+    reading: &Reading,
+    quiet: bool,
 ) -> io::Result<(Summary, io::Result<()>)> {
     directory.begin(&[])?;
     let (start, cpu_start) = (Instant::now(), cpu_time());
-    let composite = program.composite().map_err(|error| error.to_string());
-    let done = composite.and_then(|composite| run(program, &composite).map(|results| (composite, results)));
+    let done = curves(program, reading, quiet).and_then(|simulated| {
+        let (curves, simulations) = simulated.unzip();
+        let composite = program.composite(curves.as_deref().unwrap_or_default()).map_err(|error| error.to_string())?;
+        let mut results = run(program, &composite)?;
+        results.findings.simulations = simulations;
+        results.curves = curves.unwrap_or_default();
+        Ok((composite, results))
+    });
     let times = [start.elapsed().as_secs_f64(), (cpu_time() - cpu_start).as_secs_f64()];
     let done = done.as_ref().map(|(composite, results)| (program, composite, results)).map_err(Clone::clone);
     conclude(case, directory, done, times)
+}
+
+/// Curves of runs of a specimen, if the case asks for them.
+fn curves(
+    program: &Program,
+    reading: &Reading,
+    quiet: bool,
+) -> Result<Option<(Vec<Curve>, SimulationFindings)>, String> {
+    let Source::Simulated(simulations) = &program.source else { return Ok(None) };
+    let execution = Execution {
+        out: &simulations.cache,
+        jobs: program.threads.get(),
+        threads: 1,
+        plugin_paths: &reading.plugin_paths,
+        only: &[],
+        force: false,
+        overwrite: false,
+        is_untrusted: reading.untrusted,
+    };
+    let tell = |name: &str, code: u8, count: usize, of: usize| {
+        if !quiet {
+            let how = if code == DONE { "done" } else { "FAILED" };
+            say(&format!("[{count}/{of}] fibre at {name}: {how}\n"));
+        }
+    };
+    pullout_study::curves_of_fibres(simulations, &execution, &tell).map(Some)
 }
 
 /// A few lines of what came out.

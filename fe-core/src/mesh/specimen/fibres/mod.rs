@@ -197,7 +197,7 @@ impl Fibre {
     }
 
     fn fine_length(&self) -> f64 {
-        self.fine_length.unwrap_or(FINE_DIAMETERS * self.diameter)
+        self.fine_length.unwrap_or((FINE_DIAMETERS * self.diameter).min(self.embedded_length))
     }
 
     /// Half of the width at an arc length of the axis from the exit, mm.

@@ -1,0 +1,123 @@
+//! Curves of one fibre at angles and lengths from runs of a specimen, which are kept for whoever needs them.
+//!
+//! Each run's folder has its fingerprint as its name: cases and studies that need the same run share it, and a table goes
+//! on where it was interrupted.
+
+use super::execution::{Execution, State, execute};
+use super::fingerprint::Fingerprints;
+use super::{Columns, Member, Run, Series, Study};
+use pullout_bridging::Curve;
+use pullout_report::directory::Lock;
+use pullout_report::history::History;
+use pullout_report::summary::{Status, Summary};
+use pullout_run::bridging::{SimulationFindings, Simulations};
+use pullout_run::number::significant;
+use pullout_run::signals;
+use std::path::PathBuf;
+
+/// Digits of a fingerprint that name a folder.
+const DIGITS: usize = 24;
+
+/// Runs what is not there yet, and reads the curves. `finished` hears of each run: its name, exit code, how many, of how
+/// many.
+///
+/// # Errors
+/// A case that is refused, a run that failed, by its angle and length.
+pub fn curves_of_fibres(
+    simulations: &Simulations,
+    execution: &Execution<'_>,
+    finished: &(dyn Fn(&str, u8, usize, usize) + Sync),
+) -> Result<(Vec<Curve>, SimulationFindings), String> {
+    let study = study(simulations, execution)?;
+    std::fs::create_dir_all(&simulations.cache).map_err(|error| format!("{}: {error}", simulations.cache.display()))?;
+    let lock = Lock::wait(&simulations.cache, || signals::received().is_some());
+    let lock = lock.map_err(|error| error.to_string())?;
+    let states = execute(&study, execution, &|run, code, count, of| {
+        finished(&study.members[run.member].title, code, count, of);
+    });
+    drop(lock);
+    let states = states.map_err(|error| error.to_string())?;
+    if let Some(signal) = signals::received() {
+        return Err(format!("interrupted by {}: runs of fibres that are done are kept", signal.words()));
+    }
+    let mut findings = SimulationFindings { runs: study.runs.len(), ..SimulationFindings::default() };
+    let mut curves = Vec::new();
+    for ((run, simulation), state) in study.runs.iter().zip(&simulations.runs).zip(states) {
+        let folder = simulations.cache.join(&run.folder);
+        let name = &study.members[run.member].title;
+        let failed = |message: &str| format!("fibre at {name}: {message} ({})", folder.display());
+        let summary = Summary::read(&folder.join("summary.json"));
+        let summary = summary.map_err(|_| failed("it was not run; output.txt has the reason"))?;
+        if summary.status != Status::Done {
+            return Err(failed(summary.message.as_deref().unwrap_or("it failed")));
+        }
+        findings.kept += usize::from(state == State::Kept);
+        findings.cpu_time_s += summary.cpu_time_s.unwrap_or_default();
+        let columns = ["slip", "load"];
+        let history = History::of_run(&folder, |table| table.read_columns(&columns));
+        let history = history.map_err(|error| failed(&error.to_string()))?;
+        let [slips, loads] = columns.map(|name| history.column(name).unwrap_or_default());
+        let mut curve = Curve {
+            angle_deg: simulation.angle_deg,
+            embedded: simulation.embedded,
+            slip: Vec::new(),
+            load: Vec::new(),
+        };
+        for (&slip, &load) in slips.iter().zip(loads) {
+            // the grip of a run never goes back, but for rounding
+            if slip >= 0.0 && curve.slip.last().is_none_or(|last| slip > *last) {
+                curve.slip.push(slip);
+                curve.load.push(load.max(0.0));
+            }
+        }
+        curves.push(curve);
+    }
+    Ok((curves, findings))
+}
+
+/// The runs as a study of one series.
+fn study(simulations: &Simulations, execution: &Execution<'_>) -> Result<Study, String> {
+    let fingerprints = Fingerprints::new();
+    let (mut members, mut runs) = (Vec::new(), Vec::new());
+    for (member, simulation) in simulations.runs.iter().enumerate() {
+        let title = format!("{}°, {} mm", significant(simulation.angle_deg, 4), significant(simulation.embedded, 4));
+        members.push(Member { label: member.to_string(), title, x: None });
+        let mut run = Run {
+            series: 0,
+            member,
+            base: simulations.base.clone(),
+            overrides: simulation.overrides.clone(),
+            folder: PathBuf::new(),
+            fingerprint: String::new(),
+            warnings: Vec::new(),
+        };
+        run.fingerprint = fingerprint(&fingerprints, &run, execution)?;
+        run.folder = run.fingerprint.chars().take(DIGITS).collect::<String>().into();
+        runs.push(run);
+    }
+    let columns = Columns { x: "slip".into(), y: "load".into() };
+    Ok(Study {
+        file: simulations.base.clone(),
+        title: String::new(),
+        description: String::new(),
+        x: None,
+        members,
+        series: vec![Series { name: "fibres".into(), title: String::new() }],
+        runs,
+        units: ["mm".into(), "N".into()],
+        curve: columns,
+        work_to: None,
+        overlays: Vec::new(),
+        claims: Vec::new(),
+    })
+}
+
+fn fingerprint(fingerprints: &Fingerprints, run: &Run, execution: &Execution<'_>) -> Result<String, String> {
+    let paths = execution.plugin_paths;
+    if pullout_case::need(&run.base, &run.overrides, paths).is_some() {
+        return Ok(fingerprints.of_isolated(run, paths));
+    }
+    let read = if execution.is_untrusted { pullout_case::read_untrusted } else { pullout_case::read };
+    let case = read(&run.base, &run.overrides, paths).map_err(|errors| errors.to_string())?;
+    Ok(fingerprints.of(run, &case))
+}
