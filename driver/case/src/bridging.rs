@@ -2,8 +2,7 @@
 
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, Spacing, TableFibre};
 use crate::history;
-use crate::problem::{Place, Problem, hint};
-use crate::read::Case;
+use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::table::CsvFile;
 use pullout_bridging::{Bond, Closed, Curve, Fibre, Invalid, ShearLag};
@@ -11,6 +10,7 @@ use pullout_run::bridging::{Program, Simulation, Simulations, Source};
 use pullout_run::columns;
 use pullout_run::input::is_stream;
 use pullout_run::program::About;
+use pullout_run::pullout;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -26,14 +26,16 @@ const LENGTHS: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 1.0];
 const LEAST_DEPTH: f64 = 2.0;
 /// Diameters that differ by this part are the same.
 const SAME_DIAMETER: f64 = 1e-6;
-const NO_SPECIMEN: &str = "is no case of kind \"pullout\"";
 /// Columns of a table of curves.
 const CURVE_COLUMNS: [&str; 4] = ["theta_deg", "embedded", "slip", "load"];
 
+/// Reads the case of a specimen with overrides: `None` if that is not to be done here, or what is wrong with it.
+pub type ReadSpecimen = fn(&Reader<'_>, &Path, &[String]) -> Result<Option<Box<pullout::Program>>, String>;
+
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase) -> Option<Program> {
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, specimen: ReadSpecimen) -> Option<Program> {
     let root = Place::root();
-    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, given));
+    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, specimen, given));
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
     let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
     let orientation = match &case.orientation {
@@ -149,7 +151,7 @@ fn check_tables(reader: &mut Reader<'_>, about: &About, columns: &[String]) {
 }
 
 /// The fibre, and where its load comes from.
-fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)> {
+fn fibre(reader: &mut Reader<'_>, specimen: ReadSpecimen, given: &FibreOfFile) -> Option<(Fibre, Source)> {
     let before = reader.problems.len();
     let (fibre, source) = match given {
         FibreOfFile::Closed(closed) => {
@@ -171,7 +173,7 @@ fn fibre(reader: &mut Reader<'_>, given: &FibreOfFile) -> Option<(Fibre, Source)
             (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
         }
         FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
-        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, fe)),
+        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, specimen, fe)),
     };
     tell(reader, fibre.check());
     (reader.problems.len() == before).then_some((fibre, source?))
@@ -191,7 +193,7 @@ fn stand_in() -> Source {
 
 /// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
 /// base is told here.
-fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
+fn simulations(reader: &mut Reader<'_>, specimen: ReadSpecimen, fe: &FeFibre) -> Option<Source> {
     let place = Place::root().key("fibre");
     let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());
     let parts = fe.lengths.clone().unwrap_or(LENGTHS.into());
@@ -235,7 +237,7 @@ fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
         }
     }
     for run in [&runs[0], &runs[runs.len() - 1]] {
-        check_simulation(reader, &base, run, fe.diameter, &place);
+        check_simulation(reader, specimen, &base, run, fe.diameter);
         if reader.problems.len() > before {
             return None;
         }
@@ -251,22 +253,10 @@ fn simulations(reader: &mut Reader<'_>, fe: &FeFibre) -> Option<Source> {
 }
 
 /// A run's case is one of a specimen with one fibre, and that this one.
-fn check_simulation(reader: &mut Reader<'_>, base: &Path, run: &Simulation, diameter: f64, place: &Place) {
-    let paths = reader.plugin_paths.to_vec();
-    // whose plugins must not be loaded here is checked by its run
-    if crate::read::need(base, &run.overrides, &paths).is_some() {
-        return;
-    }
-    let read = if reader.is_untrusted { crate::read::read_untrusted } else { crate::read::read };
-    let place = place.key("base");
-    let document = crate::read::document(base, &run.overrides);
-    // a case that is its own base would be read without end
-    if document.is_some_and(|document| document["kind"] != "pullout") {
-        reader.problem(&place, NO_SPECIMEN);
-        return;
-    }
-    let problem = match read(base, &run.overrides, &paths) {
-        Ok(Case::Pullout(program)) => match program.fibre_diameter {
+fn check_simulation(reader: &mut Reader<'_>, specimen: ReadSpecimen, base: &Path, run: &Simulation, diameter: f64) {
+    let problem = match specimen(reader, base, &run.overrides) {
+        Ok(None) => return,
+        Ok(Some(program)) => match program.fibre_diameter {
             Some(_) if !program.model.measured.fibres.is_empty() => "has several fibres: give a case with one".into(),
             Some(own) if (own - diameter).abs() > SAME_DIAMETER * diameter => {
                 format!("has a fibre of {own} mm, this one is {diameter} mm thick")
@@ -274,17 +264,9 @@ fn check_simulation(reader: &mut Reader<'_>, base: &Path, run: &Simulation, diam
             Some(_) => return,
             None => "has no fibre".into(),
         },
-        Ok(_) => NO_SPECIMEN.into(),
-        Err(errors) => {
-            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
-            let name = format!("{}°, {} mm", run.angle_deg, run.embedded);
-            format!("{}: {name}: {first}", base.display())
-        }
+        Err(message) => format!("at {}°, {} mm: {message}", run.angle_deg, run.embedded),
     };
-    let problem = Problem::new(place, problem);
-    if !reader.problems.contains(&problem) {
-        reader.push(problem);
-    }
+    reader.problem(&Place::root().key("fibre").key("base"), problem);
 }
 
 /// Curves of tests.

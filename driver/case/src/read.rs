@@ -248,7 +248,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
-            bridging::resolve(reader, path, &case).map(|program| Case::Bridging(Box::new(program)))
+            bridging::resolve(reader, path, &case, specimen).map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
@@ -260,6 +260,27 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
     };
     reader.add_structural(structural, before);
     program
+}
+
+/// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks it.
+fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> Result<Option<Box<pullout::Program>>, String> {
+    if need(file, overrides, reader.plugin_paths).is_some() {
+        return Ok(None);
+    }
+    let no_specimen = || "is no case of kind \"pullout\"".to_owned();
+    // a case that is its own base would be read without end
+    if document(file, overrides).is_some_and(|document| document["kind"] != "pullout") {
+        return Err(no_specimen());
+    }
+    let read = if reader.is_untrusted { read_untrusted } else { read };
+    match read(file, overrides, reader.plugin_paths) {
+        Ok(Case::Pullout(program)) => Ok(Some(program)),
+        Ok(_) => Err(no_specimen()),
+        Err(errors) => {
+            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
+            Err(format!("{}: {first}", file.display()))
+        }
+    }
 }
 
 fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Option<T> {
