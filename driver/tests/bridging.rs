@@ -211,3 +211,19 @@ fn curves_of_runs_give_the_closed_form() {
     assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: "), "{}", outcome.stderr);
     assert_eq!(json(&desk.path("failed/summary.json"))["status"], "failed");
 }
+
+/// What is claimed of σ(w), found or not found, as the descriptions of the studies tell it.
+#[test]
+fn the_claims_have_their_verdicts() {
+    let desk = Desk::new();
+    for (name, refuted) in [("directions", 0), ("strength", 1), ("spalling", 0), ("tests", 4)] {
+        let study = cases().join(format!("bridging/claims-{name}.json"));
+        desk.pullout(["study", "--quiet", "--out", name, study.to_str().expect("UTF-8")]).expect(0);
+        let study = json(&desk.path(name).join("study.json"));
+        let verdicts: Vec<&str> =
+            study["claims"].as_array().expect("claims").iter().filter_map(|claim| claim["verdict"].as_str()).collect();
+        let not_found = verdicts.iter().filter(|verdict| **verdict == "not found").count();
+        assert!(!verdicts.contains(&"cannot be told"), "{name}");
+        assert_eq!(not_found, refuted, "{name}: {study:#}");
+    }
+}
