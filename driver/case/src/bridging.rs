@@ -1,16 +1,19 @@
 //! Kind "bridging": fibres across a crack.
 
-use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, Spacing, TableFibre};
+use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::table::CsvFile;
-use pullout_bridging::{Bond, Closed, Curve, Fibre, Invalid, ShearLag};
+use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Invalid, ShearLag};
 use pullout_run::bridging::{Program, Simulation, Simulations, Source};
-use pullout_run::columns;
+use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
-use pullout_run::program::About;
+use pullout_run::path::{self, Observer, Row, Statistics, Stop};
+use pullout_run::program::{self, About};
 use pullout_run::pullout;
+use serde_json::{Value, json};
+use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
@@ -18,6 +21,9 @@ use std::path::Path;
 const OPENINGS: (f64, u64) = (3.5, 200);
 /// Beyond this angle fibres of tables carry nothing, degrees.
 const USUAL_CUT: f64 = 80.0;
+/// The first slip at which a plugin's law is asked, mm, and how many follow in each decade.
+const FIRST_SLIP: f64 = 1e-4;
+const SLIPS_PER_DECADE: f64 = 25.0;
 /// Angles of runs of a specimen unless the case says otherwise, degrees,
 const ANGLES_DEG: [f64; 6] = [0.0, 15.0, 30.0, 45.0, 60.0, 75.0];
 /// and lengths, as parts of half the fibre's.
@@ -29,13 +35,23 @@ const SAME_DIAMETER: f64 = 1e-6;
 /// Columns of a table of curves.
 const CURVE_COLUMNS: [&str; 4] = ["theta_deg", "embedded", "slip", "load"];
 
-/// Reads the case of a specimen with overrides: `None` if that is not to be done here, or what is wrong with it.
-pub type ReadSpecimen = fn(&Reader<'_>, &Path, &[String]) -> Result<Option<Box<pullout::Program>>, String>;
+/// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
+pub struct Others {
+    /// Of a specimen with overrides: `None` if that is not to be done here.
+    pub specimen: fn(&Reader<'_>, &Path, &[String]) -> ReadSpecimen,
+    /// Of a law of contact along steps.
+    pub law: fn(&Reader<'_>, &Value, &[Value]) -> ReadLaw,
+}
+
+/// A specimen, or what is wrong.
+pub type ReadSpecimen = Result<Option<Box<pullout::Program>>, String>;
+/// A law of contact, or what is wrong.
+pub type ReadLaw = Result<Box<program::Program>, String>;
 
 /// Resolves a case; what is wrong with it goes to the reader.
-pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, specimen: ReadSpecimen) -> Option<Program> {
+pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others: &Others) -> Option<Program> {
     let root = Place::root();
-    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, specimen, given));
+    let fibre = reader.piece(&case.fibre, &root.key("fibre")).and_then(|given| fibre(reader, others, given));
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
     let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
     let orientation = match &case.orientation {
@@ -151,7 +167,7 @@ fn check_tables(reader: &mut Reader<'_>, about: &About, columns: &[String]) {
 }
 
 /// The fibre, and where its load comes from.
-fn fibre(reader: &mut Reader<'_>, specimen: ReadSpecimen, given: &FibreOfFile) -> Option<(Fibre, Source)> {
+fn fibre(reader: &mut Reader<'_>, others: &Others, given: &FibreOfFile) -> Option<(Fibre, Source)> {
     let before = reader.problems.len();
     let (fibre, source) = match given {
         FibreOfFile::Closed(closed) => {
@@ -167,16 +183,66 @@ fn fibre(reader: &mut Reader<'_>, specimen: ReadSpecimen, given: &FibreOfFile) -
             (closed.fibre(), Some(Source::Bond(Bond::Closed(bond), inclination)))
         }
         FibreOfFile::ShearLag(lag) => {
-            let bond = ShearLag { law: lag.law.clone() };
+            let law = if lag.law.0.is_array() { points(reader, &lag.law.0) } else { sampled(reader, others, lag) };
+            let bond = ShearLag { law: law? };
             let inclination = lag.inclination.unwrap_or_default();
             [bond.check(), inclination.check()].into_iter().for_each(|checked| tell(reader, checked));
             (lag.fibre(), Some(Source::Bond(Bond::ShearLag(bond), inclination)))
         }
         FibreOfFile::Table(table) => (table.fibre(), curves(reader, table)),
-        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, specimen, fe)),
+        FibreOfFile::Fe(fe) => (fe.fibre(), simulations(reader, others, fe)),
     };
     tell(reader, fibre.check());
     (reader.problems.len() == before).then_some((fibre, source?))
+}
+
+/// Points of a law.
+fn points(reader: &mut Reader<'_>, law: &Value) -> Option<BondLaw> {
+    serde_json::from_value(law.clone()).map_err(|error| reader.problem(&law_place(), error.to_string())).ok()
+}
+
+fn law_place() -> Place {
+    Place::root().key("fibre").key("law")
+}
+
+/// Points of a plugin's law: the traction under a slip that grows, at no gap.
+fn sampled(reader: &mut Reader<'_>, others: &Others, lag: &ShearLagFibre) -> Option<BondLaw> {
+    let half = (0.5 * lag.length).max(2.0 * FIRST_SLIP);
+    let count = ((half / FIRST_SLIP).log10() * SLIPS_PER_DECADE).ceil().max(1.0) as i32;
+    let ratio = (half / FIRST_SLIP).powf(1.0 / f64::from(count));
+    let slips = (0..=count).map(|k| FIRST_SLIP * ratio.powi(k));
+    let steps: Vec<Value> = slips.map(|slip| json!({ "increments": 1, "target": { "slip": slip } })).collect();
+    let program = match (others.law)(reader, &lag.law.0, &steps) {
+        Ok(program) => program,
+        Err(message) => {
+            reader.problem(&law_place(), message);
+            return None;
+        }
+    };
+    let columns = program.columns();
+    let column = |name: &str| columns.iter().position(|column| column == name).map(|place| place - LEADING.len());
+    let mut curve = Curved { columns: [column("slip")?, column("tau")?], points: Vec::new() };
+    if let (_, Err(stop)) = path::run(&program, &mut curve) {
+        let message = if let Stop::Failed(failure) = stop { failure.message } else { "it cannot be run".into() };
+        reader.problem(&law_place(), message);
+        return None;
+    }
+    Some(BondLaw { points: curve.points })
+}
+
+/// Notes slip and traction.
+struct Curved {
+    columns: [usize; 2],
+    points: Vec<[f64; 2]>,
+}
+
+impl Observer for Curved {
+    fn row(&mut self, row: Row<'_>) -> io::Result<()> {
+        self.points.push(self.columns.map(|column| row.values[column]));
+        Ok(())
+    }
+
+    fn increment_done(&mut self, _: Row<'_>, _: Statistics) {}
 }
 
 /// Any bond.
@@ -193,7 +259,7 @@ fn stand_in() -> Source {
 
 /// Runs of a specimen at all pairs of angles and lengths. Those at the corners are read, so that what is wrong with the
 /// base is told here.
-fn simulations(reader: &mut Reader<'_>, specimen: ReadSpecimen, fe: &FeFibre) -> Option<Source> {
+fn simulations(reader: &mut Reader<'_>, others: &Others, fe: &FeFibre) -> Option<Source> {
     let place = Place::root().key("fibre");
     let angles = fe.angles_deg.clone().unwrap_or(ANGLES_DEG.into());
     let parts = fe.lengths.clone().unwrap_or(LENGTHS.into());
@@ -237,7 +303,7 @@ fn simulations(reader: &mut Reader<'_>, specimen: ReadSpecimen, fe: &FeFibre) ->
         }
     }
     for run in [&runs[0], &runs[runs.len() - 1]] {
-        check_simulation(reader, specimen, &base, run, fe.diameter);
+        check_simulation(reader, others, &base, run, fe.diameter);
         if reader.problems.len() > before {
             return None;
         }
@@ -253,8 +319,8 @@ fn simulations(reader: &mut Reader<'_>, specimen: ReadSpecimen, fe: &FeFibre) ->
 }
 
 /// A run's case is one of a specimen with one fibre, and that this one.
-fn check_simulation(reader: &mut Reader<'_>, specimen: ReadSpecimen, base: &Path, run: &Simulation, diameter: f64) {
-    let problem = match specimen(reader, base, &run.overrides) {
+fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: &Simulation, diameter: f64) {
+    let problem = match (others.specimen)(reader, base, &run.overrides) {
         Ok(None) => return,
         Ok(Some(program)) => match program.fibre_diameter {
             Some(_) if !program.model.measured.fibres.is_empty() => "has several fibres: give a case with one".into(),

@@ -12,7 +12,7 @@ use pullout_run::isolation::{self, Need};
 use pullout_run::program::{self, About, Program, job_folder};
 use pullout_run::pullout;
 use serde::de::DeserializeOwned;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use umat_abi::host::{ExternalDatabases, announce_job};
 
@@ -248,7 +248,8 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
         }),
         "bridging" => typed(reader, readable).and_then(|case: BridgingCase| {
-            bridging::resolve(reader, path, &case, specimen).map(|program| Case::Bridging(Box::new(program)))
+            bridging::resolve(reader, path, &case, &bridging::Others { specimen, law })
+                .map(|program| Case::Bridging(Box::new(program)))
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
@@ -263,7 +264,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
 }
 
 /// A specimen that another case takes curves of; `None`: its plugins must not be loaded here, its own run checks it.
-fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> Result<Option<Box<pullout::Program>>, String> {
+fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> bridging::ReadSpecimen {
     if need(file, overrides, reader.plugin_paths).is_some() {
         return Ok(None);
     }
@@ -279,6 +280,26 @@ fn specimen(reader: &Reader<'_>, file: &Path, overrides: &[String]) -> Result<Op
         Err(errors) => {
             let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
             Err(format!("{}: {first}", file.display()))
+        }
+    }
+}
+
+/// A law of contact that another case takes the traction of.
+fn law(reader: &Reader<'_>, material: &Value, steps: &[Value]) -> bridging::ReadLaw {
+    let document = json!({ "kind": "interface", "material": material, "steps": steps });
+    let file = reader.folder.join("law.json");
+    if isolation::need(&document, &file, reader.plugin_paths).is_some() {
+        let message = "runs in a process of its own, where no other case can ask it: give points [slip, traction]";
+        return Err(message.into());
+    }
+    let mut own = Reader { is_untrusted: reader.is_untrusted, ..Reader::new(reader.folder, reader.plugin_paths) };
+    let case = read_with(&mut own, &file, document);
+    match finished(own, &file, case) {
+        Ok(Case::Path(program)) => Ok(program),
+        Ok(_) => Err("is no law of contact".into()),
+        Err(errors) => {
+            let first = errors.problems.first().map(ToString::to_string).unwrap_or_default();
+            Err(first.replace("$.material", "$.fibre.law"))
         }
     }
 }

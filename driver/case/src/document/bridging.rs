@@ -1,9 +1,10 @@
 //! Kind "bridging".
 
-use super::{Compare, Piece, Positive, Whole};
+use super::{Compare, Material, Piece, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
-use schemars::JsonSchema;
+use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
+use std::borrow::Cow;
 
 /// Fibres across a crack: from one fibre to σ(w), the notched beam and its scatter (kind "bridging").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
@@ -137,6 +138,21 @@ macro_rules! fibre_of_file {
     };
 }
 
+/// A bond law: points, or a plugin with its parameters.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(transparent)]
+pub struct LawOfFile(pub serde_json::Value);
+
+impl JsonSchema for LawOfFile {
+    fn schema_name() -> Cow<'static, str> {
+        "BondLawOfFile".into()
+    }
+    fn json_schema(generator: &mut SchemaGenerator) -> Schema {
+        let [points, law] = [generator.subschema_for::<BondLaw>(), generator.subschema_for::<Material>()];
+        json_schema!({ "anyOf": [points, law] })
+    }
+}
+
 fibre_of_file! {
     /// A fibre with constant friction.
     ClosedFibre {
@@ -158,8 +174,8 @@ fibre_of_file! {
 fibre_of_file! {
     /// A fibre with a bond law.
     ShearLagFibre {
-        /// τ(s).
-        law: BondLaw,
+        /// τ(s): points [slip, traction], or a law as contact.law has it, under no pressure.
+        law: LawOfFile,
         /// What an angle adds (default exp with f = 0.35).
         inclination: Option<Inclination>,
     }

@@ -1,6 +1,7 @@
 use super::malformed::{Sample, Seen::ByMeaning, Seen::BySchema, check};
 use super::{Bench, Case};
-use pullout_bridging::Orientation;
+use pullout_bridging::{Bond, Orientation};
+use pullout_run::bridging::Source;
 use serde_json::{Value, json};
 
 fn case() -> Value {
@@ -72,6 +73,13 @@ const MALFORMED: &[Sample] = &[
     (&[RUNS, "fibre.angles_deg=[0, 45, 30]"], "$.fibre.angles_deg", "must rise", ByMeaning),
     (&[RUNS, "fibre.angles_deg=[0, 89]"], "$.fibre.angles_deg", "no length reaches 2 diameters deep", ByMeaning),
     (&[RUNS, "fibre.lengths=[0.5]"], "$.fibre.lengths", "from above 0 to 1", ByMeaning),
+    (
+        &[LAW, r#"fibre.law={"plugin": "bond_slip", "props": {"k_x": 1}}"#],
+        "$.fibre.law",
+        "has no parameter 'k_x'",
+        ByMeaning,
+    ),
+    (&[LAW, "fibre.law=5"], "$.fibre.law", "expected", BySchema),
     (&["until={}"], "$.until", "unknown key", BySchema),
 ];
 
@@ -105,4 +113,19 @@ fn what_a_case_leaves_out_is_random_and_two_sided() {
     assert!((program.modular_ratio - 210e3 * 0.01 / (30e3 * 0.99)).abs() < 1e-12);
     assert!(program.columns().iter().any(|column| column == "cmod"));
     assert!(!program.columns().iter().any(|column| column == "load_05"), "nothing was drawn at random");
+}
+
+/// A plugin's law is the traction that it has under a growing slip.
+#[test]
+fn a_law_of_contact_is_sampled() {
+    let law = r#"fibre.law={"plugin": "bond_slip", "props": {"law": "A", "form": "piecewise", "normal_law": "hard", "p_0": 3,
+        "delta_N": 0.004, "k_e": 400, "tau_res": 0, "k_u": 0, "mu": 0, "points": [[0.004, 1.6], [1, 0.6]]}}"#;
+    let Ok(Case::Bridging(program)) = Bench::new().read(&case(), &[LAW, law]) else { panic!("a case") };
+    let Source::Bond(Bond::ShearLag(bond), _) = &program.source else { panic!("a bond law") };
+    let points = &bond.law.points;
+    assert!(points[0] == [0.0, 0.0] && (points.last().expect("points")[0] - 15.0).abs() < 1e-9);
+    for [slip, traction] in points {
+        let exact = if *slip <= 0.004 { 400.0 * slip } else { 1.6 - (slip.min(1.0) - 0.004) / 0.996 };
+        assert!((traction - exact).abs() < 1e-9, "{slip}: {traction} for {exact}");
+    }
 }
