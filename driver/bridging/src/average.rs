@@ -36,20 +36,13 @@ pub fn averages(composite: &Composite, openings: &[f64]) -> Vec<Average> {
     openings.par_iter().map(|&opening| composite.average(opening)).collect()
 }
 
-/// The part of σ_f at an opening that fibres at 0–10°, 10–20°, …, 80–90° carry.
-pub fn shares_by_angle(composite: &Composite, opening: f64) -> [f64; BINS] {
-    let integral = Integral::new(composite, &composite.binned, opening);
-    let mut bins = [0.0; BINS];
-    integral.sums(1, &mut |angle, load| {
-        let bin = (angle.to_degrees() * BINS as f64 / 90.0) as usize;
-        bins[bin.min(BINS - 1)] += load;
-    });
-    let total: f64 = bins.iter().sum();
-    if total > 0.0 { bins.map(|bin| bin / total) } else { bins }
+/// The same, each with the part of σ_f that fibres at 0–10°, 10–20°, …, 80–90° carry.
+pub fn averages_with_shares(composite: &Composite, openings: &[f64]) -> Vec<(Average, [f64; BINS])> {
+    openings.par_iter().map(|&opening| composite.average_with_shares(opening)).collect()
 }
 
 impl Composite {
-    /// The edges of [`shares_by_angle`]'s bins.
+    /// The edges of the bins of [`averages_with_shares`].
     pub(crate) fn bin_edges() -> Vec<f64> {
         (1..BINS).map(|k| (90.0 * k as f64 / BINS as f64).to_radians()).collect()
     }
@@ -61,15 +54,43 @@ impl Composite {
 
     /// Bridging at an opening.
     pub fn average(&self, opening: f64) -> Average {
+        self.average_over(&self.directions, opening, &mut |_| ())
+    }
+
+    /// The same with the parts that bins of the angle carry: 0 where there is no stress.
+    fn average_with_shares(&self, opening: f64) -> (Average, [f64; BINS]) {
+        let mut bins = [0.0; BINS];
+        let average = self.average_over(&self.binned, opening, &mut |node| match node {
+            None => bins = [0.0; BINS],
+            Some((angle, load)) => {
+                let bin = (angle.to_degrees() * BINS as f64 / 90.0) as usize;
+                bins[bin.min(BINS - 1)] += load;
+            }
+        });
+        let total: f64 = bins.iter().sum();
+        (average, if total > 0.0 { bins.map(|bin| bin / total) } else { bins })
+    }
+
+    /// `visit` is told that a rule begins, then angle and weighted load of each of its nodes.
+    fn average_over(
+        &self,
+        directions: &Directions,
+        opening: f64,
+        visit: &mut impl FnMut(Option<(f64, f64)>),
+    ) -> Average {
         if opening < self.activation {
             return Average { opening, ..Average::default() };
         }
-        let integral = Integral::new(self, &self.directions, opening - self.activation);
-        let agreement = self.resolution(&self.directions).agreement;
-        let mut coarse = integral.sums(0, &mut |_, _| ());
+        let integral = Integral::new(self, directions, opening - self.activation);
+        let agreement = self.resolution(directions).agreement;
+        let mut by = |level: usize| {
+            visit(None);
+            integral.sums(level, &mut |angle, load| visit(Some((angle, load))))
+        };
+        let mut coarse = by(0);
         let mut error = 0.0;
         for level in 1..DEGREES.len() {
-            let fine = integral.sums(level, &mut |_, _| ());
+            let fine = by(level);
             error = (fine[0] - coarse[0]).abs();
             coarse = fine;
             if error <= agreement * fine[0].abs() {
@@ -77,7 +98,7 @@ impl Composite {
             }
         }
         let scale = self.volume_fraction / self.fibre.fibre.area();
-        let crossing = |sum: f64| sum / self.directions.efficiency;
+        let crossing = |sum: f64| sum / directions.efficiency;
         Average {
             opening,
             stress: scale * coarse[0],

@@ -16,7 +16,7 @@ mod table;
 #[cfg(test)]
 mod test;
 
-pub use average::{Average, averages, shares_by_angle};
+pub use average::{Average, averages, averages_with_shares};
 pub use beam::{Beam, Load, NotchedBeam, RESIDUAL_CMOD, Residual, SectionLaw};
 pub use bond::{BondLaw, Closed, Debonding, ShearLag, Sides, Sliding};
 pub use bridging::{Bond, BridgingFibre, Response};

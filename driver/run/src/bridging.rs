@@ -5,10 +5,9 @@ use crate::columns::{BeamRow, BridgingRow, ScatterRow};
 use crate::program::About;
 use pullout_bridging::{
     Average, Beam, Beams, Bond, BridgingFibre, Composite, Curve, Fibre, Inclination, Invalid, Matrix, ModelCode2010,
-    NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table, averages,
-    quantile, scatter, shares_by_angle, wall_zones,
+    NotchedBeam, Orientation, RESIDUAL_CMOD, Residual, Scatter, SectionLaw, Sides, StrengthClass, Table,
+    averages_with_shares, quantile, scatter, wall_zones,
 };
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::num::NonZeroUsize;
@@ -311,8 +310,7 @@ pub fn run(program: &Program, composite: &Composite) -> Result<Results, String> 
 
 fn run_here(program: &Program, composite: &Composite) -> Result<Results, Invalid> {
     let openings = &program.openings;
-    let fibres = averages(composite, openings);
-    let shares: Vec<[f64; 9]> = openings.par_iter().map(|&opening| shares_by_angle(composite, opening)).collect();
+    let (fibres, shares): (Vec<Average>, Vec<[f64; 9]>) = averages_with_shares(composite, openings).into_iter().unzip();
     let mut rows: Vec<BridgingRow> = fibres
         .iter()
         .zip(shares)

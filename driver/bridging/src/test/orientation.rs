@@ -90,7 +90,7 @@ fn walls_turn_fibres_as_dupont_and_vandewalle_say() {
 #[test]
 fn shares_by_angle_are_the_integral_over_the_bins() {
     let composite = pulled_out(fibre(), &Orientation::Random3d);
-    let shares = shares_by_angle(&composite, 1.0);
+    let (_, shares) = averages_with_shares(&composite, &[1.0])[0];
     assert_relative_eq!(shares.iter().sum::<f64>(), 1.0, epsilon = 1e-12);
     // ∫ sin cos e^(θ/2)
     let primitive = |degrees: f64| {
