@@ -205,6 +205,9 @@ fn curves_of_runs_give_the_closed_form() {
     let of_table = Results::of(&desk, "simulated.json", &[&table], "table");
     assert!(bits(&run.folder, "bridging.csv") == bits(&of_table.folder, "bridging.csv"));
     let case = cases().join("bridging/simulated.json");
+    let short = ["run", "--out", "short", "--set", r#"fibre.set={"steps.0.slip": 1}"#, case.to_str().expect("UTF-8")];
+    let outcome = desk.pullout(short).expect(0);
+    assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: its run ends at a slip of 1 mm with "), "{}", outcome.stderr);
     let hopeless = r#"fibre.set={"controls":{"max_iterations":2,"force_tolerance":1e-15},"steps.0.increments.initial":0.002,"steps.0.increments.minimum":0.002}"#;
     let line = ["run", "--out", "failed", "--set", hopeless];
     let outcome = desk.pullout(line.iter().copied().chain([case.to_str().expect("UTF-8")])).expect(1);
