@@ -18,13 +18,11 @@ const CASES: [(&str, &[&str]); 2] =
 /// An item: its name, and how it is set.
 type Item = (&'static str, fn(&mut Skipping, bool));
 
-const ITEMS: [Item; 6] = [
+const ITEMS: [Item; 4] = [
     ("unchanged elements", |skipping, on| skipping.unchanged_elements = on),
     ("elastic far field", |skipping, on| skipping.elastic_far_field = on),
     ("factor reuse", |skipping, on| skipping.factor_reuse = on),
-    ("unused tangents", |skipping, on| skipping.unused_tangents = on),
     ("contact search", |skipping, on| skipping.contact_search = on),
-    ("symmetric solver", |skipping, on| skipping.symmetric_solver = on),
 ];
 
 /// Slip and load after each increment.

@@ -52,12 +52,12 @@ fn system(rows: usize, bonded: usize, friction: f64) -> (Bodies, SystemMatrix, V
 }
 
 fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
-    let friction = if method == Method::Cholesky { 0.0 } else { 0.3 };
+    let friction = if method == Method::Parts { 0.0 } else { 0.3 };
     let (bodies, matrix, contact) = system(rows, bonded, friction);
     // the same values each time: all of it would stay
     let options = SolverOptions { first_method: Some(method), forgets: true };
     let symmetry = if method < Method::BlockLu { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
-    let fresh = || LinearSolver::new(matrix.pattern(), &bodies.nodes, &contact, options).expect("memory");
+    let fresh = || LinearSolver::new(matrix.pattern(), &bodies.nodes, options).expect("memory");
     let first = median(repeats, || {
         black_box(fresh().factorise(&matrix, symmetry)).expect("a regular matrix");
     });
@@ -67,9 +67,6 @@ fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
     let again = median(repeats, || {
         black_box(solver.factorise(&matrix, symmetry)).expect("a regular matrix");
     });
-    let contact_only = median(repeats, || {
-        black_box(solver.factorise_contact(&matrix)).expect("a regular matrix");
-    });
     let right_side = Numbers(1).vector(bodies.nodes.len());
     let mut refined = false;
     let solve = median(repeats, || {
@@ -77,7 +74,7 @@ fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
         refined = black_box(solver.solve(&matrix, &mut x)).expect("an accurate solution").refined;
     });
     println!(
-        "{:>7} {:>5} {:<10} {first:>9.1} {again:>9.1} {contact_only:>9.1} {solve:>9.2} {:>9.2} {:>9.2} {}",
+        "{:>7} {:>5} {:<10} {first:>9.1} {again:>9.1} {solve:>9.2} {:>9.2} {:>9.2} {}",
         bodies.nodes.len(),
         contact.len(),
         format!("{method:?}"),
@@ -92,12 +89,12 @@ fn main() {
     let full = std::env::args().any(|argument| argument == "--bench");
     let (rows, repeats): (&[usize], usize) = if full { (&[6, 31, 131], REPEATS) } else { (&[2], 1) };
     println!(
-        "{:>7} {:>5} {:<10} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
-        "size", "|Z|", "method", "first ms", "again ms", "contact", "solve ms", "Gflop", "M numbers"
+        "{:>7} {:>5} {:<10} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "size", "|Z|", "method", "first ms", "again ms", "solve ms", "Gflop", "M numbers"
     );
     for &rows in rows {
         for bonded in [50, 200] {
-            for method in [Method::Condensed, Method::Cholesky, Method::BlockLu, Method::GeneralLu] {
+            for method in [Method::BlockLu, Method::GeneralLu] {
                 measure(rows, bonded, method, repeats);
             }
         }

@@ -173,16 +173,22 @@ fn controls(reader: &mut Reader<'_>, case: &PulloutCase) -> Controls {
 
 fn skipping(reader: &mut Reader<'_>, case: &PulloutCase) -> Skipping {
     let all = Skipping::ALL;
-    match reader.optional(case.skip.as_ref(), &Place::root().key("skip")) {
+    let place = Place::root().key("skip");
+    let skip = reader.optional(case.skip.as_ref(), &place);
+    if let Some(document::Skip::Items(items)) = skip {
+        let gone = [("unused_tangents", items.unused_tangents), ("symmetric_solver", items.symmetric_solver)];
+        for (name, _) in gone.iter().filter(|(_, given)| given.is_some()) {
+            reader.warnings.push(format!("{}: has no effect any more", place.key(name)));
+        }
+    }
+    match skip {
         None | Some(document::Skip::Word(document::SkipWord::All)) => all,
         Some(document::Skip::Word(document::SkipWord::None)) => Skipping::NONE,
         Some(document::Skip::Items(items)) => Skipping {
             unchanged_elements: items.unchanged_elements.unwrap_or(all.unchanged_elements),
             elastic_far_field: items.elastic_far_field.unwrap_or(all.elastic_far_field),
             factor_reuse: items.factor_reuse.unwrap_or(all.factor_reuse),
-            unused_tangents: items.unused_tangents.unwrap_or(all.unused_tangents),
             contact_search: items.contact_search.unwrap_or(all.contact_search),
-            symmetric_solver: items.symmetric_solver.unwrap_or(all.symmetric_solver),
         },
     }
 }

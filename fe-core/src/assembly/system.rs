@@ -90,7 +90,7 @@ pub struct Condensation<'a> {
 }
 
 impl System {
-    /// Finds the pattern and condenses the far field. `contact`: the freedoms that contact may couple.
+    /// Finds the pattern and condenses the far field.
     ///
     /// # Errors
     ///
@@ -98,7 +98,6 @@ impl System {
     pub fn new(
         mesh: &Mesh,
         equations: Equations,
-        contact: &[usize],
         condensation: Option<Condensation<'_>>,
         options: SolverOptions,
     ) -> Result<Self, SolverError> {
@@ -147,12 +146,11 @@ impl System {
         let driven = |freedoms: &Vec<usize>| freedoms.iter().any(|&freedom| !equations.drives_of(freedom).is_empty());
         let driven_elements = (0..element_freedoms.len()).filter(|&e| driven(&element_freedoms[e])).collect();
         let nodes: Vec<usize> = equation_of_row.iter().map(|&equation| equations.freedoms()[equation] / 2).collect();
-        let contact_rows = by_rows(contact);
         let on_diagonal = |row| pattern.index(row, row).expect("the diagonal is always there");
         let diagonal = (0..pattern.size()).map(on_diagonal).collect();
         let pattern = Arc::new(pattern);
         let positions = nodes.iter().map(|&node| mesh.nodes()[node]).collect();
-        let solver = LinearSolver::new(&pattern, &nodes, &contact_rows, options)?.with_positions(positions)?;
+        let solver = LinearSolver::new(&pattern, &nodes, options)?.with_positions(positions)?;
         Ok(Self {
             matrix: SystemMatrix::new(pattern),
             equations,
@@ -260,15 +258,6 @@ impl System {
     /// It is singular or not finite.
     pub fn factorise(&mut self, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
         self.solver.factorise(&self.matrix, symmetry)
-    }
-
-    /// Factorises again after the blocks alone have changed.
-    ///
-    /// # Errors
-    ///
-    /// It is singular or not finite.
-    pub fn factorise_blocks(&mut self) -> Result<FactorisationReport, SolverError> {
-        self.solver.factorise_contact(&self.matrix)
     }
 
     /// The matrix and what its factor depends on, as they are kept between runs.

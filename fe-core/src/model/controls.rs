@@ -121,33 +121,17 @@ pub struct Skipping {
     pub elastic_far_field: bool,
     /// A factor is used again while it still converges fast.
     pub factor_reuse: bool,
-    /// Tangents are asked for only when they will be used.
-    pub unused_tangents: bool,
     /// A contact point looks for its edge from the last one.
     pub contact_search: bool,
-    /// The symmetric solver is used while nothing is unsymmetric.
-    pub symmetric_solver: bool,
 }
 
 impl Skipping {
     /// Everything is skipped that can be.
-    pub const ALL: Self = Self {
-        unchanged_elements: true,
-        elastic_far_field: true,
-        factor_reuse: true,
-        unused_tangents: true,
-        contact_search: true,
-        symmetric_solver: true,
-    };
+    pub const ALL: Self =
+        Self { unchanged_elements: true, elastic_far_field: true, factor_reuse: true, contact_search: true };
     /// Nothing is skipped.
-    pub const NONE: Self = Self {
-        unchanged_elements: false,
-        elastic_far_field: false,
-        factor_reuse: false,
-        unused_tangents: false,
-        contact_search: false,
-        symmetric_solver: false,
-    };
+    pub const NONE: Self =
+        Self { unchanged_elements: false, elastic_far_field: false, factor_reuse: false, contact_search: false };
 }
 
 impl Default for Skipping {

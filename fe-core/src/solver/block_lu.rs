@@ -33,8 +33,6 @@ pub(super) struct BlockLu {
     /// The values that it is the factor of, and whether it is.
     values: Vec<f64>,
     is_factor: bool,
-    /// Of each supernode, whether the determinant of its block is positive.
-    positive: Vec<bool>,
     /// Supernodes that something below them in the tree of elimination has changed.
     changed: Vec<bool>,
     /// Multiplications and additions of the last factorisation.
@@ -127,7 +125,6 @@ impl BlockLu {
             upper: vec![0.0; upper],
             values: Vec::new(),
             is_factor: false,
-            positive: vec![true; count],
             changed: vec![true; count],
             flops: 0.0,
             permutation: vec![0; size],
@@ -158,12 +155,12 @@ impl BlockLu {
         self.is_factor = false;
     }
 
-    /// Factorises; returns whether the determinant is positive, `None` if a pivot is too small.
+    /// Factorises; `false` if a pivot is too small.
     ///
     /// A supernode stays as it is, to the last bit, if its own values are those of the last factorisation and nothing that
     /// it subtracts has changed: that comes from its descendants in the tree of elimination, whose next row is in their
     /// parent.
-    pub(super) fn factorise(&mut self, values: &[f64]) -> Option<bool> {
+    pub(super) fn factorise(&mut self, values: &[f64]) -> bool {
         self.set_scales(values);
         self.queue.heads.fill(NONE);
         self.queue.passed.fill(0);
@@ -192,7 +189,9 @@ impl BlockLu {
                 earlier = next;
             }
             if changed {
-                self.positive[index] = self.eliminate(panel)?;
+                if !self.eliminate(panel) {
+                    return false;
+                }
                 if let Some(&row) = rows.first() {
                     self.changed[self.queue.owner[row]] = true;
                 }
@@ -202,7 +201,7 @@ impl BlockLu {
         self.values.clear();
         self.values.extend_from_slice(values);
         self.is_factor = true;
-        Some(self.positive.iter().filter(|positive| !**positive).count().is_multiple_of(2))
+        true
     }
 
     /// Whether a value of A in a panel is another one than at the last factorisation.
@@ -285,9 +284,8 @@ impl BlockLu {
         }
     }
 
-    /// Factorises the block of a panel and divides the rest by it; returns whether the block's determinant is
-    /// positive, `None` if a pivot is too small.
-    fn eliminate(&mut self, panel: Panel) -> Option<bool> {
+    /// Factorises the block of a panel and divides the rest by it; `false` if a pivot is too small.
+    fn eliminate(&mut self, panel: Panel) -> bool {
         let (columns, below) = (panel.columns as f64, panel.below as f64);
         self.flops += columns * columns * (2.0 / 3.0 * columns + 2.0 * below);
         let values = &mut self.lower[panel.lower..][..panel.height() * panel.columns];
@@ -302,13 +300,11 @@ impl BlockLu {
             MemStack::new(&mut self.memory),
             parameters(),
         );
-        let mut positive = info.transposition_count.is_multiple_of(2);
         for (column, scale) in self.scales[panel.start..panel.end()].iter().enumerate() {
             let pivot = block[(column, column)];
             if pivot.is_nan() || pivot.abs() <= SMALLEST_PIVOT * scale {
-                return None;
+                return false;
             }
-            positive ^= pivot < 0.0;
         }
         solve_lower_triangular_in_place(block.as_ref().transpose(), below.transpose_mut(), Par::Seq);
         let upper = &mut self.upper[panel.upper..][..panel.below * panel.columns];
@@ -321,7 +317,7 @@ impl BlockLu {
         }
         let upper = MatMut::from_column_major_slice_mut(upper, panel.below, panel.columns);
         solve_unit_lower_triangular_in_place(block.as_ref(), upper.transpose_mut(), Par::Seq);
-        Some(positive)
+        true
     }
 
     /// Solves in place, x in the order of elimination.

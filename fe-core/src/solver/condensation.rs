@@ -1,7 +1,6 @@
 //! A linear elastic far field, condensed onto its border once and for all.
 
 use super::cholesky::Refusal;
-use super::linear::marked;
 use super::pattern::check_length;
 use super::zone::Zone;
 use super::{Pattern, SolverError};
@@ -34,7 +33,7 @@ impl Superelement {
     pub fn new(pattern: &Pattern, values: &[f64], nodes: &[usize], border: &[usize]) -> Result<Self, SolverError> {
         check_length("matrix", pattern.entries(), values.len())?;
         check_length("list of nodes", pattern.size(), nodes.len())?;
-        marked(pattern.size(), border)?;
+        check_list(pattern.size(), border)?;
         pattern.check_finite(values)?;
         let mut zone = Zone::new(pattern, nodes, &[], border)?;
         zone.condense(values).map_err(|refusal| match refusal {
@@ -73,4 +72,17 @@ impl Superelement {
         self.border.iter().zip(border).for_each(|(&equation, value)| displacements[equation] = *value);
         Ok(())
     }
+}
+
+/// Whether a list has equations of the system, each once.
+fn check_list(size: usize, equations: &[usize]) -> Result<(), SolverError> {
+    let mut is_listed = vec![false; size];
+    for &equation in equations {
+        match is_listed.get_mut(equation) {
+            None => return Err(SolverError::Equation { equation, size }),
+            Some(true) => return Err(SolverError::Repeated { equation }),
+            Some(mark) => *mark = true,
+        }
+    }
+    Ok(())
 }

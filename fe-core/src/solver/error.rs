@@ -16,9 +16,6 @@ pub enum SolverError {
     /// A matrix over another pattern than the solver's.
     #[error("the matrix has another pattern than the solver was made for")]
     Pattern,
-    /// Contact where the solver was not told to expect it.
-    #[error("a contact block touches equation {}, which is not one of the contact equations", equation + 1)]
-    OutsideContact { equation: usize },
     /// NaN or infinite.
     #[error("the entry in row {}, column {} of the matrix is not finite", row + 1, column + 1)]
     NotFinite { row: usize, column: usize },

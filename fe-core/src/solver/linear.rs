@@ -2,15 +2,11 @@
 
 use std::sync::Arc;
 
-use super::analysis::cholesky_flops;
-use super::ordering::elimination_order;
 use super::pattern::check_length;
-use super::whole::{Outcome, Whole};
-use super::zone::{DenseLu, Zone};
+use super::whole::Whole;
 use super::{
-    ACCEPTED_RESIDUAL, Blocks, CONDENSATION_ADVANTAGE, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern,
-    REFINED_RESIDUAL, ROUNDING, ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry,
-    SystemMatrix,
+    ACCEPTED_RESIDUAL, Blocks, FactorisationReport, LARGEST_RESIDUAL, Method, Pattern, REFINED_RESIDUAL, ROUNDING,
+    ROUNDING_MARGIN, SYMMETRIC_BLOCK, SolveReport, SolverError, SolverOptions, Symmetry, SystemMatrix,
 };
 use crate::threads::Threads;
 
@@ -21,16 +17,11 @@ pub struct LinearSolver {
     /// Of each equation, if known.
     positions: Vec<[f64; 2]>,
     threads: Threads,
-    is_contact: Vec<bool>,
     options: SolverOptions,
-    /// Present if condensation is worth its while.
-    zone: Option<(Zone, DenseLu)>,
-    /// Present after the first factorisation of the whole.
+    /// Present after the first factorisation.
     whole: Option<Whole>,
-    /// The factor that solves, by its method.
-    factor: Option<Method>,
-    /// The symmetry of the solids at their last factorisation, and whether the zone has them.
-    solids: Option<(Symmetry, bool)>,
+    /// The factor that solves, by its method, and the symmetry of its solids.
+    factor: Option<(Method, Symmetry)>,
     work: Work,
 }
 
@@ -38,39 +29,28 @@ pub struct LinearSolver {
 struct Work {
     solution: Vec<f64>,
     residual: Vec<f64>,
-    ordered: Vec<f64>,
 }
 
 impl LinearSolver {
     /// A solver for matrices over `pattern`. `nodes` has the node of each equation, by any numbering (the graph of the
-    /// nodes is ordered); `contact` lists the equations that contact blocks may touch, in any order.
+    /// nodes is ordered).
     ///
     /// # Errors
     ///
     /// If a list does not fit the pattern, or memory does not suffice.
-    pub fn new(
-        pattern: &Arc<Pattern>,
-        nodes: &[usize],
-        contact: &[usize],
-        options: SolverOptions,
-    ) -> Result<Self, SolverError> {
+    pub fn new(pattern: &Arc<Pattern>, nodes: &[usize], options: SolverOptions) -> Result<Self, SolverError> {
         let size = pattern.size();
         check_length("list of nodes", size, nodes.len())?;
-        let is_contact = marked(size, contact)?;
-        let zone = worthwhile_zone(pattern, nodes, contact, options)?;
         let vector = || vec![0.0; size];
         Ok(Self {
             pattern: Arc::clone(pattern),
             nodes: nodes.to_vec(),
             positions: Vec::new(),
             threads: Threads::default(),
-            is_contact,
             options,
-            zone,
             whole: None,
             factor: None,
-            solids: None,
-            work: Work { solution: vector(), residual: vector(), ordered: vector() },
+            work: Work { solution: vector(), residual: vector() },
         })
     }
 
@@ -94,45 +74,54 @@ impl LinearSolver {
     ///
     /// # Errors
     ///
-    /// If the matrix does not fit the solver, has a number that is not finite, couples by contact what is no contact
-    /// equation, or is singular. There is no factor then.
+    /// If the matrix does not fit the solver, has a number that is not finite, or is singular. There is no factor then.
     pub fn factorise(&mut self, matrix: &SystemMatrix, symmetry: Symmetry) -> Result<FactorisationReport, SolverError> {
-        (self.factor, self.solids) = (None, None);
+        self.factor = None;
         self.check(matrix)?;
         matrix.check_finite()?;
-        self.solids = Some((symmetry, false));
-        if symmetry == Symmetry::Symmetric
-            && let Some(report) = self.condense(matrix)?
-        {
-            return Ok(report);
+        let mut whole = self.whole.take().unwrap_or_else(|| Whole::new(matrix));
+        if self.options.forgets {
+            whole.forget_factors();
         }
-        self.factorise_whole(matrix, symmetry)
+        let pattern_reused = whole.fill(matrix);
+        let found = self.factorise_filled(&mut whole, matrix, symmetry);
+        let (method, was_analysed) = found?;
+        let (flops, factor_entries) = whole.size_of(method);
+        self.whole = Some(whole);
+        self.factor = Some((method, symmetry));
+        Ok(FactorisationReport { method, symbolic_reused: pattern_reused && was_analysed, flops, factor_entries })
     }
 
-    /// Factorises a matrix whose solids have the values of the last [`Self::factorise`], which the caller vouches for:
-    /// only contact has changed. Condensed, this is one dense LU of the contact equations; otherwise all is redone.
-    ///
-    /// # Errors
-    ///
-    /// As [`Self::factorise`], and if there was none.
-    pub fn factorise_contact(&mut self, matrix: &SystemMatrix) -> Result<FactorisationReport, SolverError> {
-        match self.solids {
-            None => Err(SolverError::NotFactorised),
-            Some((symmetry, false)) => self.factorise(matrix, symmetry),
-            Some((_, true)) => {
-                self.factor = None;
-                self.check(matrix)?;
-                matrix.check_finite_contact()?;
-                self.factorise_dense(&matrix.contact, true)
+    /// The first method that can, and whether it had been analysed before.
+    fn factorise_filled(
+        &self,
+        whole: &mut Whole,
+        matrix: &SystemMatrix,
+        symmetry: Symmetry,
+    ) -> Result<(Method, bool), SolverError> {
+        let first = self.options.first_method.unwrap_or(Method::Parts);
+        let is_symmetric = symmetry == Symmetry::Symmetric && is_symmetric(&matrix.contact);
+        for method in [Method::Parts, Method::BlockLu, Method::GeneralLu] {
+            if method < first || method == Method::Parts && !is_symmetric {
+                continue;
+            }
+            let was_analysed = whole.is_analysed(method);
+            let is_done = match method {
+                Method::Parts => whole.factorise_parts(matrix, &self.nodes, &self.positions, &self.threads)?,
+                Method::BlockLu => whole.factorise_block_lu(matrix, &self.nodes, &self.positions)?,
+                Method::GeneralLu => whole.factorise_general_lu(matrix)?,
+            };
+            if is_done {
+                return Ok((method, was_analysed));
             }
         }
+        Err(SolverError::Singular { equation: None })
     }
 
     /// What the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
     /// pattern of the whole if there is one.
     pub fn memory(&self) -> (Option<Symmetry>, Option<Pattern>) {
-        let symmetry = self.factor.and(self.solids).map(|(symmetry, _)| symmetry);
-        (symmetry, self.whole.as_ref().map(|whole| whole.pattern().clone()))
+        (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern().clone()))
     }
 
     /// Takes over the memory of another solver of the same pattern, and makes its factor of its matrix.
@@ -161,7 +150,7 @@ impl LinearSolver {
     /// Without a factor, for a right side that does not fit or is not finite, and if what the solution leaves of the
     /// right side stays above [`ACCEPTED_RESIDUAL`]. The right side is as it was then.
     pub fn solve(&mut self, matrix: &SystemMatrix, right_side: &mut [f64]) -> Result<SolveReport, SolverError> {
-        let method = self.factor.ok_or(SolverError::NotFactorised)?;
+        let (method, _) = self.factor.ok_or(SolverError::NotFactorised)?;
         check_length("right side", self.pattern.size(), right_side.len())?;
         self.check(matrix)?;
         if let Some(equation) = right_side.iter().position(|value| !value.is_finite()) {
@@ -214,156 +203,15 @@ impl LinearSolver {
 
     /// x ← K⁻¹ x by the factor, unchecked.
     fn apply(&mut self, method: Method, x: &mut [f64]) {
-        match (method, &mut self.zone, &mut self.whole) {
-            (Method::Condensed, Some((zone, dense)), _) => {
-                let ordered = &mut self.work.ordered;
-                zone.gather(x, ordered);
-                zone.forward(ordered);
-                dense.solve(&mut ordered[x.len() - zone.len()..]);
-                zone.backward(ordered);
-                zone.scatter(ordered, x);
-            }
-            (_, _, Some(whole)) => whole.solve(method, x, &self.threads),
-            _ => {}
+        if let Some(whole) = &mut self.whole {
+            whole.solve(method, x, &self.threads);
         }
-    }
-
-    /// Condenses the solids and factorises what remains; `None` if there is no zone, or the solids refuse.
-    fn condense(&mut self, matrix: &SystemMatrix) -> Result<Option<FactorisationReport>, SolverError> {
-        let Some((zone, _)) = &mut self.zone else { return Ok(None) };
-        if zone.condense(&matrix.values).is_err() {
-            return Ok(None);
-        }
-        self.solids = Some((Symmetry::Symmetric, true));
-        self.factorise_dense(&matrix.contact, false).map(Some)
-    }
-
-    fn factorise_dense(&mut self, contact: &Blocks, solids_reused: bool) -> Result<FactorisationReport, SolverError> {
-        let Some((zone, dense)) = &mut self.zone else { return Err(SolverError::NotFactorised) };
-        let first = self.pattern.size() - zone.len();
-        let positive = dense
-            .factorise(zone, contact)
-            .map_err(|place| SolverError::Singular { equation: Some(zone.equation(first + place)) })?;
-        self.factor = Some(Method::Condensed);
-        let solids_flops = if solids_reused { 0.0 } else { zone.flops() };
-        Ok(FactorisationReport {
-            method: Method::Condensed,
-            symbolic_reused: true,
-            solids_reused,
-            dense_equations: zone.len(),
-            flops: Some(solids_flops + dense_flops(zone.len())),
-            factor_entries: Some(zone.entries() + zone.len() * zone.len()),
-            determinant_positive: Some(positive),
-        })
-    }
-
-    fn factorise_whole(
-        &mut self,
-        matrix: &SystemMatrix,
-        symmetry: Symmetry,
-    ) -> Result<FactorisationReport, SolverError> {
-        let mut whole = self.whole.take().unwrap_or_else(|| Whole::new(matrix));
-        if self.options.forgets {
-            whole.forget_factors();
-        }
-        let pattern_reused = whole.fill(matrix);
-        let first = self.options.first_method.unwrap_or(Method::Condensed);
-        let is_symmetric = symmetry == Symmetry::Symmetric && is_symmetric(&matrix.contact);
-        let mut done = None;
-        for method in [Method::Cholesky, Method::BlockLu, Method::GeneralLu] {
-            if method < first || method == Method::Cholesky && !is_symmetric {
-                continue;
-            }
-            let symbolic_reused = pattern_reused && whole.is_analysed(method);
-            let outcome = match method {
-                Method::Condensed | Method::Cholesky => {
-                    whole.factorise_cholesky(matrix, &self.nodes, &self.positions, &self.threads)
-                }
-                Method::BlockLu => whole.factorise_block_lu(matrix, &self.nodes, &self.positions),
-                Method::GeneralLu => whole.factorise_general_lu(matrix),
-            };
-            match outcome {
-                Ok(Outcome::Refused) => {}
-                Ok(Outcome::Done(positive)) => done = Some(Ok((method, symbolic_reused, positive))),
-                Err(error) => done = Some(Err(error)),
-            }
-            if done.is_some() {
-                break;
-            }
-        }
-        let (method, symbolic_reused, determinant_positive) =
-            done.unwrap_or(Err(SolverError::Singular { equation: None }))?;
-        let (flops, factor_entries) = whole.size_of(method);
-        self.whole = Some(whole);
-        self.factor = Some(method);
-        Ok(FactorisationReport {
-            method,
-            symbolic_reused,
-            solids_reused: false,
-            dense_equations: 0,
-            flops,
-            factor_entries,
-            determinant_positive,
-        })
     }
 
     fn check(&self, matrix: &SystemMatrix) -> Result<(), SolverError> {
-        self.check_pattern(matrix)?;
-        matrix.check_lengths()?;
-        match matrix.contact.iter().flat_map(|(rows, _)| rows).find(|&&equation| !self.is_contact[equation]) {
-            Some(&equation) => Err(SolverError::OutsideContact { equation }),
-            None => Ok(()),
-        }
-    }
-
-    fn check_pattern(&self, matrix: &SystemMatrix) -> Result<(), SolverError> {
         let same = Arc::ptr_eq(&self.pattern, matrix.pattern()) || self.pattern == *matrix.pattern();
-        if same { Ok(()) } else { Err(SolverError::Pattern) }
+        if same { matrix.check_lengths() } else { Err(SolverError::Pattern) }
     }
-}
-
-/// Which equations are in a list that has each once.
-pub(super) fn marked(size: usize, equations: &[usize]) -> Result<Vec<bool>, SolverError> {
-    let mut marks = vec![false; size];
-    for &equation in equations {
-        match marks.get_mut(equation) {
-            None => return Err(SolverError::Equation { equation, size }),
-            Some(true) => return Err(SolverError::Repeated { equation }),
-            Some(mark) => *mark = true,
-        }
-    }
-    Ok(marks)
-}
-
-/// A zone, if there is contact and condensing onto it is asked for, or pays.
-fn worthwhile_zone(
-    pattern: &Pattern,
-    nodes: &[usize],
-    contact: &[usize],
-    options: SolverOptions,
-) -> Result<Option<(Zone, DenseLu)>, SolverError> {
-    if contact.is_empty() {
-        return Ok(None);
-    }
-    let affordable = match options.first_method {
-        Some(Method::Condensed) => f64::INFINITY,
-        Some(_) => return Ok(None),
-        None => CONDENSATION_ADVANTAGE * cholesky_flops(pattern, &elimination_order(pattern, nodes, &[], &[])?)?,
-    };
-    if dense_flops(contact.len()) > affordable {
-        return Ok(None);
-    }
-    let zone = Zone::new(pattern, nodes, &[], contact)?;
-    if zone.flops() + dense_flops(zone.len()) > affordable {
-        return Ok(None);
-    }
-    let dense = DenseLu::new(zone.len())?;
-    Ok(Some((zone, dense)))
-}
-
-/// Multiplications and additions of a dense LU.
-fn dense_flops(size: usize) -> f64 {
-    2.0 / 3.0 * (size as f64).powi(3)
 }
 
 /// Whether each block is symmetric but for rounding.

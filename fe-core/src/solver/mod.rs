@@ -25,11 +25,6 @@ pub use pattern::{Pattern, SystemMatrix};
 #[cfg(test)]
 mod test;
 
-/// Condensation is chosen if it needs fewer operations than this many factorisations LLᵀ of the solids. LU of the
-/// whole takes two of them, and another analysis whenever contact couples new pairs; condensation takes none of that,
-/// and as long as the solids stay as they are only its dense part.
-pub const CONDENSATION_ADVANTAGE: f64 = 4.0;
-
 /// A solution that leaves more of the right side than this is refined: a well-conditioned system leaves 1e-12.
 pub const REFINED_RESIDUAL: f64 = 1e-10;
 
@@ -71,13 +66,11 @@ pub enum Symmetry {
 /// How a system is factorised; in the order in which they are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Method {
-    /// LLᵀ of the solids with the contact equations last, dense LU of what is condensed onto these.
-    Condensed,
-    /// LLᵀ of the whole.
-    Cholesky,
-    /// LU of the whole, pivoting inside supernodes.
+    /// LLᵀ in parts.
+    Parts,
+    /// LU, pivoting inside supernodes.
     BlockLu,
-    /// LU of the whole, full partial pivoting.
+    /// LU, full partial pivoting.
     GeneralLu,
 }
 
@@ -97,16 +90,10 @@ pub struct FactorisationReport {
     pub method: Method,
     /// Whether an earlier analysis of the pattern served again.
     pub symbolic_reused: bool,
-    /// Whether the factor of the solids served again.
-    pub solids_reused: bool,
-    /// How many equations the dense part has.
-    pub dense_equations: usize,
     /// Multiplications and additions, if the method knows.
     pub flops: Option<f64>,
     /// Numbers in the factors, if the method knows.
     pub factor_entries: Option<usize>,
-    /// Whether the determinant of K is positive, if the method knows: it changes sign in a limit point.
-    pub determinant_positive: Option<bool>,
 }
 
 /// How accurate a solution is.

@@ -4,7 +4,6 @@ use std::sync::Arc;
 
 use super::analysis::Analysis;
 use super::block_lu::BlockLu;
-use super::cholesky::Cholesky;
 use super::general_lu::GeneralLu;
 use super::ordering::elimination_order;
 use super::parts::Parts;
@@ -23,19 +22,13 @@ pub(super) struct Whole {
     /// Of all; empty if that is what the matrix itself has.
     values: Vec<f64>,
     analysis: Option<Arc<Analysis>>,
-    definite: Option<Definite>,
+    /// Present if it is large enough, once cuts were looked for.
+    parts: Option<Parts>,
+    is_cut: bool,
     block_lu: Option<BlockLu>,
     general_lu: Option<GeneralLu>,
     /// A vector in the order of elimination.
     ordered: Vec<f64>,
-}
-
-/// LLᵀ.
-enum Definite {
-    /// In one piece.
-    One(Box<Cholesky>),
-    /// In parts, which have analyses of their own.
-    Parts(Box<Parts>),
 }
 
 /// Where the entries of a contact block are, row by row. Most points stay where they are from one matrix to the next.
@@ -64,14 +57,6 @@ impl Places {
     }
 }
 
-/// What came of a factorisation.
-pub(super) enum Outcome {
-    /// A factor, and whether the determinant is positive, if known.
-    Done(Option<bool>),
-    /// The method does not apply to these values.
-    Refused,
-}
-
 impl Whole {
     /// A pattern for this matrix.
     pub(super) fn new(matrix: &SystemMatrix) -> Self {
@@ -93,7 +78,8 @@ impl Whole {
             contact: Vec::new(),
             values: Vec::new(),
             analysis: None,
-            definite: None,
+            parts: None,
+            is_cut: false,
             block_lu: None,
             general_lu: None,
             ordered: vec![0.0; pattern.size()],
@@ -147,50 +133,41 @@ impl Whole {
     pub(super) fn is_analysed(&self, method: Method) -> bool {
         match method {
             Method::GeneralLu => self.general_lu.is_some(),
-            Method::Cholesky if matches!(self.definite, Some(Definite::Parts(_))) => true,
-            _ => self.analysis.is_some(),
+            Method::Parts => self.parts.is_some(),
+            Method::BlockLu => self.analysis.is_some(),
         }
     }
 
-    /// LLᵀ of the matrix that was taken last; refused if it is not definite.
-    pub(super) fn factorise_cholesky(
+    /// LLᵀ in parts of the matrix that was taken last; `false` if it is small, or not definite.
+    pub(super) fn factorise_parts(
         &mut self,
         matrix: &SystemMatrix,
         nodes: &[usize],
         positions: &[[f64; 2]],
         threads: &Threads,
-    ) -> Result<Outcome, SolverError> {
-        let definite = match self.definite.take() {
-            Some(definite) => definite,
-            None => match Parts::new(&self.pattern, nodes, positions, threads)? {
-                Some(parts) => Definite::Parts(Box::new(parts)),
-                None => Definite::One(Box::new(Cholesky::new(self.analysis(nodes, positions)?)?)),
-            },
-        };
+    ) -> Result<bool, SolverError> {
+        if !std::mem::replace(&mut self.is_cut, true) {
+            self.parts = Parts::new(&self.pattern, nodes, positions, threads)?;
+        }
         let values = Self::values(&self.values, matrix);
-        let is_definite = match self.definite.insert(definite) {
-            Definite::One(cholesky) => cholesky.factorise(values, &[]).is_ok(),
-            Definite::Parts(parts) => parts.factorise(values, threads),
-        };
-        Ok(if is_definite { Outcome::Done(Some(true)) } else { Outcome::Refused })
+        Ok(self.parts.as_mut().is_some_and(|parts| parts.factorise(values, threads)))
     }
 
-    /// LU with pivoting inside supernodes; refused if that is not enough.
+    /// LU with pivoting inside supernodes; `false` if that is not enough.
     pub(super) fn factorise_block_lu(
         &mut self,
         matrix: &SystemMatrix,
         nodes: &[usize],
         positions: &[[f64; 2]],
-    ) -> Result<Outcome, SolverError> {
+    ) -> Result<bool, SolverError> {
         let analysis = self.analysis(nodes, positions)?;
         let block_lu = get_or_try_insert(&mut self.block_lu, || BlockLu::new(analysis))?;
-        let values = Self::values(&self.values, matrix);
-        Ok(block_lu.factorise(values).map_or(Outcome::Refused, |positive| Outcome::Done(Some(positive))))
+        Ok(block_lu.factorise(Self::values(&self.values, matrix)))
     }
 
     /// LU with full partial pivoting. Singular if a right side of ones with changing signs is answered by a vector
     /// that is greater than a regular matrix of this size could make it.
-    pub(super) fn factorise_general_lu(&mut self, matrix: &SystemMatrix) -> Result<Outcome, SolverError> {
+    pub(super) fn factorise_general_lu(&mut self, matrix: &SystemMatrix) -> Result<bool, SolverError> {
         let general_lu = get_or_try_insert(&mut self.general_lu, || GeneralLu::new(&self.pattern))?;
         general_lu.factorise(Self::values(&self.values, matrix))?;
         // The signs follow the bits of the golden ratio's multiples: no smooth mode is orthogonal to them.
@@ -201,51 +178,37 @@ impl Whole {
         if greatest.fold(0.0, f64::max) * matrix.norm() > LARGEST_GROWTH {
             return Err(SolverError::Singular { equation: None });
         }
-        Ok(Outcome::Done(None))
+        Ok(true)
     }
 
     /// Solves in place with the last factor of this method.
     pub(super) fn solve(&mut self, method: Method, x: &mut [f64], threads: &Threads) {
-        if method == Method::GeneralLu {
-            return self.general_lu.iter_mut().for_each(|factor| factor.solve(x));
-        }
-        if let (Method::Cholesky, Some(Definite::Parts(parts))) = (method, &mut self.definite) {
-            return parts.solve(x, threads);
-        }
-        let Some(analysis) = &self.analysis else { return };
-        self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
-        match (method, &mut self.definite, &mut self.block_lu) {
-            (Method::Cholesky, Some(Definite::One(factor)), _) => {
-                factor.forward(&mut self.ordered);
-                factor.backward(&mut self.ordered);
+        match method {
+            Method::Parts => self.parts.iter_mut().for_each(|parts| parts.solve(x, threads)),
+            Method::GeneralLu => self.general_lu.iter_mut().for_each(|factor| factor.solve(x)),
+            Method::BlockLu => {
+                let (Some(analysis), Some(factor)) = (&self.analysis, &mut self.block_lu) else { return };
+                self.ordered.iter_mut().zip(&analysis.order).for_each(|(to, &equation)| *to = x[equation]);
+                factor.solve(&mut self.ordered);
+                self.ordered.iter().zip(&analysis.order).for_each(|(from, &equation)| x[equation] = *from);
             }
-            (_, _, Some(factor)) => factor.solve(&mut self.ordered),
-            _ => {}
         }
-        self.ordered.iter().zip(&analysis.order).for_each(|(from, &equation)| x[equation] = *from);
     }
 
     /// Nothing of a factor stays at the next factorisation.
     pub(super) fn forget_factors(&mut self) {
         self.block_lu.iter_mut().for_each(BlockLu::forget);
-        if let Some(Definite::Parts(parts)) = &mut self.definite {
-            parts.forget();
-        }
+        self.parts.iter_mut().for_each(Parts::forget);
     }
 
     /// Flops of the last factorisation by this method, as far as known before, and the numbers in its factor.
     pub(super) fn size_of(&self, method: Method) -> (Option<f64>, Option<usize>) {
-        let flops = self.analysis.as_ref().map(|analysis| analysis.flops);
         match method {
-            Method::Cholesky => match &self.definite {
-                Some(Definite::Parts(parts)) => (Some(parts.flops()), Some(parts.entries())),
-                Some(Definite::One(cholesky)) => (flops, Some(cholesky.entries())),
-                None => (None, None),
-            },
+            Method::Parts => (self.parts.as_ref().map(Parts::flops), self.parts.as_ref().map(Parts::entries)),
             Method::BlockLu => {
                 (self.block_lu.as_ref().map(BlockLu::flops), self.block_lu.as_ref().map(BlockLu::entries))
             }
-            Method::Condensed | Method::GeneralLu => (None, None),
+            Method::GeneralLu => (None, None),
         }
     }
 }

@@ -1,19 +1,15 @@
-//! Systems condensed onto a few equations: LLᵀ of the solids with these last, and a dense unsymmetric matrix on them.
+//! Symmetric systems condensed onto a few equations: LLᵀ with these last.
 
 use std::sync::Arc;
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::lu::partial_pivoting::factor::{PartialPivLuParams, lu_in_place, lu_in_place_scratch};
-use faer::linalg::lu::partial_pivoting::solve::{solve_in_place, solve_in_place_scratch};
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::perm::PermRef;
-use faer::{Accum, Mat, MatMut, Par, Spec};
+use faer::{Accum, Mat, Par};
 
 use super::analysis::{Analysis, body_by_body};
 use super::cholesky::{Cholesky, Refusal};
 use super::graph::NONE;
 use super::ordering::elimination_order;
-use super::{Blocks, Pattern, SINGULAR_PIVOT, SolverError};
+use super::{Pattern, SolverError};
 
 /// What is added to the diagonal of the zone, relative to it, so that A has an LLᵀ although a body may hang on contact
 /// alone; a soft zone needs the second. It is taken off again, which costs as many digits as it has more than A.
@@ -179,78 +175,4 @@ impl Zone {
 /// Multiplications and additions of a dense LLᵀ, or of a triangle times its transpose.
 pub(super) fn dense_cholesky_flops(size: usize) -> f64 {
     (size as f64).powi(3) / 3.0
-}
-
-/// Dense LU of S + contact.
-pub(super) struct DenseLu {
-    matrix: Mat<f64>,
-    permutation: Vec<usize>,
-    inverse: Vec<usize>,
-    memory: MemBuffer,
-}
-
-impl DenseLu {
-    /// Memory for `size` equations.
-    pub(super) fn new(size: usize) -> Result<Self, SolverError> {
-        let scratch = lu_in_place_scratch::<usize, f64>(size, size, Par::Seq, parameters())
-            .or(solve_in_place_scratch::<usize, f64>(size, 1, Par::Seq));
-        Ok(Self {
-            matrix: Mat::zeros(size, size),
-            permutation: vec![0; size],
-            inverse: vec![0; size],
-            memory: MemBuffer::try_new(scratch)?,
-        })
-    }
-
-    /// Factorises S + Σ blocks; returns whether the determinant is positive, or the place of a pivot that is lost in
-    /// the rounding of its column.
-    pub(super) fn factorise(&mut self, zone: &Zone, contact: &Blocks) -> Result<bool, usize> {
-        let size = zone.len();
-        self.matrix.copy_from(zone.schur());
-        for (rows, values) in contact.iter() {
-            for (row, line) in rows.iter().zip(values.chunks_exact(rows.len().max(1))) {
-                for (column, value) in rows.iter().zip(line) {
-                    self.matrix[(zone.place_of(*row), zone.place_of(*column))] += value;
-                }
-            }
-        }
-        // Before elimination, S itself is left over from A: its rounding is that of the shifted diagonal.
-        let scales: Vec<f64> = (0..size)
-            .map(|column| (0..size).map(|row| self.matrix[(row, column)].abs()).fold(zone.shift[column], f64::max))
-            .collect();
-        let (info, _) = lu_in_place(
-            self.matrix.as_mut(),
-            &mut self.permutation,
-            &mut self.inverse,
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-            parameters(),
-        );
-        let mut positive = info.transposition_count.is_multiple_of(2);
-        for (place, scale) in scales.iter().enumerate() {
-            let pivot = self.matrix[(place, place)];
-            if pivot.is_nan() || pivot.abs() <= SINGULAR_PIVOT * scale {
-                return Err(place);
-            }
-            positive ^= pivot < 0.0;
-        }
-        Ok(positive)
-    }
-
-    /// Solves in place.
-    pub(super) fn solve(&mut self, x: &mut [f64]) {
-        let size = x.len();
-        solve_in_place(
-            self.matrix.as_ref(),
-            self.matrix.as_ref(),
-            PermRef::new_checked(&self.permutation, &self.inverse, size),
-            MatMut::from_column_major_slice_mut(x, size, 1),
-            Par::Seq,
-            MemStack::new(&mut self.memory),
-        );
-    }
-}
-
-fn parameters() -> Spec<PartialPivLuParams, f64> {
-    Spec::default()
 }

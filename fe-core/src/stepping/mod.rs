@@ -49,9 +49,9 @@ pub struct Statistics {
     pub expansions: u64,
     /// Evaluations of all forces.
     pub evaluations: u64,
-    /// Factorisations of the whole matrix.
+    /// Factorisations of the matrix with other elements.
     pub factorisations: u64,
-    /// Factorisations of the contact part alone.
+    /// Factorisations of the matrix of which contact alone had changed.
     pub block_factorisations: u64,
     /// Solutions with a factor.
     pub solutions: u64,

@@ -97,6 +97,6 @@ impl Zone {
         let condensation =
             self.condenses.then_some(Condensation { elements: solids, active: &self.active, retained: coupled });
         let options = SolverOptions { forgets: !model.skipping.unchanged_elements, ..SolverOptions::default() };
-        System::new(&model.mesh, equations, coupled, condensation, options)
+        System::new(&model.mesh, equations, condensation, options)
     }
 }

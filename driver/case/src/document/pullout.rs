@@ -293,10 +293,10 @@ pub struct SkipItems {
     pub elastic_far_field: Option<bool>,
     /// A factor is used again while it converges fast.
     pub factor_reuse: Option<bool>,
-    /// Tangents are asked for only when they are used.
-    pub unused_tangents: Option<bool>,
     /// A contact point looks for its edge from the last one.
     pub contact_search: Option<bool>,
-    /// The symmetric solver is used while nothing is unsymmetric.
+    /// Has no effect any more; tangents are always asked for.
+    pub unused_tangents: Option<bool>,
+    /// Has no effect any more; the solver chooses.
     pub symmetric_solver: Option<bool>,
 }

@@ -462,6 +462,10 @@ fn controls_skipping_and_output() {
     assert_eq!(program.model.skipping, Skipping { elastic_far_field: false, ..Skipping::ALL });
     assert_eq!((program.about.every, program.fields_every, program.about.plots), (5, Some(3), false));
     assert!(program.model.has_large_displacements());
+    let old = self::program(&["skip={\"unused_tangents\": false, \"symmetric_solver\": true}"]);
+    assert_eq!(old.model.skipping, Skipping::ALL);
+    let warned = old.about.warnings.iter().filter(|warning| warning.contains("has no effect any more"));
+    assert_eq!(warned.count(), 2, "{:?}", old.about.warnings);
     let program = self::program(&["skip=none", "output.vtu=false"]);
     assert_eq!((program.model.skipping, program.fields_every), (Skipping::NONE, None));
 }

@@ -173,7 +173,6 @@ impl Equilibrium<'_> {
     /// Applies a correction and evaluates; a shorter one if the residual grows. Returns which part of it was applied.
     pub(super) fn advance(&mut self, attempt: &mut Attempt<'_>, direction: &Direction) -> Result<f64, Trouble> {
         let predicts = attempt.predicts();
-        let request = if predicts { Request::StressAndTangent } else { self.request_after() };
         let from = attempt.trial.displacements.clone();
         let (before, work_before) = (largest(&self.memory.residual), self.work_along(direction));
         for (drive, change) in attempt.trial.drives.iter_mut().zip(&direction.drives) {
@@ -181,7 +180,7 @@ impl Equilibrium<'_> {
         }
         self.contact.foretell(&direction.displacements, predicts);
         direction.place(&from, 1.0, &mut attempt.trial);
-        self.evaluate(attempt, request)?;
+        self.evaluate(attempt)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.memory.residual);
         let contact_changes = self.contact_changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
@@ -215,8 +214,7 @@ impl Equilibrium<'_> {
         Ok(best.1)
     }
 
-    /// Displaces by a part of a correction and evaluates with tangents: the one that ends the search is where the next
-    /// iteration starts.
+    /// Displaces by a part of a correction and evaluates.
     fn place(
         &mut self,
         attempt: &mut Attempt<'_>,
@@ -226,7 +224,7 @@ impl Equilibrium<'_> {
     ) -> Result<(), Trouble> {
         self.contact.foretell_part(length);
         direction.place(from, length, &mut attempt.trial);
-        self.evaluate(attempt, Request::StressAndTangent)
+        self.evaluate(attempt)
     }
 
     /// Applies as much of a correction as minimises the energy along it, from the full one, which passes the minimum: with

@@ -3,7 +3,6 @@
 use super::{Attempt, CUT, Equilibrium, Iteration, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Place, Trouble};
-use umat_abi::law::Request;
 
 /// A residual so far below its tolerance needs no small correction to prove convergence: linear problems end at once.
 const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
@@ -30,7 +29,7 @@ impl Equilibrium<'_> {
                 }
                 // equilibrium with what the laws say elsewhere is none
                 self.contact.foretell_nothing();
-                self.evaluate(attempt, Request::StressAndTangent)?;
+                self.evaluate(attempt)?;
                 continue;
             }
             if attempt.round().len() >= self.model.controls.max_iterations || growing >= DIVERGENCE {

@@ -197,7 +197,7 @@ impl<'m> Equilibrium<'m> {
     /// field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
         if !self.memory.at_committed_state {
-            self.evaluate(&attempt, Request::StressAndTangent)?;
+            self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
         let mut settlements = 0;
@@ -218,7 +218,7 @@ impl<'m> Equilibrium<'m> {
                 }
                 self.memory.statistics.expansions += 1;
             }
-            self.evaluate(&attempt, Request::StressAndTangent)?;
+            self.evaluate(&attempt)?;
         }
         let Attempt { trial: mut end, iterations, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
@@ -329,18 +329,17 @@ impl<'m> Equilibrium<'m> {
         scale.max(LEAST_RELATIVE_SCALE * self.memory.greatest_scale)
     }
 
-    /// Forces, residual and, if wanted, tangents at the trial state.
-    pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>, request: Request) -> Result<(), Trouble> {
+    /// Forces, residual and tangents at the trial state.
+    pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
+        let request = Request::StressAndTangent;
         let (trial, context) = (&attempt.trial, attempt.context());
         let Model { mesh, nlgeom, loads, fields, steps, .. } = self.model;
         let Self { solids, contact, system, memory, times, .. } = self;
         memory.statistics.evaluations += 1;
-        memory.has_tangents = request.wants_tangent();
+        memory.has_tangents = true;
         memory.internal.fill(0.0);
         timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
-        if memory.has_tangents {
-            memory.blocks.clear();
-        }
+        memory.blocks.clear();
         memory.contact_forces.fill(0.0);
         if fields.change() {
             let [start, end] = fields.over(steps, &context);
@@ -355,7 +354,7 @@ impl<'m> Equilibrium<'m> {
         memory.external.fill(0.0);
         for load in loads {
             let factor = trial.drives[load.drive];
-            let blocks = request.wants_tangent().then_some(&mut memory.blocks);
+            let blocks = Some(&mut memory.blocks);
             loads::external(mesh, nlgeom, &load.kind, factor, &trial.displacements, &mut memory.external, blocks);
         }
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
@@ -413,13 +412,8 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 #[cfg(test)]
 impl Equilibrium<'_> {
     /// The residual at a trial state.
-    pub(super) fn residual_at(
-        &mut self,
-        trial: &Committed,
-        context: IncrementContext,
-        request: Request,
-    ) -> Result<Vec<f64>, Trouble> {
-        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context), request)?;
+    pub(super) fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Result<Vec<f64>, Trouble> {
+        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context))?;
         Ok(self.memory.residual.clone())
     }
 

@@ -5,7 +5,6 @@ use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Trouble, touching};
 use crate::solver::Symmetry;
 use crate::stepping::times::timed;
-use umat_abi::law::Request;
 
 /// After how many iterations the stiffness of damaging elements out of balance becomes safer (doc.md). That of plastic
 /// ones is safe, and the elastic one far too stiff where flow spreads.
@@ -40,7 +39,7 @@ impl Equilibrium<'_> {
             return Ok(());
         }
         if !self.memory.has_tangents {
-            self.evaluate(attempt, Request::StressAndTangent)?;
+            self.evaluate(attempt)?;
         }
         self.factorise()
     }
@@ -48,7 +47,7 @@ impl Equilibrium<'_> {
     /// Compares tangents in doubt with differences; where they are far off, differences take their place.
     fn judge_tangents(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
         self.solids.compare_tangents();
-        let compared = self.evaluate(attempt, Request::StressAndTangent);
+        let compared = self.evaluate(attempt);
         if self.solids.judge_tangents() {
             self.memory.has_tangents = false;
             self.memory.last_reduction = 1.0;
@@ -89,23 +88,13 @@ impl Equilibrium<'_> {
         self.model.skipping.factor_reuse && was_easy && is_known && converges_fast
     }
 
-    /// What to ask of the points after a correction: no tangents if an old factor serves the next iteration. The tangents
-    /// of the last iteration of an increment are not for nothing: the next increment begins with them.
-    pub(super) fn request_after(&self) -> Request {
-        if self.model.skipping.unused_tangents && self.may_reuse_factor() {
-            Request::Stress
-        } else {
-            Request::StressAndTangent
-        }
-    }
-
     /// Makes sure that the next increment finds a factor or tangents. Those of the committed state by itself, in which
     /// nothing grows, would be of an unloading solid, and predict badly.
     pub(super) fn prepare_next(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
         if self.memory.has_tangents || self.may_reuse_factor() {
             return Ok(());
         }
-        self.evaluate(attempt, Request::StressAndTangent)
+        self.evaluate(attempt)
     }
 
     /// Factorises what has changed since the last time.
@@ -119,16 +108,11 @@ impl Equilibrium<'_> {
             }
             system.set_blocks(&memory.blocks);
         });
-        let symmetric = model.skipping.symmetric_solver && solids.symmetric();
-        let symmetry = if symmetric { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
-        let result = if elements_changed {
-            memory.assembled_version = solids.latest_version();
-            memory.statistics.factorisations += 1;
-            timed(&mut times.factorisation, || system.factorise(symmetry))
-        } else {
-            memory.statistics.block_factorisations += 1;
-            timed(&mut times.factorisation, || system.factorise_blocks())
-        };
+        let symmetry = if solids.symmetric() { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
+        memory.assembled_version = solids.latest_version();
+        let statistics = &mut memory.statistics;
+        *if elements_changed { &mut statistics.factorisations } else { &mut statistics.block_factorisations } += 1;
+        let result = timed(&mut times.factorisation, || system.factorise(symmetry));
         memory.rounding = POSITION_ROUNDING * *extent * system.largest_diagonal();
         memory.factorised = result.is_ok();
         memory.factor_is_elsewhere = contact.is_elsewhere();

@@ -26,7 +26,7 @@ pub(in crate::stepping) struct Memory {
     pub(super) factor_is_elsewhere: bool,
     /// The solids' stiffnesses in the matrix.
     pub(super) assembled_version: u64,
-    /// Whether the last evaluation gave tangents.
+    /// Whether the tangents of the last evaluation may serve.
     pub(super) has_tangents: bool,
     /// By which the last correction multiplied the residual.
     pub(super) last_reduction: f64,

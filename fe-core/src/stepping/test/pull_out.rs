@@ -12,7 +12,6 @@ use crate::model::{
 };
 use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
 use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
-use umat_abi::law::Request;
 
 /// The bond of chapter 6 with friction.
 fn bond(friction: f64) -> PluginLaw {
@@ -241,9 +240,8 @@ fn tangent_error(model: &Model) -> f64 {
         }
         state
     };
-    let residual = |equilibrium: &mut Equilibrium<'_>, state: &Committed| {
-        equilibrium.residual_at(state, context, Request::StressAndTangent).unwrap()
-    };
+    let residual =
+        |equilibrium: &mut Equilibrium<'_>, state: &Committed| equilibrium.residual_at(state, context).unwrap();
     let h = 2e-9;
     let (plus, minus) = (at(equilibrium, h), at(equilibrium, -h));
     let (plus, minus) = (residual(equilibrium, &plus), residual(equilibrium, &minus));

@@ -116,9 +116,7 @@ fn skipping(skipping: Skipping) -> String {
         (skipping.unchanged_elements, "unchanged elements"),
         (skipping.elastic_far_field, "elastic far field"),
         (skipping.factor_reuse, "factors that still serve"),
-        (skipping.unused_tangents, "unused tangents"),
         (skipping.contact_search, "contact search"),
-        (skipping.symmetric_solver, "unsymmetric solver where symmetric"),
     ];
     let names: Vec<&str> = items.into_iter().filter(|(on, _)| *on).map(|(_, name)| name).collect();
     if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
