@@ -8,6 +8,7 @@ mod cook;
 mod cylinder;
 mod drag_out;
 mod hertz;
+mod hook;
 mod plane_and_axisymmetric;
 mod pull_out;
 

@@ -14,6 +14,11 @@ const LEAST_SHARE: f64 = 0.05;
 /// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
+/// What trapezoids miss falls with the square of an increment at least. Where a smaller one misses more than this power of its
+/// size says, it is not for the size (contact that opens in the first increment, or slides past an edge),
+const LEAST_ORDER: f64 = 1.5;
+/// and so many increments are not refused for it.
+pub(super) const PARDONED: u32 = 20;
 /// Overstress cuts increments to this part of the greatest.
 const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
 /// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
@@ -106,16 +111,26 @@ impl StepRun {
             return Err(failed("the load jumps"));
         }
         if self.refuses_energies(&findings).is_some() {
-            self.energy_refused += 1;
-            let fraction = self.energy_excess(&findings).recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
-            return Err(repeat("the energies of the increment do not balance", fraction));
+            let excess = self.energy_excess(&findings);
+            match self.missed {
+                Some([size, missed]) if excess > missed * (self.attempted / size).powf(LEAST_ORDER) => {
+                    self.energy_pardons = PARDONED;
+                    self.size.restart(size);
+                }
+                _ => {
+                    self.energy_refused += 1;
+                    self.missed = Some([self.attempted, excess]);
+                    let fraction = excess.recip().sqrt().clamp(LEAST_FRACTION, ENERGY_MARGIN);
+                    return Err(repeat("the energies of the increment do not balance", self.allowed(fraction)));
+                }
+            }
         }
         if !self.locates_peak || load.peaked || self.is_least() {
             return Ok(());
         }
         if findings.slip_growth > 1.0 {
             let fraction = (SLIP_MARGIN / findings.slip_growth).max(LEAST_FRACTION);
-            return Err(repeat("the slip of a contact point grows too fast to follow its law", fraction));
+            return Err(repeat("the slip of a contact point grows too fast to follow its law", self.allowed(fraction)));
         }
         if findings.load < load.greatest * (1.0 - PEAK_RESOLUTION) {
             return Err(repeat("the load has a peak within the increment", 0.5));
@@ -142,7 +157,16 @@ impl StepRun {
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
         let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
-        findings.imbalance_excess().max(overstress)
+        let imbalance = if self.energy_pardons == 0 { findings.imbalance_excess() } else { 0.0 };
+        imbalance.max(overstress)
+    }
+
+    /// A part of the attempted increment that is not below the least: what converged is no reason to fail.
+    fn allowed(&self, fraction: f64) -> f64 {
+        match self.lead {
+            Lead::Drives => fraction.max(self.size.minimum() / self.attempted),
+            Lead::Other(_) => fraction,
+        }
     }
 
     /// The same increment, and smaller ones that tell whether its energies miss the work for its size, where a step asks for

@@ -48,3 +48,53 @@ fn with_stabilisation_slip_leads_where_the_drives_fail_again_and_again() {
     assert_eq!(run.reject(&trouble, true), Advance::Repeated);
     assert!(matches!(run.lead, Lead::Other(Led { by: Leader::PointSlip, .. })));
 }
+
+/// What a first increment misses where contact opens is the same part of its work, however small it is.
+#[test]
+fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-9 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let begun = StepRun::new(&model.steps[0], &[0.0], &model);
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    // of the error's order: how many attempts are refused before one stands, and how large it is
+    let refusals = |order: f64| {
+        let mut run = begun.clone();
+        for count in 0..20 {
+            run.target();
+            let energy_error = 0.1 * (run.attempted / 0.1).powf(order);
+            let findings = Findings { load: 10.0, energy_error, ..Findings::default() };
+            match run.judge(&converged, load, findings) {
+                Ok(()) => return (count, run.attempted, run.energy_pardons),
+                Err(judgement) => assert_eq!(run.reject(&judgement.trouble, judgement.has_failed), Advance::Repeated),
+            }
+        }
+        panic!("none stands");
+    };
+    for order in [0.0, 1.0] {
+        let (count, size, pardons) = refusals(order);
+        assert!(count == 1 && size < 0.1 && pardons > 0, "{order}: {count} at {size}");
+    }
+    for order in [2.0, 3.0] {
+        let (count, size, pardons) = refusals(order);
+        assert!(count >= 1 && 0.1 * (size / 0.1).powf(order) < 3e-4 && pardons == 0, "{order}: {count} at {size}");
+    }
+}
+
+/// What converged is no reason to fail: a judgement cuts no increment below the least.
+#[test]
+fn a_judgement_leaves_the_least_increment() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 0.04 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    let findings = Findings { load: 10.0, energy_error: 1.0, ..Findings::default() };
+    let judgement = run.judge(&converged, load, findings).expect_err("the energies miss the work");
+    assert_eq!(run.reject(&judgement.trouble, judgement.has_failed), Advance::Repeated);
+    run.target();
+    assert_eq!(run.attempted, 0.04);
+    assert!(run.judge(&converged, load, findings).is_ok());
+}
