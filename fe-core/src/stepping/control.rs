@@ -126,8 +126,6 @@ pub(super) struct StepRun {
     energy_refused: u32,
     /// Size and excess of the last of these.
     missed: Option<[f64; 2]>,
-    /// Increments to come that are not refused for it: smaller ones were shown not to help.
-    energy_pardons: u32,
     /// Equal increments of the step that were looked at in smaller ones because their energies do not balance.
     energy_looks: u32,
     /// The largest increment of the mean slip under the drives.
@@ -160,7 +158,6 @@ impl StepRun {
             jumps_refused: 0,
             energy_refused: 0,
             missed: None,
-            energy_pardons: 0,
             energy_looks: 0,
             largest_slip: 0.0,
             follows_slip: !model.contacts.is_empty(),
@@ -189,7 +186,6 @@ impl StepRun {
             jumps_refused,
             energy_refused,
             missed,
-            energy_pardons,
             energy_looks,
             largest_slip,
             follows_slip,
@@ -209,7 +205,7 @@ impl StepRun {
             }
         };
         let begun = Self::new(step, start, model);
-        let counts = [failures, jumps_refused, energy_refused, energy_pardons, energy_looks];
+        let counts = [failures, jumps_refused, energy_refused, energy_looks];
         is_led
             && *progress < 1.0
             && missed.is_none_or(|missed| are_finite(&missed))
@@ -287,7 +283,6 @@ impl StepRun {
         self.jumps_refused = 0;
         self.energy_refused = 0;
         self.missed = None;
-        self.energy_pardons = self.energy_pardons.saturating_sub(1);
         let iterations = converged.iterations.len();
         self.failures = 0;
         let slip = converged.end.mean_slip - start.mean_slip;

@@ -15,10 +15,8 @@ const LEAST_SHARE: f64 = 0.05;
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
 /// What trapezoids miss falls with the square of an increment at least. Where a smaller one misses more than this power of its
-/// size says, it is not for the size (contact that opens in the first increment, or slides past an edge),
-const LEAST_ORDER: f64 = 1.5;
-/// and so many increments are not refused for it.
-pub(super) const PARDONED: u32 = 20;
+/// size says, it is not for the size: contact that opens in the first increment.
+const LEAST_ORDER: f64 = 0.5;
 /// Overstress cuts increments to this part of the greatest.
 const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
 /// Equal increments are not refused for their energies. So many of a step are looked at in smaller ones, by this factor.
@@ -114,7 +112,6 @@ impl StepRun {
             let excess = self.energy_excess(&findings);
             match self.missed {
                 Some([size, missed]) if excess > missed * (self.attempted / size).powf(LEAST_ORDER) => {
-                    self.energy_pardons = PARDONED;
                     self.size.restart(size);
                 }
                 _ => {
@@ -157,8 +154,7 @@ impl StepRun {
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
         let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
-        let imbalance = if self.energy_pardons == 0 { findings.imbalance_excess() } else { 0.0 };
-        imbalance.max(overstress)
+        findings.imbalance_excess().max(overstress)
     }
 
     /// A part of the attempted increment that is not below the least: what converged is no reason to fail.
