@@ -76,9 +76,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     ];
     checks.into_iter().flatten().for_each(|checked| tell(reader, checked));
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
-    let columns = program
-        .as_ref()
-        .map(|program| Program { sides, openings: openings(given), beam, scatter, ..program.clone() }.columns());
+    let program = program.map(|program| Program { sides, openings: openings(given), beam, scatter, ..program });
+    let columns = program.as_ref().map(Program::columns);
     let about = history::about(reader, path, &case.title, &case.description, &None, &case.compare, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
     let about = About {
@@ -88,7 +87,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
         defaults: std::mem::take(&mut reader.defaults),
         ..about
     };
-    let program = Program { about, sides, openings: openings(given), beam, scatter, ..program? };
+    let program = Program { about, ..program? };
     if reader.problems.is_empty() {
         let checked = match &program.source {
             // without its curves: by those of a bond

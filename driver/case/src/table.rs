@@ -1,5 +1,6 @@
 //! CSV files: tables that drive a step, curves to compare with. Lines that begin with `#` are comments.
 
+use crate::problem::hint;
 use pullout_run::input::{self, Input};
 use std::io;
 use std::path::Path;
@@ -89,6 +90,15 @@ impl CsvFile {
             numbers.push(row);
         }
         problems.or(numbers)
+    }
+
+    /// The place of a column.
+    ///
+    /// # Errors
+    /// None is called so.
+    pub fn column(&self, name: &str) -> Result<usize, String> {
+        let unknown = || format!("line 1: no column is called '{name}'{}", hint(name, &self.header));
+        self.header.iter().position(|column| column == name).ok_or_else(unknown)
     }
 
     /// Line number of a row.

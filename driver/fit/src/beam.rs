@@ -42,12 +42,7 @@ pub struct BeamColumns {
 pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Vec<String>> {
     let csv = CsvFile::read(path)?;
     let at = |message: String| format!("{}, {message}", path.display());
-    let find = |name: &str| {
-        let found = csv.header.iter().position(|column| column == name);
-        found.ok_or_else(|| {
-            vec![at(format!("line 1: no column is called '{name}'{}", pullout_case::hint(name, &csv.header)))]
-        })
-    };
+    let find = |name: &str| csv.column(name).map_err(|message| vec![at(message)]);
     let rows = |wanted: &[&str]| {
         let places = wanted.iter().map(|name| find(name)).collect::<Result<Vec<usize>, _>>()?;
         let rows = csv.numbers(&places, false);

@@ -28,7 +28,7 @@ impl LoadSlipCurve {
     pub fn read(path: &Path, slip: Option<&str>, load: Option<&str>) -> Result<Self, Vec<String>> {
         let file = path.display();
         let csv = CsvFile::read(path)?;
-        let [slip, load] = columns(&csv.header, slip, load).map_err(|error| vec![format!("{file}, {error}")])?;
+        let [slip, load] = columns(&csv, slip, load).map_err(|error| vec![format!("{file}, {error}")])?;
         let rows = csv
             .numbers(&[slip, load], false)
             .map_err(|problems| problems.into_iter().map(|problem| format!("{file}, {problem}")).collect::<Vec<_>>())?;
@@ -89,22 +89,18 @@ pub struct Peak {
 }
 
 /// Indices of the columns of slip and load.
-fn columns(header: &[String], slip: Option<&str>, load: Option<&str>) -> Result<[usize; 2], String> {
+fn columns(csv: &CsvFile, slip: Option<&str>, load: Option<&str>) -> Result<[usize; 2], String> {
+    let header = &csv.header;
     if header.iter().all(|name| name.parse::<f64>().is_ok()) {
         return Err("line 1: these are numbers, but the first line must name the columns, e.g. 'slip,load'".into());
     }
-    let place = |name: &str| header.iter().position(|column| column == name);
-    let named = |name: &str| {
-        let unknown = || format!("line 1: no column is called '{name}'{}", pullout_case::hint(name, header));
-        place(name).ok_or_else(unknown)
-    };
-    let by_habit = place("slip").zip(place("load"));
+    let by_habit = csv.column("slip").ok().zip(csv.column("load").ok());
     if header.len() < 2 {
         return Err("line 1: one column, but slip and load are needed".into());
     }
     let default = by_habit.unwrap_or((0, 1));
-    let slip = slip.map_or(Ok(default.0), named)?;
-    let load = load.map_or(Ok(default.1), named)?;
+    let slip = slip.map_or(Ok(default.0), |name| csv.column(name))?;
+    let load = load.map_or(Ok(default.1), |name| csv.column(name))?;
     if slip == load {
         return Err(format!("line 1: slip and load would both be the column '{}'", header[slip]));
     }

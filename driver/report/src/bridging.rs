@@ -180,13 +180,6 @@ fn directions(composite: &Composite) -> Figure {
         };
         (-count..=count).map(at).collect()
     };
-    let line = |label: &str, points, number: usize| Line {
-        label: label.into(),
-        points,
-        columns: (String::new(), String::new()),
-        style: Style { color: number, dash: number },
-        marked: false,
-    };
     let quantity = |name: &str| Quantity { name: name.into(), unit: "1/rad".into() };
     Figure {
         name: "orientation".into(),
@@ -194,8 +187,8 @@ fn directions(composite: &Composite) -> Figure {
         x: quantity("p sin θ"),
         y: quantity("p cos θ"),
         lines: vec![
-            line("p(θ)", polar(&|angle| composite.directions.density(angle)), 0),
-            line("random in space", polar(&f64::sin), 1),
+            Line::numbered("p(θ)", polar(&|angle| composite.directions.density(angle)), 0),
+            Line::numbered("random in space", polar(&f64::sin), 1),
         ],
         marks: Vec::new(),
         equal_units: true,

@@ -6,7 +6,7 @@ use pullout_bridging::{Estimate, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
-use pullout_report::plots::figure::{Figure, Line, Marks, Scale, Style};
+use pullout_report::plots::figure::{Figure, Line, Marks, Scale};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
@@ -135,13 +135,6 @@ fn with_bond(case: &Value, fit: &BeamFit) -> Option<Value> {
 }
 
 fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
-    let line = |label: &str, points: Vec<(f64, f64)>, number: usize| Line {
-        label: label.into(),
-        points,
-        columns: (String::new(), String::new()),
-        style: Style { color: number, dash: number },
-        marked: false,
-    };
     let quantity = |column: &str| Quantity::of(column, &Default::default());
     let end = fit.full.openings.last().copied().unwrap_or_default();
     let law = |law: &Polyline| law.points().filter(|point| point.0 <= end).collect::<Vec<_>>();
@@ -164,9 +157,9 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
             "σ(w) behind the test",
             ["w", "sigma"],
             vec![
-                line("from the test", law(&fit.full.law), 0),
-                line("by a rigid hinge", law(&fit.fast), 1),
-                line("the case's own", law(&fit.predicted), 2),
+                Line::numbered("from the test", law(&fit.full.law), 0),
+                Line::numbered("by a rigid hinge", law(&fit.fast), 1),
+                Line::numbered("the case's own", law(&fit.predicted), 2),
             ],
             Vec::new(),
         ),
@@ -174,7 +167,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
             "load_cmod",
             "Measured and computed load",
             ["cmod", "load"],
-            vec![line("computed", fit.forces(cmods), 0)],
+            vec![Line::numbered("computed", fit.forces(cmods), 0)],
             vec![Marks {
                 label: "measured".into(),
                 points: measured.iter().copied().step_by(every).collect(),

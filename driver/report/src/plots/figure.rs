@@ -76,6 +76,14 @@ pub struct Line {
     pub marked: bool,
 }
 
+impl Line {
+    /// A curve that is of no history, told from others by its number.
+    pub fn numbered(label: impl Into<String>, points: Vec<(f64, f64)>, number: usize) -> Self {
+        let style = Style { color: number, dash: number };
+        Self { label: label.into(), points, columns: Default::default(), style, marked: false }
+    }
+}
+
 /// What the axes are like. Where y is not named, it shows numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
