@@ -130,6 +130,16 @@ pub fn is_study(path: &Path) -> bool {
     document(path, &[]).is_some_and(|document| document["kind"] == structure::STUDY)
 }
 
+/// Applies overrides to a document as to a file.
+///
+/// # Errors
+/// Those that cannot be applied, and texts that no page can show.
+pub fn overridden(mut document: Value, overrides: &[String]) -> Result<Value, Vec<Problem>> {
+    let mut problems: Vec<Problem> = overrides.iter().filter_map(|text| json::set(&mut document, text).err()).collect();
+    json::check_texts(&document, &Place::root(), &mut problems);
+    if problems.is_empty() { Ok(document) } else { Err(problems) }
+}
+
 /// A case file as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
 pub fn document(path: &Path, overrides: &[String]) -> Option<Value> {
     text_with(path, overrides, &mut Vec::new())

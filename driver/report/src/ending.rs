@@ -2,14 +2,14 @@
 
 use crate::compare::{Comparison, compare};
 use crate::directory::ResultDirectory;
-use crate::history::HistoryFile;
+use crate::history::{HistoryFile, Rows};
 use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Picture, Spec};
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use pullout_case::Case;
 use pullout_run::isolation::Aftermath;
-use pullout_run::path::Statistics;
+use pullout_run::path::{FailedAt, Statistics};
 use pullout_run::pullout;
 use std::io;
 use std::path::Path;
@@ -24,7 +24,9 @@ pub struct RunEnd {
     pub statistics: Statistics,
     /// Why it failed.
     pub message: Option<String>,
-    /// A signal asked for its end.
+    /// How and where it failed.
+    pub failed_at: Option<FailedAt>,
+    /// A signal or another thread asked for its end.
     pub is_interrupted: bool,
     /// Seconds from start to end.
     pub wall_time_s: f64,
@@ -42,11 +44,14 @@ impl RunEnd {
     pub fn of(case: &Case, folder: &Path, aftermath: Aftermath) -> io::Result<Self> {
         let mut peaks = PeakRecorder::new(&case.columns());
         HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
-        let Aftermath { message, is_interrupted, statistics, wall_time_s } = aftermath;
+        let Aftermath { message, is_interrupted, failed_at, statistics, wall_time_s } = aftermath;
         let (message, warnings) = (Some(message), Vec::new());
-        Ok(Self { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
+        Ok(Self { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
     }
 }
+
+/// A specimen's program and what its run gave.
+pub type Specimen<'p> = (&'p pullout::Program, pullout::Outcome<'p>);
 
 /// Writes summary, plots and report beside a history: the summary first, so that nothing that is drawn can take it away.
 /// The second result is what could not be written.
@@ -57,17 +62,10 @@ pub fn conclude(
     case: &Case,
     directory: &mut ResultDirectory,
     end: RunEnd,
-    mut specimen: Option<(&pullout::Program, pullout::Outcome<'_>)>,
+    mut specimen: Option<Specimen<'_>>,
 ) -> io::Result<(Summary, io::Result<()>)> {
-    let mut summary = summarise(case, &end)?;
-    summary.specimen = specimen.as_mut().map(|(_, outcome)| std::mem::take(&mut outcome.findings));
-    if let Some(moved) = summary.specimen.as_ref().and_then(|findings| findings.initial_displacement) {
-        summary.warnings.push(format!(
-            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
-             moved by up to {moved:.3e} mm until it was"
-        ));
-    }
-    let compared = compare_all(case, directory.path());
+    let mut summary = summarise(case, &end, specimen.as_mut())?;
+    let compared = compare_all(case, || HistoryFile::open(&directory.path().join("history.csv")));
     summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
@@ -81,20 +79,19 @@ pub fn conclude(
 }
 
 /// Compares a history with all curves of its case.
-fn compare_all(case: &Case, folder: &Path) -> io::Result<Vec<Comparison>> {
+///
+/// # Errors
+/// It cannot be read.
+pub fn compare_all<R: Rows>(case: &Case, history: impl FnOnce() -> io::Result<R>) -> io::Result<Vec<Comparison>> {
     if case.about().compare.is_empty() {
         return Ok(Vec::new());
     }
-    let history = HistoryFile::open(&folder.join("history.csv"))?;
+    let history = history()?;
     case.about().compare.iter().map(|curve| compare(&history, curve)).collect()
 }
 
 /// Draws what the case asks for.
-fn draw(
-    case: &Case,
-    directory: &mut ResultDirectory,
-    specimen: Option<&(&pullout::Program, pullout::Outcome<'_>)>,
-) -> io::Result<Vec<Picture>> {
+fn draw(case: &Case, directory: &mut ResultDirectory, specimen: Option<&Specimen<'_>>) -> io::Result<Vec<Picture>> {
     if !case.about().plots {
         return Ok(Vec::new());
     }
@@ -106,9 +103,20 @@ fn draw(
     Ok(pictures)
 }
 
-fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
+/// Says what came out, but for comparisons with curves.
+///
+/// # Errors
+/// A plugin's file cannot be read.
+pub fn summarise(case: &Case, end: &RunEnd, specimen: Option<&mut Specimen<'_>>) -> io::Result<Summary> {
     let (plugin, plugins) = plugins(case)?;
     let statistics = &end.statistics;
+    let findings = specimen.map(|(_, outcome)| std::mem::take(&mut outcome.findings));
+    let moved = findings.as_ref().and_then(|findings| findings.initial_displacement).map(|moved| {
+        format!(
+            "the initial stress was not in equilibrium with the supports and all drives at 0: before the first step nodes \
+             moved by up to {moved:.3e} mm until it was"
+        )
+    });
     Ok(Summary {
         status: match &end.message {
             None => Status::Done,
@@ -116,6 +124,7 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
             Some(_) => Status::Failed,
         },
         message: end.message.clone(),
+        failed_at: end.failed_at,
         title: case.about().title.to_owned(),
         plugin,
         plugins,
@@ -127,9 +136,9 @@ fn summarise(case: &Case, end: &RunEnd) -> io::Result<Summary> {
         wall_time_s: end.wall_time_s,
         cpu_time_s: end.cpu_time_s,
         compare: Vec::new(),
-        specimen: None,
+        specimen: findings,
         bridging: None,
-        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).collect(),
+        warnings: warnings(case).into_iter().chain(end.warnings.iter().cloned()).chain(moved).collect(),
     })
 }
 

@@ -1,6 +1,6 @@
 //! What a run tells while it goes on.
 
-use crate::history::HistoryWriter;
+use crate::history::{History, HistoryWriter};
 use crate::progress::Progress;
 use crate::summary::PeakRecorder;
 use fe_core::assembly::GREATEST_COUNT;
@@ -8,15 +8,20 @@ use pullout_run::isolation::worker;
 use pullout_run::path::{Observer, Row, Statistics};
 use pullout_run::pullout::checkpoint::Saved;
 use pullout_run::signals;
+use rustix::time::ClockId;
 use serde::{Deserialize, Serialize};
 use std::cell::Cell;
 use std::io;
 use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Writes the history as the run goes on, and knows the peaks and the progress.
+/// Takes the history down as the run goes on, and knows the peaks and the progress.
 pub struct Record {
-    writer: HistoryWriter,
+    rows: Rows,
+    /// Another thread sets it to end the run.
+    stop: Option<Arc<AtomicBool>>,
     /// Extremes of the columns.
     pub peaks: PeakRecorder,
     /// What a person is told meanwhile.
@@ -29,9 +34,17 @@ pub struct Record {
     /// Whether the run was told to end.
     ended: Cell<bool>,
     start: Instant,
+    /// The processors' time of the process, or of the thread that runs.
+    clock: ClockId,
     cpu_start: Duration,
     /// Times that the run took before it was interrupted, of the clock and of the processors, s.
     earlier_s: [f64; 2],
+}
+
+/// Where rows go.
+enum Rows {
+    File(HistoryWriter),
+    Memory(History),
 }
 
 /// What of a [`Record`] a checkpoint holds.
@@ -48,8 +61,11 @@ pub struct Kept {
 
 /// CPU time of this process so far.
 pub fn cpu_time() -> Duration {
-    let time = rustix::time::clock_gettime(rustix::time::ClockId::ProcessCPUTime);
-    Duration::try_from(time).unwrap_or_default()
+    time_of(ClockId::ProcessCPUTime)
+}
+
+fn time_of(clock: ClockId) -> Duration {
+    Duration::try_from(rustix::time::clock_gettime(clock)).unwrap_or_default()
 }
 
 impl Kept {
@@ -64,12 +80,11 @@ impl Kept {
 }
 
 impl Record {
-    /// Of a run that begins.
-    pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
-        let (writer, peaks) = (HistoryWriter::create(history, columns, is_hashed)?, PeakRecorder::new(columns));
-        let (start, cpu_start) = (Instant::now(), cpu_time());
-        Ok(Self {
-            writer,
+    fn begin(rows: Rows, peaks: PeakRecorder, progress: Progress, clock: ClockId) -> Self {
+        let (start, cpu_start) = (Instant::now(), time_of(clock));
+        Self {
+            rows,
+            stop: None,
             peaks,
             progress,
             warnings: Vec::new(),
@@ -77,21 +92,43 @@ impl Record {
             place: [0; 2],
             ended: Cell::new(false),
             start,
+            clock,
             cpu_start,
             earlier_s: [0.0; 2],
-        })
+        }
+    }
+
+    /// Of a run that begins.
+    pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
+        let rows = Rows::File(HistoryWriter::create(history, columns, is_hashed)?);
+        Ok(Self::begin(rows, PeakRecorder::new(columns), progress, ClockId::ProcessCPUTime))
+    }
+
+    /// Of a run whose rows stay in memory. `stop` ends it; `is_of_thread`: nothing but the present thread works for it, and
+    /// others may work for other runs.
+    pub fn in_memory(columns: Vec<String>, progress: Progress, stop: Arc<AtomicBool>, is_of_thread: bool) -> Self {
+        let clock = if is_of_thread { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime };
+        let peaks = PeakRecorder::new(&columns);
+        let rows = Rows::Memory(History::empty(columns));
+        Self { stop: Some(stop), ..Self::begin(rows, peaks, progress, clock) }
     }
 
     /// Of a run that goes on.
     pub fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
         let Kept { history_bytes, history_sha256: _, peaks, done, times_s: earlier_s } = kept;
-        let writer = HistoryWriter::resume(history, columns, history_bytes)?;
-        let (start, cpu_start) = (Instant::now(), cpu_time());
-        let (warnings, place, ended) = (Vec::new(), [0; 2], Cell::new(false));
-        Ok(Self { writer, peaks, progress, warnings, done, place, ended, start, cpu_start, earlier_s })
+        let rows = Rows::File(HistoryWriter::resume(history, columns, history_bytes)?);
+        Ok(Self { done, earlier_s, ..Self::begin(rows, peaks, progress, ClockId::ProcessCPUTime) })
     }
 
-    /// Whether a signal ended the run.
+    /// The rows that stayed in memory.
+    pub fn into_history(self) -> History {
+        match self.rows {
+            Rows::Memory(history) => history,
+            Rows::File(_) => History::default(),
+        }
+    }
+
+    /// Whether a signal or another thread ended the run.
     pub fn was_ended(&self) -> bool {
         self.ended.get()
     }
@@ -105,7 +142,7 @@ impl Record {
     /// Times that the run took so far, of the clock and of the processors, s.
     pub fn times(&self) -> [f64; 2] {
         let [wall, cpu] = self.earlier_s;
-        [wall + self.start.elapsed().as_secs_f64(), cpu + (cpu_time() - self.cpu_start).as_secs_f64()]
+        [wall + self.start.elapsed().as_secs_f64(), cpu + (time_of(self.clock) - self.cpu_start).as_secs_f64()]
     }
 }
 
@@ -115,13 +152,24 @@ impl Observer for Record {
         if row.step == 0 {
             self.peaks.observe(&row);
         }
-        self.writer.write(&row)
+        match &mut self.rows {
+            Rows::File(writer) => writer.write(&row),
+            Rows::Memory(history) => {
+                history.push(&row);
+                Ok(())
+            }
+        }
     }
 
     fn ends_here(&self) -> bool {
-        let ends = signals::received().is_some();
+        let is_stopped = self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed));
+        let ends = is_stopped || signals::received().is_some();
         self.ended.set(ends);
         ends
+    }
+
+    fn stop(&self) -> Option<Arc<AtomicBool>> {
+        self.stop.clone()
     }
 
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics) {
@@ -136,7 +184,7 @@ impl Observer for Record {
     }
 
     fn state(&self) -> Vec<u8> {
-        let Self { writer, peaks, done, .. } = self;
+        let Self { rows: Rows::File(writer), peaks, done, .. } = self else { return Vec::new() };
         let times_s = self.times();
         let (history_bytes, history_sha256) = (writer.bytes(), writer.digest());
         let kept = Kept { history_bytes, history_sha256, peaks: peaks.clone(), done: *done, times_s };

@@ -78,6 +78,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     };
     let pictures = plots::draw(&mut directory, "plots", &history, &spec).unwrap();
     let summary = Summary {
+        failed_at: None,
         status: Status::Done,
         message: None,
         title: spec.title.clone(),

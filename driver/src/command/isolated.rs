@@ -134,7 +134,13 @@ fn conclude(
     if is_interrupted {
         message = format!("{}; {message}", run::interrupted("the last row", false));
     }
-    let aftermath = Aftermath { message, is_interrupted, statistics: failure.statistics, wall_time_s };
+    let aftermath = Aftermath {
+        message,
+        is_interrupted,
+        failed_at: (!is_interrupted).then(|| failure.report.failed_at()),
+        statistics: failure.statistics,
+        wall_time_s,
+    };
     if failure.has_rows {
         let text = serde_json::to_string(&aftermath)?;
         let command = arguments.of_worker(file, directory.path(), Some(&text));
@@ -156,6 +162,7 @@ fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<
     Ok(Summary {
         status: if aftermath.is_interrupted { Status::Interrupted } else { Status::Failed },
         message: Some(aftermath.message.clone()),
+        failed_at: aftermath.failed_at,
         title: file.file_stem().unwrap_or_default().to_string_lossy().into_owned(),
         plugin: plugin.unwrap_or_default(),
         plugins: Vec::new(),

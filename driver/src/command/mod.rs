@@ -171,6 +171,7 @@ fn processors() -> NonZeroUsize {
 
 /// Runs the program with these arguments; the result is its exit code.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    isolation::this_is_the_program();
     isolation::look_where_it_was_built();
     let line: Vec<OsString> = arguments.into_iter().collect();
     let arguments = match Arguments::try_parse_from(&line) {

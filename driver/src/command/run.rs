@@ -3,17 +3,17 @@
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
 use fe_core::threads::Threads;
 use pullout_case::Case;
+use pullout_engine::{Followed, extent, follow};
 use pullout_report::directory::{Access, Kind, Refusal, ResultDirectory};
 use pullout_report::ending::{RunEnd, conclude};
-use pullout_report::progress::{Extent, Progress};
+use pullout_report::progress::Progress;
 use pullout_report::record::{Kept, Record};
 use pullout_report::summary::{Status, Summary};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::isolation::prints::{Prints, say};
 use pullout_run::isolation::{Need, worker};
-use pullout_run::path::{self, Statistics, Stop};
+use pullout_run::path::Stop;
 use pullout_run::program::{self, STRESS_NAMES};
-use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::{self, Checkpoints};
 use pullout_run::signals;
 use std::collections::BTreeSet;
@@ -355,22 +355,14 @@ fn run_case(
         None => Record::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
-    let (statistics, result, specimen) = match case {
-        Case::Bridging(_) => (Statistics::default(), Ok(()), None),
-        Case::Path(program) => {
-            let (statistics, result) = path::run(program, &mut record);
-            (statistics, result, None)
-        }
-        Case::Pullout(program) => {
-            let mut outcome = pullout::run(program, &folder, checkpoints, &mut record);
-            let result = std::mem::replace(&mut outcome.result, Ok(()));
-            (outcome.statistics, result, Some((&**program, outcome)))
-        }
-    };
-    record.progress.finish();
+    let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);
     // what plugins printed is complete before the results are listed
     drop(prints);
     let is_interrupted = record.was_ended();
+    let failed_at = match &result {
+        Err(Stop::Failed(failure)) => Some(failure.place()),
+        _ => None,
+    };
     let message = match result {
         Ok(()) if is_interrupted => Some(interrupted(&record.place(), checkpoints.every.is_some())),
         Ok(()) => None,
@@ -384,22 +376,13 @@ fn run_case(
     let [wall_time_s, cpu_time_s] = record.times();
     let (peaks, warnings) = (record.peaks, record.warnings);
     let cpu_time_s = Some(cpu_time_s);
-    let end = RunEnd { peaks, statistics, message, is_interrupted, wall_time_s, cpu_time_s, warnings };
+    let end = RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings };
     conclude(case, directory, end, specimen)
 }
 
 fn title(case: &Case) -> String {
     let stem = &case.about().case_file.file_stem().unwrap_or_default();
     stem.to_string_lossy().into_owned()
-}
-
-/// How far a run goes.
-fn extent(case: &Case) -> Extent {
-    match case {
-        Case::Path(program) => Extent::Increments(path::increments(program)),
-        Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
-        Case::Bridging(_) => Extent::Increments(0),
-    }
 }
 
 /// Columns that a progress line tells: the first strain and stress, slip and traction, or slip and load.

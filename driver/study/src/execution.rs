@@ -104,7 +104,7 @@ impl Execution<'_> {
         fs::create_dir_all(&folder)?;
         let mut arguments = vec![run.base.display().to_string()];
         arguments.extend(run.overrides.iter().map(|text| format!("--set={text}")));
-        let mut command = Command::new(isolation::program());
+        let mut command = Command::new(isolation::program()?);
         command.arg0("pullout").args(["run", "--quiet", "--parent", &std::process::id().to_string()]);
         command.args(["--threads", &self.threads.to_string()]);
         command.arg("--out").arg(&folder).args(&arguments[1..]);
@@ -122,7 +122,7 @@ impl Execution<'_> {
         });
         let mut output = tempfile::tempfile()?;
         command.arg(&run.base).stdin(Stdio::null()).stdout(output.try_clone()?).stderr(output.try_clone()?);
-        let mut child = command.spawn()?;
+        let mut child = isolation::spawn(command)?;
         let mut passed_on = false;
         let status = loop {
             if let Some(status) = child.wait_timeout(POLL)? {

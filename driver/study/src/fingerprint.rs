@@ -16,7 +16,7 @@ pub struct Fingerprints {
 
 impl Fingerprints {
     pub fn new() -> Self {
-        Self { program: of_file(&isolation::program()) }
+        Self { program: isolation::identity().unwrap_or_default() }
     }
 
     /// Of a run whose case was read.

@@ -32,6 +32,8 @@ use checkpoint::Position;
 use control::{Advance, Judgement, LoadHistory, StepRun};
 use newton::{Attempt, Committed, Converged, Equilibrium, Target};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use umat_abi::host::{Clock, ExternalDatabases};
 
 /// What a run cost.
@@ -157,6 +159,17 @@ impl<'m> Analysis<'m> {
         self.equilibrium.set_threads(threads);
     }
 
+    /// Ends the run, as if an observer had said so, when another thread sets the flag: before the next iteration. The
+    /// increment that is under way is given up.
+    pub fn stop_at(&mut self, flag: Arc<AtomicBool>) {
+        self.equilibrium.stop = Some(flag);
+    }
+
+    /// Whether the flag of [`Self::stop_at`] is set.
+    pub fn is_stopped(&self) -> bool {
+        self.equilibrium.is_stopped()
+    }
+
     /// Checks a model without calling its laws: what it consists of, and its constraints.
     ///
     /// # Errors
@@ -190,7 +203,10 @@ impl<'m> Analysis<'m> {
     pub fn run(&mut self, observer: &mut dyn Observer) -> Result<(), RunError> {
         let mut resumed = self.resumed.take();
         if resumed.is_none() {
-            self.find_datum()?;
+            match self.find_datum() {
+                Err(_) if self.is_stopped() => return Ok(()),
+                found => found?,
+            }
             let initial = self.record(0, 0, 0, Vec::new());
             if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
                 return Ok(());
@@ -328,6 +344,9 @@ impl<'m> Analysis<'m> {
                 }
                 Err(Judgement { trouble, has_failed }) => {
                     self.equilibrium.restore();
+                    if self.is_stopped() {
+                        return Ok(Directive::EndRun);
+                    }
                     self.equilibrium.memory.statistics.cutbacks += 1;
                     cutbacks += 1;
                     let too_many = cutbacks as usize > self.model.controls.max_cutbacks;

@@ -53,10 +53,20 @@ pub fn search_also(folder: PathBuf) {
     let _ = BESIDES.set(folder);
 }
 
+/// See [`search_beside`].
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// Takes a file for the executable whose installed folders are searched, instead of the present one's: for an interpreter
+/// that has loaded the host as a module. Says so once, for good.
+pub fn search_beside(program: &Path) {
+    let _ = PROGRAM.set(program.to_owned());
+}
+
 /// The folders in which a program finds what was installed with it.
 pub fn installed_paths() -> Vec<PathBuf> {
     let mut paths = Vec::new();
-    if let Some(folder) = env::current_exe().ok().as_deref().and_then(Path::parent) {
+    let program = PROGRAM.get().cloned().or_else(|| env::current_exe().ok());
+    if let Some(folder) = program.as_deref().and_then(Path::parent) {
         if folder.file_name().is_some_and(|name| name == "deps") {
             paths.push(folder.to_path_buf());
         } else {

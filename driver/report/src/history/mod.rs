@@ -140,6 +140,23 @@ impl History {
         Self { columns, data }
     }
 
+    /// A history without rows.
+    pub fn empty(columns: Vec<String>) -> Self {
+        Self { data: vec![Vec::new(); columns.len()], columns }
+    }
+
+    /// Adds a row. The first two columns are step and increment, the last is the iterations.
+    pub fn push(&mut self, row: &Row<'_>) {
+        let place = [row.step, row.increment].map(f64::from);
+        let values = place.into_iter().chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
+        self.data.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Names and values of the columns.
+    pub fn into_columns(self) -> impl Iterator<Item = (String, Vec<f64>)> {
+        self.columns.into_iter().zip(self.data)
+    }
+
     /// What a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
     /// "bridging", whose columns stand beside each other and are of different lengths.
     ///
@@ -253,7 +270,10 @@ impl HistoryFile {
     }
 
     /// All of it in memory.
-    fn read(&self) -> io::Result<History> {
+    ///
+    /// # Errors
+    /// The file cannot be read, or holds something else.
+    pub fn read(&self) -> io::Result<History> {
         self.read_columns(&self.columns)
     }
 
@@ -381,6 +401,16 @@ impl Rows for HistoryFile {
             return Ok(());
         }
         self.each(&[x, y], &mut |values| each(values[0], values[1]))
+    }
+}
+
+impl<R: Rows> Rows for &R {
+    fn columns(&self) -> &[String] {
+        (**self).columns()
+    }
+
+    fn pairs(&self, x: usize, y: usize, each: &mut dyn FnMut(f64, f64) -> ControlFlow<()>) -> io::Result<()> {
+        (**self).pairs(x, y, each)
     }
 }
 

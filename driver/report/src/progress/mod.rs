@@ -56,7 +56,11 @@ enum Display {
     Quiet,
     Bar(ProgressBar),
     Lines { title: String, schedule: Schedule, to: Box<dyn Write + Send> },
+    Listener(Listener),
 }
+
+/// Hears which part of a run is done, and the present row, some 20 times a second.
+pub type Listener = Box<dyn FnMut(f64, &Row<'_>) + Send>;
 
 impl Progress {
     /// For a run of some extent. `shown`: what to tell of the present state, as (name, index among the
@@ -79,6 +83,12 @@ impl Progress {
             Display::Lines { title: title.to_owned(), schedule: Schedule::default(), to }
         };
         Self { display, shown, extent, start: Instant::now(), pace: Pace::default() }
+    }
+
+    /// Tells somebody else, or nobody.
+    pub fn to(listener: Option<Listener>, extent: Extent) -> Self {
+        let display = listener.map_or(Display::Quiet, Display::Listener);
+        Self { display, shown: Vec::new(), extent, start: Instant::now(), pace: Pace::default() }
     }
 
     /// `done` increments are finished; `row` is the last one. Costs a comparison unless something is due.
@@ -108,6 +118,7 @@ impl Progress {
         let (part, total) = self.extent.share(done, row.values.first().copied().unwrap_or(0.0));
         match &mut self.display {
             Display::Quiet => {}
+            Display::Listener(listener) => listener(part as f64 / total.max(1) as f64, row),
             Display::Bar(bar) => {
                 bar.set_position(part);
                 bar.set_message(present());

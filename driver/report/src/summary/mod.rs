@@ -5,7 +5,7 @@ use super::{at, malformed};
 use indexmap::IndexMap;
 use pullout_run::bridging;
 use pullout_run::input::{self, Input};
-use pullout_run::path::Row;
+use pullout_run::path::{FailedAt, Row};
 use pullout_run::pullout::Findings;
 use serde::{Deserialize, Serialize};
 use std::io;
@@ -38,6 +38,9 @@ pub struct Summary {
     /// Why it failed; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
+    /// How and where it failed; absent if it did not.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub failed_at: Option<FailedAt>,
     /// The case's title.
     pub title: String,
     /// What was driven.
@@ -146,7 +149,7 @@ pub struct Place {
 }
 
 /// Gathers the peaks during a run, increments that `output.every` leaves out included.
-#[derive(Clone, Debug, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct PeakRecorder {
     names: Vec<String>,
     extremes: Vec<Extremes>,

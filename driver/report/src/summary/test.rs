@@ -12,6 +12,7 @@ pub(crate) fn summary() -> Summary {
         recorder.observe(&Row { step: k.min(1) as u32, increment: k as u32, values, iterations: 2 });
     }
     Summary {
+        failed_at: None,
         status: Status::Done,
         message: None,
         title: "A <title> & more".into(),

@@ -2,7 +2,7 @@
 
 use super::last_words::explanation;
 use super::{Need, trust};
-use crate::path::Statistics;
+use crate::path::{FailedAt, FailureKind, Statistics};
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -30,6 +30,8 @@ pub struct Report {
     pub at_loading: bool,
     /// The call that did not come back, or else the last one.
     pub call: Option<CallRecord>,
+    /// Whether it was the supervisor that ended it, because a call took too long.
+    pub is_timeout: bool,
 }
 
 /// What the results of a run that was ended say besides its rows.
@@ -39,6 +41,8 @@ pub struct Aftermath {
     pub message: String,
     /// Whether a signal asked for the end.
     pub is_interrupted: bool,
+    /// How and where the run failed.
+    pub failed_at: Option<FailedAt>,
     /// What the finished increments cost.
     pub statistics: Statistics,
     /// Seconds from start to end.
@@ -48,9 +52,10 @@ pub struct Aftermath {
 impl Report {
     /// From what the worker left.
     pub(super) fn new(cause: Cause, recording: &Recording, need: &Need, last_words: &str) -> Self {
+        let is_timeout = matches!(cause, Cause::TimeLimit(_));
         if let Some(library) = recording.loading() {
             let message = format!("{}: cannot be loaded: {}", library.display(), cause.at_loading());
-            return Self { message, at_loading: true, call: None };
+            return Self { message, at_loading: true, call: None, is_timeout };
         }
         let unfinished = recording.unfinished_call();
         let trespass = recording.trespass().filter(|_| matches!(cause, Cause::Signal(_)));
@@ -71,7 +76,7 @@ impl Report {
                 let names = suspects.iter().map(|library| format!("'{}'", name_of_file(library))).collect::<Vec<_>>();
                 let which = if names.len() == 1 { "plugin" } else { "one of the plugins" };
                 let message = format!("{which} {}, step {step}, increment {increment}: {happened}", names.join(", "));
-                return Self { message, at_loading: false, call: None };
+                return Self { message, at_loading: false, call: None, is_timeout };
             }
         }
         let happened = match trespass {
@@ -82,7 +87,14 @@ impl Report {
             Some(call) => format!("{}: {happened}", place(call, need)),
             None => format!("before any call of a plugin {}", cause.outside_a_call()),
         };
-        Self { message, at_loading: false, call }
+        Self { message, at_loading: false, call, is_timeout }
+    }
+
+    /// How and where it ended the run.
+    pub fn failed_at(&self) -> FailedAt {
+        let kind = if self.is_timeout { FailureKind::Timeout } else { FailureKind::Crashed };
+        let [step, increment] = self.call.as_ref().map(|call| call.arguments.place()).unwrap_or_default();
+        FailedAt { kind, step, increment }
     }
 
     /// The library whose call is told.

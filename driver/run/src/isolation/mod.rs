@@ -63,6 +63,6 @@ pub mod worker;
 pub use ending::Aftermath;
 pub use need::{CALL_TIME_LIMIT, Need, need};
 pub use supervisor::{End, Failure, Job, supervise};
-pub use system::{die_with, out_of_reach, program};
+pub use system::{die_with, identity, out_of_reach, program, set_program, spawn, this_is_the_program};
 pub use trust::{all_are_let_in, is_shipped, let_all_in, load, look_where_it_was_built};
 pub use worker::Task;

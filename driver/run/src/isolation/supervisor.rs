@@ -71,7 +71,9 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     let recording = Recording::create(&file)?;
     let streams = streams()?;
     let handed_on = streams.iter().map(|(stream, _, content)| [stream, content]);
-    let mut child = command(job, &path, handed_on).stderr(Stdio::piped()).spawn()?;
+    let mut command = command(job, &path, handed_on)?;
+    command.stderr(Stdio::piped());
+    let mut child = system::spawn(command)?;
     let last_words = LastWords::of(&mut child);
     let mut echo = job.echo.map(Echo::of);
     // before the run has begun, the files are an earlier one's
@@ -125,8 +127,8 @@ fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
     handed_on.collect()
 }
 
-fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'a PathBuf; 2]>) -> Command {
-    let mut command = Command::new(system::program());
+fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'a PathBuf; 2]>) -> io::Result<Command> {
+    let mut command = Command::new(system::program()?);
     command.arg0("pullout").stdout(prints::for_child());
     if std::env::var_os(UNBUFFERED).is_none() {
         command.env(UNBUFFERED, "y");
@@ -139,7 +141,7 @@ fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'
         command.arg("--stream").args(stream);
     });
     command.arg("--").args(job.command);
-    command
+    Ok(command)
 }
 
 /// What came of watching.

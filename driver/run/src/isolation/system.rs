@@ -1,9 +1,14 @@
 //! What the operating system is asked for.
 
+use crate::input::{self, Input};
 use rustix::event::{PollFd, PollFlags, Timespec};
 use std::fs::File;
 use std::io;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command};
+use std::sync::mpsc::{self, Sender};
+use std::sync::{Mutex, OnceLock, PoisonError};
+use umat_abi::host;
 
 /// Whether there is what isolation needs.
 pub const IS_SUPPORTED: bool = cfg!(target_os = "linux");
@@ -22,9 +27,63 @@ pub fn shared_file() -> io::Result<(File, PathBuf)> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// This program, also if its file was replaced meanwhile.
-pub fn program() -> PathBuf {
-    "/proc/self/exe".into()
+/// See [`set_program`].
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// Says once which file is the program `pullout`, which is started for what needs a process of its own. It may be this
+/// process's; what is installed with it is found.
+pub fn set_program(file: &Path) {
+    let _ = PROGRAM.set(file.to_owned());
+    host::search_beside(file);
+}
+
+/// Says that this process is the program, also if its file was replaced meanwhile.
+pub fn this_is_the_program() {
+    let _ = PROGRAM.set("/proc/self/exe".into());
+}
+
+/// The program.
+///
+/// # Errors
+/// Nobody has said which file it is.
+pub fn program() -> io::Result<&'static Path> {
+    let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
+    PROGRAM.get().map(PathBuf::as_path).ok_or_else(unknown)
+}
+
+/// What results depend on besides the case: SHA-256 of the program's file.
+///
+/// # Errors
+/// As of [`program`]; it cannot be read.
+pub fn identity() -> io::Result<[u8; 32]> {
+    input::hash(program()?, Input::Mesh)
+}
+
+/// Starts a child from a thread that lives as long as this process: what the child may ask for with [`die_with`] comes at
+/// the end of the thread that started it.
+pub fn spawn(command: Command) -> io::Result<Child> {
+    type Order = (Command, Sender<io::Result<Child>>);
+    /// The process that the thread belongs to (a copy of it by `fork` has no such thread), and the way to it.
+    static STARTER: Mutex<Option<(u32, Sender<Order>)>> = Mutex::new(None);
+    let (answer, answered) = mpsc::channel();
+    {
+        let mut starter = STARTER.lock().unwrap_or_else(PoisonError::into_inner);
+        let present = std::process::id();
+        let orders = match &*starter {
+            Some((process, orders)) if *process == present => orders,
+            _ => {
+                let (orders, ordered) = mpsc::channel::<Order>();
+                std::thread::Builder::new().name("pullout starter".into()).spawn(move || {
+                    for (mut command, answer) in ordered {
+                        let _ = answer.send(command.spawn());
+                    }
+                })?;
+                &starter.insert((present, orders)).1
+            }
+        };
+        orders.send((command, answer)).map_err(io::Error::other)?;
+    }
+    answered.recv().map_err(io::Error::other)?
 }
 
 /// Lets the kernel end this process with the thread that started it; says whether that one still lives.

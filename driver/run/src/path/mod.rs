@@ -17,6 +17,8 @@ pub use interface::Committed as ContactPoint;
 pub use point::Committed as MaterialPoint;
 use serde::{Deserialize, Serialize};
 use std::io;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use umat_abi::host::{ExternalDatabases, FricCall, UinterCall, UmatCall};
 
 /// One finished increment (or the initial state), as a line of `history.csv`.
@@ -49,6 +51,11 @@ pub trait Observer {
     /// Whether the run shall end with the present increment.
     fn ends_here(&self) -> bool {
         false
+    }
+
+    /// A flag that another thread sets to end the run without waiting for the end of a long increment.
+    fn stop(&self) -> Option<Arc<AtomicBool>> {
+        None
     }
 
     /// Something that the user should know although nothing is wrong.
@@ -114,10 +121,40 @@ pub struct Failure {
     pub replay: serde_json::Value,
 }
 
+/// How a run failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum FailureKind {
+    /// No equilibrium, or a plugin that gives up.
+    Failed,
+    /// A plugin ended the process that called it.
+    Crashed,
+    /// A call took longer than it may.
+    Timeout,
+}
+
+/// How and where a run failed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct FailedAt {
+    /// How.
+    pub kind: FailureKind,
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1; 0: before the first.
+    pub increment: u32,
+}
+
 impl Stop {
     /// Nothing could be run at all.
     fn unusable(message: String) -> Self {
         Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
+    }
+}
+
+impl Failure {
+    /// Where it is.
+    pub fn place(&self) -> FailedAt {
+        FailedAt { kind: FailureKind::Failed, step: self.step, increment: self.increment }
     }
 }
 

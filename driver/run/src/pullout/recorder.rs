@@ -80,6 +80,9 @@ pub fn run<'p>(
         Err(error) => return Outcome::stopped(failure(1, 1, error.to_string(), Value::Null)),
     };
     analysis.set_threads(program.threads.clone());
+    if let Some(flag) = observer.stop() {
+        analysis.stop_at(flag);
+    }
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }
@@ -100,6 +103,10 @@ pub fn run<'p>(
     }
     let start = Instant::now();
     let ended = analysis.run(&mut recorder);
+    if analysis.is_stopped() {
+        // in the middle of an increment nobody asks it
+        recorder.observer.ends_here();
+    }
     let snapshot = analysis.snapshot();
     let mut findings = Findings { failure: ended.as_ref().err().and_then(failure_of), ..Findings::default() };
     let ended = ended.map_err(|error| match error {

@@ -19,6 +19,9 @@ impl Equilibrium<'_> {
         self.choose_tangents(TangentChoice::Consistent);
         let mut growing = 0;
         loop {
+            if self.is_stopped() {
+                return Err(trouble(Place::System, "the run was told to end".into(), CUT));
+            }
             let residual = largest(&self.memory.residual);
             let scale = self.force_scale();
             let predicts = attempt.predicts();

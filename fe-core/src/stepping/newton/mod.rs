@@ -30,6 +30,8 @@ use crate::solver::SolverError;
 use crate::threads::Threads;
 use serde::{Deserialize, Serialize};
 use state::Memory;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use umat_abi::law::Request;
 
 /// The state at the end of the last accepted increment.
@@ -148,6 +150,8 @@ pub(super) struct Equilibrium<'m> {
     breaking_point: Option<PointIndex>,
     pub(super) times: Times,
     threads: Threads,
+    /// See [`super::Analysis::stop_at`].
+    pub(super) stop: Option<Arc<AtomicBool>>,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -183,7 +187,13 @@ impl<'m> Equilibrium<'m> {
             breaking_point: None,
             times: Times::default(),
             threads: Threads::default(),
+            stop: None,
         })
+    }
+
+    /// Whether another thread wants the end.
+    pub(super) fn is_stopped(&self) -> bool {
+        self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
 
     /// Shares the work of elements and factors among threads.

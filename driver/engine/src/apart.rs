@@ -1,0 +1,109 @@
+//! Runs in a child: `pullout run` into a folder of which nothing stays.
+
+use super::{Error, Outcome, Settings, Source};
+use pullout_report::history::History;
+use pullout_report::summary::{self, Summary};
+use pullout_run::input::{self, Input};
+use pullout_run::isolation::{self, all_are_let_in};
+use rustix::process::{Pid, Signal, kill_process};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::Path;
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+use wait_timeout::ChildExt;
+
+/// Time between two looks at the flag.
+const POLL: Duration = Duration::from_millis(20);
+/// A child that was told to end has so long to finish its increment and its results, then again to end at once.
+const PATIENCE: Duration = Duration::from_millis(500);
+
+/// A document's child reads it from here, relative to its working directory.
+const STREAM: &str = "/dev/stdin";
+
+pub(super) fn run(source: &Source, settings: &Settings) -> Result<Outcome, Error> {
+    let folder = tempfile::tempdir()?;
+    let out = folder.path().join("out");
+    let mut printed = tempfile::tempfile()?;
+    let mut command = command(source, settings, &out)?;
+    command.stdout(printed.try_clone()?).stderr(printed.try_clone()?);
+    match source.text().filter(|_| source.document.is_some()) {
+        Some(document) => {
+            let mut text = tempfile::tempfile()?;
+            text.write_all(document.to_string().as_bytes())?;
+            text.seek(SeekFrom::Start(0))?;
+            command.stdin(text);
+        }
+        None => {
+            command.stdin(Stdio::null());
+        }
+    }
+    let mut child = isolation::spawn(command)?;
+    wait(&mut child, &settings.stop)?;
+    read(source, &out).map_err(|_| {
+        if settings.stop.load(Ordering::Relaxed) {
+            return Error::Stopped;
+        }
+        // it says what is wrong
+        let mut words = String::new();
+        let read = printed.seek(SeekFrom::Start(0)).and_then(|_| printed.read_to_string(&mut words));
+        Error::System(read.map_or_else(|error| error, |_| io::Error::other(words.trim_end().to_owned())))
+    })
+}
+
+fn command(source: &Source, settings: &Settings, out: &Path) -> io::Result<Command> {
+    let mut command = Command::new(isolation::program()?);
+    command.args(["run", "--quiet", "--set=output.plots=false"]);
+    command.arg("--parent").arg(std::process::id().to_string());
+    command.args(settings.threads.map(|count| format!("--threads={count}")));
+    command.arg("--out").arg(out);
+    command.args(all_are_let_in().then_some("--in-process"));
+    for folder in &source.plugin_paths {
+        command.arg("--plugin-path").arg(std::path::absolute(folder)?);
+    }
+    if source.document.is_some() {
+        let folder = input::folder_of(&source.file);
+        if !folder.as_os_str().is_empty() {
+            command.current_dir(folder);
+        }
+        command.arg(STREAM);
+    } else {
+        command.args(source.overrides.iter().map(|text| format!("--set={text}")));
+        command.arg("--").arg(&source.file);
+    }
+    Ok(command)
+}
+
+/// Waits for a child, and tells it to end if the flag is set: kindly, again, and by force.
+fn wait(child: &mut Child, stop: &AtomicBool) -> io::Result<ExitStatus> {
+    let mut told: Option<(Instant, u32)> = None;
+    loop {
+        if let Some(status) = child.wait_timeout(POLL)? {
+            return Ok(status);
+        }
+        let times = match told {
+            None if stop.load(Ordering::Relaxed) => 1,
+            Some((last, times)) if last.elapsed() > PATIENCE => times + 1,
+            _ => continue,
+        };
+        told = Some((Instant::now(), times));
+        if times > 2 {
+            child.kill()?;
+        } else if let Some(pid) = i32::try_from(child.id()).ok().and_then(Pid::from_raw) {
+            // one that has ended needs none
+            let _ = kill_process(pid, Signal::TERM);
+        }
+    }
+}
+
+/// What the child left.
+fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
+    let mut summary = Summary::read(&out.join(summary::FILE))?;
+    if source.document.is_some() && source.text().is_some_and(|document| document["title"].is_null()) {
+        summary.title = source.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    }
+    let history = History::of_run(out, |table| table.read()).unwrap_or_default();
+    let replay = input::read(&out.join("replay.json"), Input::Case).ok();
+    let replay = replay.and_then(|text| serde_json::from_slice(&text).ok());
+    Ok(Outcome { history, summary, replay })
+}

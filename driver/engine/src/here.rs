@@ -1,0 +1,93 @@
+//! Runs in this process.
+
+use super::{Outcome, Settings};
+use fe_core::threads::Threads;
+use pullout_case::Case;
+use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
+use pullout_report::progress::{Extent, Progress};
+use pullout_report::record::Record;
+use pullout_run::path::{self, Statistics, Stop};
+use pullout_run::pullout;
+use pullout_run::pullout::checkpoint::Checkpoints;
+use std::io;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+/// What a run gave besides its rows.
+pub struct Followed<'c> {
+    /// What it cost.
+    pub statistics: Statistics,
+    /// How it ended.
+    pub result: Result<(), Stop>,
+    /// What only specimens have.
+    pub specimen: Option<Specimen<'c>>,
+}
+
+/// Follows a case of any kind but "bridging" to its end; fields and checkpoints, if it has any, go to `folder`.
+pub fn follow<'c>(case: &'c Case, record: &mut Record, folder: &Path, checkpoints: &Checkpoints) -> Followed<'c> {
+    let (statistics, result, specimen) = match case {
+        Case::Bridging(_) => (Statistics::default(), Ok(()), None),
+        Case::Path(program) => {
+            let (statistics, result) = path::run(program, record);
+            (statistics, result, None)
+        }
+        Case::Pullout(program) => {
+            let mut outcome = pullout::run(program, folder, checkpoints, record);
+            let result = std::mem::replace(&mut outcome.result, Ok(()));
+            (outcome.statistics, result, Some((&**program, outcome)))
+        }
+    };
+    record.progress.finish();
+    Followed { statistics, result, specimen }
+}
+
+/// How far a run goes.
+pub fn extent(case: &Case) -> Extent {
+    match case {
+        Case::Path(program) => Extent::Increments(path::increments(program)),
+        Case::Pullout(program) => Extent::Time(program.model.steps.iter().map(|step| step.time).sum()),
+        Case::Bridging(_) => Extent::Increments(0),
+    }
+}
+
+/// Runs a case; what it would write is left out.
+pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
+    let Settings { threads, stop, listener } = settings;
+    let threads = threads.unwrap_or(NonZeroUsize::MIN);
+    let with_own;
+    let case = match case {
+        Case::Pullout(program) => {
+            let mut program = program.clone();
+            program.threads = Threads::new(threads).map_err(io::Error::other)?;
+            program.fields_every = None;
+            program.about.plots = false;
+            with_own = Case::Pullout(program);
+            &with_own
+        }
+        _ => case,
+    };
+    case.announce();
+    let progress = Progress::to(listener, extent(case));
+    let mut record = Record::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
+    let Followed { statistics, result, mut specimen } =
+        follow(case, &mut record, Path::new(""), &Checkpoints::default());
+    let is_interrupted = record.was_ended();
+    let place = record.place();
+    let (message, failed_at, replay) = match result {
+        Ok(()) if is_interrupted => (Some(format!("told to end after {place}")), None, None),
+        Ok(()) => (None, None, None),
+        Err(Stop::Write(error)) => return Err(error),
+        Err(Stop::Failed(failure)) => {
+            let failed_at = failure.place();
+            (Some(failure.message), Some(failed_at), Some(failure.replay).filter(|replay| !replay.is_null()))
+        }
+    };
+    let [wall_time_s, cpu_time_s] = record.times();
+    let (peaks, warnings) = (std::mem::take(&mut record.peaks), std::mem::take(&mut record.warnings));
+    let cpu_time_s = Some(cpu_time_s);
+    let end = RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings };
+    let mut summary = summarise(case, &end, specimen.as_mut())?;
+    let history = record.into_history();
+    summary.compare = compare_all(case, || Ok(&history))?;
+    Ok(Outcome { history, summary, replay })
+}

@@ -1,0 +1,171 @@
+//! Runs cases for other programs: what comes out stays in memory, nothing is written or printed.
+//!
+//! A case is read ([`Source::read`]) and run ([`Prepared::run`]); rows, summary, and how and where it failed are an
+//! [`Outcome`]. Another thread ends a run by a flag. The command `pullout run` follows a case by the same function,
+//! [`follow`], and differs in where the rows go.
+//!
+//! Libraries that were not built with this program may end the process that calls them. Cases that call one run in a child,
+//! as do those of kind "bridging", which may start others: that is `pullout run` into a folder of which nothing stays.
+//! Which file the program is says [`set_program`].
+
+mod apart;
+mod here;
+
+pub use here::{Followed, extent, follow};
+pub use pullout_run::isolation::{identity, let_all_in, set_program};
+
+use pullout_case::{Case, CaseErrors};
+use pullout_report::history::History;
+use pullout_report::progress::Listener;
+use pullout_report::summary::{Status, Summary};
+use pullout_run::columns;
+use pullout_run::isolation::{self, Need};
+use serde_json::Value;
+use std::io;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+/// A case before it is read.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Source {
+    /// The case file; of a document the file in which it would stand, by whose folder names in it are resolved.
+    pub file: PathBuf,
+    /// What the file would hold.
+    pub document: Option<Value>,
+    /// Changes, each as `a.b.c=VALUE`.
+    pub overrides: Vec<String>,
+    /// Folders where plugins are looked for first.
+    pub plugin_paths: Vec<PathBuf>,
+}
+
+/// A case that was read.
+#[derive(Debug)]
+pub struct Prepared {
+    source: Source,
+    place: Place,
+}
+
+/// Where a case runs.
+#[derive(Debug)]
+enum Place {
+    Here(Box<Case>),
+    Apart,
+}
+
+/// How a case is run.
+#[derive(Default)]
+pub struct Settings {
+    /// Threads that share the work of a case of kind "pullout"; the results have the same bits with any number.
+    pub threads: Option<NonZeroUsize>,
+    /// Ends the run when it is set: within an increment of a point, an iteration of a specimen.
+    pub stop: Arc<AtomicBool>,
+    /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.
+    pub listener: Option<Listener>,
+}
+
+/// What came out of a run.
+#[derive(Debug)]
+pub struct Outcome {
+    /// All rows by columns; of a case of kind "bridging", its tables beside each other.
+    pub history: History,
+    /// What `summary.json` holds. [`Status::Interrupted`]: the run was told to end.
+    pub summary: Summary,
+    /// A case that repeats the increment that failed, or the call that ended the child.
+    pub replay: Option<Value>,
+}
+
+impl Outcome {
+    /// Whether the run came to its end.
+    pub fn is_done(&self) -> bool {
+        self.summary.status == Status::Done
+    }
+
+    /// The unit of a column: "MPa"; empty for numbers and for names that no history has.
+    pub fn unit(column: &str) -> &'static str {
+        columns::shown(column).map_or("", |(_, unit, _)| unit)
+    }
+}
+
+/// A run of which nothing came out.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// The case is wrong, or a plugin cannot be loaded.
+    #[error(transparent)]
+    Case(#[from] CaseErrors),
+    /// Processes or files that the system does not give; a child that said why it did not run.
+    #[error(transparent)]
+    System(#[from] io::Error),
+    /// A child was told to end and had to be ended by force.
+    #[error("the run was ended before it had results")]
+    Stopped,
+}
+
+impl Source {
+    /// A case file.
+    pub fn file(file: &Path) -> Self {
+        Self { file: file.into(), document: None, overrides: Vec::new(), plugin_paths: Vec::new() }
+    }
+
+    /// A document, which names other files relative to a folder.
+    pub fn document(document: Value, folder: &Path) -> Self {
+        Self { document: Some(document), ..Self::file(&folder.join("case.json")) }
+    }
+
+    /// The case as JSON with its overrides, nothing of it checked; `None` if it is no JSON.
+    pub fn text(&self) -> Option<Value> {
+        match &self.document {
+            Some(document) => pullout_case::overridden(document.clone(), &self.overrides).ok(),
+            None => pullout_case::document(&self.file, &self.overrides),
+        }
+    }
+
+    /// What the case needs a process of its own for, if it does.
+    pub fn need(&self) -> Option<Need> {
+        isolation::need(&self.text()?, &self.file, &self.plugin_paths)
+    }
+
+    /// Reads and checks the case. One that is not to be run in this process is checked by its run.
+    ///
+    /// # Errors
+    /// Everything that is wrong with it.
+    pub fn read(self) -> Result<Prepared, CaseErrors> {
+        if self.need().is_some() {
+            return Ok(Prepared { source: self, place: Place::Apart });
+        }
+        let case = match self.document.clone() {
+            Some(document) => {
+                let wrong = |problems| CaseErrors { file: self.file.clone(), problems };
+                let document = pullout_case::overridden(document, &self.overrides).map_err(wrong)?;
+                pullout_case::read_document(document, &self.file, &self.plugin_paths)
+            }
+            None => pullout_case::read(&self.file, &self.overrides, &self.plugin_paths),
+        }?;
+        let place = if let Case::Bridging(_) = case { Place::Apart } else { Place::Here(Box::new(case)) };
+        Ok(Prepared { source: self, place })
+    }
+}
+
+impl Prepared {
+    /// The case, if it runs in this process.
+    pub fn case(&self) -> Option<&Case> {
+        match &self.place {
+            Place::Here(case) => Some(case),
+            Place::Apart => None,
+        }
+    }
+
+    /// Runs the case. A run that fails is an outcome with what it reached.
+    ///
+    /// Plugins with automatic arrays need a stack of [`pullout_run::PLUGIN_STACK`] on the calling thread.
+    ///
+    /// # Errors
+    /// Nothing came out.
+    pub fn run(&self, settings: Settings) -> Result<Outcome, Error> {
+        match &self.place {
+            Place::Here(case) => Ok(here::run(case, settings)?),
+            Place::Apart => apart::run(&self.source, &settings),
+        }
+    }
+}
