@@ -236,6 +236,24 @@ fn the_study_of_the_tutorial_finds_its_claims() {
     assert!(desk.path("out/friction/plots/work_normalised.png").is_file());
 }
 
+/// The sweep of the tutorial: a row for each combination, and the stiffer bond is as stiff.
+#[test]
+fn the_sweep_of_the_tutorial_has_its_rows() {
+    let desk = follow("docs/using/sweeps.md");
+    let text = std::fs::read_to_string(desk.path("bonds.csv")).expect("a table");
+    let mut lines = text.lines();
+    let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
+    let at = |name: &str| header.iter().position(|column| *column == name).unwrap_or_else(|| panic!("no {name}"));
+    assert!(header.starts_with(&["run", "key", "status", "message"]), "{header:?}");
+    let rows: Vec<Vec<&str>> = lines.map(|line| line.split(',').collect()).collect();
+    assert_eq!(rows.len(), 16);
+    for row in rows {
+        assert_eq!(row[at("status")], "done");
+        let number = |name: &str| row[at(name)].parse::<f64>().expect("a number");
+        assert!(number("q.peak") >= number("q.tau_01") && number("q.work") > 0.0, "{row:?}");
+    }
+}
+
 /// The curve of the tutorial gives its law back, and the case that is written runs.
 #[test]
 fn the_bond_law_of_the_tutorial_is_found() {

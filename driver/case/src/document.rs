@@ -18,6 +18,7 @@ mod interface;
 pub use interface::*;
 pub mod pullout;
 pub mod study;
+pub mod sweep;
 pub use pullout::PulloutCase;
 
 /// A part of the document that was read, or the reason why not. Its schema is that of `T`.

@@ -209,6 +209,13 @@ fn read_with(reader: &mut Reader<'_>, path: &Path, document: Value) -> Option<Ca
     if let Some(folder) = document["job_folder"].as_str() {
         reader.file(folder, &Place::root().key("job_folder"))?;
     }
+    for (index, name) in document["files"].as_array().into_iter().flatten().enumerate() {
+        let place = Place::root().key("files").index(index);
+        let file = name.as_str().and_then(|name| reader.file(name, &place));
+        if let Some(file) = file.filter(|file| !file.is_file()) {
+            reader.problem(&place, format!("there is no file {} (relative to the case file)", file.display()));
+        }
+    }
     // a library may be called while its case is read
     announce(path, &document);
     let kind = match structure::kind_of(&document) {
@@ -227,14 +234,33 @@ pub fn read_study<D: DeserializeOwned, T>(
     path: &Path,
     resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
 ) -> Option<T> {
-    let mut document = text_with(path, &[], &mut reader.problems)?;
-    if document["kind"] != structure::STUDY {
+    let document = text_with(path, &[], &mut reader.problems)?;
+    read_family(reader, structure::STUDY, document, resolve)
+}
+
+/// Resolves the document of a sweep; what is wrong with it goes to the reader.
+pub fn read_sweep<D: DeserializeOwned, T>(
+    reader: &mut Reader<'_>,
+    document: Value,
+    resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
+) -> Option<T> {
+    read_family(reader, structure::SWEEP, document, resolve)
+}
+
+/// Resolves the document of several runs.
+fn read_family<D: DeserializeOwned, T>(
+    reader: &mut Reader<'_>,
+    kind: &str,
+    mut document: Value,
+    resolve: impl FnOnce(&mut Reader<'_>, D) -> Option<T>,
+) -> Option<T> {
+    if document["kind"] != kind {
         let what =
             document["kind"].as_str().map_or_else(String::new, |kind| format!(", this is a case of kind '{kind}'"));
-        reader.problem(&Place::root().key("kind"), format!("a study has the kind \"{}\"{what}", structure::STUDY));
+        reader.problem(&Place::root().key("kind"), format!("a {kind} has the kind \"{kind}\"{what}"));
         return None;
     }
-    let structural = structure::check(structure::STUDY, &mut document);
+    let structural = structure::check(kind, &mut document);
     let before = reader.problems.len();
     let study = typed(reader, document).and_then(|document| resolve(reader, document));
     reader.add_structural(structural, before);

@@ -5,6 +5,7 @@
 
 use crate::document::bridging::BridgingCase;
 use crate::document::study::StudyFile;
+use crate::document::sweep::SweepFile;
 use crate::document::{InterfaceCase, PointCase, PulloutCase};
 use crate::problem::{MOST_SHOWN, Place, Problem, hint, nearest, shown, suggestion};
 use jsonschema::error::{TypeKind, ValidationErrorKind as Kind};
@@ -22,6 +23,9 @@ type KindSchema = (&'static str, fn(&mut SchemaGenerator) -> Value);
 /// The kind of file that describes a family of runs; it is no case.
 pub const STUDY: &str = "study";
 
+/// The kind of file that describes many runs of a case of which numbers are kept; it is no case.
+pub const SWEEP: &str = "sweep";
+
 /// The kinds of cases. A new kind: a line here, and an arm in `read`.
 const KINDS: &[KindSchema] = &[
     ("point", |generator| generator.subschema_for::<PointCase>().to_value()),
@@ -35,14 +39,15 @@ pub fn kinds() -> impl Iterator<Item = &'static str> {
     KINDS.iter().map(|(name, _)| *name)
 }
 
-/// The JSON Schema (draft 2020-12) of case files and study files.
+/// The JSON Schema (draft 2020-12) of case files, study files and sweep files.
 pub fn schema() -> Value {
     let mut generator = SchemaGenerator::new(SchemaSettings::draft2020_12());
     let mut branches: Vec<Value> = KINDS.iter().map(|(_, subschema)| subschema(&mut generator)).collect();
     branches.push(generator.subschema_for::<StudyFile>().to_value());
+    branches.push(generator.subschema_for::<SweepFile>().to_value());
     json!({
         "$schema": "https://json-schema.org/draft/2020-12/schema",
-        "title": "Pullout case or study",
+        "title": "Pullout case, study or sweep",
         "description": "Units: N, mm, MPa, s. Shear strains are engineering shear.",
         "type": "object",
         "oneOf": branches,
@@ -55,8 +60,8 @@ type Checker = Result<(Value, Validator), String>;
 
 /// What checks a kind, made once: a study reads the cases of all its runs.
 fn checker(kind: &str) -> Option<&'static Checker> {
-    static CHECKERS: [OnceLock<Checker>; KINDS.len() + 1] = [const { OnceLock::new() }; KINDS.len() + 1];
-    let index = kinds().chain([STUDY]).position(|name| name == kind)?;
+    static CHECKERS: [OnceLock<Checker>; KINDS.len() + 2] = [const { OnceLock::new() }; KINDS.len() + 2];
+    let index = kinds().chain([STUDY, SWEEP]).position(|name| name == kind)?;
     Some(CHECKERS[index].get_or_init(|| {
         let mut whole = schema();
         let branch = whole["oneOf"][index].take();
@@ -81,6 +86,9 @@ pub fn kind_of(document: &Value) -> Result<&str, Problem> {
         Some(Value::String(name)) if valid.contains(&name.as_str()) => Ok(name),
         Some(Value::String(name)) if name == STUDY => {
             Err(Problem::new(place.key("kind"), "this is a study of several runs: `pullout study` runs it"))
+        }
+        Some(Value::String(name)) if name == SWEEP => {
+            Err(Problem::new(place.key("kind"), "this is a sweep of many runs: `pullout sweep plan` begins it"))
         }
         Some(Value::String(name)) => {
             Err(Problem::new(place.key("kind"), format!("no kind of case is called '{name}'{}", hint(name, valid))))

@@ -10,6 +10,7 @@ mod plugin;
 mod props;
 mod run;
 mod study;
+mod sweep;
 
 use clap::{Parser, Subcommand};
 use pullout_case::{Case, CaseErrors};
@@ -48,6 +49,11 @@ enum Command {
     Run(run::Arguments),
     /// Run families of cases on all processors, overlay them, and test what is claimed of them.
     Study(study::Arguments),
+    /// Run a case thousands of times and keep numbers: planned once, worked off by any number of processes.
+    Sweep {
+        #[command(subcommand)]
+        action: sweep::Action,
+    },
     /// Validate cases and studies: all errors at once, with the JSON path of each.
     Check {
         /// Case and study files.
@@ -151,6 +157,7 @@ impl Command {
             Self::Study(arguments) => arguments.reading.place,
             Self::Check { reading, .. } => reading.place,
             Self::Plugin { action } => action.place(),
+            Self::Sweep { action } => action.place(),
             Self::Fit { law } => law.place(),
             // it measures calls in this process
             Self::Bench(_) => Place { in_process: true },
@@ -218,7 +225,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         _ if isolation::worker::is_this_process() => Ok(()),
         Command::Run(arguments) => signals::listen(arguments.parent.is_none()),
         Command::Worker(_) => signals::listen(false),
-        Command::Study(_) => signals::listen(true),
+        Command::Study(_) | Command::Sweep { .. } => signals::listen(true),
         _ => signals::write_beyond_limits_fails(),
     };
     if let Err(error) = listening {
@@ -233,6 +240,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
             run::run(&arguments)
         }
         Command::Study(arguments) => study::run_all(&arguments),
+        Command::Sweep { action } => sweep::act(&action),
         Command::Check { cases, reading, quiet, before_run } => {
             run::check(&cases, &reading, quiet || before_run, before_run)
         }

@@ -150,7 +150,7 @@ impl Tested<'_> {
     }
 
     fn value(&self, series: usize, member: usize) -> Option<f64> {
-        self.results.runs[self.study.run_of(series, member)].value(&self.claim.quantity, self.study)
+        self.results.runs[self.study.run_of(series, member)].value(&self.claim.quantity, &self.study.curve)
     }
 
     fn title(&self, member: usize) -> &str {

@@ -21,11 +21,12 @@ pub use claims::{Expectation, Finding, Verdict};
 pub use execution::{Execution, State, execute};
 pub use fibres::curves_of_fibres;
 pub use pullout_case::study::{ColumnValue, Columns, Direction, NamedPlace, NamedQuantity, Where};
-pub use read::read;
+pub use read::{columns_of, default_curve, read};
 pub use report::write as write_report;
 pub use results::{Results, RunResult};
 pub use table::{write_csv, write_json};
 
+use pullout_case::study::{OneOrMany, QuantityOfFile};
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 
@@ -149,6 +150,23 @@ pub enum Quantity {
         /// Columns that it is divided by the sum of; empty: it stands alone.
         over: Vec<String>,
     },
+}
+
+impl From<&QuantityOfFile> for Quantity {
+    fn from(of_file: &QuantityOfFile) -> Self {
+        match of_file {
+            QuantityOfFile::Named(name) => Self::Named(*name),
+            QuantityOfFile::Column(value) => Self::Column {
+                column: value.column.clone(),
+                at: value.at.unwrap_or(Where::Named(NamedPlace::End)),
+                over: match &value.over {
+                    None => Vec::new(),
+                    Some(OneOrMany::One(column)) => vec![column.clone()],
+                    Some(OneOrMany::Many(columns)) => columns.clone(),
+                },
+            },
+        }
+    }
 }
 
 impl Study {

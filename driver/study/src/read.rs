@@ -109,7 +109,9 @@ impl Resolver<'_, '_> {
         }
         let runs = Runs { base: &base, set: &set, members: &members_of_file, series: &series_of_file };
         let (runs, columns) = self.runs(&runs, &members, &series, isolated);
-        let curve = given.clone().unwrap_or_else(|| default_curve(&base_file));
+        let curve = given
+            .clone()
+            .unwrap_or_else(|| default_curve(&pullout_case::document(&base_file, &[]).unwrap_or_default()));
         let place = root.key("curve");
         if given.is_some() {
             self.columns(&curve, columns.as_deref(), &place);
@@ -379,25 +381,17 @@ impl Resolver<'_, '_> {
     }
 
     fn quantity(&mut self, given: Option<&QuantityOfFile>, cast: &Cast<'_>, place: &JsonPlace) -> Quantity {
-        match given {
-            None => Quantity::Named(NamedQuantity::Peak),
-            Some(QuantityOfFile::Named(name)) => Quantity::Named(*name),
-            Some(QuantityOfFile::Column(value)) => {
-                self.column(&value.column, cast.columns, &place.key("column"));
-                let over = match &value.over {
-                    None => Vec::new(),
-                    Some(OneOrMany::One(column)) => vec![column.clone()],
-                    Some(OneOrMany::Many(columns)) => columns.clone(),
-                };
-                over.iter().for_each(|column| self.column(column, cast.columns, &place.key("over")));
-                let at = value.at.unwrap_or(Where::Named(NamedPlace::End));
-                if matches!(at, Where::X(_) | Where::Named(NamedPlace::Peak)) {
-                    self.one_file(&value.column, &cast.curve.y, cast.columns, &place.key("at"));
-                }
-                over.iter().for_each(|o| self.one_file(&value.column, o, cast.columns, &place.key("over")));
-                Quantity::Column { column: value.column.clone(), at, over }
+        let Some(given) = given else { return Quantity::Named(NamedQuantity::Peak) };
+        let quantity = Quantity::from(given);
+        if let Quantity::Column { column, at, over } = &quantity {
+            self.column(column, cast.columns, &place.key("column"));
+            over.iter().for_each(|column| self.column(column, cast.columns, &place.key("over")));
+            if matches!(at, Where::X(_) | Where::Named(NamedPlace::Peak)) {
+                self.one_file(column, &cast.curve.y, cast.columns, &place.key("at"));
             }
+            over.iter().for_each(|o| self.one_file(column, o, cast.columns, &place.key("over")));
         }
+        quantity
     }
 
     fn expectation(&mut self, given: &ExpectationOfFile, cast: &Cast<'_>, place: &JsonPlace) -> Option<Expectation> {
@@ -523,13 +517,13 @@ fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
 }
 
 /// Columns that hold numbers of the run, behind step and increment.
-fn columns_of(case: &Case) -> Vec<String> {
+pub fn columns_of(case: &Case) -> Vec<String> {
     if let Case::Bridging(program) = case { program.columns() } else { case.columns().split_off(2) }
 }
 
-/// Load against slip, τ against slip, σ11 against ε11, σ against w.
-fn default_curve(base: &Path) -> Columns {
-    let kind = pullout_case::document(base, &[]).map(|document| document["kind"].clone()).unwrap_or_default();
+/// Load against slip, τ against slip, σ11 against ε11, σ against w, as the kind of a case has it.
+pub fn default_curve(case: &Value) -> Columns {
+    let kind = &case["kind"];
     let (x, y) = match kind.as_str() {
         Some("point") => ("e11", "s11"),
         Some("interface") => ("slip", "tau"),

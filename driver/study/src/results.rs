@@ -60,7 +60,7 @@ impl Results {
         let ends = runs.iter().filter(|run| run.is_done()).filter_map(|run| run.reach);
         let work_to = study.work_to.or_else(|| ends.reduce(f64::min));
         for run in &mut runs {
-            run.work = work_to.and_then(|end| work(&run.curve(&study.curve), end));
+            run.find_work(&study.curve, work_to);
         }
         Self { runs, work_to }
     }
@@ -86,31 +86,41 @@ impl RunResult {
         let columns = Vec::from_iter(study.columns());
         let history = History::of_run(&folder, |table| table.read_columns(&columns)).unwrap_or_default();
         let summary = Summary::read(&folder.join("summary.json")).ok();
+        let mut result = Self { is_kept: state == State::Kept, ..Self::of(history, summary, &study.curve) };
+        if result.summary.is_none() {
+            result.message = Some("it ended without a summary; output.txt has what it printed".into());
+        }
+        result
+    }
+
+    /// Of rows and summary, with the numbers of a curve but the work.
+    pub fn of(history: History, summary: Option<Summary>, columns: &Columns) -> Self {
         let mut result = Self {
             // without a summary it did not come to an end of its own
             status: Some(summary.as_ref().map_or(Status::Failed, |summary| summary.status)),
-            message: match &summary {
-                Some(summary) => summary.message.clone(),
-                None => Some("it ended without a summary; output.txt has what it printed".into()),
-            },
-            is_kept: state == State::Kept,
+            message: summary.as_ref().and_then(|summary| summary.message.clone()),
             history,
             summary,
             ..Self::default()
         };
-        let curve = result.curve(&study.curve);
+        let curve = result.curve(columns);
         let finite = || curve.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
         let greatest = finite().reduce(|best, point| if point.1.abs() > best.1.abs() { point } else { best });
         (result.slip_at_peak, result.peak) = greatest.unzip();
         // what output.every left out of the history counts as well
         let of_summary = result.summary.as_ref().and_then(|summary| summary.specimen.as_ref()?.peak_load);
-        if let Some(peak) = of_summary.filter(|_| study.curve.y == "load") {
+        if let Some(peak) = of_summary.filter(|_| columns.y == "load") {
             result.peak = Some(peak.load);
-            result.slip_at_peak = Some(peak.slip).filter(|_| study.curve.x == "slip").or(result.slip_at_peak);
+            result.slip_at_peak = Some(peak.slip).filter(|_| columns.x == "slip").or(result.slip_at_peak);
         }
         result.end = finite().next_back().map(|(_, y)| y);
         result.reach = finite().map(|(x, _)| x.abs()).reduce(f64::max);
         result
+    }
+
+    /// Finds the area below the curve up to an end.
+    pub fn find_work(&mut self, columns: &Columns, to: Option<f64>) {
+        self.work = to.and_then(|end| work(&self.curve(columns), end));
     }
 
     /// Whether it came to its end.
@@ -125,7 +135,7 @@ impl RunResult {
     }
 
     /// A number of a run that is done; `None` if it is not, or has no such number.
-    pub fn value(&self, quantity: &Quantity, study: &Study) -> Option<f64> {
+    pub fn value(&self, quantity: &Quantity, curve: &Columns) -> Option<f64> {
         if !self.is_done() {
             return None;
         }
@@ -141,7 +151,7 @@ impl RunResult {
             Quantity::Named(NamedQuantity::EnergyErrorMax) => summary?.specimen.as_ref()?.energy_error_max,
             Quantity::Named(NamedQuantity::CpuTime) => summary?.cpu_time_s?,
             Quantity::Column { column, at, over } => {
-                let line = self.line(column, *at, study)?;
+                let line = self.line(column, *at, curve)?;
                 let of = |name: &str| self.history.column(name)?.get(line).copied();
                 let whole: Option<f64> = over.iter().map(|name| of(name)).sum();
                 of(column)? / if over.is_empty() { 1.0 } else { whole? }
@@ -151,7 +161,7 @@ impl RunResult {
     }
 
     /// Index of a line of the history.
-    fn line(&self, column: &str, at: Where, study: &Study) -> Option<usize> {
+    fn line(&self, column: &str, at: Where, curve: &Columns) -> Option<usize> {
         let column_of = |name: &str| self.history.column(name);
         let extreme = |values: &[f64], sign: f64| {
             let finite = (0..values.len()).filter(|&k| values[k].is_finite());
@@ -162,12 +172,12 @@ impl RunResult {
             Where::Named(NamedPlace::Greatest) => extreme(column_of(column)?, 1.0),
             Where::Named(NamedPlace::Least) => extreme(column_of(column)?, -1.0),
             Where::Named(NamedPlace::Peak) => {
-                let magnitudes: Vec<f64> = column_of(&study.curve.y)?.iter().map(|y| y.abs()).collect();
+                let magnitudes: Vec<f64> = column_of(&curve.y)?.iter().map(|y| y.abs()).collect();
                 extreme(&magnitudes, 1.0)
             }
             Where::X(end) => {
                 let reached = |x: &f64| x.abs() >= end.abs() * (1.0 - END_TOLERANCE);
-                column_of(&study.curve.x)?.iter().position(reached)
+                column_of(&curve.x)?.iter().position(reached)
             }
         }
     }

@@ -21,6 +21,9 @@ pub struct BridgingCase {
     pub title: Option<Piece<String>>,
     /// Text for the report.
     pub description: Option<Piece<String>>,
+    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
+    #[expect(dead_code, reason = "read before the kinds differ")]
+    pub files: Option<Piece<Vec<String>>>,
     /// The fibre, and where its load comes from.
     pub fibre: Piece<FibreOfFile>,
     /// V_f, at most 0.2.

@@ -21,6 +21,9 @@ pub struct InterfaceCase {
     pub title: Option<Piece<String>>,
     /// Text for the report.
     pub description: Option<Piece<String>>,
+    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
+    #[expect(dead_code, reason = "read before the kinds differ")]
+    pub files: Option<Piece<Vec<String>>>,
     /// The plugin and its parameters.
     pub material: Piece<Material>,
     /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the

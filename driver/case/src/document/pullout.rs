@@ -27,6 +27,9 @@ pub struct PulloutCase {
     pub title: Option<Piece<String>>,
     /// Text for the report.
     pub description: Option<Piece<String>>,
+    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
+    #[expect(dead_code, reason = "read before the kinds differ")]
+    pub files: Option<Piece<Vec<String>>>,
     /// A specimen by its parameters, or a Gmsh file.
     pub mesh: Piece<MeshSource>,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.

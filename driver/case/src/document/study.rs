@@ -2,7 +2,7 @@
 
 use super::{Piece, Positive};
 use schemars::JsonSchema;
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// A family of runs: a case, what is varied, and what is claimed of the outcome (kind "study").
@@ -94,7 +94,7 @@ pub struct SeriesOfFile {
 }
 
 /// Two history columns.
-#[derive(Clone, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
 #[serde(deny_unknown_fields)]
 pub struct Columns {
     /// Along x.
@@ -121,7 +121,7 @@ pub struct ClaimOfFile {
 }
 
 /// One name or several.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum OneOrMany {
     /// One.
@@ -141,7 +141,7 @@ pub enum MemberName {
 }
 
 /// A number that a run gives.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(untagged)]
 pub enum QuantityOfFile {
     /// By name.
@@ -151,7 +151,7 @@ pub enum QuantityOfFile {
 }
 
 /// Numbers of a run.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedQuantity {
     /// The curve's greatest ordinate in magnitude.
@@ -175,7 +175,7 @@ pub enum NamedQuantity {
 }
 
 /// A history column somewhere.
-#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[derive(Clone, Debug, Deserialize, Serialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ColumnValue {
     /// The column.
@@ -187,7 +187,7 @@ pub struct ColumnValue {
 }
 
 /// A place in a history.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema, PartialEq)]
 #[serde(untagged)]
 pub enum Where {
     /// By name.
@@ -197,7 +197,7 @@ pub enum Where {
 }
 
 /// Places in a history.
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum NamedPlace {
     /// The last line.

@@ -69,7 +69,7 @@ fn absolute(path: &Path) -> PathBuf {
 }
 
 /// Everything in a case that names a plugin.
-fn materials(case: &Value) -> Vec<&Value> {
+pub fn materials(case: &Value) -> Vec<&Value> {
     let parts = case["parts"].as_object().into_iter().flat_map(|parts| parts.values()).map(|part| &part["material"]);
     let contact = &case["contact"];
     let pairs = contact.as_array().into_iter().flatten().map(|pair| &pair["law"]);

@@ -1,0 +1,65 @@
+//! The sweep file as serde reads it and as `pullout schema` prints it.
+
+use super::study::{Columns, QuantityOfFile};
+use super::{Piece, Positive};
+use schemars::JsonSchema;
+use serde::Deserialize;
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+
+/// Many runs of a case of which numbers are kept (kind "sweep").
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct SweepFile {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    pub schema: Option<Piece<String>>,
+    /// "sweep".
+    pub kind: SweepKind,
+    /// What it is called; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for readers of the file.
+    pub description: Option<Piece<String>>,
+    /// The case that is varied: its file, relative to the sweep file, or the case itself.
+    pub base: Piece<Base>,
+    /// Overrides for all runs: dotted path and value, as `--set` has them.
+    pub set: Option<Piece<Map<String, Value>>>,
+    /// Values by dotted path: every combination is run, the last path varying first.
+    pub parameters: Option<Piece<Map<String, Value>>>,
+    /// The runs one by one: values by dotted path, the same paths in each.
+    #[schemars(length(min = 1))]
+    pub points: Option<Piece<Vec<Map<String, Value>>>>,
+    /// The runs as a CSV table whose header has the dotted paths, relative to the sweep file.
+    #[schemars(length(min = 1))]
+    pub design: Option<Piece<String>>,
+    /// Numbers that are kept of each run, by the names of their columns `q.NAME` (default: peak, slip_at_peak, work and end).
+    pub quantities: Option<Piece<BTreeMap<String, QuantityOfFile>>>,
+    /// The curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
+    pub curve: Option<Piece<Columns>>,
+    /// Where the work ends, in the unit of the curve's x; default: the end of the run.
+    pub work_to: Option<Piece<Positive>>,
+    /// History columns that are kept as they are, or on the grid.
+    pub curves: Option<Piece<Vec<String>>>,
+    /// Ascending values of the curve's x at which the columns are kept, interpolated along the first branch; NaN where the run
+    /// does not come.
+    #[schemars(length(min = 1))]
+    pub grid: Option<Piece<Vec<f64>>>,
+}
+
+/// The word "sweep".
+#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
+#[serde(rename_all = "lowercase")]
+pub enum SweepKind {
+    /// Many runs.
+    Sweep,
+}
+
+/// A case by its file, or itself.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum Base {
+    /// The file.
+    File(String),
+    /// The case.
+    Case(Map<String, Value>),
+}

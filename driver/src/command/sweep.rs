@@ -1,0 +1,213 @@
+//! `pullout sweep`: many runs of a case of which numbers are kept.
+
+use super::{BAD_INPUT, DONE, FAILED, Place, complain, refuse, say};
+use pullout_run::isolation::prints::Prints;
+use pullout_run::signals;
+use pullout_sweep::{Standing, Store, Work, Worked, batch};
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+
+/// What is done with a sweep.
+#[derive(Debug, clap::Subcommand)]
+pub(super) enum Action {
+    /// Begin a sweep, or give it other runs; says how many there are and how many are done.
+    Plan {
+        /// Sweep file; with --design it may be a case.
+        #[arg(value_name = "SWEEP.json")]
+        file: PathBuf,
+        /// The folder of the sweep.
+        #[arg(long, value_name = "DIR")]
+        out: PathBuf,
+        /// The runs as a CSV table whose header has dotted paths of the case.
+        #[arg(long, value_name = "TABLE.csv")]
+        design: Option<PathBuf>,
+        /// Look for plugins here first (may be repeated).
+        #[arg(long = "plugin-path", value_name = "DIR")]
+        plugin_paths: Vec<PathBuf>,
+    },
+    /// Run what is left; a second process at the same time does no harm, and what is done is never run again.
+    Work(Toil),
+    /// Say how far a sweep is.
+    Status {
+        /// The folder of the sweep.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+    },
+    /// Write one table of all rows: CSV, or Parquet with the curves.
+    Collect {
+        /// The folder of the sweep.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// The table, by its name .csv or .parquet; default: CSV to the standard output.
+        #[arg(long, value_name = "TABLE")]
+        out: Option<PathBuf>,
+    },
+    /// Print a script that works a sweep off as an array of jobs.
+    Submit {
+        /// The folder of the sweep.
+        #[arg(value_name = "DIR")]
+        folder: PathBuf,
+        /// For SLURM: hand the script to sbatch.
+        #[arg(long, required = true)]
+        slurm: bool,
+        /// First and last number of the array, e.g. 0-99.
+        #[arg(long, value_name = "A-B", value_parser = array)]
+        array: (usize, usize),
+        /// Processes of each job.
+        #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..))]
+        jobs: u16,
+    },
+    /// Run a batch in a child; started by the program itself.
+    #[command(hide = true)]
+    Batch {
+        /// What is run.
+        batch: PathBuf,
+        /// Where rows go.
+        rows: PathBuf,
+    },
+}
+
+/// How a sweep is worked off.
+#[derive(Debug, clap::Args)]
+pub(super) struct Toil {
+    /// The folder of the sweep.
+    #[arg(value_name = "DIR")]
+    folder: PathBuf,
+    /// Only the part K of N parts of the runs, K from 0.
+    #[arg(long, value_name = "K/N", value_parser = chunk)]
+    chunk: Option<(usize, usize)>,
+    /// Processes at a time; default: the number of processors.
+    #[arg(long, value_name = "J", value_parser = clap::value_parser!(u16).range(1..))]
+    jobs: Option<u16>,
+    /// Write rows each time that so many runs are over; default: after half a minute.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    chunk_runs: Option<u32>,
+    /// Run again what failed, crashed or took too long.
+    #[arg(long)]
+    again: bool,
+    /// Threads of this process instead of processes. What ends it ends the work.
+    #[command(flatten)]
+    place: Place,
+    /// Say nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+impl Action {
+    /// Where it calls plugins.
+    pub(super) fn place(&self) -> Place {
+        if let Self::Work(toil) = self { toil.place } else { Place::default() }
+    }
+}
+
+/// "3/10".
+fn chunk(text: &str) -> Result<(usize, usize), String> {
+    let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+    parts.filter(|(k, n)| k < n).ok_or_else(|| "write K/N, K from 0 to N - 1".into())
+}
+
+/// "0-99".
+fn array(text: &str) -> Result<(usize, usize), String> {
+    let ends = text.split_once('-').and_then(|(a, b)| Some((a.parse().ok()?, b.parse().ok()?)));
+    ends.filter(|(a, b)| a <= b).ok_or_else(|| "write A-B, e.g. 0-99".into())
+}
+
+/// Does it; the result is the exit code.
+pub(super) fn act(action: &Action) -> u8 {
+    let done = match action {
+        Action::Plan { file, out, design, plugin_paths } => {
+            let _prints = Prints::discard();
+            let store = Store::new(out);
+            match pullout_sweep::plan(file, design.as_deref(), plugin_paths, &store) {
+                Ok(_) => status(&store),
+                Err(errors) => return refuse(&errors),
+            }
+        }
+        Action::Work(toil) => work(toil),
+        Action::Status { folder } => status(&Store::new(folder)),
+        Action::Collect { folder, out } => collect(&Store::new(folder), out.as_deref()),
+        Action::Submit { folder, slurm: _, array, jobs } => submit(folder, *array, *jobs),
+        Action::Batch { batch, rows } => batch::carry_out(batch, rows).map(|()| DONE),
+    };
+    done.unwrap_or_else(|error| {
+        complain(&error);
+        if error.kind() == io::ErrorKind::InvalidData { BAD_INPUT } else { FAILED }
+    })
+}
+
+fn work(toil: &Toil) -> io::Result<u8> {
+    let jobs = toil.jobs.map_or_else(|| super::processors().get(), usize::from);
+    let how = Work {
+        chunk: toil.chunk,
+        jobs,
+        chunk_runs: toil.chunk_runs.map(|count| count as usize),
+        in_process: toil.place.in_process,
+        again: toil.again,
+    };
+    let start = Instant::now();
+    let told = |over: usize, of: usize| {
+        if !toil.quiet {
+            let each = start.elapsed().as_secs_f64() / over.max(1) as f64;
+            let left = Duration::from_secs_f64(each * (of - over) as f64).as_secs();
+            say(&format!("{over}/{of} runs, {left} s left\n"));
+        }
+    };
+    let Worked { kept, ran, left } = pullout_sweep::work(&Store::new(&toil.folder), &how, &told)?;
+    if !toil.quiet {
+        let seconds = start.elapsed().as_secs_f64();
+        say(&format!("{}: {ran} runs in {seconds:.3} s, {kept} were there, {left} are left\n", toil.folder.display()));
+    }
+    Ok(match signals::received() {
+        Some(signal) if left > 0 => signal.exit_code(),
+        _ if left > 0 => FAILED,
+        _ => DONE,
+    })
+}
+
+fn status(store: &Store) -> io::Result<u8> {
+    let standing = Standing::of(store)?;
+    let over: usize = standing.over.values().sum();
+    let counts: BTreeMap<&str, usize> = standing.over.iter().map(|(name, count)| (name.as_str(), *count)).collect();
+    let words: Vec<String> = counts.iter().map(|(name, count)| format!("{count} {name}")).collect();
+    let words = if words.is_empty() { String::new() } else { format!(" ({})", words.join(", ")) };
+    let mut text =
+        format!("{}: {} runs, {over} over{words}, {} left", store.folder().display(), standing.runs, standing.left());
+    if over > 0 {
+        let each = standing.wall_s / over as f64;
+        text += &format!("; {each:.4} s each, {:.0} s of work left", each * standing.left() as f64);
+    }
+    say(&format!("{text}\n"));
+    Ok(DONE)
+}
+
+fn collect(store: &Store, out: Option<&Path>) -> io::Result<u8> {
+    let table = pullout_sweep::collect(store)?;
+    let is_parquet = |path: &&Path| path.extension().is_some_and(|extension| extension == "parquet");
+    match out {
+        Some(path) if is_parquet(&path) => table.write(path)?,
+        Some(path) => table.write_csv(BufWriter::new(File::create(path)?))?,
+        None => {
+            let mut text = Vec::new();
+            table.write_csv(&mut text)?;
+            say(&String::from_utf8_lossy(&text));
+        }
+    }
+    Ok(DONE)
+}
+
+/// The script of an array of jobs, each of which runs its part.
+fn submit(folder: &Path, (first, last): (usize, usize), jobs: u16) -> io::Result<u8> {
+    let sweep = Store::new(folder).sweep()?;
+    let name: String = sweep.title.chars().map(|c| if c.is_alphanumeric() { c } else { '-' }).collect();
+    let folder = std::path::absolute(folder)?;
+    let quoted = format!("'{}'", folder.display().to_string().replace('\'', "'\\''"));
+    let count = last - first + 1;
+    say(&format!(
+        "#!/bin/sh\n#SBATCH --job-name={name}\n#SBATCH --array={first}-{last}\n#SBATCH --ntasks=1\n#SBATCH --cpus-per-task={jobs}\n\
+         exec pullout sweep work --quiet --jobs {jobs} --chunk $((SLURM_ARRAY_TASK_ID - {first}))/{count} -- {quoted}\n"
+    ));
+    Ok(DONE)
+}

@@ -1,0 +1,129 @@
+//! What is there of a sweep.
+
+use crate::store::{Keys, Store};
+use crate::table::{Column, Table};
+use pullout_run::isolation;
+use pullout_run::path::{FailedAt, FailureKind};
+use std::collections::{BTreeMap, HashMap};
+use std::io;
+
+/// The word of a row for how a run ended.
+pub(crate) fn state(failed_at: Option<FailedAt>) -> &'static str {
+    match failed_at.map(|at| at.kind) {
+        None => DONE,
+        Some(FailureKind::Failed) => "failed",
+        Some(FailureKind::Crashed) => "crashed",
+        Some(FailureKind::Timeout) => "timeout",
+    }
+}
+
+const DONE: &str = "done";
+
+/// The rows of a store, by keys.
+pub(crate) struct Known {
+    rows: HashMap<String, KnownRow>,
+}
+
+/// The row of a key that counts.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct KnownRow {
+    /// Number of the part, and the row in it.
+    place: (usize, usize),
+    pub is_done: bool,
+    pub attempt: u32,
+    time: f64,
+}
+
+impl Known {
+    /// Of all parts.
+    pub fn of(store: &Store) -> io::Result<Self> {
+        let wanted = |name: &str| ["key", "status", "attempt", "time"].contains(&name);
+        let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Table::read(part, wanted)).collect();
+        Ok(Self::within(&parts?))
+    }
+
+    fn within(parts: &[Table]) -> Self {
+        let mut rows: HashMap<String, KnownRow> = HashMap::new();
+        for (index, part) in parts.iter().enumerate() {
+            let column = |name: &str| part.column(name);
+            let keys = column("key").map(Column::texts).unwrap_or_default();
+            let states = column("status").map(Column::texts).unwrap_or_default();
+            for (row, (key, status)) in keys.iter().zip(states).enumerate() {
+                let Some(key) = key else { continue };
+                let number = |name: &str| column(name).and_then(|column| column.number(row)).unwrap_or_default();
+                let is_done = status.as_deref() == Some(DONE);
+                let new =
+                    KnownRow { place: (index, row), is_done, attempt: number("attempt") as u32, time: number("time") };
+                // done before others, and the last
+                let is_better = |old: &KnownRow| (new.is_done, new.time) >= (old.is_done, old.time);
+                if rows.get(key).is_none_or(is_better) {
+                    rows.insert(key.clone(), new);
+                }
+            }
+        }
+        Self { rows }
+    }
+
+    /// The row of a key that counts.
+    pub fn best(&self, key: &str) -> Option<KnownRow> {
+        self.rows.get(key).copied()
+    }
+}
+
+/// How far a sweep is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Standing {
+    /// Runs of the sweep.
+    pub runs: usize,
+    /// Runs that are over, by how they ended.
+    pub over: BTreeMap<String, usize>,
+    /// Time of the processors on those, s.
+    pub cpu_s: f64,
+    /// Time of the clock on those, each by itself, s.
+    pub wall_s: f64,
+}
+
+impl Standing {
+    /// Of a store.
+    ///
+    /// # Errors
+    /// It cannot be read.
+    pub fn of(store: &Store) -> io::Result<Self> {
+        let rows = gather(store, |name| ["key", "status", "attempt", "time", "cpu_s", "wall_s"].contains(&name))?;
+        let mut standing = Self { runs: store.sweep()?.runs.len(), ..Self::default() };
+        for status in rows.column("status").map(Column::texts).unwrap_or_default().iter().flatten() {
+            *standing.over.entry(status.clone()).or_default() += 1;
+        }
+        let sum = |name: &str| (0..rows.rows()).filter_map(|row| rows.column(name)?.number(row)).sum();
+        (standing.cpu_s, standing.wall_s) = (sum("cpu_s"), sum("wall_s"));
+        Ok(standing)
+    }
+
+    /// Runs that are left.
+    pub fn left(&self) -> usize {
+        self.runs - self.over.values().sum::<usize>()
+    }
+}
+
+/// The rows of a sweep in the order of its runs, with the number of each; runs that are left have none.
+///
+/// # Errors
+/// The store cannot be read.
+pub fn collect(store: &Store) -> io::Result<Table> {
+    gather(store, |_| true)
+}
+
+fn gather(store: &Store, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
+    let sweep = store.sweep()?;
+    let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Table::read(part, &wants)).collect();
+    let parts = parts?;
+    let known = Known::within(&parts);
+    let mut keys = Keys::new(&sweep, isolation::identity()?);
+    let found: Vec<(usize, (usize, usize))> =
+        (0..sweep.runs.len()).filter_map(|run| Some((run, known.best(&keys.of(run))?.place))).collect();
+    let (runs, places): (Vec<usize>, Vec<(usize, usize)>) = found.into_iter().unzip();
+    let mut table = Table::gathered(&parts, &places);
+    let numbers = runs.into_iter().map(|run| i64::try_from(run).ok()).collect();
+    table.columns.insert(0, ("run".to_owned(), Column::Count(numbers)));
+    Ok(table)
+}

@@ -1,0 +1,18 @@
+//! Many runs of a case of which numbers are kept: planned, worked off by any number of processes, collected.
+//!
+//! A sweep is a folder ([`store`]). Its work is done by children of the program, each of which runs many cases one after
+//! another ([`batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
+//! hash of everything that they depend on as their key: what is there is not run again, whoever ran it.
+
+pub mod batch;
+mod collect;
+mod plan;
+mod run;
+pub mod store;
+pub mod table;
+mod work;
+
+pub use collect::{Standing, collect};
+pub use plan::{plan, plan_document};
+pub use store::Store;
+pub use work::{Work, Worked, work};

@@ -1,0 +1,315 @@
+//! From the file of a sweep to the store.
+
+use crate::store::{Bundle, Keep, Store, Sweep, VERSION, with};
+use pullout_case::study::{NamedQuantity, QuantityOfFile};
+use pullout_case::sweep::{Base, SweepFile};
+use pullout_case::{CaseErrors, CaseProblem, JsonPlace, Reader};
+use pullout_engine::Source;
+use pullout_run::input::{self, Input};
+use pullout_study::{columns_of, default_curve};
+use serde_json::{Map, Value};
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+/// Most runs of a sweep.
+const MOST_RUNS: usize = 10_000_000;
+
+/// What is varied: dotted paths, and their values run by run.
+type Design = (Vec<String>, Vec<Vec<Value>>);
+
+/// Plans a sweep that a file describes, and puts it into a store. With a table of the design, the file may be a case.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store: &Store) -> Result<Sweep, CaseErrors> {
+    let Some(mut document) = pullout_case::document(file, &[]) else {
+        // reading it as a case says what is wrong
+        let problems = vec![CaseProblem::unreadable("the sweep file cannot be read as JSON")];
+        return Err(match pullout_case::read(file, &[], plugin_paths) {
+            Err(errors) => errors,
+            Ok(_) => CaseErrors { file: file.into(), problems },
+        });
+    };
+    if let Some(design) = design {
+        if document["kind"] != "sweep" {
+            let name = file.file_name().unwrap_or_default().to_string_lossy();
+            document = serde_json::json!({ "kind": "sweep", "base": name });
+        }
+        let absolute = std::path::absolute(design).unwrap_or_else(|_| design.into());
+        document["design"] = absolute.to_string_lossy().into();
+    }
+    plan_document(document, file, plugin_paths, store)
+}
+
+/// Plans a sweep that stands in a file, or would.
+///
+/// # Errors
+/// Everything that is wrong with it.
+pub fn plan_document(
+    document: Value,
+    file: &Path,
+    plugin_paths: &[PathBuf],
+    store: &Store,
+) -> Result<Sweep, CaseErrors> {
+    let folder = input::folder_of(file);
+    let mut reader = Reader::new(folder, plugin_paths);
+    let sweep = pullout_case::read_sweep(&mut reader, document, |reader, of_file: SweepFile| {
+        resolve(reader, &of_file, file, plugin_paths, store)
+    });
+    let problems = reader.into_problems();
+    match sweep {
+        Some(sweep) if problems.is_empty() => match store.plan(&sweep) {
+            Ok(()) => Ok(sweep),
+            Err(error) => {
+                Err(CaseErrors { file: file.into(), problems: vec![CaseProblem::unreadable(error.to_string())] })
+            }
+        },
+        _ => Err(CaseErrors { file: file.into(), problems }),
+    }
+}
+
+fn resolve(
+    reader: &mut Reader<'_>,
+    of_file: &SweepFile,
+    file: &Path,
+    plugin_paths: &[PathBuf],
+    store: &Store,
+) -> Option<Sweep> {
+    let root = JsonPlace::root();
+    let folder = input::folder_of(file);
+    let place = root.key("base");
+    let (base, folder) = match reader.piece(&of_file.base, &place)? {
+        Base::Case(case) => (Value::Object(case.clone()), folder.to_owned()),
+        Base::File(name) => {
+            let path = reader.file(name, &place)?;
+            let Some(case) = pullout_case::document(&path, &[]) else {
+                reader.problem(&place, format!("{} cannot be read as JSON", path.display()));
+                return None;
+            };
+            (case, input::folder_of(&path).to_owned())
+        }
+    };
+    let set = reader.optional(of_file.set.as_ref(), &root.key("set")).cloned().unwrap_or_default();
+    let (paths, values): (Vec<String>, Vec<Value>) = set.into_iter().unzip();
+    let base = overridden(reader, &base, &paths, &values, &root.key("set"))?;
+    let (parameters, mut runs) = design(reader, of_file)?;
+    if runs.len() > MOST_RUNS {
+        reader.problem(&root, format!("{} runs are more than the {MOST_RUNS} that a sweep may have", runs.len()));
+        return None;
+    }
+    overridden(reader, &base, &parameters, &runs[0], &root)?;
+    let keep = keep(reader, of_file, &base);
+    // the first run tells what is wrong with all
+    let first =
+        Source { plugin_paths: plugin_paths.to_vec(), ..Source::document(with(&base, &parameters, &runs[0]), &folder) };
+    match first.read() {
+        Ok(prepared) => {
+            if let Some(case) = prepared.case() {
+                let known = columns_of(case);
+                for (index, column) in keep.curves.iter().enumerate().filter(|(_, column)| !known.contains(column)) {
+                    let hint = pullout_case::hint(column, &known);
+                    reader.problem(&root.key("curves").index(index), format!("there is no column '{column}'{hint}"));
+                }
+            }
+        }
+        Err(errors) => {
+            for problem in errors.problems {
+                reader.push(CaseProblem {
+                    message: format!("the case of the first run: {problem}"),
+                    place: Some(place.clone()),
+                    ..problem
+                });
+            }
+            return None;
+        }
+    }
+    let (base, bundles, bundle_of) = bundles(reader, base, &folder, &parameters, &mut runs, plugin_paths, store)?;
+    let title = reader.optional(of_file.title.as_ref(), &root.key("title")).cloned();
+    let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    Some(Sweep {
+        version: VERSION,
+        title: title.unwrap_or_else(stem),
+        base,
+        parameters,
+        runs,
+        bundles,
+        bundle_of,
+        keep,
+    })
+}
+
+/// A case with values, or what is wrong with their paths.
+fn overridden(
+    reader: &mut Reader<'_>,
+    base: &Value,
+    paths: &[String],
+    values: &[Value],
+    place: &JsonPlace,
+) -> Option<Value> {
+    let texts: Vec<String> = paths.iter().zip(values).map(|(path, value)| format!("{path}={value}")).collect();
+    pullout_case::overridden(base.clone(), &texts)
+        .map_err(|problems| {
+            for problem in problems {
+                reader.problem(place, problem.to_string());
+            }
+        })
+        .ok()
+}
+
+fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
+    let root = JsonPlace::root();
+    let named = |name| QuantityOfFile::Named(name);
+    let usual = || {
+        BTreeMap::from([
+            ("peak".to_owned(), named(NamedQuantity::Peak)),
+            ("slip_at_peak".to_owned(), named(NamedQuantity::SlipAtPeak)),
+            ("work".to_owned(), named(NamedQuantity::Work)),
+            ("end".to_owned(), named(NamedQuantity::End)),
+        ])
+    };
+    let curve = reader.optional(of_file.curve.as_ref(), &root.key("curve")).cloned();
+    let grid = reader.optional(of_file.grid.as_ref(), &root.key("grid")).cloned();
+    if grid.as_ref().is_some_and(|grid| !grid.is_sorted_by(|a, b| a < b)) {
+        reader.problem(&root.key("grid"), "must be ascending");
+    }
+    Keep {
+        curve: curve.unwrap_or_else(|| default_curve(base)),
+        work_to: reader.optional(of_file.work_to.as_ref(), &root.key("work_to")).map(|end| end.0),
+        quantities: reader
+            .optional(of_file.quantities.as_ref(), &root.key("quantities"))
+            .cloned()
+            .unwrap_or_else(usual),
+        curves: reader.optional(of_file.curves.as_ref(), &root.key("curves")).cloned().unwrap_or_default(),
+        grid,
+    }
+}
+
+/// What is varied, in one of three ways.
+fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
+    let root = JsonPlace::root();
+    let given = [of_file.parameters.is_some(), of_file.points.is_some(), of_file.design.is_some()];
+    if given.iter().filter(|given| **given).count() != 1 {
+        reader.problem(&root, "needs one of \"parameters\", \"points\" and \"design\"");
+        return None;
+    }
+    if let Some(piece) = &of_file.parameters {
+        let place = root.key("parameters");
+        let parameters = reader.piece(piece, &place)?;
+        return product(reader, parameters, &place);
+    }
+    if let Some(piece) = &of_file.points {
+        let place = root.key("points");
+        let points = reader.piece(piece, &place)?;
+        let paths: Vec<String> = points[0].keys().cloned().collect();
+        let mut runs = Vec::new();
+        for (index, point) in points.iter().enumerate() {
+            let run: Option<Vec<Value>> = paths.iter().map(|path| point.get(path).cloned()).collect();
+            match run.filter(|run| run.len() == point.len()) {
+                Some(run) => runs.push(run),
+                None => {
+                    reader.problem(
+                        &place.index(index),
+                        format!("must have the paths of the first: {}", paths.join(", ")),
+                    );
+                    return None;
+                }
+            }
+        }
+        return Some((paths, runs));
+    }
+    let place = root.key("design");
+    let name = reader.optional(of_file.design.as_ref(), &place)?;
+    let path = reader.file(name, &place)?;
+    table(&path).map_err(|message| reader.problem(&place, format!("{}: {message}", path.display()))).ok()
+}
+
+/// Every combination.
+fn product(reader: &mut Reader<'_>, parameters: &Map<String, Value>, place: &JsonPlace) -> Option<Design> {
+    let mut runs: Vec<Vec<Value>> = vec![Vec::new()];
+    for (path, values) in parameters {
+        let Some(values) = values.as_array().filter(|values| !values.is_empty()) else {
+            reader.problem(&place.key(path), "must be a list of values");
+            return None;
+        };
+        if runs.len().saturating_mul(values.len()) > MOST_RUNS {
+            reader.problem(place, format!("more than the {MOST_RUNS} runs that a sweep may have"));
+            return None;
+        }
+        // the last path varies first
+        runs = runs
+            .iter()
+            .flat_map(|run| values.iter().map(|value| run.iter().cloned().chain([value.clone()]).collect()))
+            .collect();
+    }
+    Some((parameters.keys().cloned().collect(), runs))
+}
+
+/// A CSV table whose header has the paths; fields are JSON, else texts.
+fn table(path: &Path) -> Result<Design, String> {
+    let text = input::text(path, Input::Mesh).map_err(|error| error.to_string())?;
+    let mut reader = csv::ReaderBuilder::new().trim(csv::Trim::All).comment(Some(b'#')).from_reader(text.as_bytes());
+    let paths: Vec<String> = reader.headers().map_err(|error| error.to_string())?.iter().map(str::to_owned).collect();
+    let value = |field: &str| serde_json::from_str(field).unwrap_or_else(|_| Value::from(field));
+    let mut runs = Vec::new();
+    for record in reader.records() {
+        runs.push(record.map_err(|error| error.to_string())?.iter().map(value).collect());
+    }
+    if runs.is_empty() { Err("has no rows".into()) } else { Ok((paths, runs)) }
+}
+
+/// Puts the files that the cases name into the store: the base with its names there, and the folder of each run.
+fn bundles(
+    reader: &mut Reader<'_>,
+    mut base: Value,
+    folder: &Path,
+    parameters: &[String],
+    runs: &mut [Vec<Value>],
+    plugin_paths: &[PathBuf],
+    store: &Store,
+) -> Option<(Value, Vec<String>, Vec<usize>)> {
+    let mut put = || -> std::io::Result<(Vec<String>, Vec<usize>)> {
+        let original = base.clone();
+        let mut bundle = Bundle::default();
+        bundle.take(&mut base, folder, plugin_paths)?;
+        let mut bundles = vec![bundle.put_into(store)?];
+        let mut bundle_of = Vec::new();
+        for run in runs.iter_mut() {
+            let names_files = run.iter().any(|value| !(value.is_number() || value.is_boolean()));
+            let mut index = 0;
+            if names_files {
+                // a value may replace a name of the base
+                let mut bundle = Bundle::default();
+                let mut document = with(&original, parameters, run);
+                bundle.take(&mut document, folder, plugin_paths)?;
+                for (path, value) in parameters.iter().zip(run.iter_mut()) {
+                    *value = at(&document, path).cloned().unwrap_or_default();
+                }
+                let name = bundle.put_into(store)?;
+                index = bundles.iter().position(|other| *other == name).unwrap_or(bundles.len());
+                if index == bundles.len() {
+                    bundles.push(name);
+                }
+            }
+            bundle_of.push(index);
+        }
+        if bundles.len() == 1 {
+            bundle_of.clear();
+        }
+        Ok((bundles, bundle_of))
+    };
+    match put() {
+        Ok((bundles, bundle_of)) => Some((base, bundles, bundle_of)),
+        Err(error) => {
+            reader.problem(&JsonPlace::root(), format!("its files cannot be put into the store: {error}"));
+            None
+        }
+    }
+}
+
+/// The value at a dotted path.
+fn at<'v>(document: &'v Value, path: &str) -> Option<&'v Value> {
+    path.split('.').try_fold(document, |value, part| match value {
+        Value::Array(entries) => entries.get(part.parse::<usize>().ok()?),
+        other => other.get(part),
+    })
+}

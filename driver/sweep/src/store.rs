@@ -1,0 +1,398 @@
+//! The folder of a sweep. Nothing in it is written twice or locked: new files are put into their places whole, so that any
+//! number of processes on any file system may work at the same time.
+//!
+//! ```text
+//! sweep.json             what is run and kept
+//! files/<sha256>/…       the files that a case names, and libraries that were not built with the program
+//! parts/*.parquet        a row for each run that is over
+//! replay/<key>.json      the case that repeats what failed
+//! ```
+
+use crate::table::{Table, readable_by_all};
+use pullout_case::study::{Columns, QuantityOfFile};
+use pullout_run::input::{self, Input};
+use pullout_run::isolation::{self, CALL_TIME_LIMIT, Need};
+use serde::{Deserialize, Serialize};
+use serde_json::{Map, Value};
+use sha2::{Digest, Sha256};
+use std::collections::{BTreeMap, HashMap};
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use umat_abi::host::{self, Found};
+
+/// What is run and kept.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Sweep {
+    /// Of this format.
+    pub version: u32,
+    /// What it is called.
+    pub title: String,
+    /// The case, in which files have the names that they have in the folders below `files`.
+    pub base: Value,
+    /// Dotted paths of what is varied.
+    pub parameters: Vec<String>,
+    /// Their values, run by run.
+    pub runs: Vec<Vec<Value>>,
+    /// Folders below `files`.
+    pub bundles: Vec<String>,
+    /// The folder of each run; empty: the first is that of all.
+    pub bundle_of: Vec<usize>,
+    /// What is kept.
+    pub keep: Keep,
+}
+
+/// What is kept of a run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub struct Keep {
+    /// The curve whose peak and work count.
+    pub curve: Columns,
+    /// Where the work ends; `None`: at the end of the run.
+    pub work_to: Option<f64>,
+    /// Numbers by their names.
+    pub quantities: BTreeMap<String, QuantityOfFile>,
+    /// History columns.
+    pub curves: Vec<String>,
+    /// Values of the curve's x at which they are kept; `None`: as they are.
+    pub grid: Option<Vec<f64>>,
+}
+
+/// Version of [`Sweep`].
+pub const VERSION: u32 = 1;
+
+/// The folder of a sweep.
+#[derive(Clone, Debug)]
+pub struct Store {
+    folder: PathBuf,
+}
+
+/// Puts a file into its place whole.
+fn put(path: &Path, content: &[u8]) -> io::Result<()> {
+    let folder = path.parent().unwrap_or(Path::new("."));
+    fs::create_dir_all(folder)?;
+    let mut file = tempfile::Builder::new().prefix(".new").tempfile_in(folder)?;
+    file.write_all(content)?;
+    file.as_file().sync_all()?;
+    readable_by_all(file.as_file())?;
+    file.persist(path)?;
+    Ok(())
+}
+
+impl Store {
+    /// In a folder.
+    pub fn new(folder: &Path) -> Self {
+        Self { folder: folder.into() }
+    }
+
+    /// The folder.
+    pub fn folder(&self) -> &Path {
+        &self.folder
+    }
+
+    /// What is run.
+    ///
+    /// # Errors
+    /// There is none, or of another version.
+    pub fn sweep(&self) -> io::Result<Sweep> {
+        let path = self.folder.join("sweep.json");
+        let wrong =
+            |message: String| io::Error::new(io::ErrorKind::InvalidData, format!("{}: {message}", path.display()));
+        let text = fs::read(&path).map_err(|error| wrong(format!("{error}: `pullout sweep plan` begins a sweep")))?;
+        let sweep: Sweep = serde_json::from_slice(&text).map_err(|error| wrong(error.to_string()))?;
+        let runs = sweep.runs.len();
+        let is_sound = sweep.version == VERSION
+            && sweep.runs.iter().all(|run| run.len() == sweep.parameters.len())
+            && (sweep.bundle_of.is_empty() || sweep.bundle_of.len() == runs)
+            && !sweep.bundles.is_empty()
+            && sweep.bundle_of.iter().all(|bundle| *bundle < sweep.bundles.len());
+        if is_sound { Ok(sweep) } else { Err(wrong("it is of another version: plan the sweep again".into())) }
+    }
+
+    /// Begins a sweep, or gives it other runs: what is done stays done.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn plan(&self, sweep: &Sweep) -> io::Result<()> {
+        put(&self.folder.join("sweep.json"), serde_json::to_string(sweep)?.as_bytes())
+    }
+
+    /// Files with parts of the rows.
+    ///
+    /// # Errors
+    /// The folder cannot be read.
+    pub fn parts(&self) -> io::Result<Vec<PathBuf>> {
+        let folder = self.folder.join("parts");
+        if !folder.exists() {
+            return Ok(Vec::new());
+        }
+        let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder)?.collect();
+        let mut parts: Vec<PathBuf> = entries?.into_iter().map(|entry| entry.path()).collect();
+        parts.retain(|path| {
+            let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+            !is_hidden && path.extension().is_some_and(|extension| extension == "parquet")
+        });
+        parts.sort();
+        Ok(parts)
+    }
+
+    /// Adds rows.
+    ///
+    /// # Errors
+    /// They cannot be written.
+    pub fn add(&self, rows: &Table, first: usize) -> io::Result<()> {
+        let folder = self.folder.join("parts");
+        fs::create_dir_all(&folder)?;
+        let name = format!("{first:07}-{}.parquet", unique()?);
+        rows.write(&folder.join(name))
+    }
+
+    /// Keeps the case that repeats a failure.
+    ///
+    /// # Errors
+    /// It cannot be written.
+    pub fn keep_replay(&self, key: &str, case: &str) -> io::Result<()> {
+        put(&self.folder.join("replay").join(format!("{key}.json")), case.as_bytes())
+    }
+
+    /// The folder in which the case of a run stands.
+    pub fn bundle(&self, sweep: &Sweep, run: usize) -> PathBuf {
+        self.folder.join("files").join(sweep.bundle_of(run))
+    }
+}
+
+/// A name that no other process takes.
+fn unique() -> io::Result<String> {
+    let mut random = [0; 16];
+    io::Read::read_exact(&mut File::open("/dev/urandom")?, &mut random)?;
+    Ok(random.iter().map(|byte| format!("{byte:02x}")).collect())
+}
+
+impl Sweep {
+    fn bundle_of(&self, run: usize) -> &str {
+        &self.bundles[self.bundle_of.get(run).copied().unwrap_or_default()]
+    }
+
+    /// The case of a run.
+    pub fn document(&self, run: usize) -> Value {
+        with(&self.base, &self.parameters, &self.runs[run])
+    }
+
+    /// These runs of it alone.
+    pub fn part(&self, runs: &[usize]) -> Self {
+        let bundle = |&run: &usize| self.bundle_of.get(run).copied().unwrap_or_default();
+        Self {
+            runs: runs.iter().map(|&run| self.runs[run].clone()).collect(),
+            bundle_of: runs.iter().map(bundle).collect(),
+            ..self.clone()
+        }
+    }
+
+    /// What watches over calls of the libraries of a run.
+    pub fn need(&self, store: &Store, run: usize) -> Need {
+        let file = store.bundle(self, run).join("case.json");
+        let document = self.document(run);
+        let mut need = Need::default();
+        for material in isolation::materials(&document) {
+            let limit = material["call_time_limit_s"].as_f64().filter(|limit| *limit > 0.0).unwrap_or(CALL_TIME_LIMIT);
+            if let Some(path) = material["plugin"].as_str().and_then(|name| library(name, input::folder_of(&file), &[]))
+            {
+                need.libraries.insert(path, limit);
+            }
+        }
+        need
+    }
+}
+
+/// A case with values at dotted paths.
+pub fn with(base: &Value, paths: &[String], values: &[Value]) -> Value {
+    let texts: Vec<String> = paths.iter().zip(values).map(|(path, value)| format!("{path}={value}")).collect();
+    // the plan has tried it
+    pullout_case::overridden(base.clone(), &texts).unwrap_or_default()
+}
+
+/// Keys of runs: hashes of everything that their rows depend on.
+pub struct Keys<'s> {
+    sweep: &'s Sweep,
+    /// The program and what is kept.
+    common: Sha256,
+    /// Hashes of libraries by their names.
+    libraries: HashMap<String, Option<[u8; 32]>>,
+}
+
+impl<'s> Keys<'s> {
+    /// Of a sweep that is run by a program.
+    pub fn new(sweep: &'s Sweep, engine: [u8; 32]) -> Self {
+        let mut common = Sha256::new();
+        common.update(engine);
+        let mut keep = String::new();
+        canonical(&serde_json::to_value(&sweep.keep).unwrap_or_default(), &mut keep);
+        common.update(keep);
+        Self { sweep, common, libraries: HashMap::new() }
+    }
+
+    /// Of a run.
+    pub fn of(&mut self, run: usize) -> String {
+        let mut document = self.sweep.document(run);
+        if let Some(members) = document.as_object_mut() {
+            members.retain(|name, _| !matches!(name.as_str(), "title" | "description" | "$schema"));
+        }
+        let mut digest = self.common.clone();
+        digest.update(self.sweep.bundle_of(run));
+        for material in isolation::materials(&document) {
+            let Some(name) = material["plugin"].as_str().filter(|name| !host::names_a_file(name)) else { continue };
+            let hash = self.libraries.entry(name.to_owned()).or_insert_with(|| {
+                let path = library(name, Path::new(""), &[])?;
+                input::hash(&path, Input::Library).ok()
+            });
+            digest.update(hash.unwrap_or_default());
+        }
+        let mut text = String::new();
+        canonical(&document, &mut text);
+        digest.update(text);
+        input::hexadecimal(digest)
+    }
+}
+
+/// The same text for the same content: members in the order of their names, 1 and 1.0 alike.
+fn canonical(value: &Value, text: &mut String) {
+    match value {
+        Value::Object(members) => {
+            let sorted: BTreeMap<&String, &Value> = members.iter().collect();
+            text.push('{');
+            for (name, member) in sorted {
+                text.push_str(&Value::from(name.as_str()).to_string());
+                text.push(':');
+                canonical(member, text);
+                text.push(',');
+            }
+            text.push('}');
+        }
+        Value::Array(entries) => {
+            text.push('[');
+            for entry in entries {
+                canonical(entry, text);
+                text.push(',');
+            }
+            text.push(']');
+        }
+        Value::Number(number) => text.push_str(&number.as_f64().unwrap_or_default().to_string()),
+        other => text.push_str(&other.to_string()),
+    }
+}
+
+/// The file of a library that a case in a folder names.
+fn library(name: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBuf> {
+    let found = if host::names_a_file(name) {
+        Some(host::library_path(folder, name)).filter(|path| path.is_file())
+    } else {
+        Found::by_name(name, &host::search_paths(plugin_paths)).map(|found| found.path)
+    };
+    found.and_then(|path| std::path::absolute(path).ok())
+}
+
+/// The files of a case on their way into a store.
+#[derive(Default)]
+pub struct Bundle {
+    /// By their names in the folder.
+    files: BTreeMap<String, PathBuf>,
+}
+
+impl Bundle {
+    /// Takes in what a case that stands in `folder` names, and writes the names in the bundle into it.
+    ///
+    /// # Errors
+    /// Two files with one name.
+    pub fn take(&mut self, document: &mut Value, folder: &Path, plugin_paths: &[PathBuf]) -> io::Result<()> {
+        match document {
+            Value::Object(members) => self.take_members(members, folder, plugin_paths),
+            Value::Array(entries) => entries.iter_mut().try_for_each(|entry| self.take(entry, folder, plugin_paths)),
+            Value::String(text) if !text.is_empty() && folder.join(&*text).is_file() => {
+                let name = inside(text);
+                self.add(name.clone(), folder.join(&*text))?;
+                *text = name;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
+
+    fn take_members(
+        &mut self,
+        members: &mut Map<String, Value>,
+        folder: &Path,
+        plugin_paths: &[PathBuf],
+    ) -> io::Result<()> {
+        for (key, member) in members {
+            match member.as_str().filter(|_| key == "plugin") {
+                Some(name) => {
+                    let path = library(name, folder, plugin_paths);
+                    if let Some(path) = path.filter(|path| host::names_a_file(name) || !isolation::is_shipped(path)) {
+                        let file = path.file_name().unwrap_or_default().to_string_lossy();
+                        let name = format!("./plugins/{file}");
+                        self.add(name.clone(), path.clone())?;
+                        *member = name.into();
+                    }
+                }
+                None => self.take(member, folder, plugin_paths)?,
+            }
+        }
+        Ok(())
+    }
+
+    fn add(&mut self, name: String, file: PathBuf) -> io::Result<()> {
+        match self.files.insert(name.clone(), file.clone()) {
+            Some(other) if input::hash(&other, Input::Mesh)? != input::hash(&file, Input::Mesh)? => {
+                let message = format!("{} and {} would both be {name} in the store", other.display(), file.display());
+                Err(io::Error::new(io::ErrorKind::InvalidInput, message))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// Copies the files into a store; the name of their folder.
+    ///
+    /// # Errors
+    /// They cannot be read or written.
+    pub fn put_into(&self, store: &Store) -> io::Result<String> {
+        let mut digest = Sha256::new();
+        for (name, file) in &self.files {
+            digest.update(name);
+            digest.update([0]);
+            digest.update(input::hash(file, Input::Mesh)?);
+        }
+        let bundle = input::hexadecimal(digest);
+        let folder = store.folder.join("files").join(&bundle);
+        if !folder.exists() {
+            // whole, or not there
+            let parent = store.folder.join("files");
+            fs::create_dir_all(&parent)?;
+            let new = tempfile::Builder::new().prefix(".new").tempdir_in(&parent)?;
+            for (name, file) in &self.files {
+                put(&new.path().join(name), &input::read(file, Input::Mesh)?)?;
+            }
+            use std::os::unix::fs::PermissionsExt;
+            fs::set_permissions(new.path(), fs::Permissions::from_mode(0o755))?;
+            let new = new.keep();
+            if let Err(error) = fs::rename(&new, &folder) {
+                fs::remove_dir_all(&new)?;
+                // another process was faster
+                if !folder.exists() {
+                    return Err(error);
+                }
+            }
+        }
+        Ok(bundle)
+    }
+}
+
+/// The name of a file in a folder of its own: what leads out of it does no longer.
+fn inside(name: &str) -> String {
+    use std::path::Component;
+    let part = |part: Component<'_>| match part {
+        Component::ParentDir => Some("up".to_owned()),
+        Component::RootDir => Some("root".to_owned()),
+        Component::Normal(name) => Some(name.to_string_lossy().into_owned()),
+        Component::CurDir | Component::Prefix(_) => None,
+    };
+    Path::new(name).components().filter_map(part).collect::<Vec<_>>().join("/")
+}

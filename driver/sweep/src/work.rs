@@ -1,0 +1,341 @@
+//! Works off what is left of a sweep.
+
+use crate::batch::{Batch, rows};
+use crate::collect::{Known, state};
+use crate::run::{Measured, measure};
+use crate::store::{Keys, Store, Sweep};
+use crate::table::{Column, Table};
+use pullout_run::isolation::{self, End, Failure, Job, Need, replay, shared_file};
+use pullout_run::path::{FailedAt, FailureKind};
+use pullout_run::signals;
+use serde_json::Value;
+use std::ffi::OsString;
+use std::fs;
+use std::io::{self, Write};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+/// Rows are written about so often, s: what a machine loses that goes off.
+const CHUNK: f64 = 30.0;
+/// Most runs in a part unless the user says otherwise.
+const MOST_IN_A_PART: usize = 20_000;
+
+/// How a sweep is worked off.
+#[derive(Clone, Debug)]
+pub struct Work {
+    /// Which part of all runs: number from 0, and how many there are.
+    pub chunk: Option<(usize, usize)>,
+    /// Processes or threads at a time.
+    pub jobs: usize,
+    /// Runs of one part of the rows; default: as many as take half a minute.
+    pub chunk_runs: Option<usize>,
+    /// In threads of this process: what ends it ends the sweep.
+    pub in_process: bool,
+    /// Run again what failed, crashed or took too long.
+    pub again: bool,
+}
+
+/// What became of a sweep's work.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Worked {
+    /// Runs that were there before.
+    pub kept: usize,
+    /// Runs that are over now.
+    pub ran: usize,
+    /// Runs that are left.
+    pub left: usize,
+}
+
+/// A run that is to be run.
+struct Due {
+    /// Its number.
+    run: usize,
+    key: String,
+    /// Which attempt it is.
+    attempt: u32,
+}
+
+/// What all threads share.
+struct Office<'w> {
+    store: &'w Store,
+    sweep: &'w Sweep,
+    work: &'w Work,
+    engine: String,
+    due: Vec<Due>,
+    next: AtomicUsize,
+    over: AtomicUsize,
+    /// Hears how many runs are over, of how many.
+    told: &'w (dyn Fn(usize, usize) + Sync),
+}
+
+/// Runs what is left of a sweep. `told` hears how many runs are over, of how many that were left.
+///
+/// # Errors
+/// The store cannot be read or written, processes cannot be started. What is done is kept.
+pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
+    let sweep = store.sweep()?;
+    let engine = isolation::identity()?;
+    let known = Known::of(store)?;
+    let mut keys = Keys::new(&sweep, engine);
+    let (number, of) = work.chunk.unwrap_or((0, 1));
+    let count = sweep.runs.len();
+    let runs = count * number / of..count * (number + 1) / of;
+    let mut due = Vec::new();
+    let mut seen = std::collections::HashSet::new();
+    for run in runs.clone() {
+        let key = keys.of(run);
+        let attempts = match known.best(&key) {
+            Some(row) if row.is_done || !work.again => continue,
+            Some(row) => row.attempt,
+            None => 0,
+        };
+        // the same case twice is run once
+        if seen.insert(key.clone()) {
+            due.push(Due { run, key, attempt: attempts + 1 });
+        }
+    }
+    drop(known);
+    let kept = runs.len() - due.len();
+    let engine = engine.iter().map(|byte| format!("{byte:02x}")).collect();
+    let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let office = Office { store, sweep: &sweep, work, engine, due, next, over, told };
+    let jobs = work.jobs.clamp(1, office.due.len().max(1));
+    let errors = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        let mut started = Vec::new();
+        for _ in 0..jobs {
+            let toil = || {
+                let ended = if work.in_process { office.here() } else { office.apart() };
+                if let Err(error) = ended {
+                    errors.lock().unwrap_or_else(PoisonError::into_inner).push(error);
+                }
+            };
+            let stack = std::thread::Builder::new().stack_size(pullout_run::PLUGIN_STACK);
+            started.push(stack.spawn_scoped(scope, toil));
+        }
+        let refused: Vec<io::Error> = started.into_iter().filter_map(Result::err).collect();
+        errors.lock().unwrap_or_else(PoisonError::into_inner).extend(refused);
+    });
+    let ran = office.over.load(Ordering::Relaxed);
+    match errors.into_inner().unwrap_or_else(PoisonError::into_inner).pop() {
+        Some(error) => Err(error),
+        None => Ok(Worked { kept, ran, left: office.due.len() - ran }),
+    }
+}
+
+impl Office<'_> {
+    /// The next block of runs; none if nothing is left, or a signal asks for the end.
+    fn block(&self) -> &[Due] {
+        if signals::received().is_some() {
+            return &[];
+        }
+        // small enough that all processors end at about the same time
+        let most = self.work.chunk_runs.unwrap_or(MOST_IN_A_PART);
+        let size = self.due.len().div_ceil(8 * self.work.jobs.max(1)).clamp(1, most);
+        let first = self.next.fetch_add(size, Ordering::Relaxed).min(self.due.len());
+        &self.due[first..(first + size).min(self.due.len())]
+    }
+
+    /// Seconds after which rows are written.
+    fn seconds(&self) -> f64 {
+        if self.work.chunk_runs.is_some() { f64::INFINITY } else { CHUNK }
+    }
+
+    /// Writes rows of runs, which stand in the order of `runs`.
+    fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
+        let Some(first) = runs.first().filter(|_| !rows.is_empty()) else { return Ok(()) };
+        for (due, row) in runs.iter().zip(rows) {
+            if let Some(case) = &row.replay {
+                self.store.keep_replay(&due.key, case)?;
+            }
+        }
+        self.store.add(&self.table(&runs[..rows.len()], rows), first.run)?;
+        let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();
+        (self.told)(over, self.due.len());
+        Ok(())
+    }
+
+    /// In this process.
+    fn here(&self) -> io::Result<()> {
+        let stop = Arc::new(AtomicBool::new(false));
+        loop {
+            let mut block = self.block();
+            if block.is_empty() {
+                return Ok(());
+            }
+            let (mut rows, mut start) = (Vec::new(), Instant::now());
+            loop {
+                let run = block.get(rows.len()).filter(|_| signals::received().is_none()).map(|due| due.run);
+                if run.is_none() || start.elapsed().as_secs_f64() > self.seconds() {
+                    self.write(block, &rows)?;
+                    block = &block[rows.len()..];
+                    (rows, start) = (Vec::new(), Instant::now());
+                }
+                let Some(run) = run else { break };
+                let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, run, &stop)));
+                match measured {
+                    Ok(Some(measured)) => rows.push(measured),
+                    Ok(None) => {
+                        self.write(block, &rows)?;
+                        return Ok(());
+                    }
+                    Err(_) => rows.push(Measured {
+                        failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
+                        message: Some("the program panicked".into()),
+                        ..Measured::without_numbers(&self.sweep.keep)
+                    }),
+                }
+            }
+        }
+    }
+
+    /// In children, one after another.
+    fn apart(&self) -> io::Result<()> {
+        loop {
+            let mut block = self.block();
+            if block.is_empty() {
+                return Ok(());
+            }
+            let (mut rows, mut start) = (Vec::new(), Instant::now());
+            while rows.len() < block.len() {
+                let left = &block[rows.len()..];
+                let before = rows.len();
+                let ended = self.child(left, self.seconds() - start.elapsed().as_secs_f64(), &mut rows);
+                let is_full = start.elapsed().as_secs_f64() > self.seconds();
+                if ended.is_err() || is_full || signals::received().is_some() {
+                    self.write(block, &rows)?;
+                    block = &block[rows.len()..];
+                    (rows, start) = (Vec::new(), Instant::now());
+                    ended?;
+                    if signals::received().is_some() {
+                        return Ok(());
+                    }
+                } else if rows.len() == before {
+                    return Err(io::Error::other("a child ended without a row, and without a reason"));
+                }
+            }
+            self.write(block, &rows)?;
+        }
+    }
+
+    /// Starts a child with runs; adds the rows that it came to, and one of the run that it did not survive.
+    fn child(&self, runs: &[Due], seconds: f64, rows_so_far: &mut Vec<Measured>) -> io::Result<()> {
+        let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
+        let sweep = self.sweep.part(&numbers);
+        let need = self.need(&numbers);
+        let folder = fs::canonicalize(self.store.folder())?;
+        let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9) };
+        let (mut told, told_path) = shared_file()?;
+        told.write_all(&serde_json::to_vec(&batch)?)?;
+        let (_heard, heard_path) = shared_file()?;
+        let command: [OsString; 4] = ["sweep".into(), "batch".into(), told_path.into(), heard_path.clone().into()];
+        let start = Instant::now();
+        let ended = isolation::supervise(&Job { command: &command, ..Job::default() }, &need)?;
+        let new = rows(&fs::read(&heard_path)?);
+        let count = new.len();
+        rows_so_far.extend(new);
+        match ended {
+            End::Done(0) => Ok(()),
+            End::Done(code) => Err(io::Error::other(format!("a child of the sweep ended with exit code {code}"))),
+            End::Failed(_) if count >= runs.len() || signals::received().is_some() => Ok(()),
+            End::Failed(failure) => {
+                let document = self.sweep.document(runs[count].run);
+                let mut row = crash(&failure, &document, self, runs[count].run);
+                row.times = [start.elapsed().as_secs_f64(), 0.0];
+                rows_so_far.push(row);
+                Ok(())
+            }
+        }
+    }
+
+    /// How long calls of the libraries of these runs may take.
+    fn need(&self, runs: &[usize]) -> Need {
+        let vary = |path: &String| path.contains("plugin") || path.contains("material") || path.contains("law");
+        let mut need = self.sweep.need(self.store, runs[0]);
+        if self.sweep.parameters.iter().any(|path| vary(path) && !path.contains("props")) {
+            for &run in runs {
+                need.libraries.extend(self.sweep.need(self.store, run).libraries);
+            }
+        }
+        need.specimen = self.sweep.base["kind"] == "pullout";
+        need
+    }
+
+    /// A part of the rows.
+    fn table(&self, runs: &[Due], rows: &[Measured]) -> Table {
+        let Sweep { parameters, keep, .. } = self.sweep;
+        let text = |values: &dyn Fn(usize) -> Option<String>| Column::Text((0..rows.len()).map(values).collect());
+        let number = |values: &dyn Fn(usize) -> Option<f64>| Column::Number((0..rows.len()).map(values).collect());
+        let count = |values: &dyn Fn(usize) -> Option<u64>| {
+            Column::Count((0..rows.len()).map(|k| values(k).and_then(|count| i64::try_from(count).ok())).collect())
+        };
+        let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
+        let mut columns = vec![
+            ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
+            ("status".to_owned(), text(&|k| Some(state(rows[k].failed_at).into()))),
+            ("message".to_owned(), text(&|k| rows[k].message.clone())),
+            ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
+            ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
+        ];
+        for (index, path) in parameters.iter().enumerate() {
+            let value = |k: usize| &self.sweep.runs[runs[k].run][index];
+            // the same type in all parts
+            let is_number = self.sweep.runs.iter().all(|run| run[index].is_number());
+            let column = if is_number {
+                number(&|k| value(k).as_f64())
+            } else {
+                text(&|k| Some(value(k).as_str().map_or_else(|| value(k).to_string(), str::to_owned)))
+            };
+            columns.push((format!("par.{path}"), column));
+        }
+        for (index, name) in keep.quantities.keys().enumerate() {
+            columns.push((format!("q.{name}"), number(&|k| rows[k].quantities.get(index).copied().flatten())));
+        }
+        for (index, name) in keep.curves.iter().enumerate() {
+            let lists = rows.iter().map(|row| row.curves.get(index).cloned().unwrap_or_default()).collect();
+            columns.push((format!("curve.{name}"), Column::List(lists)));
+        }
+        for (index, name) in ["increments", "iterations", "cutbacks"].into_iter().enumerate() {
+            columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
+        }
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
+        let (host, cpu) = machine();
+        columns.extend([
+            ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
+            ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
+            ("attempt".to_owned(), count(&|k| Some(runs[k].attempt.into()))),
+            ("host".to_owned(), text(&|_| Some(host.clone()))),
+            ("cpu".to_owned(), text(&|_| Some(cpu.clone()))),
+            ("engine".to_owned(), text(&|_| Some(self.engine.clone()))),
+            ("time".to_owned(), number(&|_| Some(now))),
+        ]);
+        Table { columns }
+    }
+}
+
+/// The row of a run that a child did not survive.
+fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -> Measured {
+    let case = failure.replay.clone().map(|mut case| {
+        let title = document["title"].as_str().unwrap_or(&office.sweep.title);
+        replay::entitle(&mut case, title, &office.store.bundle(office.sweep, run));
+        format!("{case:#}\n")
+    });
+    Measured {
+        failed_at: Some(failure.report.failed_at()),
+        message: Some(failure.report.message.clone()),
+        counts: [0; 3],
+        replay: case,
+        ..Measured::without_numbers(&office.sweep.keep)
+    }
+}
+
+/// Names of this machine and of its processor.
+fn machine() -> (String, String) {
+    let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
+    let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model =
+        told.lines().find_map(|line| Some(line.strip_prefix("model name")?.split_once(':')?.1.trim().to_owned()));
+    (host.trim().to_owned(), model.unwrap_or_default())
+}

@@ -1,0 +1,311 @@
+//! Sweeps: right names for what ends a run, nothing lost or done twice whatever ends the work, the same rows by any means.
+
+mod program;
+
+use end_to_end_tests::{Tool, find, run as compile, workspace};
+use program::{Desk, command};
+use pullout_sweep::Store;
+use pullout_sweep::table::{Column, Table};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Stdio;
+use std::time::Duration;
+
+/// The bond of a point, in as many increments.
+fn bond(increments: usize) -> Value {
+    json!({
+        "kind": "interface", "title": "Bond",
+        "material": { "plugin": "bond_slip", "props": { "law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4 } },
+        "steps": [{ "increments": increments, "target": { "slip": 0.5 } }],
+    })
+}
+
+/// A sweep over so many stiffnesses, planned into `store`.
+fn planned(desk: &Desk, count: usize, increments: usize) -> PathBuf {
+    let stiffness: Vec<f64> = (0..count).map(|k| 500.0 + k as f64).collect();
+    let sweep = json!({
+        "kind": "sweep", "base": bond(increments),
+        "parameters": { "material.props.k_e": stiffness },
+        "quantities": { "peak": "peak", "first": { "column": "tau", "at": 0.01 } },
+        "curves": ["slip", "tau"],
+    });
+    let file = desk.case("sweep.json", &sweep);
+    let store = desk.path("store");
+    desk.pullout(["sweep".as_ref(), "plan".as_ref(), file.as_os_str(), "--out".as_ref(), store.as_os_str()]).expect(0);
+    store
+}
+
+/// All rows of all parts.
+fn rows(store: &Path) -> Vec<Table> {
+    let parts = Store::new(store).parts().expect("parts");
+    parts.iter().map(|part| Table::read(part, |_| true).expect("a part")).collect()
+}
+
+fn texts(table: &Table, name: &str) -> Vec<String> {
+    let column = table.column(name).unwrap_or_else(|| panic!("no column {name}"));
+    column.texts().iter().map(|text| text.clone().unwrap_or_default()).collect()
+}
+
+/// The collected table.
+fn collected(desk: &Desk, store: &Path) -> Table {
+    let out = desk.path("all.parquet");
+    desk.pullout(["sweep".as_ref(), "collect".as_ref(), store.as_os_str(), "--out".as_ref(), out.as_os_str()])
+        .expect(0);
+    Table::read(&out, |_| true).expect("a table")
+}
+
+#[test]
+fn a_table_comes_back_as_it_was_written() {
+    let desk = Desk::new();
+    let table = Table {
+        columns: vec![
+            ("a.b".into(), Column::Text(vec![Some("x".into()), None, Some(String::new())])),
+            ("number".into(), Column::Number(vec![None, Some(0.1), Some(-f64::MAX)])),
+            ("count".into(), Column::Count(vec![Some(3), Some(-1), None])),
+            ("list".into(), Column::List(vec![vec![], vec![1.0, 2.0], vec![3.0]])),
+        ],
+    };
+    let path = desk.path("table.parquet");
+    table.write(&path).expect("written");
+    assert_eq!(Table::read(&path, |_| true).expect("read"), table);
+    let mut csv = Vec::new();
+    table.write_csv(&mut csv).expect("written");
+    assert!(String::from_utf8(csv).expect("UTF-8").starts_with("a.b,number,count\nx,,3\n,0.1,-1\n"));
+}
+
+#[test]
+fn rows_are_the_same_by_any_number_of_processes_and_by_threads() {
+    let desk = Desk::new();
+    let store = planned(&desk, 40, 50);
+    let mut found: Vec<Table> = Vec::new();
+    for how in [&["--jobs", "1"][..], &["--jobs", "3", "--chunk-runs", "7"], &["--jobs", "2", "--in-process"]] {
+        let _ = fs::remove_dir_all(store.join("parts"));
+        let arguments = ["sweep", "work", "--quiet"].iter().chain(how).map(std::ffi::OsStr::new);
+        desk.pullout(arguments.chain([store.as_os_str()])).expect(0);
+        let mut table = collected(&desk, &store);
+        table.columns.retain(|(name, _)| !["wall_s", "cpu_s", "time"].contains(&name.as_str()));
+        found.push(table);
+    }
+    assert_eq!(found[0].rows(), 40);
+    assert_eq!(texts(&found[0], "status"), ["done"; 40]);
+    assert_eq!(found[0], found[1]);
+    assert_eq!(found[0], found[2]);
+    // below τ = 10 · 0.01^0.4 the bond is elastic: τ = k_e δ
+    for row in 0..40 {
+        let number = |name: &str| found[0].column(name).and_then(|column| column.number(row)).expect("a number");
+        let expected = (number("par.material.props.k_e") * 0.01).min(10.0 * 0.01_f64.powf(0.4));
+        assert!((number("q.first") - expected).abs() < 1e-9 * expected, "{} {expected}", number("q.first"));
+    }
+    let Some(Column::List(curves)) = found[0].column("curve.tau") else { panic!("no curves") };
+    assert!(curves.iter().all(|curve| curve.len() == 51));
+}
+
+#[test]
+fn each_run_has_the_name_of_its_end() {
+    let desk = Desk::new();
+    let Some(mut compiler) = find(Tool::C) else { return };
+    let library = desk.path("libmisbehaving.so");
+    let source = workspace("driver/tests/isolation/misbehaving.c");
+    let include = workspace("umat-abi/include");
+    compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source));
+    let base = json!({
+        "kind": "point", "mode": "3d",
+        "material": { "plugin": "./libmisbehaving.so", "nstatv": 2, "props": [1000.0, 0, 1, 3], "call_time_limit_s": 2.0 },
+        "steps": [{ "increments": 5, "target": { "s11": 5.0 } }],
+    });
+    const COUNT: usize = 2000;
+    let [killer, failing, hanging] = [700, 1100, 1500];
+    let points: Vec<Value> = (0..COUNT)
+        .map(|k| {
+            let fault = if k == killer { 1 } else if k == hanging { 5 } else { 0 };
+            // without stiffness no stress is reached
+            let modulus = if k == failing { 0.0 } else { 1000.0 };
+            json!({ "steps.0.target.s11": 5.0 + 1e-3 * k as f64, "material.props.1": fault, "material.props.0": modulus })
+        })
+        .collect();
+    let sweep = desk.case("sweep.json", &json!({ "kind": "sweep", "base": base, "points": points }));
+    let store = desk.path("store");
+    desk.pullout(["sweep".as_ref(), "plan".as_ref(), sweep.as_os_str(), "--out".as_ref(), store.as_os_str()]).expect(0);
+    // the store has its own copy
+    fs::remove_file(library).expect("removed");
+    let outcome = desk.pullout(["sweep".as_ref(), "work".as_ref(), store.as_os_str()]).expect(0);
+    assert!(outcome.stdout.contains("2000 runs"), "{}", outcome.stdout);
+    let table = collected(&desk, &store);
+    let states = texts(&table, "status");
+    let others: BTreeMap<usize, &str> = states
+        .iter()
+        .enumerate()
+        .filter(|(_, state)| *state != "done")
+        .map(|(run, state)| (run, state.as_str()))
+        .collect();
+    assert_eq!(others, BTreeMap::from([(killer, "crashed"), (failing, "failed"), (hanging, "timeout")]));
+    let messages = texts(&table, "message");
+    assert!(messages[killer].contains("exit code 0"), "{}", messages[killer]);
+    assert!(messages[hanging].contains("within 2 s"), "{}", messages[hanging]);
+    assert!(messages[failing].contains("step 1, increment 1"), "{}", messages[failing]);
+    let place =
+        |run: usize| ["at_step", "at_increment"].map(|name| table.column(name).and_then(|column| column.number(run)));
+    assert_eq!(place(killer), [Some(1.0), Some(3.0)]);
+    assert_eq!(place(hanging), [Some(1.0), Some(3.0)]);
+    // what crashed can be repeated
+    let key = &texts(&table, "key")[killer];
+    let replay = store.join("replay").join(format!("{key}.json"));
+    let again = desk.run(&replay, &[], "again", 1);
+    assert!(again.outcome.stderr.contains("exit code 0"), "{}", again.outcome.stderr);
+    // settled: nothing is run again, but on request
+    let outcome = desk.pullout(["sweep".as_ref(), "work".as_ref(), store.as_os_str()]).expect(0);
+    assert!(outcome.stdout.contains("0 runs"), "{}", outcome.stdout);
+    let outcome = desk.pullout(["sweep".as_ref(), "work".as_ref(), "--again".as_ref(), store.as_os_str()]).expect(0);
+    assert!(outcome.stdout.contains("3 runs in"), "{}", outcome.stdout);
+    let table = collected(&desk, &store);
+    assert_eq!(table.column("attempt").and_then(|column| column.number(killer)), Some(2.0));
+}
+
+#[test]
+fn nothing_is_lost_or_twice_after_kills_at_any_moment() {
+    let desk = Desk::new();
+    const COUNT: usize = 300;
+    let store = planned(&desk, COUNT, 3000);
+    let mut random = fastrand::Rng::with_seed(7);
+    let mut work = command();
+    work.args(["sweep", "work", "--quiet", "--jobs", "2", "--chunk-runs", "10"]).arg(&store).stdout(Stdio::null());
+    for _ in 0..10 {
+        let mut child = work.spawn().expect("the program starts");
+        std::thread::sleep(Duration::from_millis(random.u64(5..900)));
+        child.kill().expect("killed");
+        child.wait().expect("ended");
+    }
+    assert!(work.status().expect("the program starts").success());
+    let keys: Vec<String> = rows(&store).iter().flat_map(|table| texts(table, "key")).collect();
+    assert_eq!(keys.len(), COUNT);
+    assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), COUNT);
+    assert_eq!(collected(&desk, &store).rows(), COUNT);
+    let status = desk.pullout(["sweep".as_ref(), "status".as_ref(), store.as_os_str()]).expect(0);
+    assert!(status.stdout.contains("300 runs, 300 over (300 done), 0 left"), "{}", status.stdout);
+}
+
+/// The keys of a sweep.
+fn keys(desk: &Desk, sweep: &Value) -> Vec<String> {
+    let store = desk.path("store");
+    let _ = fs::remove_dir_all(&store);
+    let file = desk.case("sweep.json", sweep);
+    desk.pullout(["sweep".as_ref(), "plan".as_ref(), file.as_os_str(), "--out".as_ref(), store.as_os_str()]).expect(0);
+    desk.pullout(["sweep".as_ref(), "work".as_ref(), "--quiet".as_ref(), store.as_os_str()]).expect(0);
+    texts(&collected(desk, &store), "key")
+}
+
+#[test]
+fn what_changes_a_row_changes_its_key() {
+    let desk = Desk::new();
+    desk.write("data/measured.csv", "slip,tau\n0.0,0.0\n0.25,5.0\n");
+    desk.write("read.dat", "1\n");
+    let mut base = bond(5);
+    base["files"] = json!(["read.dat"]);
+    base["compare"] =
+        json!([{ "file": "data/measured.csv", "x": "slip", "y": "tau", "file_x": "slip", "file_y": "tau" }]);
+    let mut sweep = json!({ "kind": "sweep", "base": base, "parameters": { "material.props.k_e": [900, 950] } });
+    let first = keys(&desk, &sweep);
+    assert_eq!(first.len(), 2);
+    // a title, the order of members and the way to write a number change nothing
+    sweep["base"]["title"] = json!("Another");
+    sweep["parameters"] = json!({ "material.props.k_e": [950.0, 900] });
+    assert_eq!(keys(&desk, &sweep), [first[1].clone(), first[0].clone()]);
+    let mut all: BTreeSet<String> = first.into_iter().collect();
+    let mut differs = |sweep: &Value| {
+        let new = keys(&desk, sweep);
+        assert!(new.iter().all(|key| all.insert(key.clone())), "{sweep}");
+    };
+    sweep["set"] = json!({ "material.props.a_1": 11.0 });
+    differs(&sweep);
+    desk.write("data/measured.csv", "slip,tau\n0.0,0.0\n0.25,5.1\n");
+    differs(&sweep);
+    desk.write("read.dat", "2\n");
+    differs(&sweep);
+    sweep["curves"] = json!(["tau"]);
+    differs(&sweep);
+}
+
+#[test]
+fn plugins_are_known_by_their_content() {
+    let desk = Desk::new();
+    let Some(mut compiler) = find(Tool::C) else { return };
+    let source = fs::read_to_string(workspace("driver/tests/isolation/misbehaving.c")).expect("a source");
+    let source = desk.write("law.c", &source);
+    let library = desk.path("liblaw.so");
+    let include = workspace("umat-abi/include");
+    compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(&include).arg("-o").arg(&library).arg(&source));
+    let base = json!({
+        "kind": "point", "mode": "3d",
+        "material": { "plugin": "liblaw.so", "nstatv": 2, "props": [1000.0, 0, 1, 3] },
+        "steps": [{ "increments": 2, "target": { "e11": 0.005 } }],
+    });
+    let sweep = json!({ "kind": "sweep", "base": base, "parameters": { "material.props.0": [900] } });
+    let first = keys(&desk, &sweep);
+    assert_eq!(keys(&desk, &sweep), first);
+    let Some(mut compiler) = find(Tool::C) else { return };
+    compile(compiler.args(["-shared", "-fPIC", "-O2", "-I"]).arg(&include).arg("-o").arg(&library).arg(&source));
+    assert_ne!(keys(&desk, &sweep), first);
+}
+
+#[test]
+fn designs_by_table_points_and_product() {
+    let desk = Desk::new();
+    let base = desk.case("bond.json", &bond(5));
+    let table = desk.write("design.csv", "material.props.k_e, steps.0.target.slip\n900, 0.1\n950, 0.2\n");
+    let store = desk.path("store");
+    let plan = |file: &Path, more: &[&std::ffi::OsStr], code: i32| {
+        let arguments = ["sweep".as_ref(), "plan".as_ref(), file.as_os_str(), "--out".as_ref(), store.as_os_str()];
+        desk.pullout(arguments.into_iter().chain(more.iter().copied())).expect(code)
+    };
+    plan(&base, &["--design".as_ref(), table.as_os_str()], 0);
+    let runs = |store: &Path| Store::new(store).sweep().expect("a sweep").runs;
+    assert_eq!(runs(&store), [[json!(900), json!(0.1)], [json!(950), json!(0.2)]]);
+    let product = json!({ "kind": "sweep", "base": "bond.json", "grid": [0.0, 0.0003],
+                          "parameters": { "material.props.k_e": [800.0, 900.0], "steps.0.target.slip": [0.0005, 0.0006] }, "curves": ["tau"] });
+    let file = desk.case("sweep.json", &product);
+    plan(&file, &[], 0);
+    assert_eq!(
+        runs(&store),
+        [[800.0, 5e-4], [800.0, 6e-4], [900.0, 5e-4], [900.0, 6e-4]].map(|run| run.map(|value| json!(value)))
+    );
+    desk.pullout(["sweep".as_ref(), "work".as_ref(), "--quiet".as_ref(), store.as_os_str()]).expect(0);
+    let table = collected(&desk, &store);
+    let Some(Column::List(curves)) = table.column("curve.tau") else { panic!("no curves") };
+    assert_eq!(curves.iter().map(Vec::len).collect::<Vec<_>>(), [2; 4]);
+    // the bond is elastic there
+    for (curve, k_e) in curves.iter().zip([800.0, 800.0, 900.0, 900.0]) {
+        assert!((curve[1] - 0.0003 * k_e).abs() < 1e-12, "{curve:?}");
+    }
+    for (wrong, place) in [
+        (json!({ "kind": "sweep", "base": "bond.json" }), "needs one of"),
+        (json!({ "kind": "sweep", "base": "none.json", "points": [{ "a": 1 }] }), "$.base"),
+        (json!({ "kind": "sweep", "base": "bond.json", "points": [{ "material.props.k": 1 }] }), "k_e"),
+        (json!({ "kind": "sweep", "base": "bond.json", "points": [{ "a": 1 }, { "b": 1 }] }), "$.points[1]"),
+        (
+            json!({ "kind": "sweep", "base": "bond.json", "points": [{ "title": "x" }], "curves": ["s1"] }),
+            "$.curves[0]",
+        ),
+        (json!({ "kind": "sweep", "base": "bond.json", "point": [] }), "$.point"),
+    ] {
+        let file = desk.case("wrong.json", &wrong);
+        let outcome = plan(&file, &[], 2);
+        assert!(outcome.stderr.contains(place), "{place}: {}", outcome.stderr);
+    }
+    let script = desk.pullout(["sweep", "submit", "--slurm", "--array", "1-10", "store"]).expect(0).stdout;
+    assert!(script.contains("#SBATCH --array=1-10") && script.contains("- 1))/10"), "{script}");
+    let outcome = desk.pullout(["sweep", "work", "--chunk", "3/3", "store"]).expect(2);
+    assert!(outcome.stderr.contains("K/N"), "{}", outcome.stderr);
+}
+
+#[test]
+fn parts_of_a_sweep_by_number() {
+    let desk = Desk::new();
+    let store = planned(&desk, 10, 5);
+    for (chunk, over) in [("0/3", 3), ("2/3", 7), ("1/3", 10)] {
+        let arguments = ["sweep", "work", "--quiet", "--chunk", chunk].map(std::ffi::OsStr::new);
+        desk.pullout(arguments.into_iter().chain([store.as_os_str()])).expect(0);
+        assert_eq!(collected(&desk, &store).rows(), over);
+    }
+}
