@@ -57,12 +57,13 @@ fn artifacts(messages: &str) -> Result<Vec<Value>, String> {
     Ok(artifacts)
 }
 
-/// The shared libraries among the targets of a kind.
+/// The shared libraries among the workspace's targets of a kind: dependencies have some too, which nobody asked for.
 fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     let has = |list: &Value, word: &str| list.as_array().is_some_and(|list| list.iter().any(|entry| entry == word));
     let mut libraries = Vec::new();
     for artifact in artifacts(messages)? {
-        if has(&artifact["target"]["kind"], kind) && has(&artifact["target"]["crate_types"], "cdylib") {
+        let is_ours = artifact["package_id"].as_str().is_some_and(|id| id.starts_with("path+"));
+        if is_ours && has(&artifact["target"]["kind"], kind) && has(&artifact["target"]["crate_types"], "cdylib") {
             let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(Value::as_str);
             libraries.extend(files.filter(|file| file.ends_with(std::env::consts::DLL_SUFFIX)).map(PathBuf::from));
         }
@@ -91,11 +92,12 @@ mod test {
     fn artifacts_are_read_from_cargos_messages() {
         let suffix = std::env::consts::DLL_SUFFIX;
         let messages = format!(
-            r#"{{"reason":"compiler-artifact","target":{{"kind":["lib"]}},"filenames":["/t/libserde.rlib"],"executable":null}}
-{{"reason":"compiler-artifact","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
-{{"reason":"compiler-artifact","target":{{"kind":["bin"]}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
-{{"reason":"compiler-artifact","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
-{{"reason":"build-finished","success":true}}"#
+            r##"{{"reason":"compiler-artifact","package_id":"registry+r#s@1","target":{{"kind":["lib"]}},"filenames":["/t/libserde.rlib"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"registry+r#q@1","target":{{"kind":["cdylib","rlib"],"crate_types":["cdylib","rlib"]}},"filenames":["/t/libq{suffix}"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/a#1","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/p#1","target":{{"kind":["bin"]}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/a#1","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
+{{"reason":"build-finished","success":true}}"##
         );
         let expected = Products {
             program: "/t/pullout".into(),

@@ -2,6 +2,7 @@
 
 mod build;
 mod install;
+mod wheel;
 
 use clap::{Parser, Subcommand};
 use std::path::{Path, PathBuf};
@@ -27,11 +28,33 @@ enum Task {
         #[arg(long, value_name = "NAME", default_value = "dist")]
         profile: String,
     },
+    /// Build the wheel of the Python package, with the program, the laws and what belongs to them, and print its name: it is
+    /// put into target/wheel.
+    Wheel {
+        /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
+        #[arg(long, value_name = "NAME", default_value = wheel::FOR_OTHERS)]
+        profile: String,
+        /// A Python that has maturin. If it has auditwheel and abi3audit too, they must find nothing.
+        #[arg(long, value_name = "PYTHON", default_value = "python3")]
+        python: PathBuf,
+        /// More options of `maturin build`.
+        #[arg(last = true)]
+        maturin: Vec<String>,
+    },
 }
 
 fn main() -> ExitCode {
-    let Task::Install { prefix, profile } = Arguments::parse().task;
-    match build::build(&workspace(), &profile).and_then(|products| install::install(&workspace(), &products, &prefix)) {
+    let workspace = workspace();
+    let (name, done) = match Arguments::parse().task {
+        Task::Install { prefix, profile } => {
+            let products = build::build(&workspace, &profile);
+            ("install", products.and_then(|products| install::install(&workspace, &products, &prefix)))
+        }
+        Task::Wheel { profile, python, maturin } => {
+            ("wheel", wheel::make(&workspace, &profile, &python, &maturin).map(|wheel| vec![wheel]))
+        }
+    };
+    match done {
         Ok(files) => {
             for file in files {
                 println!("{}", file.display());
@@ -39,7 +62,7 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(message) => {
-            eprintln!("cargo xtask install: {message}");
+            eprintln!("cargo xtask {name}: {message}");
             ExitCode::FAILURE
         }
     }
@@ -58,8 +81,9 @@ mod test {
     fn what_is_installed_is_stripped_unless_another_profile_is_named() {
         let profile = |more: &[&str]| {
             let line = ["xtask", "install", "--prefix", "P"].iter().chain(more);
-            let Task::Install { profile, .. } = Arguments::parse_from(line).task;
-            profile
+            match Arguments::parse_from(line).task {
+                Task::Install { profile, .. } | Task::Wheel { profile, .. } => profile,
+            }
         };
         assert_eq!(profile(&["--profile", "dev"]), "dev");
         let manifest = std::fs::read_to_string(workspace().join("Cargo.toml")).expect("the workspace's manifest");

@@ -16,7 +16,7 @@ const FLOORS: [&[&str]; 9] = [
     &["pullout-engine"],
     &["pullout-check", "pullout-fit", "pullout-study"],
     &["pullout-sweep"],
-    &["driver", "pullout-bench"],
+    &["driver", "pullout-bench", "pullout-python"],
 ];
 
 fn floor(package: &str) -> Option<usize> {

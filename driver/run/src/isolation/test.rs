@@ -39,6 +39,10 @@ fn only_what_was_built_with_the_program_runs_in_it_unasked() {
     std::fs::write(&copy, content).expect("a file");
     assert!(!trust::is_shipped(&copy), "it is not the same any more");
     assert!(!trust::may_run_here(&copy));
+    trust::let_in(&copy);
+    assert!(trust::may_run_here(&copy) && !trust::may_run_here(&plugin("sound_damage")));
+    let case = json!({ "material": { "plugin": copy, "symbol": "umat_" } });
+    assert_eq!(need(&case, Path::new("case.json"), &[]), None);
 }
 
 #[test]

@@ -2,10 +2,12 @@
 
 use super::{system, worker};
 use crate::input::{self, Input};
+use std::collections::BTreeSet;
 use std::env;
 use std::fs::{self, Metadata};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 use umat_abi::host::{self, Library, LoadError};
 
 /// Length and SHA-256 of the plugins and the utility routines that were built with this program. It stands in the program itself: neither a case
@@ -23,6 +25,23 @@ pub fn let_all_in() {
 /// Whether the user has said so.
 pub fn all_are_let_in() -> bool {
     ALL_ARE_LET_IN.load(Ordering::Relaxed)
+}
+
+/// The files of [`let_in`].
+static LET_IN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Lets a library run in this process from now on: the user answers for it.
+pub fn let_in(library: &Path) {
+    LET_IN.lock().unwrap_or_else(PoisonError::into_inner).insert(real(library));
+}
+
+/// Whether the user answers for a library.
+pub(super) fn is_let_in(library: &Path) -> bool {
+    all_are_let_in() || LET_IN.lock().unwrap_or_else(PoisonError::into_inner).contains(&real(library))
+}
+
+fn real(library: &Path) -> PathBuf {
+    library.canonicalize().unwrap_or_else(|_| library.to_owned())
 }
 
 /// Whether a library was built with this program.
@@ -51,7 +70,7 @@ pub fn look_where_it_was_built() {
 
 /// Whether a library may be loaded into this process.
 pub fn may_run_here(library: &Path) -> bool {
-    !system::IS_SUPPORTED || all_are_let_in() || worker::is_this_process() || is_shipped(library)
+    !system::IS_SUPPORTED || is_let_in(library) || worker::is_this_process() || is_shipped(library)
 }
 
 /// Loads a library into this process.

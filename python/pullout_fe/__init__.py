@@ -1,0 +1,68 @@
+"""Constitutive laws, material points and fibre pull-out: the engine of the program ``pullout`` in Python."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+from . import _core
+from .case import Case, schema
+from .errors import (
+    CaseError,
+    PluginCrashed,
+    PluginError,
+    PulloutError,
+    RunFailed,
+    TimeLimit,
+    UpdateFailed,
+)
+from .law import Law, Parameter, State, Update, plugins
+from .model import Fit, Model
+from .fields import Mesh
+from .run import Failure, History, Peak, Run, point, ramp, read, run
+
+__all__ = [
+    "Case",
+    "CaseError",
+    "Failure",
+    "Fit",
+    "History",
+    "Law",
+    "Mesh",
+    "Model",
+    "Parameter",
+    "Peak",
+    "PluginCrashed",
+    "PluginError",
+    "PulloutError",
+    "Run",
+    "RunFailed",
+    "State",
+    "TimeLimit",
+    "Update",
+    "UpdateFailed",
+    "__version__",
+    "plugins",
+    "point",
+    "program",
+    "ramp",
+    "read",
+    "run",
+    "schema",
+]
+
+__version__: str = _core.VERSION
+
+
+def program() -> Path | None:
+    """The program ``pullout`` that was installed with this package; ``None``: it is not there."""
+    # lib/python3.*/site-packages/pullout_fe, or a folder that pip was told to install into
+    package = Path(__file__).resolve().parent
+    for prefix in (*package.parents[3:4], Path(sys.prefix), package.parent):
+        if _core.is_shipped(prefix / "lib" / "pullout" / _core.UTILITIES):
+            return prefix / "bin" / "pullout"
+    return None
+
+
+if (_program := program()) is not None:
+    _core.set_program(_program)

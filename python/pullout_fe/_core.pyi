@@ -1,0 +1,62 @@
+from collections.abc import Callable
+from os import PathLike
+from pathlib import Path
+from typing import Any, final
+
+from numpy import float64
+from numpy.typing import NDArray
+
+__all__ = [
+    "Plugin",
+    "UTILITIES",
+    "VERSION",
+    "check",
+    "document",
+    "find",
+    "is_shipped",
+    "plugins",
+    "program",
+    "run",
+    "schema",
+    "set_program",
+    "sha256",
+    "unit",
+]
+
+VERSION: str
+UTILITIES: str
+
+_Parts = tuple[Path | None, str | None, Path, list[str], list[Path]]
+
+@final
+class Plugin:
+    def __new__(cls, path: str | PathLike[str], law: str | None = None, in_process: bool = False) -> Plugin: ...
+    def describe(self) -> str: ...
+    def props(self, props: str) -> list[float]: ...
+    def evaluate(
+        self,
+        mode: str,
+        props: NDArray[float64],
+        strain: NDArray[float64],
+        dstrain: NDArray[float64],
+        stress: NDArray[float64],
+        state: NDArray[float64],
+        tangent: NDArray[float64] | None,
+        lengths: NDArray[float64] | None,
+        time: tuple[float, float],
+        threads: int,
+    ) -> list[tuple[int, str, float | None]]: ...
+
+def find(name: str) -> Path: ...
+def plugins() -> list[str]: ...
+def is_shipped(path: str | PathLike[str]) -> bool: ...
+def sha256(path: str | PathLike[str]) -> str: ...
+def set_program(file: str | PathLike[str]) -> None: ...
+def program() -> Path: ...
+def unit(column: str) -> str: ...
+def schema() -> str: ...
+def document(case: _Parts) -> str: ...
+def check(case: _Parts) -> list[str]: ...
+def run(
+    case: _Parts, threads: int, listener: Callable[[float, dict[str, float]], Any] | None, in_process: bool
+) -> tuple[list[tuple[str, str, NDArray[float64]]], str, str | None]: ...

@@ -1,0 +1,118 @@
+"""Cases: what is to be run."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+from pathlib import Path
+from typing import Any, Iterable, Mapping, Union
+
+import numpy as np
+
+from . import _core
+from .errors import CaseError
+
+__all__ = ["Case", "CaseLike", "schema"]
+
+
+def schema() -> dict[str, Any]:
+    """The JSON schema of cases and studies."""
+    made: dict[str, Any] = json.loads(_core.schema())
+    return made
+
+
+def _plain(value: Any) -> Any:
+    """What JSON does not know by itself: arrays and numbers of NumPy, paths."""
+    if isinstance(value, (np.ndarray, np.generic)):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError(f"a {type(value).__name__} has no place in a case")
+
+
+def _text(value: Any) -> str:
+    try:
+        return json.dumps(value, default=_plain, allow_nan=False, ensure_ascii=False)
+    except (TypeError, ValueError) as error:
+        raise CaseError(str(error)) from None
+
+
+def dotted(path: str) -> str:
+    """A place as changes name it, ``steps.0.increments``, also of ``$.steps[0].increments``."""
+    return path.removeprefix("$.").replace("[", ".").replace("]", "")
+
+
+class Case:
+    """A case file, or a case as a dictionary as `the case format <case-format>` has it.
+
+    ``folder`` is the one that file names in a dictionary are relative to (default: the working directory). Plugins are looked
+    for in ``plugin_paths`` first.
+    """
+
+    def __init__(
+        self,
+        source: CaseLike,
+        *,
+        folder: str | os.PathLike[str] | None = None,
+        plugin_paths: Iterable[str | os.PathLike[str]] = (),
+    ) -> None:
+        self._file: Path | None = None
+        self._document: str | None = None
+        self._overrides: list[str] = []
+        self._folder: Path
+        self._plugin_paths: list[Path]
+        paths = [Path(path).absolute() for path in plugin_paths]
+        if isinstance(source, Case):
+            self._file, self._document, self._overrides = source._file, source._document, list(source._overrides)
+            self._folder, paths = source._folder, paths + source._plugin_paths
+        elif isinstance(source, Mapping):
+            self._document = _text(dict(source))
+            self._folder = Path(folder or "").absolute()
+        else:
+            self._file = Path(source).absolute()
+            self._folder = self._file.parent
+        self._plugin_paths = paths
+
+    def with_(self, changes: Mapping[str, Any]) -> Case:
+        """The same case with other values: ``{"material.props.E": 2e5, "steps[0].increments": 10}``."""
+        changed = Case(self)
+        changed._overrides += [f"{dotted(path)}={_text(value)}" for path, value in changes.items()]
+        return changed
+
+    @property
+    def document(self) -> dict[str, Any]:
+        """The case as a dictionary, changes included."""
+        made: dict[str, Any] = json.loads(_core.document(self._parts()))
+        return made
+
+    def check(self) -> list[str]:
+        """Check all of it; the result is what the user should know although nothing is wrong.
+
+        Raises :class:`CaseError` with everything that is wrong, or :class:`PluginError`. A case whose plugins run in a process
+        of their own is checked there when it runs.
+        """
+        return list(_core.check(self._parts()))
+
+    def _parts(self) -> tuple[Path | None, str | None, Path, list[str], list[Path]]:
+        return self._file, self._document, self._folder, self._overrides, self._plugin_paths
+
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Case) and self._parts() == other._parts()
+
+    def __hash__(self) -> int:
+        return hash((self._file, self._document, self._folder, *self._overrides))
+
+    def __repr__(self) -> str:
+        name = str(self._file) if self._file is not None else f"{self.document.get('kind', 'no kind')}"
+        changes = f" with {', '.join(self._overrides)}" if self._overrides else ""
+        return f"<Case {name}{changes}>"
+
+    def _repr_html_(self) -> str:
+        document = self.document
+        title = html.escape(str(document.get("title", self._file or "case")))
+        text = html.escape(json.dumps(document, indent=2, ensure_ascii=False))
+        return f"<details><summary>{title}</summary><pre>{text}</pre></details>"
+
+
+CaseLike = Union[Case, Mapping[str, Any], str, "os.PathLike[str]"]

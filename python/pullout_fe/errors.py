@@ -1,0 +1,86 @@
+"""What goes wrong, by type. Everything is a :class:`PulloutError`, and also the builtin exception that fits."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Sequence
+
+if TYPE_CHECKING:
+    from .case import Case
+    from .run import Run
+
+__all__ = [
+    "CaseError",
+    "PluginCrashed",
+    "PluginError",
+    "PulloutError",
+    "RunFailed",
+    "TimeLimit",
+    "UpdateFailed",
+]
+
+
+class PulloutError(Exception):
+    """Anything that the engine refuses or fails at."""
+
+
+class CaseError(PulloutError, ValueError):
+    """A case, or an argument, that is wrong.
+
+    ``problems`` has everything that is wrong with it: pairs of the place in the case (``$.steps[0].target``) and what.
+    """
+
+    problems: list[tuple[str, str]]
+
+    def __init__(self, problems: str | Sequence[tuple[str, str]]) -> None:
+        self.problems = [("$", problems)] if isinstance(problems, str) else list(problems)
+        words = [message if place == "$" else f"{place}: {message}" for place, message in self.problems]
+        super().__init__("\n".join(words))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.problems,)
+
+
+class PluginError(PulloutError, OSError):
+    """A plugin that cannot be found or loaded, or may not be loaded here."""
+
+
+class RunFailed(PulloutError, RuntimeError):
+    """A run that came to no end of its own.
+
+    ``run`` has the rows so far, ``replay`` is a case that repeats the failed increment or call; both may be ``None``.
+    """
+
+    def __init__(self, message: str, run: Run | None = None, replay: Case | None = None) -> None:
+        super().__init__(message)
+        self.run = run
+        self.replay = replay
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (str(self), self.run, self.replay)
+
+
+class PluginCrashed(RunFailed):
+    """A plugin that ended its process."""
+
+
+class TimeLimit(RunFailed):
+    """A call of a plugin that did not come back in time."""
+
+
+class UpdateFailed(RunFailed):
+    """Points of :meth:`Law.evaluate` that the law did not update.
+
+    ``points`` has the index of each, why, and the fraction of the increment that is worth a try (``None``: none is).
+    """
+
+    points: list[tuple[int, str, float | None]]
+
+    def __init__(self, name: str, points: Sequence[tuple[int, str, float | None]]) -> None:
+        self.name = name
+        self.points = list(points)
+        first, words, _ = self.points[0]
+        others = f", and {len(self.points) - 1} more points" if len(self.points) > 1 else ""
+        super().__init__(f"{name}, point {first}: {words}{others}")
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.name, self.points)

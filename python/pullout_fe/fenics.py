@@ -1,0 +1,150 @@
+"""Laws in dolfinx: models of the protocol of fenics-constitutive (``IncrSmallStrainModel``). dolfinx is not needed here."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import CaseError
+from .law import Law, Props
+
+__all__ = ["Constraint", "SmallStrainModel"]
+
+Array = NDArray[np.float64]
+
+
+class Constraint(NamedTuple):
+    """A stand-in for fenics-constitutive's ``StressStrainConstraint`` where that is not installed."""
+
+    name: str
+    stress_strain_dim: int
+    geometric_dim: int
+
+
+#: by name: our mode, and which of the Mandel components our components are
+_MODES = {
+    "FULL": ("3d", [0, 1, 2, 3, 4, 5]),
+    "PLANE_STRAIN": ("plane_strain", [0, 1, 2, 3]),
+    "PLANE_STRESS": ("plane_stress", [0, 1, 3]),
+}
+
+
+class SmallStrainModel:
+    """A law for all integration points of a mesh.
+
+    Stresses, strains and tangents are in Mandel notation, points one behind the other in flat arrays. The history has the
+    total strains and the law's states: ``history_dim`` says how many.
+
+    A point that the law refuses raises :class:`~pullout_fe.UpdateFailed`: the caller takes a smaller increment.
+    """
+
+    def __init__(
+        self,
+        law: Law | str,
+        props: Props = None,
+        constraint: Any = "FULL",
+        *,
+        length: Any = None,
+        threads: int = 1,
+    ) -> None:
+        self.law = law if isinstance(law, Law) else Law(law)
+        self.props = self.law.props(props)
+        self.length, self.threads = length, threads
+        name = constraint if isinstance(constraint, str) else constraint.name
+        if name not in _MODES:
+            raise CaseError([("constraint", f"'{name}' is none of {', '.join(_MODES)}")])
+        self._name = name
+        self._mode, self._components = _MODES[name]
+        # Mandel's shear strains are engineering's over √2, its shear stresses ours times √2
+        self._factors = np.array([1.0 if component < 3 else np.sqrt(2.0) for component in self._components])
+
+    @property
+    def constraint(self) -> Any:
+        """fenics-constitutive's enumerator, or a :class:`Constraint`."""
+        try:
+            from fenics_constitutive.models import StressStrainConstraint
+        except ImportError:
+            return Constraint(self._name, self.stress_strain_dim, self.geometric_dim)
+        return StressStrainConstraint[self._name]
+
+    @property
+    def stress_strain_dim(self) -> int:
+        """Components of stress and strain: 6, or 4 in a plane."""
+        return 6 if self._name == "FULL" else 4
+
+    @property
+    def geometric_dim(self) -> int:
+        """Dimensions of space."""
+        return 3 if self._name == "FULL" else 2
+
+    @property
+    def history_dim(self) -> dict[str, int | tuple[int, int]] | None:
+        """Values of each point that the caller keeps."""
+        dimensions: dict[str, int | tuple[int, int]] = {"strain": len(self._components)}
+        if self.law.nstatv > 0:
+            dimensions["state"] = self.law.nstatv
+        return dimensions
+
+    def evaluate(
+        self,
+        t: float,
+        del_t: float,
+        grad_del_u: Array,
+        stress: Array,
+        tangent: Array | None,
+        history: dict[str, Array] | None,
+    ) -> None:
+        """Overwrite stress, tangent and history with those at the end of the increment."""
+        if history is None:
+            raise CaseError([("history", "is needed: it keeps the strains")])
+        dimension, components = self.stress_strain_dim, self._components
+        increment = self._strain(np.asarray(grad_del_u, dtype=float))
+        strain = history["strain"].reshape(-1, len(components))
+        state = history["state"].reshape(len(strain), -1) if self.law.nstatv > 0 else None
+        mandel = stress.reshape(-1, dimension)
+        update = self.law.evaluate(
+            strain,
+            increment,
+            state,
+            self.props,
+            mode=self._mode,
+            stress=mandel[:, components] / self._factors,
+            tangent=tangent is not None,
+            threads=self.threads,
+            length=self.length,
+            time=t,
+            # laws divide by it
+            dtime=del_t if del_t > 0.0 else 1e-12,
+        )
+        mandel[:, components] = update.stress * self._factors
+        strain += increment
+        if state is not None:
+            state[...] = update.state
+        if tangent is not None and update.tangent is not None:
+            moduli = tangent.reshape(-1, dimension, dimension)
+            moduli[...] = 0.0
+            moduli[:, np.array(components)[:, None], components] = update.tangent * np.outer(self._factors, self._factors)
+
+    def evaluate_without_tangent(
+        self, t: float, del_t: float, grad_del_u: Array, stress: Array, history: dict[str, Array] | None
+    ) -> None:
+        """As :meth:`evaluate`, faster."""
+        self.evaluate(t, del_t, grad_del_u, stress, None, history)
+
+    def update(self) -> None:
+        """Nothing: all that a point has is in its history."""
+
+    def _strain(self, gradient: Array) -> Array:
+        """Strains with engineering shear, in our order, of gradients row by row."""
+        size = self.geometric_dim
+        gradient = gradient.reshape(-1, size, size)
+        strain = np.zeros((len(gradient), 6))
+        for k in range(size):
+            strain[:, k] = gradient[:, k, k]
+        strain[:, 3] = gradient[:, 0, 1] + gradient[:, 1, 0]
+        if size == 3:
+            strain[:, 4] = gradient[:, 0, 2] + gradient[:, 2, 0]
+            strain[:, 5] = gradient[:, 1, 2] + gradient[:, 2, 1]
+        return np.ascontiguousarray(strain[:, self._components])

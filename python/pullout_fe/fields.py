@@ -1,0 +1,100 @@
+"""Meshes and fields that a run left in its result folder."""
+
+from __future__ import annotations
+
+import base64
+import xml.etree.ElementTree as ElementTree
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import PulloutError
+
+if TYPE_CHECKING:
+    import pyvista
+
+__all__ = ["Mesh", "Series"]
+
+_TYPES = {"Float64": "<f8", "Int32": "<i4", "Int64": "<i8", "UInt8": "u1"}
+
+
+class Mesh(NamedTuple):
+    """The mesh at a time, with the fields on it. Nodes are numbered from 0 here."""
+
+    time: float
+    #: (n, 3), where they were before the run
+    points: NDArray[np.float64]
+    #: nodes of all cells one behind the other, where each cell ends in them, and VTK's types
+    connectivity: NDArray[np.int64]
+    offsets: NDArray[np.int64]
+    types: NDArray[np.uint8]
+    #: by name, a row a node
+    point_data: dict[str, NDArray[Any]]
+    #: by name, a row a cell
+    cell_data: dict[str, NDArray[Any]]
+
+    def cells(self) -> list[NDArray[np.int64]]:
+        """The nodes of each cell."""
+        return np.split(self.connectivity, self.offsets[:-1])
+
+    def to_pyvista(self) -> pyvista.UnstructuredGrid:
+        """The same for pyvista, which must be installed."""
+        import pyvista
+
+        sizes = np.diff(self.offsets, prepend=0)
+        flat = np.insert(self.connectivity, self.offsets - sizes, sizes)
+        grid = pyvista.UnstructuredGrid(flat, self.types, self.points)
+        grid.point_data.update(self.point_data)
+        grid.cell_data.update(self.cell_data)
+        return grid
+
+
+class Series:
+    """The meshes of a run: what is in the file ``fields.pvd`` of its folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+        file = folder / "fields.pvd"
+        if not file.is_file():
+            raise PulloutError(f"{folder} has no fields: set \"output\": {{\"vtu\": true}} in the case")
+        sets = [dict(entry.attrib) for entry in ElementTree.parse(file).getroot().iter("DataSet")]
+        #: times of the meshes
+        self.times = [float(entry["timestep"]) for entry in sets if entry["part"] == "0"]
+        self._files = [[entry["file"] for entry in sets if entry["part"] == part] for part in ("0", "1")]
+
+    def mesh(self, frame: int = -1) -> Mesh:
+        """The solids."""
+        return _read(self._folder / self._files[0][frame])
+
+    def contact(self, frame: int = -1) -> Mesh:
+        """The contact points, where they are then."""
+        if not self._files[1]:
+            raise PulloutError(f"{self._folder}: the specimen has no contact")
+        return _read(self._folder / self._files[1][frame])
+
+
+def _read(file: Path) -> Mesh:
+    root = ElementTree.parse(file).getroot()
+
+    def arrays(path: str) -> dict[str, NDArray[Any]]:
+        found = {}
+        for array in root.findall(f"./UnstructuredGrid/{path}/DataArray"):
+            content = base64.b64decode(array.text or "")
+            # the number of bytes stands in front
+            values = np.frombuffer(content, _TYPES[array.attrib["type"]], offset=8)
+            columns = int(array.attrib.get("NumberOfComponents", 1))
+            found[array.attrib["Name"]] = values.reshape(-1, columns) if columns > 1 else values
+        return found
+
+    cells = arrays("Piece/Cells")
+    return Mesh(
+        float(arrays("FieldData")["TimeValue"][0]),
+        arrays("Piece/Points")["Points"],
+        cells["connectivity"],
+        cells["offsets"],
+        cells["types"],
+        arrays("Piece/PointData"),
+        arrays("Piece/CellData"),
+    )

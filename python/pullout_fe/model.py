@@ -1,0 +1,200 @@
+"""Models: parameters in, a curve out; what optimisers, samplers and sensitivity studies call."""
+
+from __future__ import annotations
+
+from concurrent.futures import Executor, ThreadPoolExecutor
+from typing import Any, Mapping, NamedTuple, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .case import Case, CaseLike, dotted
+from .errors import CaseError, RunFailed
+from .run import run
+
+__all__ = ["Fit", "Model"]
+
+Array = NDArray[np.float64]
+#: where a parameter stands in the case, and "log" where its logarithm is what varies
+Free = Union[str, "tuple[str, str]"]
+
+#: relative step of differences: larger ones change the increments that a specimen takes by itself, smaller ones meet the
+#: tolerance of its equilibrium
+STEP = 1e-6
+
+
+class Fit(NamedTuple):
+    """What a fit found."""
+
+    #: parameters by name
+    values: dict[str, float]
+    #: of the parameters, in their order
+    covariance: Array
+    correlations: Array
+    #: parameters that the data do not tell: another value fits as well
+    not_identifiable: list[str]
+    #: half the sum of the squares of the residuals
+    cost: float
+    #: runs
+    evaluations: int
+
+    def standard_errors(self) -> dict[str, float]:
+        """Of the parameters, by name."""
+        return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist()))
+
+
+class Model:
+    """A case as a function of some numbers in it.
+
+    ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
+    steps and fits are in the logarithm. ``curve``: two columns of the history. On the ``grid`` of values of the first the second
+    is interpolated, at the first time that a value is passed, NaN behind the end; without a grid it is as the run has it, and
+    the increments must not depend on the parameters.
+
+    ``on_failure``: "raise", or a number which then stands for the whole curve (``np.nan``).
+    """
+
+    def __init__(
+        self,
+        case: CaseLike,
+        parameters: Mapping[str, Free],
+        curve: tuple[str, str],
+        grid: ArrayLike | None = None,
+        *,
+        on_failure: str | float = "raise",
+        bounds: Mapping[str, tuple[float, float]] | None = None,
+        in_process: bool = False,
+    ) -> None:
+        self.case = Case(case)
+        self.names = list(parameters)
+        self._paths = [free if isinstance(free, str) else free[0] for free in parameters.values()]
+        self._is_log = np.array([not isinstance(free, str) and free[1] == "log" for free in parameters.values()], dtype=bool)
+        self.curve = curve
+        self.grid = None if grid is None else np.asarray(grid, dtype=float)
+        self.on_failure = on_failure
+        self.in_process = in_process
+        given = bounds or {}
+        self.bounds = [given.get(name, (-np.inf, np.inf)) for name in self.names]
+        document = self.case.document
+        #: the parameters as the case has them; NaN where it leaves them to their defaults
+        self.x0: Array = np.array([_number(document, path) for path in self._paths])
+
+    def __call__(self, x: ArrayLike) -> Array:
+        """The curve of these parameters."""
+        values = np.atleast_1d(np.asarray(x, dtype=float))
+        if values.shape != (len(self.names),):
+            raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
+        case = self.case.with_(dict(zip(self._paths, values.tolist())))
+        try:
+            history = run(case, in_process=self.in_process).history
+        except RunFailed:
+            if isinstance(self.on_failure, str):
+                raise
+            return np.full(1 if self.grid is None else self.grid.shape, self.on_failure)
+        along, values = (history[name] for name in self.curve)
+        if self.grid is None:
+            return np.array(values)
+        # the first passage: a snap-back goes back along the first column
+        first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
+        found: Array = np.interp(self.grid, along[first], values[first], right=np.nan)
+        return found
+
+    def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
+        """The curves of rows of parameters: in threads, or by an executor of yours."""
+        rows = list(np.atleast_2d(np.asarray(points, dtype=float)))
+        if executor is not None:
+            return np.array(list(executor.map(self, rows)))
+        with ThreadPoolExecutor(workers) as threads:
+            return np.array(list(threads.map(self, rows)))
+
+    def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
+        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`."""
+        start = np.atleast_1d(np.asarray(x, dtype=float))
+        steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
+        # the step that the sum has
+        moved = start + np.diag(steps)
+        curves = self.batch(np.vstack([start, moved]), executor)
+        derivatives: Array = ((curves[1:] - curves[0]) / (np.diag(moved) - start)[:, None]).T
+        return derivatives
+
+    def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
+        """Curve less data, in standard deviations; 0 where the data are NaN."""
+        difference = (self(x) - np.asarray(data, dtype=float)) / np.asarray(sigma, dtype=float)
+        return np.where(np.isnan(np.asarray(data, dtype=float)), 0.0, difference)
+
+    def fit(self, data: ArrayLike, sigma: ArrayLike = 1.0, x0: ArrayLike | None = None, **options: Any) -> Fit:
+        """The parameters that fit data best, by ``scipy.optimize.least_squares`` (``options`` are its own).
+
+        The covariance is that of errors of ``sigma`` each.
+        """
+        from scipy.optimize import least_squares
+
+        start = self.x0 if x0 is None else np.asarray(x0, dtype=float)
+        if not np.all(np.isfinite(start)):
+            missing = [name for name, value in zip(self.names, start) if not np.isfinite(value)]
+            raise CaseError(f"the case does not say {', '.join(missing)}: give x0")
+        logarithmic = self._is_log
+        target = np.asarray(data, dtype=float)
+        weight = np.where(np.isnan(target), 0.0, 1.0) / np.asarray(sigma, dtype=float)
+
+        def outer(z: Array) -> Array:
+            return np.where(logarithmic, np.exp(np.where(logarithmic, z, 0.0)), z)
+
+        def inner(x: Array) -> Array:
+            return np.where(logarithmic, np.log(np.where(logarithmic, x, 1.0)), x)
+
+        def derivatives(z: Array) -> Array:
+            x = outer(z)
+            matrix: Array = self.jac(x) * weight[:, None] * np.where(logarithmic, x, 1.0)
+            return matrix
+
+        runs = 0
+
+        def residual(z: Array) -> Array:
+            nonlocal runs
+            runs += 1
+            return self.residual(outer(z), target, sigma)
+
+        lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
+        with np.errstate(divide="ignore"):
+            # of what is positive
+            limits = [inner(np.where(logarithmic, np.maximum(lower, 0.0), lower)), inner(upper)]
+        found = least_squares(residual, inner(start), derivatives, bounds=(limits[0], limits[1]), x_scale="jac", **options)
+        values = outer(found.x)
+        jacobian = np.asarray(found.jac) / np.where(logarithmic, values, 1.0)
+        covariance, unknown = _covariance(jacobian, values)
+        deviations = np.sqrt(np.diag(covariance))
+        with np.errstate(invalid="ignore", divide="ignore"):
+            correlations = covariance / np.outer(deviations, deviations)
+        return Fit(
+            dict(zip(self.names, values.tolist())),
+            covariance,
+            correlations,
+            [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
+            float(found.cost),
+            runs + int(found.njev or 0) * (1 + len(self.names)),
+        )
+
+
+def _covariance(jacobian: Array, values: Array) -> tuple[Array, Array]:
+    """The covariance, and which parameters it does not hold for: those of directions that change nothing."""
+    scale = np.where(values == 0.0, 1.0, np.abs(values))
+    _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=False)
+    # a relative change of 1 that moves the curve by less than a thousandth of a standard deviation is not seen
+    is_seen = singular > max(1e-3, 1e-9 * float(singular.max(initial=0.0)))
+    unknown = np.any(np.abs(directions[~is_seen]) > 0.1, axis=0)
+    inverse = directions[is_seen].T @ np.diag(singular[is_seen] ** -2.0) @ directions[is_seen]
+    covariance = inverse * np.outer(scale, scale)
+    covariance[unknown, :] = np.nan
+    covariance[:, unknown] = np.nan
+    return covariance, unknown
+
+
+def _number(document: Any, path: str) -> float:
+    """The number at a place of a case: ``steps[0].target.e11``."""
+    for part in dotted(path).split("."):
+        try:
+            document = document[int(part)] if isinstance(document, list) else document[part]
+        except (KeyError, IndexError, ValueError, TypeError):
+            return float("nan")
+    return float(document) if isinstance(document, (int, float)) else float("nan")

@@ -1,0 +1,318 @@
+"""Runs: a case in, curves out."""
+
+from __future__ import annotations
+
+import html
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Callable, Iterator, Mapping, NamedTuple, Sequence, Union
+
+import numpy as np
+from numpy.typing import NDArray
+
+from . import _core
+from .case import Case, CaseLike
+from .errors import PluginCrashed, PulloutError, RunFailed, TimeLimit
+from .fields import Mesh, Series
+
+if TYPE_CHECKING:
+    import pandas
+    import polars
+    import pyarrow
+
+    from .law import Law, Props
+
+__all__ = ["Failure", "History", "Peak", "Progress", "Run", "point", "ramp", "read", "run"]
+
+#: hears which part is done, and the present row by columns; an exception ends the run
+Progress = Callable[[float, "dict[str, float]"], None]
+
+
+class Peak(NamedTuple):
+    """Extremes of a column."""
+
+    max: float | None
+    min: float | None
+    #: step and increment of the greatest value, and of the least
+    max_at: tuple[int, int] | None
+    min_at: tuple[int, int] | None
+
+
+class Failure(NamedTuple):
+    """How a run failed."""
+
+    #: "crashed", "timeout", or why the increment has no solution
+    kind: str
+    step: int
+    increment: int
+    message: str
+
+
+class History(Mapping[str, "NDArray[np.float64]"]):
+    """The rows of a run by columns: arrays that cannot be written, of the memory in which the engine left them."""
+
+    def __init__(self, columns: Mapping[str, NDArray[np.float64]], units: Mapping[str, str]) -> None:
+        self._columns = dict(columns)
+        for column in self._columns.values():
+            column.flags.writeable = False
+        #: units by columns, empty for numbers
+        self.units = dict(units)
+
+    def __getitem__(self, name: str) -> NDArray[np.float64]:
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(f"{name!r} is none of the columns {', '.join(self._columns)}") from None
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    @property
+    def rows(self) -> int:
+        """Number of rows, the initial state included; of the longest of several tables."""
+        return max((len(column) for column in self._columns.values()), default=0)
+
+    def _equal(self) -> dict[str, NDArray[np.float64]]:
+        """Columns of equal length: those of shorter tables end in NaN."""
+
+        def filled(column: NDArray[np.float64]) -> NDArray[np.float64]:
+            missing = self.rows - len(column)
+            return np.concatenate([column, np.full(missing, np.nan)]) if missing else column
+
+        return {name: filled(column) for name, column in self._columns.items()}
+
+    def to_pandas(self) -> pandas.DataFrame:
+        """A DataFrame; pandas must be installed."""
+        import pandas
+
+        return pandas.DataFrame(self._equal(), copy=False)
+
+    def to_polars(self) -> polars.DataFrame:
+        """A DataFrame; polars must be installed."""
+        import polars
+
+        return polars.DataFrame(self._equal())
+
+    def to_arrow(self) -> pyarrow.Table:
+        """A Table; pyarrow must be installed."""
+        import pyarrow
+
+        return pyarrow.table(self._equal())
+
+    def __repr__(self) -> str:
+        return f"<History of {self.rows} rows: {', '.join(self._columns)}>"
+
+    def _repr_html_(self) -> str:
+        most = 5
+        head = "".join(
+            f"<th>{html.escape(name)}{f' ({html.escape(unit)})' if (unit := self.units.get(name)) else ''}</th>"
+            for name in self._columns
+        )
+        columns = list(self._equal().values())
+        shown = list(range(self.rows)) if self.rows <= 2 * most else [*range(most), -1, *range(self.rows - most, self.rows)]
+        lines = [
+            "<tr>" + "".join(f"<td>{column[row]:.6g}</td>" if row >= 0 else "<td>…</td>" for column in columns) + "</tr>"
+            for row in shown
+        ]
+        return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
+
+
+class Run:
+    """What came out of a run."""
+
+    def __init__(
+        self, case: Case | None, history: History, summary: dict[str, Any], replay: str | None, folder: Path | None = None
+    ) -> None:
+        self.case = case
+        self.history = history
+        #: the result folder, if there is one
+        self.folder = folder
+        #: what ``summary.json`` of a result folder holds
+        self.summary = summary
+        #: "done", "failed", or "interrupted"
+        self.status: str = summary["status"]
+        #: a case that repeats the increment or the call that failed
+        self.replay = None if replay is None else Case(json.loads(replay))
+        failed = summary.get("failed_at")
+        #: how and where it failed, if it did
+        self.failure: Failure | None = None
+        if self.status == "failed":
+            place = failed or {}
+            self.failure = Failure(
+                place.get("kind", "failed"), place.get("step", 0), place.get("increment", 0), summary.get("message", "")
+            )
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the user should know although nothing is wrong."""
+        return list(self.summary["warnings"])
+
+    def peak(self, column: str) -> Peak:
+        """Extremes of a column over all increments, written or not."""
+        peaks = self.summary["peaks"]
+        if column not in peaks:
+            raise KeyError(f"{column!r} is none of {', '.join(peaks)}")
+        row = peaks[column]
+
+        def place(name: str) -> tuple[int, int] | None:
+            return (row[name]["step"], row[name]["increment"]) if row[name] else None
+
+        return Peak(row["max"], row["min"], place("max_at"), place("min_at"))
+
+    @property
+    def series(self) -> Series:
+        """All meshes with fields that the run wrote into its folder."""
+        if self.folder is None:
+            raise PulloutError("fields are written into a folder: run the case with out=…")
+        return Series(self.folder)
+
+    def mesh(self, frame: int = -1) -> Mesh:
+        """The mesh with the fields on it: the last one, or number ``frame`` of those that were written."""
+        return self.series.mesh(frame)
+
+    def fields(self, name: str, frame: int = -1) -> NDArray[Any]:
+        """A field by its name: a row a node, or a row a cell."""
+        mesh = self.mesh(frame)
+        fields = {**mesh.cell_data, **mesh.point_data}
+        if name not in fields:
+            raise KeyError(f"{name!r} is none of {', '.join(fields)}")
+        return fields[name]
+
+    def __repr__(self) -> str:
+        title = self.summary.get("title", "")
+        return f"<Run {title!r}: {self.status}, {self.summary['increments']} increments, {self.history.rows} rows>"
+
+    def _repr_html_(self) -> str:
+        words = html.escape(repr(self)[1:-1])
+        message = f"<br>{html.escape(self.failure.message)}" if self.failure else ""
+        return f"<b>{words}</b>{message}{self.history._repr_html_()}"
+
+
+def run(
+    case: CaseLike,
+    *,
+    threads: int = 1,
+    progress: bool | Progress = False,
+    in_process: bool = False,
+    on_failure: str = "raise",
+    out: str | os.PathLike[str] | None = None,
+) -> Run:
+    """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
+
+    With ``out``, the program runs it into this result folder, with pictures, report and fields; progress is not told then.
+
+    ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
+    bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
+    Ctrl-C ends it too.
+
+    Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
+    for those of this case.
+
+    A run that fails raises :class:`RunFailed` (:class:`PluginCrashed`, :class:`TimeLimit`), which has what was reached as
+    ``run`` and a case that repeats the failure as ``replay``; with ``on_failure="return"`` it is returned as any other.
+    """
+    case = case if isinstance(case, Case) else Case(case)
+    if out is not None:
+        return _ended(_run_into(case, Path(out).absolute(), threads, in_process), on_failure)
+    bar = _Bar() if progress is True else None
+    listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
+    try:
+        columns, summary, replay = _core.run(case._parts(), int(threads), listener, in_process)
+    finally:
+        if bar is not None:
+            bar.close()
+    history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
+    return _ended(Run(case, history, json.loads(summary), replay), on_failure)
+
+
+def _ended(made: Run, on_failure: str) -> Run:
+    if made.failure is not None and on_failure != "return":
+        kinds = {"crashed": PluginCrashed, "timeout": TimeLimit}
+        raise kinds.get(made.failure.kind, RunFailed)(made.failure.message, made, made.replay)
+    return made
+
+
+def _run_into(case: Case, out: Path, threads: int, in_process: bool) -> Run:
+    """A run of the program."""
+    case.check()
+    file, document, folder, overrides, plugin_paths = case._parts()
+    # a document comes through a pipe, and stands in its folder
+    command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
+    command += ["--in-process"] if in_process else []
+    command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
+    command += ["--", "/dev/stdin" if file is None else file]
+    ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)
+    if ended.returncode not in (0, 1) or not (out / "summary.json").is_file():
+        raise PulloutError(ended.stderr.strip() or f"the program ended with exit code {ended.returncode}")
+    made = read(out)
+    made.case = case
+    return made
+
+
+def read(folder: str | os.PathLike[str]) -> Run:
+    """The run whose results are in a folder."""
+    folder = Path(folder).absolute()
+    try:
+        summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
+        with open(folder / "history.csv", encoding="utf-8") as file:
+            names = file.readline().strip().split(",")
+            values = np.loadtxt(file, delimiter=",", ndmin=2)
+    except (OSError, ValueError) as error:
+        raise PulloutError(f"{folder} has no results: {error}") from None
+    columns = dict(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
+    replay = folder / "replay.json"
+    text = replay.read_text(encoding="utf-8") if replay.is_file() else None
+    return Run(None, History(columns, {name: _core.unit(name) for name in names}), summary, text, folder)
+
+
+def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:
+    """A step of a case: ``ramp(100, e11=-3e-3, s22="hold")``."""
+    step: dict[str, Any] = {"increments": increments, "target": target}
+    if time is not None:
+        step["time"] = time
+    return step
+
+
+def point(
+    law: Law | str, props: Props, mode: str, steps: Sequence[Mapping[str, Any]], *, title: str = "", **others: Any
+) -> Case:
+    """A case of kind "point" for :func:`run`; ``others`` are more of its keys, such as ``characteristic_length=10.0``."""
+    material: dict[str, Any] = {"plugin": law if isinstance(law, str) else str(law.path)}
+    if props is not None:
+        material["props"] = props
+    if not isinstance(law, str) and not law.parameters:
+        material["nstatv"] = law.nstatv
+    return Case({"kind": "point", "title": title, "material": material, "mode": mode, "steps": list(steps), **others})
+
+
+class _Bar:
+    """tqdm's bar where it is installed, else one line."""
+
+    def __init__(self) -> None:
+        self._start = time.monotonic()
+        self._bar: Any = None
+        try:
+            from tqdm.auto import tqdm
+        except ImportError:
+            return
+        self._bar = tqdm(total=100.0, bar_format="{l_bar}{bar}| [{elapsed}<{remaining}]")
+
+    def __call__(self, fraction: float, row: dict[str, float]) -> None:
+        if self._bar is not None:
+            self._bar.update(100.0 * fraction - self._bar.n)
+        else:
+            words = f"{100.0 * fraction:3.0f} %  {time.monotonic() - self._start:.1f} s"
+            print(f"\r{words}", end="", file=sys.stderr, flush=True)
+
+    def close(self) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        else:
+            print(file=sys.stderr)

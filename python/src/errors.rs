@@ -1,0 +1,68 @@
+//! Errors as the package's own exceptions, which are written in Python (`pullout_fe.errors`).
+
+use pullout_case::CaseProblem;
+use pyo3::exceptions::PyRuntimeError;
+use pyo3::prelude::*;
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// An exception of the package.
+#[derive(Clone, Copy, Debug)]
+pub enum Exception {
+    /// Wrong input.
+    Case,
+    /// A library that cannot be used.
+    Plugin,
+    /// Anything else that the engine cannot go on with.
+    Pullout,
+}
+
+impl Exception {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Case => "CaseError",
+            Self::Plugin => "PluginError",
+            Self::Pullout => "PulloutError",
+        }
+    }
+
+    /// Makes it of a message.
+    pub fn with(self, message: impl Into<String>) -> PyErr {
+        self.of((message.into(),))
+    }
+
+    /// Makes it of its arguments.
+    fn of<A>(self, arguments: A) -> PyErr
+    where
+        A: for<'py> pyo3::call::PyCallArgs<'py> + Send + Sync + 'static,
+    {
+        Python::attach(|py| {
+            let made = py
+                .import("pullout_fe.errors")
+                .and_then(|module| module.getattr(self.name()))
+                .and_then(|class| class.call1(arguments));
+            made.map_or_else(|error| error, PyErr::from_value)
+        })
+    }
+}
+
+/// Everything that is wrong with a case.
+pub fn case_error(problems: &[CaseProblem]) -> PyErr {
+    let pairs: Vec<(String, String)> = problems
+        .iter()
+        .map(|problem| (problem.place.as_ref().map_or("$", |place| place.as_str()).to_owned(), problem.message.clone()))
+        .collect();
+    Exception::Case.of((pairs,))
+}
+
+/// Runs what Python calls: a panic, which is an error of ours, becomes an exception like others.
+pub fn without_panic<R>(body: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
+    catch_unwind(AssertUnwindSafe(body)).unwrap_or_else(|panic| Err(of_panic(&*panic)))
+}
+
+/// The exception that a panic becomes.
+pub fn of_panic(panic: &(dyn Any + Send)) -> PyErr {
+    let words = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    let message = format!("an error of the engine's own: {}", words.unwrap_or("a panic"));
+    if std::thread::panicking() { PyRuntimeError::new_err(message) } else { Exception::Pullout.with(message) }
+}

@@ -1,0 +1,26 @@
+//! The compiled part of the package `pullout_fe`. What users meet is written in Python beside it; here is what must be
+//! fast, and what only the engine knows.
+
+mod errors;
+mod law;
+mod run;
+
+/// The module `pullout_fe._core`.
+#[pyo3::pymodule]
+mod _core {
+    #[pymodule_export]
+    use super::law::{Plugin, find, is_shipped, plugins, sha256};
+    #[pymodule_export]
+    use super::run::{check, document, program, run, schema, set_program, unit};
+
+    /// The package's version.
+    #[pymodule_export]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+    /// File name of the library of the utility routines, by which an installation is known.
+    #[pymodule_init]
+    fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
+        use pyo3::types::PyModuleMethods;
+        module.add("UTILITIES", umat_abi::host::library_file_name(umat_abi::host::UTILITIES))
+    }
+}

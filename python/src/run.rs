@@ -1,0 +1,210 @@
+//! Runs of cases.
+
+use crate::errors::{Exception, case_error, of_panic, without_panic};
+use numpy::{IntoPyArray, PyArray1};
+use pullout_case::CaseErrors;
+use pullout_engine::{Error, Outcome, Settings, Source};
+use pullout_run::PLUGIN_STACK;
+use pullout_run::isolation;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use serde_json::Value;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{self, RecvTimeoutError};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::time::Duration;
+
+/// Time between two looks at signals and progress.
+const LOOK: Duration = Duration::from_millis(50);
+/// A run that was told to end has so long before it is left alone with that.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// A case as Python has it: a file or a document, the folder of a document, changes, folders of plugins.
+pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
+
+/// Columns with their units, `summary.json`, and the replay case.
+type Results<'py> = (Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>, String, Option<String>);
+
+/// How far a run is: the part that is done, and the present row.
+type State = Option<(f64, Vec<f64>)>;
+
+fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<Source> {
+    let mut source = match (file, document) {
+        (Some(file), _) => Source::file(&file),
+        (None, document) => {
+            let text = document.unwrap_or_default();
+            let document: Value = serde_json::from_str(&text).map_err(|e| Exception::Case.with(e.to_string()))?;
+            Source::document(document, &folder)
+        }
+    };
+    (source.overrides, source.plugin_paths) = (overrides, plugin_paths);
+    Ok(source)
+}
+
+/// What is wrong with a case, or with its plugins alone.
+fn refusal(errors: &CaseErrors) -> PyErr {
+    let is_plugin = |problem: &pullout_case::CaseProblem| problem.kind == pullout_case::ProblemKind::PluginNotLoadable;
+    match errors.problems.as_slice() {
+        [first, ..] if errors.problems.iter().all(is_plugin) => Exception::Plugin.with(first.to_string()),
+        problems => case_error(problems),
+    }
+}
+
+/// The case with its changes, as JSON.
+#[pyfunction]
+pub fn document(case: Parts) -> PyResult<String> {
+    without_panic(|| {
+        let source = source(case)?;
+        match source.text() {
+            Some(document) => Ok(document.to_string()),
+            None => {
+                Err(source.read().err().map_or_else(|| Exception::Case.with("is no case"), |errors| refusal(&errors)))
+            }
+        }
+    })
+}
+
+/// The schema of cases, as JSON.
+#[pyfunction]
+pub fn schema() -> PyResult<String> {
+    without_panic(|| Ok(pullout_case::schema().to_string()))
+}
+
+/// Checks a case; the result is its warnings.
+#[pyfunction]
+pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
+    without_panic(|| {
+        let source = source(case)?;
+        let read = py.detach(|| with_stack(|| source.read()))?;
+        let prepared = read.map_err(|errors| refusal(&errors))?;
+        Ok(prepared.case().map(|case| case.about().warnings.clone()).unwrap_or_default())
+    })
+}
+
+/// Runs a case. `listener` is called with the part that is done and the present row.
+#[pyfunction]
+#[pyo3(signature = (case, threads, listener, in_process))]
+pub fn run(
+    py: Python<'_>,
+    case: Parts,
+    threads: usize,
+    listener: Option<Py<PyAny>>,
+    in_process: bool,
+) -> PyResult<Results<'_>> {
+    without_panic(|| {
+        let source = source(case)?;
+        if in_process {
+            source.need().iter().flat_map(|need| need.libraries.keys()).for_each(|library| isolation::let_in(library));
+        }
+        let stop = Arc::new(AtomicBool::new(false));
+        let state: Arc<Mutex<State>> = Arc::default();
+        let (columns, named) = mpsc::channel();
+        let settings = Settings {
+            threads: NonZeroUsize::new(threads),
+            stop: Arc::clone(&stop),
+            listener: listener.as_ref().map(|_| {
+                let state = Arc::clone(&state);
+                let hear = move |part: f64, row: &pullout_run::path::Row<'_>| {
+                    let place = [row.step, row.increment].map(f64::from);
+                    let values = place.into_iter().chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
+                    *state.lock().unwrap_or_else(PoisonError::into_inner) = Some((part, values.collect()));
+                };
+                Box::new(hear) as _
+            }),
+        };
+        let work = move || -> Result<Outcome, Error> {
+            let prepared = source.read()?;
+            let _ = columns.send(prepared.case().map(pullout_case::Case::columns).unwrap_or_default());
+            prepared.run(settings)
+        };
+        let (answer, answered) = mpsc::channel();
+        // a receiver is shared with no other thread, not even across the release of the GIL
+        let answered = Mutex::new(answered);
+        let wait = |time| answered.lock().unwrap_or_else(PoisonError::into_inner).recv_timeout(time);
+        let thread = std::thread::Builder::new().name("pullout".into()).stack_size(PLUGIN_STACK);
+        let thread = thread.spawn(move || {
+            let _ = answer.send(work());
+        })?;
+        let mut names = Vec::new();
+        let outcome = loop {
+            let heard = py.detach(|| wait(LOOK));
+            let told = py.check_signals().and_then(|()| {
+                let Some(listener) = &listener else { return Ok(()) };
+                if names.is_empty() {
+                    names = named.try_recv().unwrap_or_default();
+                }
+                let present = state.lock().unwrap_or_else(PoisonError::into_inner).take();
+                let is_done = matches!(&heard, Ok(Ok(outcome)) if outcome.is_done());
+                present.map_or(Ok(()), |(part, row)| tell(py, listener, &names, if is_done { 1.0 } else { part }, &row))
+            });
+            match (heard, told) {
+                (Ok(Ok(_)) | Err(RecvTimeoutError::Timeout), Err(error)) => {
+                    stop.store(true, Ordering::Relaxed);
+                    let _ = py.detach(|| wait(PATIENCE));
+                    return Err(error);
+                }
+                (Ok(outcome), _) => break outcome,
+                (Err(RecvTimeoutError::Timeout), Ok(())) => {}
+                (Err(RecvTimeoutError::Disconnected), _) => {
+                    let panic = thread.join().err();
+                    return Err(
+                        panic.map_or_else(|| Exception::Pullout.with("the run ended"), |panic| of_panic(&*panic))
+                    );
+                }
+            }
+        };
+        match outcome {
+            Ok(outcome) => results(py, outcome),
+            Err(Error::Case(errors)) => Err(refusal(&errors)),
+            Err(error) => Err(Exception::Pullout.with(error.to_string())),
+        }
+    })
+}
+
+fn tell(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: &[f64]) -> PyResult<()> {
+    let columns = PyDict::new(py);
+    for (name, value) in names.iter().zip(row) {
+        columns.set_item(name, value)?;
+    }
+    listener.call1(py, (part, columns)).map(|_| ())
+}
+
+fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
+    let summary = outcome.summary.text()?;
+    let replay = outcome.replay.map(|replay| replay.to_string());
+    let columns = outcome.history.into_columns();
+    // the memory is handed over, not copied
+    let columns = columns.map(|(name, values)| {
+        let unit = Outcome::unit(&name);
+        (name, unit, values.into_pyarray(py))
+    });
+    Ok((columns.collect(), summary, replay))
+}
+
+/// Does something that may call plugins on a thread with the stack that they may want.
+fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
+    std::thread::scope(|scope| {
+        let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK).spawn_scoped(scope, work)?;
+        thread.join().map_err(|panic| of_panic(&*panic))
+    })
+}
+
+/// Says which file is the program `pullout`.
+#[pyfunction]
+pub fn set_program(file: PathBuf) {
+    pullout_engine::set_program(&file);
+}
+
+/// The program `pullout`.
+#[pyfunction]
+pub fn program() -> PyResult<PathBuf> {
+    isolation::program().map(Into::into).map_err(|error| Exception::Plugin.with(error.to_string()))
+}
+
+/// The unit of a column; empty for numbers and for columns that no history has.
+#[pyfunction]
+pub fn unit(column: &str) -> &'static str {
+    Outcome::unit(column)
+}

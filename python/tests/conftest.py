@@ -1,0 +1,57 @@
+"""Libraries of others, compiled once."""
+
+from __future__ import annotations
+
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+#: elasticity of one modulus; what it does at the call that DSTRAN(1) chooses
+SOURCE = """
+      SUBROUTINE UMAT(STRESS,STATEV,DDSDDE,SSE,SPD,SCD,RPL,DDSDDT,
+     1 DRPLDE,DRPLDT,STRAN,DSTRAN,TIME,DTIME,TEMP,DTEMP,PREDEF,DPRED,
+     2 CMNAME,NDI,NSHR,NTENS,NSTATV,PROPS,NPROPS,COORDS,DROT,PNEWDT,
+     3 CELENT,DFGRD0,DFGRD1,NOEL,NPT,LAYER,KSPT,JSTEP,KINC)
+      IMPLICIT REAL*8(A-H,O-Z)
+      CHARACTER*80 CMNAME
+      DIMENSION STRESS(NTENS),STATEV(NSTATV),DDSDDE(NTENS,NTENS),
+     1 STRAN(NTENS),DSTRAN(NTENS),PROPS(NPROPS),TIME(2)
+      IF (STRAN(1)+DSTRAN(1).GT.1.D0) THEN
+{act}
+      END IF
+      DO 10 I=1,NTENS
+      DO 10 J=1,NTENS
+      DDSDDE(I,J)=0.D0
+   10 CONTINUE
+      DO 20 I=1,NTENS
+      DDSDDE(I,I)=PROPS(1)
+      STRESS(I)=STRESS(I)+PROPS(1)*DSTRAN(I)
+   20 CONTINUE
+      STATEV(1)=STATEV(1)+1.D0
+      RETURN
+      END
+"""
+
+ACTS = {
+    "stops": "      STOP",
+    "hangs": "   30 IF (NTENS.GT.0) GOTO 30",
+    "refuses": "      PNEWDT=0.5D0\n      RETURN",
+}
+
+
+@pytest.fixture(scope="session")
+def umats(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Libraries by what they do."""
+    compiler = shutil.which("gfortran")
+    if compiler is None:
+        pytest.skip("no gfortran")
+    folder = tmp_path_factory.mktemp("umats")
+    libraries = {}
+    for name, act in ACTS.items():
+        source, library = folder / f"{name}.f", folder / f"lib{name}.so"
+        source.write_text(SOURCE.format(act=act))
+        subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source], check=True)
+        libraries[name] = library
+    return libraries

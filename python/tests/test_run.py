@@ -1,0 +1,205 @@
+"""Runs: curves, errors, progress, Ctrl-C."""
+
+from __future__ import annotations
+
+import json
+import os
+import pickle
+import signal
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pullout_fe as po
+
+CRUSHING = {
+    "kind": "point",
+    "title": "Uniaxial compression, then unloading",
+    "material": {"plugin": "concrete_damage", "props": {"E": 31800.0, "nu": 0.18, "b_c": 0.3}},
+    "mode": "3d",
+    "steps": [{"increments": 100, "target": {"e11": -0.003}}, {"increments": 50, "target": {"s11": 0.0}}],
+}
+
+#: takes long
+LONG = {**CRUSHING, "steps": [{"increments": 3_000_000, "target": {"e11": -0.003}}]}
+
+
+def test_a_run_gives_columns_that_are_not_copied() -> None:
+    run = po.run(CRUSHING)
+    assert run.status == "done" and run.failure is None and run.replay is None
+    stress = run.history["s11"]
+    assert stress is run.history["s11"] and not stress.flags.writeable and stress.shape == (151,)
+    # the array's memory is the engine's, handed over
+    assert not stress.flags.owndata
+    assert run.history.units["s11"] == "MPa"
+    assert run.peak("s11").min == stress.min() and run.peak("s11").min_at is not None
+    assert list(run.history)[:2] == ["step", "increment"]
+    with pytest.raises(KeyError, match="s11"):
+        run.history["sigma"]
+    assert "<th>s11 (MPa)</th>" in run._repr_html_() and "150 increments" in repr(run)
+
+
+def test_a_run_is_what_the_program_makes_of_it(tmp_path: Path) -> None:
+    program = po.program()
+    assert program is not None
+    file = tmp_path / "case.json"
+    file.write_text(json.dumps(CRUSHING))
+    subprocess.run([program, "run", "--quiet", "--out", tmp_path / "out", file], check=True)
+    written = np.genfromtxt(tmp_path / "out/history.csv", delimiter=",", names=True)
+    run = po.run(file)
+    for name in run.history:
+        assert np.array_equal(run.history[name], written[name]), name
+    assert not list(Path(".").glob("out"))
+
+
+def test_cases_are_made_and_changed() -> None:
+    case = po.Case(CRUSHING)
+    softer = case.with_({"material.props.E": 2e4, "steps[0].increments": np.int64(10)})
+    assert softer.document["material"]["props"]["E"] == 2e4 and case.document["material"]["props"]["E"] == 31800.0
+    assert po.run(softer).history.rows == 61
+    assert po.run(pickle.loads(pickle.dumps(softer))).history.rows == 61
+    made = po.point("linear_elastic", {"E": 10.0, "nu": 0.0}, "3d", [po.ramp(4, e11=1e-3)])
+    assert np.allclose(po.run(made).history["s11"], 1e-2 * np.arange(5) / 4)
+    assert "steps" in po.schema()["$defs"]["PointCase"]["properties"] if "$defs" in po.schema() else True
+
+
+def test_everything_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
+    wrong = {**CRUSHING, "mode": "4d", "steps": []}
+    for act in (po.Case(wrong).check, lambda: po.run(wrong)):
+        with pytest.raises(po.CaseError) as caught:
+            act()
+        assert {place for place, _ in caught.value.problems} == {"$.mode", "$.steps"}
+        assert isinstance(caught.value, ValueError) and pickle.loads(pickle.dumps(caught.value)).problems
+    with pytest.raises(po.PluginError, match="no_law"):
+        po.run(po.Case(CRUSHING).with_({"material.plugin": "no_law"}))
+    with pytest.raises(po.CaseError, match="cannot be read"):
+        po.run(tmp_path / "nothing.json")
+    with pytest.raises(po.CaseError, match="has no place in a case"):
+        po.Case({"kind": object()})
+    with pytest.raises(po.CaseError):
+        po.run({**CRUSHING, "mode": float("nan")})
+
+
+def test_a_failure_has_what_was_reached_and_a_case_that_repeats_it() -> None:
+    # a stress that cannot be reached
+    wrong = po.Case(CRUSHING).with_({"steps": [{"increments": 20, "target": {"s11": -1e4}}]})
+    with pytest.raises(po.RunFailed) as caught:
+        po.run(wrong)
+    run = caught.value.run
+    assert run is not None and run.status == "failed" and run.failure is not None and run.failure.kind == "failed"
+    assert 0 < run.history.rows < 20 and run.failure.increment == run.history.rows
+    assert caught.value.replay is not None
+    with pytest.raises(po.RunFailed):
+        po.run(caught.value.replay)
+    assert po.run(wrong, on_failure="return").status == "failed"
+
+
+def umat(library: Path, end: float) -> po.Case:
+    material = {"plugin": str(library), "props": [3e4], "nstatv": 1, "call_time_limit_s": 1.0}
+    steps = [{"increments": 4, "target": {"e11": end}}]
+    return po.Case({"kind": "point", "material": material, "mode": "3d", "steps": steps})
+
+
+def test_a_umat_that_stops_or_hangs_does_not_end_python(umats: dict[str, Path]) -> None:
+    assert po.run(umat(umats["stops"], 0.5)).history["s11"][-1] == 1.5e4
+    assert str(umats["stops"]) not in Path("/proc/self/maps").read_text()
+    for name, error in (("stops", po.PluginCrashed), ("hangs", po.TimeLimit)):
+        with pytest.raises(error) as caught:
+            po.run(umat(umats[name], 2.0))
+        run = caught.value.run
+        assert run is not None and run.failure is not None and (run.failure.step, run.failure.increment) == (1, 3)
+        assert run.history["e11"][-1] == 1.0 and caught.value.replay is not None
+    with pytest.raises(po.PluginCrashed):
+        po.run(caught.value.replay.with_({"material.plugin": str(umats["stops"])}))
+
+
+def test_progress_is_heard_by_the_calling_thread() -> None:
+    heard: list[tuple[float, dict[str, float], int]] = []
+    start = time.monotonic()
+    case = po.Case(LONG).with_({"steps[0].increments": 100_000})
+    po.run(case, progress=lambda part, row: heard.append((part, row, threading.get_ident())))
+    took = time.monotonic() - start
+    assert heard and {ident for _, _, ident in heard} == {threading.get_ident()}
+    assert len(heard) <= 2 + 20 * took
+    parts = [part for part, _, _ in heard]
+    assert parts == sorted(parts) and 0.0 < parts[0] <= parts[-1] <= 1.0
+    assert "s11" in heard[-1][1] and heard[-1][1]["e11"] < 0.0
+
+
+def test_an_error_in_progress_ends_the_run() -> None:
+    def hear(part: float, row: dict[str, float]) -> None:
+        raise ZeroDivisionError
+
+    start = time.monotonic()
+    with pytest.raises(ZeroDivisionError):
+        po.run(LONG, progress=hear)
+    assert time.monotonic() - start < 2.0
+
+
+def test_ctrl_c_ends_a_run_at_once() -> None:
+    def interrupt() -> None:
+        time.sleep(0.5)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    threading.Thread(target=interrupt).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        po.run(LONG)
+    assert time.monotonic() - start < 1.0
+
+
+def test_runs_in_threads() -> None:
+    expected = po.run(CRUSHING).history["s11"]
+    found: list[np.ndarray] = []
+    threads = [threading.Thread(target=lambda: found.append(po.run(CRUSHING).history["s11"])) for _ in range(8)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert len(found) == 8 and all(np.array_equal(curve, expected) for curve in found)
+
+
+def test_the_program_is_there() -> None:
+    program = Path(sys.prefix) / "bin/pullout"
+    listed = subprocess.run([program, "plugin", "list"], check=True, capture_output=True, text=True, env={}).stdout
+    assert "concrete_damage" in listed
+
+
+def test_other_tables() -> None:
+    history = po.run(CRUSHING).history
+    pandas = pytest.importorskip("pandas")
+    frame = history.to_pandas()
+    assert isinstance(frame, pandas.DataFrame) and frame["s11"].iloc[-1] == history["s11"][-1]
+
+
+FIBRE = Path(__file__).resolve().parents[2] / "cases/chapter-6/6.14-plane.json"
+
+
+def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
+    run = po.run(po.Case(FIBRE).with_({"output.vtu": True, "output.plots": False}), out=tmp_path / "out")
+    memory = po.run(FIBRE)
+    assert run.status == "done" and run.history.units["load"] == "N"
+    assert np.array_equal(run.history["load"], memory.history["load"])
+    assert run.peak("load").max == memory.peak("load").max > 0.0
+    mesh = run.mesh()
+    assert mesh.points.shape == (len(mesh.point_data["node"]), 3) and len(mesh.cells()) == len(mesh.types)
+    assert run.fields("displacement").shape == mesh.points.shape
+    assert len(run.series.times) > 1 and run.series.contact().point_data["pressure"].shape[0] > 0
+    assert po.read(tmp_path / "out").peak("load") == run.peak("load")
+    with pytest.raises(po.PulloutError, match="no results"):
+        po.read(tmp_path)
+    with pytest.raises(po.PulloutError, match="out="):
+        memory.mesh()
+
+
+def test_ctrl_c_ends_a_specimen_at_once() -> None:
+    threading.Timer(0.7, lambda: os.kill(os.getpid(), signal.SIGINT)).start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        po.run(FIBRE)
+    assert time.monotonic() - start < 1.3

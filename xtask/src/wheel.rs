@@ -1,0 +1,112 @@
+//! The wheel: extension, program, laws and headers in one file for Python.
+
+use crate::{build, install};
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+
+/// Where the wheel is made, in the workspace; `python/pyproject.toml` takes the files to be installed from there.
+const FOLDER: &str = "target/wheel";
+/// What Python's installers put under the prefix.
+const DATA: &str = "pullout_fe.data";
+/// A wheel of more bytes is refused by nobody, but waited for by everybody.
+const MOST_BYTES: u64 = 12_000_000;
+/// The profile whose wheels are for others; those of other profiles are for tests.
+pub const FOR_OTHERS: &str = "dist";
+
+/// Builds everything, and makes the wheel of it; the result is its file.
+///
+/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. `maturin` is told more.
+///
+/// # Errors
+/// In words; what a tool has said about it is on the standard error.
+pub fn make(workspace: &Path, profile: &str, python: &Path, maturin: &[String]) -> Result<PathBuf, String> {
+    let folder = workspace.join(FOLDER);
+    if folder.exists() {
+        fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    let products = build::build(workspace, profile)?;
+    install::install(workspace, &products, &folder.join(DATA).join("data"))?;
+    let mut command = Command::new(python);
+    command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
+    command.arg(workspace.join("python/Cargo.toml")).arg("--out").arg(&folder).args(maturin);
+    if profile != FOR_OTHERS {
+        // unstripped and used at once
+        command.args(["--compression-method", "stored", "--auditwheel", "skip"]);
+    }
+    run(&mut command, "maturin")?;
+    let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    let wheel = files.flatten().map(|file| file.path()).find(|file| file.extension().is_some_and(|end| end == "whl"));
+    let wheel = wheel.ok_or("maturin made no wheel")?;
+    if profile == FOR_OTHERS {
+        audit(&wheel, python)?;
+    }
+    Ok(wheel)
+}
+
+/// What a wheel for others must hold.
+fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
+    let size = fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
+    eprintln!("{}: {:.2} MB", wheel.display(), size as f64 / 1e6);
+    if size > MOST_BYTES {
+        return Err(format!("the wheel has {size} bytes, more than {MOST_BYTES}"));
+    }
+    if has(python, "auditwheel") {
+        // "is consistent with the following platform tag: manylinux_…"; maturin does not look at the libraries beside
+        let output = Command::new(python).args(["-m", "auditwheel", "show"]).arg(wheel).output();
+        let output = output.map_err(|error| format!("auditwheel: {error}"))?;
+        let words = String::from_utf8_lossy(&output.stdout).into_owned();
+        eprintln!("{}", words.trim());
+        tag_is_kept(&wheel.file_name().unwrap_or_default().to_string_lossy(), &words)?;
+    }
+    if has(python, "abi3audit") {
+        run(Command::new(python).args(["-m", "abi3audit", "--strict", "--summary"]).arg(wheel), "abi3audit")?;
+    }
+    Ok(())
+}
+
+/// Compares the platform in a wheel's name with what auditwheel says of its libraries.
+fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
+    /// The C library's version of the first tag.
+    fn glibc(text: &str) -> Option<[u32; 2]> {
+        let (_, behind) = text.split_once("manylinux_")?;
+        let mut numbers = behind.split('_').map(|number| number.parse().ok());
+        Some([numbers.next()??, numbers.next()??])
+    }
+    let (_, tag) = words.split_once("platform tag").unwrap_or_default();
+    match (glibc(name), glibc(tag)) {
+        (Some(named), Some(needed)) if needed <= named => Ok(()),
+        (named, needed) => {
+            Err(format!("the wheel is named for the C library {named:?}, its libraries need {needed:?}"))
+        }
+    }
+}
+
+fn has(python: &Path, module: &str) -> bool {
+    let import = format!("import {module}");
+    let found = Command::new(python).args(["-c", &import]).stderr(Stdio::null()).status();
+    found.is_ok_and(|status| status.success())
+}
+
+/// Runs a tool that prints to the standard error: the standard output is the wheel's name.
+fn run(command: &mut Command, name: &str) -> Result<(), String> {
+    let ended =
+        command.stdout(std::io::stderr()).status().map_err(|error| format!("{name} does not start: {error}"))?;
+    if ended.success() { Ok(()) } else { Err(format!("{name}: {ended}")) }
+}
+
+#[cfg(test)]
+mod test {
+    use super::tag_is_kept;
+
+    #[test]
+    fn a_wheel_is_not_named_for_an_older_system_than_its_libraries_need() {
+        let name = "pullout_fe-0.1.0-cp310-abi3-manylinux_2_17_x86_64.manylinux2014_x86_64.whl";
+        let words = |tag: &str| format!("{name} is consistent with the following\nplatform tag: \"{tag}\".\nmore");
+        assert!(tag_is_kept(name, &words("manylinux_2_17_x86_64")).is_ok());
+        assert!(tag_is_kept(name, &words("manylinux_2_5_x86_64")).is_ok());
+        assert!(tag_is_kept(name, &words("manylinux_2_34_x86_64")).is_err());
+        assert!(tag_is_kept(name, &words("linux_x86_64")).is_err());
+        assert!(tag_is_kept("pullout_fe-0.1.0-cp310-abi3-linux_x86_64.whl", &words("manylinux_2_17_x86_64")).is_err());
+    }
+}
