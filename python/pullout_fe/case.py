@@ -33,7 +33,7 @@ def _plain(value: Any) -> Any:
 
 def _text(value: Any) -> str:
     try:
-        return json.dumps(value, default=_plain, allow_nan=False, ensure_ascii=False)
+        return json.dumps(value, default=_plain, allow_nan=False)
     except (TypeError, ValueError) as error:
         raise CaseError(str(error)) from None
 

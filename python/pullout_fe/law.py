@@ -192,6 +192,13 @@ class Law:
             self._check_out(moduli, (count, components, components), 2)
         elif tangent:
             moduli = np.zeros((count, components, components))
+        if out is not None:
+            for place, array in enumerate(out):
+                others = [strains, increments, *(other for k, other in enumerate(out) if k != place)]
+                if any(np.may_share_memory(array, other) for other in others):
+                    raise CaseError([(f"out[{place}]", "lies over another array of the call")])
+        if threads < 1:
+            raise CaseError([("threads", "is 1 or more")])
         lengths = None if length is None else np.ascontiguousarray(np.broadcast_to(np.asarray(length, dtype=float), (count,)))
         refused = self._plugin.evaluate(
             mode,

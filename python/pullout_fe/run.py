@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from . import _core
 from .case import Case, CaseLike
-from .errors import PluginCrashed, PulloutError, RunFailed, TimeLimit
+from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, TimeLimit
 from .fields import Mesh, Series
 
 if TYPE_CHECKING:
@@ -219,6 +219,8 @@ def run(
     ``run`` and a case that repeats the failure as ``replay``; with ``on_failure="return"`` it is returned as any other.
     """
     case = case if isinstance(case, Case) else Case(case)
+    if threads < 1:
+        raise CaseError([("threads", "is 1 or more")])
     if out is not None:
         return _ended(_run_into(case, Path(out).absolute(), threads, in_process), on_failure)
     bar = _Bar() if progress is True else None

@@ -117,6 +117,8 @@ def test_out_takes_the_place_of_what_came_in() -> None:
     for wrong in (np.zeros((10, 5)), np.zeros((10, 6), dtype="f4"), np.zeros((6, 10)).T):
         with pytest.raises(po.CaseError, match=r"out\[0\]"):
             law.evaluate(0.0, strain, out=(wrong, state))
+    with pytest.raises(po.CaseError, match="another array"):
+        law.evaluate(0.0, stress, out=(stress, state))
 
 
 def test_what_is_wrong_is_said_with_its_place() -> None:
@@ -128,6 +130,8 @@ def test_what_is_wrong_is_said_with_its_place() -> None:
     with pytest.raises(po.CaseError) as caught:
         law.props({"E": -1.0, "mu": 1.0})
     assert [place for place, _ in caught.value.problems] == ["$.material.props.mu", "$.material.props.E"]
+    with pytest.raises(po.CaseError, match="threads"):
+        law.evaluate(0.0, np.zeros((1, 6)), threads=0)
     with pytest.raises(ValueError, match="mode"):
         law.evaluate(0.0, np.zeros((1, 6)), mode="2d")
     with pytest.raises(po.CaseError, match=r"\(3, 5\)"):

@@ -81,8 +81,9 @@ def test_everything_that_is_wrong_is_told_at_once(tmp_path: Path) -> None:
         po.run(tmp_path / "nothing.json")
     with pytest.raises(po.CaseError, match="has no place in a case"):
         po.Case({"kind": object()})
-    with pytest.raises(po.CaseError):
-        po.run({**CRUSHING, "mode": float("nan")})
+    for mode in (float("nan"), "\ud800"):
+        with pytest.raises(po.CaseError):
+            po.run({**CRUSHING, "mode": mode})
 
 
 def test_a_failure_has_what_was_reached_and_a_case_that_repeats_it() -> None:
