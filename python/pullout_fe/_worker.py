@@ -79,7 +79,7 @@ class RemotePlugin:
     def _start(self) -> None:
         ours, theirs = socket.socketpair()
         with theirs:
-            command = [sys.executable, "-m", __name__, str(theirs.fileno())]
+            command = [sys.executable, "-c", f"from {__name__} import main; main()", str(theirs.fileno())]
             folder = str(Path(__file__).resolve().parent.parent)
             environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, [folder, os.environ.get("PYTHONPATH")]))}
             self._child = subprocess.Popen(command, pass_fds=[theirs.fileno()], env=environment, stdin=subprocess.DEVNULL)
@@ -133,7 +133,8 @@ def _serve(connection: Connection) -> None:
             connection.send((False, error))
 
 
-def _main() -> None:
+def main() -> None:
+    """What the child does."""
     # Ctrl-C is for the parent, which ends this process
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     descriptor = int(sys.argv[1])
@@ -151,7 +152,3 @@ def _main() -> None:
         _serve(connection)
     except (EOFError, ConnectionError):
         pass
-
-
-if __name__ == "__main__":
-    _main()

@@ -261,17 +261,21 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool) -> Run:
 def read(folder: str | os.PathLike[str]) -> Run:
     """The run whose results are in a folder."""
     folder = Path(folder).absolute()
+    # of a case of kind "bridging", its tables beside each other
+    others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]
+    columns: dict[str, NDArray[np.float64]] = {}
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        with open(folder / "history.csv", encoding="utf-8") as file:
-            names = file.readline().strip().split(",")
-            values = np.loadtxt(file, delimiter=",", ndmin=2)
+        for table in others or [folder / "history.csv"]:
+            with open(table, encoding="utf-8") as file:
+                names = file.readline().strip().split(",")
+                values = np.loadtxt(file, delimiter=",", ndmin=2)
+            columns.update(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
     except (OSError, ValueError) as error:
         raise PulloutError(f"{folder} has no results: {error}") from None
-    columns = dict(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
     replay = folder / "replay.json"
     text = replay.read_text(encoding="utf-8") if replay.is_file() else None
-    return Run(None, History(columns, {name: _core.unit(name) for name in names}), summary, text, folder)
+    return Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
 
 
 def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:

@@ -164,12 +164,15 @@ def test_a_pickle_is_a_recipe(tmp_path: Path, umats: dict[str, Path]) -> None:
         pickle.loads(kept)
 
 
-def test_a_library_that_stops_ends_its_own_process_only(umats: dict[str, Path]) -> None:
+def test_a_library_that_stops_ends_its_own_process_only(
+    umats: dict[str, Path], capfd: pytest.CaptureFixture[str]
+) -> None:
     law = po.Law(umats["stops"], nstatv=1)
     strain = np.zeros((2, 6))
     strain[0, 0] = 1e-3
     update = law.evaluate(0.0, strain, props=[E])
     assert update.stress[0, 0] == E * 1e-3
+    assert capfd.readouterr().err == ""
     with pytest.raises(po.PluginCrashed, match="exit code 0"):
         law.evaluate(0.0, strain + [2.0, 0, 0, 0, 0, 0], props=[E])
     # and is there again

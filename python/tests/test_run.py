@@ -182,8 +182,9 @@ FIBRE = Path(__file__).resolve().parents[2] / "cases/chapter-6/6.14-plane.json"
 
 
 def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
-    run = po.run(po.Case(FIBRE).with_({"output.vtu": True, "output.plots": False}), out=tmp_path / "out")
-    memory = po.run(FIBRE)
+    case = po.Case(FIBRE).with_({"steps.0.slip": 0.1})
+    run = po.run(case.with_({"output.vtu": True, "output.plots": False}), out=tmp_path / "out")
+    memory = po.run(case)
     assert run.status == "done" and run.history.units["load"] == "N"
     assert np.array_equal(run.history["load"], memory.history["load"])
     assert run.peak("load").max == memory.peak("load").max > 0.0
@@ -196,6 +197,13 @@ def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
         po.read(tmp_path)
     with pytest.raises(po.PulloutError, match="out="):
         memory.mesh()
+
+
+def test_fibres_across_a_crack(tmp_path: Path) -> None:
+    case = FIBRE.parents[1] / "bridging/beam.json"
+    run, kept = po.run(case), po.run(case, out=tmp_path / "out")
+    assert list(run.history) == list(kept.history) and {"w", "sigma", "cmod"} <= set(run.history)
+    assert all(np.array_equal(run.history[name], kept.history[name], equal_nan=True) for name in run.history)
 
 
 def test_ctrl_c_ends_a_specimen_at_once() -> None:
