@@ -176,13 +176,13 @@ class Model:
         )
 
 
-def _covariance(jacobian: Array, values: Array) -> tuple[Array, Array]:
+def _covariance(jacobian: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:
     """The covariance, and which parameters it does not hold for: those of directions that change nothing."""
     scale = np.where(values == 0.0, 1.0, np.abs(values))
     _, singular, directions = np.linalg.svd(jacobian * scale, full_matrices=False)
     # a relative change of 1 that moves the curve by less than a thousandth of a standard deviation is not seen
     is_seen = singular > max(1e-3, 1e-9 * float(singular.max(initial=0.0)))
-    unknown = np.any(np.abs(directions[~is_seen]) > 0.1, axis=0)
+    unknown: NDArray[np.bool_] = np.any(np.abs(directions[~is_seen]) > 0.1, axis=0)
     inverse = directions[is_seen].T @ np.diag(singular[is_seen] ** -2.0) @ directions[is_seen]
     covariance = inverse * np.outer(scale, scale)
     covariance[unknown, :] = np.nan

@@ -9,8 +9,8 @@ use std::process::{Command, Stdio};
 const FOLDER: &str = "target/wheel";
 /// What Python's installers put under the prefix.
 const DATA: &str = "pullout_fe.data";
-/// A wheel of more bytes is refused by nobody, but waited for by everybody.
-const MOST_BYTES: u64 = 12_000_000;
+/// A wheel should have no more: it is refused by nobody, but waited for by everybody.
+const BYTES: u64 = 12_000_000;
 /// The profile whose wheels are for others; those of other profiles are for tests.
 pub const FOR_OTHERS: &str = "dist";
 
@@ -30,10 +30,11 @@ pub fn make(workspace: &Path, profile: &str, python: &Path, maturin: &[String]) 
     let mut command = Command::new(python);
     command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
     command.arg(workspace.join("python/Cargo.toml")).arg("--out").arg(&folder).args(maturin);
-    if profile != FOR_OTHERS {
+    command.args(match profile {
+        FOR_OTHERS => ["--compression-level", "9", "--auditwheel", "check"],
         // unstripped and used at once
-        command.args(["--compression-method", "stored", "--auditwheel", "skip"]);
-    }
+        _ => ["--compression-method", "stored", "--auditwheel", "skip"],
+    });
     run(&mut command, "maturin")?;
     let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let wheel = files.flatten().map(|file| file.path()).find(|file| file.extension().is_some_and(|end| end == "whl"));
@@ -48,8 +49,8 @@ pub fn make(workspace: &Path, profile: &str, python: &Path, maturin: &[String]) 
 fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
     let size = fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
     eprintln!("{}: {:.2} MB", wheel.display(), size as f64 / 1e6);
-    if size > MOST_BYTES {
-        return Err(format!("the wheel has {size} bytes, more than {MOST_BYTES}"));
+    if size > BYTES {
+        eprintln!("warning: that is more than {:.0} MB", BYTES as f64 / 1e6);
     }
     if has(python, "auditwheel") {
         // "is consistent with the following platform tag: manylinux_…"; maturin does not look at the libraries beside
