@@ -208,11 +208,41 @@ fn curves_of_runs_give_the_closed_form() {
     let short = ["run", "--out", "short", "--set", r#"fibre.set={"steps.0.slip": 1}"#, case.to_str().expect("UTF-8")];
     let outcome = desk.pullout(short).expect(0);
     assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: its run ends at a slip of 1 mm with "), "{}", outcome.stderr);
+    // the same runs as if they had failed at 8 mm and at 2 mm
+    for (end, code) in [(8.0, 0), (2.0, 1)] {
+        cut_off(&desk.path("out/fibres"), end);
+        let outcome = desk.pullout(["run", "--out", "late", "--overwrite", case.to_str().expect("UTF-8")]).expect(code);
+        let told = match code {
+            0 => "fibre at 0°, 12.2 mm: its run ends at a slip of 7.9",
+            _ => "fibre at 0°, 6.1 mm: planted",
+        };
+        assert!(outcome.stderr.contains(told), "{}", outcome.stderr);
+        let findings = &json(&desk.path("late/summary.json"))["bridging"]["simulations"];
+        assert_eq!(findings["unfinished"].as_u64(), (code == 0).then_some(2));
+    }
     let hopeless = r#"fibre.set={"controls":{"max_iterations":2,"force_tolerance":1e-15},"steps.0.increments.initial":0.002,"steps.0.increments.minimum":0.002}"#;
     let line = ["run", "--out", "failed", "--set", hopeless];
     let outcome = desk.pullout(line.iter().copied().chain([case.to_str().expect("UTF-8")])).expect(1);
     assert!(outcome.stderr.contains("fibre at 0°, 6.1 mm: "), "{}", outcome.stderr);
     assert_eq!(json(&desk.path("failed/summary.json"))["status"], "failed");
+}
+
+/// Ends the histories of runs at a slip, as those of runs that failed there.
+fn cut_off(cache: &Path, end: f64) {
+    for folder in std::fs::read_dir(cache).expect("a cache").map(|entry| entry.expect("an entry").path()) {
+        if !folder.is_dir() {
+            continue;
+        }
+        let file = folder.join("summary.json");
+        let mut summary = json(&file);
+        (summary["status"], summary["message"]) = ("failed".into(), "planted".into());
+        std::fs::write(&file, summary.to_string()).expect("a summary");
+        let history = folder.join("history.csv");
+        let slip = Table::read(&history).column("slip").iter().take_while(|slip| **slip <= end).count();
+        let text = std::fs::read_to_string(&history).expect("a history");
+        let rows: Vec<&str> = text.lines().take(1 + slip).collect();
+        std::fs::write(&history, rows.join("\n") + "\n").expect("a history");
+    }
 }
 
 /// What is claimed of σ(w), found or not found, as the descriptions of the studies tell it.

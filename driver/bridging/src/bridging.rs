@@ -2,6 +2,7 @@
 
 use crate::bond::{Bridged, ClosedSide, ShearLagSide, Side, one_sided, two_sided};
 use crate::inclination::{Inclined, Spalls};
+use crate::interpolation::{monotone, monotone_slopes};
 use crate::quadrature::Resolution;
 use crate::table::{Row, Table};
 use crate::{Closed, Fibre, Inclination, Invalid, ShearLag, Sides};
@@ -26,6 +27,10 @@ enum Source {
     Table(Table),
 }
 
+/// Intervals of the spalled length between which the load of a bond law is a monotone cubic: a load takes an equation of
+/// two unknowns, and a spall an equation of such loads at every angle.
+const SPALLED: usize = 16;
+
 /// One fibre across a crack, at any length and angle.
 #[derive(Clone, Debug)]
 pub struct BridgingFibre {
@@ -48,6 +53,8 @@ pub(crate) struct Prepared<'t> {
 #[derive(Clone, Debug)]
 enum Base<'t> {
     Perpendicular(Bridged),
+    /// With its load over the spalled length: lengths, loads, slopes.
+    Spalling(Bridged, [Vec<f64>; 3]),
     Row(Row<'t>),
 }
 
@@ -55,7 +62,7 @@ impl Prepared<'_> {
     /// Tells apart stages between which the load has a kink.
     pub fn stage(&self) -> usize {
         match &self.base {
-            Base::Perpendicular(bridged) => usize::from(bridged.stage),
+            Base::Perpendicular(bridged) | Base::Spalling(bridged, _) => usize::from(bridged.stage),
             Base::Row(row) => row.cell,
         }
     }
@@ -126,6 +133,14 @@ impl BridgingFibre {
     pub(crate) fn prepare(&self, opening: f64, embedded: f64) -> Prepared<'_> {
         let base = match &self.source {
             Source::Table(table) => Base::Row(table.row(opening, embedded, self.fibre.strength.is_some())),
+            Source::ShearLag(_) if self.spalls.is_some() => {
+                let lengths: Vec<f64> = (0..=SPALLED).map(|k| embedded * k as f64 / SPALLED as f64).collect();
+                let at = lengths.iter().map(|&spalled| self.perpendicular(opening, embedded, spalled));
+                let at: Vec<Bridged> = at.collect();
+                let loads: Vec<f64> = at.iter().map(|bridged| bridged.load).collect();
+                let slopes = monotone_slopes(&lengths, &loads);
+                Base::Spalling(at[0], [lengths, loads, slopes])
+            }
             _ => Base::Perpendicular(self.perpendicular(opening, embedded, 0.0)),
         };
         Prepared { opening, embedded, base }
@@ -161,12 +176,23 @@ impl BridgingFibre {
                 let (load, greatest) = row.at(angle);
                 Inclined { load, greatest, ..Inclined::default() }
             }
-            Base::Perpendicular(bridged) => {
-                let at = |opening: f64, spalled: f64| self.perpendicular(opening, prepared.embedded, spalled);
-                let Prepared { opening, embedded, .. } = *prepared;
-                self.inclination.apply(&self.fibre, angle, opening, embedded, bridged, self.spalls.as_ref(), at)
-            }
+            Base::Perpendicular(bridged) => self.inclined(prepared, angle, bridged, |spalled| {
+                self.perpendicular(prepared.opening, prepared.embedded, spalled)
+            }),
+            Base::Spalling(bridged, [lengths, loads, slopes]) => self.inclined(prepared, angle, bridged, |spalled| {
+                Bridged { load: monotone(spalled, lengths, loads, slopes), ..*bridged }
+            }),
         }
+    }
+
+    fn inclined(
+        &self,
+        &Prepared { opening, embedded, .. }: &Prepared<'_>,
+        angle: f64,
+        base: &Bridged,
+        at: impl Fn(f64) -> Bridged,
+    ) -> Inclined {
+        self.inclination.apply(&self.fibre, angle, opening, embedded, base, self.spalls.as_ref(), at)
     }
 
     pub(crate) fn respond(&self, prepared: &Prepared<'_>, angle: f64) -> Response {
@@ -188,7 +214,7 @@ impl BridgingFibre {
     pub(crate) fn resolution(&self) -> Resolution {
         match (&self.source, &self.spalls) {
             (Source::Closed(_), None) => Resolution::EXACT,
-            (Source::Table(_), _) => Resolution::TABLE,
+            (Source::Table(_), _) | (Source::ShearLag(_), Some(_)) => Resolution::TABLE,
             _ => Resolution::LINES,
         }
     }

@@ -87,8 +87,8 @@ impl Inclination {
         }
     }
 
-    /// Of `base`, the perpendicular fibre at the opening; `at` gives others: (opening, spalled length). `spalls` are those
-    /// of this fibre and matrix.
+    /// Of `base`, the perpendicular fibre at the opening; `at` gives the same with a spalled length. `spalls` are those of
+    /// this fibre and matrix.
     #[expect(clippy::too_many_arguments, reason = "a fibre at an opening, and all that it may depend on")]
     pub(crate) fn apply(
         &self,
@@ -98,7 +98,7 @@ impl Inclination {
         embedded: f64,
         base: &Bridged,
         spalls: Option<&Spalls>,
-        at: impl Fn(f64, f64) -> Bridged,
+        at: impl Fn(f64) -> Bridged,
     ) -> Inclined {
         let scaled = |factor: f64| Inclined {
             load: base.load * factor,
@@ -135,17 +135,20 @@ impl Inclination {
     pub(crate) fn spalls(&self, fibre: &Fibre, at: impl Fn(f64, f64, f64) -> Bridged + Sync) -> Option<Spalls> {
         let Self::Spalling { k, k_sp, ft } = *self else { return None };
         let half = 0.5 * fibre.length;
-        let row = |i: usize| -> Vec<[f64; 2]> {
+        let row = |i: usize| -> Vec<[f64; 3]> {
             let embedded = half * i as f64 / LENGTHS as f64;
             let largest = |j: usize| {
                 if i == 0 || j == 0 {
-                    return [0.0; 2];
+                    return [0.0; 3];
                 }
                 let spalling = Spalling::new(fibre, k, k_sp * ft, FRAC_PI_2 * j as f64 / ANGLES as f64, embedded);
-                let of =
-                    |root: f64| spalling.alone(half * root * root, &|opening, spalled| at(opening, embedded, spalled));
+                let of = |root: f64| {
+                    let opening = half * root * root;
+                    spalling.alone(opening, &|spalled| at(opening, embedded, spalled))
+                };
                 let (root, spalled) = maximum(of, 0.0, 1.0, STEPS);
-                [half * root * root, spalled]
+                let opening = half * root * root;
+                [opening, spalled, spalling.load(opening, spalled, &|spalled| at(opening, embedded, spalled))]
             };
             (0..=ANGLES).map(largest).collect()
         };
@@ -159,15 +162,16 @@ const LENGTHS: usize = 24;
 const ANGLES: usize = 18;
 const STEPS: usize = 20;
 
-/// The greatest spalled length of a whole pull-out, with the opening at which it is reached, by length and angle.
+/// The greatest spalled length of a whole pull-out, with the opening at which it is reached and the load there, by length
+/// and angle: [opening, length, load].
 #[derive(Clone, Debug)]
 pub(crate) struct Spalls {
     half: f64,
-    largest: Vec<Vec<[f64; 2]>>,
+    largest: Vec<Vec<[f64; 3]>>,
 }
 
 impl Spalls {
-    fn largest(&self, embedded: f64, angle: f64) -> [f64; 2] {
+    fn largest(&self, embedded: f64, angle: f64) -> [f64; 3] {
         let place = |part: f64, count: usize| {
             let place = (part * count as f64).min(count as f64);
             let index = (place as usize).min(count - 1);
@@ -176,7 +180,7 @@ impl Spalls {
         let (i, t) = place(embedded / self.half, LENGTHS);
         let (j, s) = place(angle / FRAC_PI_2, ANGLES);
         let [a, b] = [&self.largest[i], &self.largest[i + 1]];
-        [0, 1]
+        [0, 1, 2]
             .map(|k| (1.0 - t) * ((1.0 - s) * a[j][k] + s * a[j + 1][k]) + t * ((1.0 - s) * b[j][k] + s * b[j + 1][k]))
     }
 }
@@ -202,12 +206,12 @@ impl Spalling {
         (2.0 * spalled * sine).atan2(opening + 2.0 * spalled * cosine)
     }
 
-    fn load(&self, opening: f64, spalled: f64, at: &impl Fn(f64, f64) -> Bridged) -> f64 {
-        at(opening, spalled).load * (self.k * (self.angle - self.free_angle(opening, spalled))).exp()
+    fn load(&self, opening: f64, spalled: f64, at: &impl Fn(f64) -> Bridged) -> f64 {
+        at(spalled).load * (self.k * (self.angle - self.free_angle(opening, spalled))).exp()
     }
 
     /// s_f of an opening without those before it.
-    fn alone(&self, opening: f64, at: &impl Fn(f64, f64) -> Bridged) -> f64 {
+    fn alone(&self, opening: f64, at: &impl Fn(f64) -> Bridged) -> f64 {
         if self.per_force == 0.0 {
             return 0.0;
         }
@@ -220,11 +224,11 @@ impl Spalling {
     }
 
     /// At an opening, the greatest spall being reached at another: spalls do not heal.
-    fn after(&self, opening: f64, [peak, largest]: [f64; 2], at: impl Fn(f64, f64) -> Bridged) -> Inclined {
+    fn after(&self, opening: f64, [peak, largest, highest]: [f64; 3], at: impl Fn(f64) -> Bridged) -> Inclined {
         let is_largest = opening >= peak;
         let spalled = if is_largest { largest } else { self.alone(opening, &at).min(largest) };
         let load = self.load(opening, spalled, &at);
-        let greatest = if is_largest { load.max(self.load(peak, spalled, &at)) } else { load };
-        Inclined { load, greatest, spalled, stage: at(opening, spalled).stage % 8 + 8 * u8::from(is_largest) }
+        let greatest = if is_largest { load.max(highest) } else { load };
+        Inclined { load, greatest, spalled, stage: at(spalled).stage % 8 + 8 * u8::from(is_largest) }
     }
 }

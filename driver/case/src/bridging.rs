@@ -2,10 +2,10 @@
 
 use crate::document::bridging::{BridgingCase, FeFibre, FibreOfFile, Openings, ShearLagFibre, Spacing, TableFibre};
 use crate::history;
-use crate::problem::{Place, hint};
+use crate::problem::Place;
 use crate::reader::Reader;
 use crate::table::CsvFile;
-use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Invalid, ShearLag};
+use pullout_bridging::{Bond, BondLaw, Closed, Curve, Fibre, Invalid, Orientation, ShearLag};
 use pullout_run::bridging::{Program, Simulation, Simulations, Source};
 use pullout_run::columns::{self, LEADING};
 use pullout_run::input::is_stream;
@@ -32,8 +32,6 @@ const LENGTHS: [f64; 5] = [0.125, 0.25, 0.5, 0.75, 1.0];
 const LEAST_DEPTH: f64 = 2.0;
 /// Diameters that differ by this part are the same.
 const SAME_DIAMETER: f64 = 1e-6;
-/// Columns of a table of curves.
-const CURVE_COLUMNS: [&str; 4] = ["theta_deg", "embedded", "slip", "load"];
 
 /// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
 pub struct Others {
@@ -55,8 +53,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     let volume_fraction = reader.piece(&case.volume_fraction, &root.key("volume_fraction")).map(|positive| positive.0);
     let matrix = reader.piece(&case.matrix, &root.key("matrix")).copied();
     let orientation = match &case.orientation {
-        Some(piece) => reader.piece(piece, &root.key("orientation")).cloned(),
-        None => Some(pullout_bridging::Orientation::Random3d),
+        Some(piece) => {
+            let given = reader.piece(piece, &root.key("orientation")).cloned();
+            given.and_then(|orientation| counted(reader, orientation))
+        }
+        None => Some(Orientation::Random3d),
     };
     let sides = reader.optional(case.sides.as_ref(), &root.key("sides")).copied().unwrap_or_default();
     let given = reader.optional(case.openings.as_ref(), &root.key("openings")).copied().unwrap_or_default();
@@ -105,7 +106,7 @@ fn program_of(
     fibre: Option<(Fibre, Source)>,
     volume_fraction: Option<f64>,
     matrix: Option<pullout_bridging::Matrix>,
-    orientation: Option<pullout_bridging::Orientation>,
+    orientation: Option<Orientation>,
 ) -> Option<Program> {
     let ((fibre, source), volume_fraction, matrix) = (fibre?, volume_fraction?, matrix?);
     let composite = fibre.modulus * volume_fraction / (matrix.modulus * (1.0 - volume_fraction));
@@ -163,6 +164,34 @@ fn check_tables(reader: &mut Reader<'_>, about: &About, columns: &[String]) {
             reader.problem(&Place::root().key("compare").index(k).key("y"), message);
         }
     }
+}
+
+/// A histogram with what its file says.
+fn counted(reader: &mut Reader<'_>, orientation: Orientation) -> Option<Orientation> {
+    let Orientation::Histogram { edges_deg, counts, file: Some(file) } = &orientation else { return Some(orientation) };
+    let place = Place::root().key("orientation").key("file");
+    if !edges_deg.is_empty() || !counts.is_empty() {
+        reader.problem(&place, "is given beside edges_deg or counts: it has both");
+        return None;
+    }
+    let path = reader.file(file, &place)?;
+    let bins = read_columns(reader, &path, &place, ["from_deg", "to_deg", "count"])?;
+    if let Some(gap) = bins.windows(2).position(|pair| pair[1][0] != pair[0][1]) {
+        let (end, next) = (bins[gap][1], bins[gap + 1][0]);
+        let message = format!("{}: the bin to {end}° is followed by one from {next}°", path.display());
+        reader.problem(&place, message);
+        return None;
+    }
+    let edges = [bins[0][0]].into_iter().chain(bins.iter().map(|bin| bin[1]));
+    let histogram = Orientation::Histogram {
+        edges_deg: edges.collect(),
+        counts: bins.iter().map(|bin| bin[2]).collect(),
+        file: None,
+    };
+    // what is wrong with its numbers is wrong with the file
+    let checked = histogram.directions(f64::MAX, &[]);
+    checked.map_err(|Invalid { rule, .. }| reader.problem(&place, format!("{}: {rule}", path.display()))).ok()?;
+    Some(histogram)
 }
 
 /// The fibre, and where its load comes from.
@@ -338,7 +367,7 @@ fn check_simulation(reader: &mut Reader<'_>, others: &Others, base: &Path, run: 
 fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     let place = Place::root().key("fibre").key("file");
     let path = reader.file(&table.file, &place)?;
-    let rows = read_columns(reader, &path, &place)?;
+    let rows = read_columns(reader, &path, &place, ["theta_deg", "embedded", "slip", "load"])?;
     let mut curves: Vec<Curve> = Vec::new();
     for row in rows {
         let [angle_deg, embedded, slip, load] = [0, 1, 2, 3].map(|k| row[k]);
@@ -354,22 +383,18 @@ fn curves(reader: &mut Reader<'_>, table: &TableFibre) -> Option<Source> {
     Some(Source::Curves(curves, table.cut_deg.unwrap_or(USUAL_CUT.max(widest))))
 }
 
-/// The rows of a table of curves.
-fn read_columns(reader: &mut Reader<'_>, path: &Path, place: &Place) -> Option<Vec<Vec<f64>>> {
-    let messages = match CsvFile::read(path) {
-        Ok(csv) => {
-            let place_of = |name| csv.header.iter().position(|column| column == name).ok_or(name);
-            let found: Result<Vec<usize>, &str> = CURVE_COLUMNS.into_iter().map(place_of).collect();
-            match found {
-                Ok(found) => match csv.numbers(&found, false) {
-                    Ok(rows) => return Some(rows),
-                    Err(messages) => messages.iter().map(|message| format!("{}, {message}", path.display())).collect(),
-                },
-                Err(name) => vec![format!("{} has no column '{name}'{}", path.display(), hint(name, &csv.header))],
-            }
-        }
-        Err(messages) => messages,
-    };
-    messages.into_iter().for_each(|message| reader.problem(place, message));
-    None
+/// The rows of a table with these columns.
+fn read_columns<const N: usize>(
+    reader: &mut Reader<'_>,
+    path: &Path,
+    place: &Place,
+    names: [&str; N],
+) -> Option<Vec<Vec<f64>>> {
+    let rows = CsvFile::read(path).and_then(|csv| {
+        let of_file = |message: &String| format!("{}, {message}", path.display());
+        let found: Result<Vec<usize>, String> = names.into_iter().map(|name| csv.column(name)).collect();
+        let found = found.map_err(|message| vec![of_file(&message)])?;
+        csv.numbers(&found, false).map_err(|messages| messages.iter().map(of_file).collect())
+    });
+    rows.map_err(|messages| messages.into_iter().for_each(|message| reader.problem(place, message))).ok()
 }

@@ -163,8 +163,12 @@ fn named_files(value: &Value, folder: &Path, files: &mut Vec<PathBuf>) {
     match value {
         Value::String(text) if !text.is_empty() => {
             let path = folder.join(text);
-            if path.is_file() {
-                files.push(path);
+            if path.is_file() && !files.contains(&path) {
+                files.push(path.clone());
+                // a case that another one runs names files of its own
+                if path.extension().is_some_and(|extension| extension == "json") {
+                    named_files(&document(&path, &[]).unwrap_or_default(), folder_of(&path), files);
+                }
             }
         }
         Value::Array(entries) => entries.iter().for_each(|entry| named_files(entry, folder, files)),

@@ -205,6 +205,9 @@ pub struct SimulationFindings {
     pub runs: usize,
     /// How many of them were there before.
     pub kept: usize,
+    /// How many stopped early, after their load had fallen to half the peak.
+    #[serde(default)]
+    pub unfinished: usize,
     /// CPU time of all of them, s, those included that were there before.
     pub cpu_time_s: f64,
 }

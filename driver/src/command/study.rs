@@ -142,6 +142,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
         plugin_paths: &arguments.reading.plugin_paths,
         only: &arguments.only,
         force: arguments.force,
+        keep_failed: false,
         overwrite: arguments.overwrite,
         is_untrusted: arguments.reading.untrusted,
     }

@@ -40,6 +40,8 @@ pub struct Execution<'a> {
     pub only: &'a [String],
     /// Run again what is done already.
     pub force: bool,
+    /// Keep what failed: it would fail again.
+    pub keep_failed: bool,
     /// Replace what stands in the way in result directories.
     pub overwrite: bool,
     /// Nobody has looked at the study and its cases.
@@ -85,7 +87,11 @@ impl Execution<'_> {
             .and_then(|text| serde_json::from_slice::<Mark>(&text).ok())
             .is_some_and(|mark| mark.fingerprint == run.fingerprint);
         let summary = is_its_own.then(|| Summary::read(&folder.join("summary.json")).ok()).flatten();
-        let is_done = summary.as_ref().is_some_and(|summary| summary.status == Status::Done);
+        let is_done = summary.as_ref().is_some_and(|summary| match summary.status {
+            Status::Done => true,
+            Status::Failed => self.keep_failed,
+            Status::Interrupted => false,
+        });
         let again = self.force || !self.only.is_empty();
         match self.wants(study, run) {
             false => Some(if summary.is_some() { State::Kept } else { State::NotRun }),

@@ -43,12 +43,18 @@ pub enum Orientation {
         #[serde(default = "first_axis")]
         normal: [f64; 3],
     },
-    /// Counted directions.
+    /// Counted directions: edges and counts, or a file.
     Histogram {
         /// Edges of the bins, degrees.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         edges_deg: Vec<f64>,
         /// Fibres in each, in the volume.
+        #[serde(default, skip_serializing_if = "Vec::is_empty")]
         counts: Vec<f64>,
+        /// CSV file, relative to the case file, with the columns from_deg, to_deg and count: a row a bin, the next begins where
+        /// one ends.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        file: Option<String>,
     },
     /// The normal distribution between 0 and 90° with a given η.
     Number {
@@ -184,7 +190,7 @@ impl Orientation {
                 let density = Density::Sampled(bingham::marginal(a, normal)?);
                 Ok(Directions::new(density, &even(TENSOR_PANELS), breaks))
             }
-            Self::Histogram { edges_deg, counts } => histogram(edges_deg, counts, breaks),
+            Self::Histogram { edges_deg, counts, .. } => histogram(edges_deg, counts, breaks),
             Self::Number { eta, spread_deg } => {
                 let wide = (LEAST_SPREAD_DEG..=90.0).contains(spread_deg);
                 Invalid::unless(wide, place("spread_deg"), "must lie between 0.1 and 90 degrees")?;

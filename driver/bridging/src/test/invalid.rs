@@ -40,9 +40,9 @@ fn numbers_without_sense_are_refused_with_their_place() {
     let orientation = |orientation: Orientation| place(orientation.directions(30.0, &[]));
     assert_eq!(orientation(Orientation::Beta { r: 0.1, q: 1.0 }), "orientation.r");
     assert_eq!(orientation(Orientation::Aligned { mean_deg: 100.0, spread_deg: 5.0 }), "orientation.mean_deg");
-    let uneven = Orientation::Histogram { edges_deg: vec![0.0, 50.0, 40.0], counts: vec![1.0, 1.0] };
+    let uneven = Orientation::Histogram { edges_deg: vec![0.0, 50.0, 40.0], counts: vec![1.0, 1.0], file: None };
     assert_eq!(orientation(uneven), "orientation.edges_deg");
-    let empty = Orientation::Histogram { edges_deg: vec![0.0, 50.0], counts: vec![0.0] };
+    let empty = Orientation::Histogram { edges_deg: vec![0.0, 50.0], counts: vec![0.0], file: None };
     assert_eq!(orientation(empty), "orientation.counts");
     assert_eq!(orientation(Orientation::Number { eta: 0.999, spread_deg: 20.0 }), "orientation.eta");
     let a = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5]];

@@ -19,7 +19,7 @@ fn densities_are_densities() {
         Orientation::Aligned { mean_deg: 0.0, spread_deg: 0.5 },
         Orientation::Beta { r: 1.3, q: 0.8 },
         Orientation::Tensor { a: third(0.6, 0.3, 0.1), normal: [1.0, 0.2, 0.0] },
-        Orientation::Histogram { edges_deg: vec![0.0, 10.0, 40.0, 90.0], counts: vec![3.0, 5.0, 2.0] },
+        Orientation::Histogram { edges_deg: vec![0.0, 10.0, 40.0, 90.0], counts: vec![3.0, 5.0, 2.0], file: None },
         Orientation::Number { eta: 0.7, spread_deg: 20.0 },
         Orientation::Section { size: [150.0, 125.0], faces: Faces { width: 2, height: 1 } },
     ];

@@ -18,6 +18,7 @@ const TABLE: &str = r#"fibre={"diameter": 0.5, "length": 30, "E": 210000, "model
 const LAW: &str =
     r#"fibre={"diameter": 0.5, "length": 30, "E": 210000, "model": "shear_lag", "law": [[0, 1], [0, 2]]}"#;
 
+const COUNTED: &str = r#"orientation={"type": "histogram", "file": "path.csv"}"#;
 const RUNS: &str = r#"fibre={"diameter": 0.406, "length": 24.4, "E": 210000, "model": "fe", "base": "fibre.json"}"#;
 
 const MALFORMED: &[Sample] = &[
@@ -48,6 +49,16 @@ const MALFORMED: &[Sample] = &[
         "must rise between 0 and 90 degrees",
         ByMeaning,
     ),
+    (&[r#"orientation={"type": "histogram"}"#], "$.orientation.edges_deg", "must be one more than counts", ByMeaning),
+    (&[COUNTED], "$.orientation.file", "no column is called 'from_deg'", ByMeaning),
+    (
+        &[COUNTED, "orientation.file=bins.csv"],
+        "$.orientation.file",
+        "the bin to 20° is followed by one from 30°",
+        ByMeaning,
+    ),
+    (&[COUNTED, "orientation.file=empty.csv"], "$.orientation.file", "nor all 0", ByMeaning),
+    (&[COUNTED, "orientation.counts=[1]"], "$.orientation.file", "beside edges_deg or counts", ByMeaning),
     (&[r#"orientation={"type": "number", "eta": 0.999}"#], "$.orientation.eta", "must lie between", ByMeaning),
     (&["openings={\"points\": 1}"], "$.openings.points", "must be >= 3", BySchema),
     (&["openings={\"to\": -1}"], "$.openings.to", "must be > 0", BySchema),
@@ -63,7 +74,7 @@ const MALFORMED: &[Sample] = &[
         ByMeaning,
     ),
     (&[TABLE], "$.fibre.file", "curves.csv cannot be read", ByMeaning),
-    (&[TABLE, "fibre.file=path.csv"], "$.fibre.file", "has no column 'theta_deg'", ByMeaning),
+    (&[TABLE, "fibre.file=path.csv"], "$.fibre.file", "no column is called 'theta_deg'", ByMeaning),
     (&[TABLE, "fibre.file=short.csv"], "$.fibre.curves", "must reach half the length of the fibre", ByMeaning),
     (&[LAW], "$.fibre.law[1]", "must have a greater slip", ByMeaning),
     (&[RUNS, "fibre.base=case.json"], "$.fibre.base", "is no case of kind \"pullout\"", ByMeaning),
@@ -113,6 +124,14 @@ fn what_a_case_leaves_out_is_random_and_two_sided() {
     assert!((program.modular_ratio - 210e3 * 0.01 / (30e3 * 0.99)).abs() < 1e-12);
     assert!(program.columns().iter().any(|column| column == "cmod"));
     assert!(!program.columns().iter().any(|column| column == "load_05"), "nothing was drawn at random");
+}
+
+#[test]
+fn counted_directions_are_read_from_a_file() {
+    let of_file = [COUNTED, "orientation.file=counted.csv"];
+    let Ok(Case::Bridging(program)) = Bench::new().read(&case(), &of_file) else { panic!("a case") };
+    let given = Orientation::Histogram { edges_deg: vec![0.0, 20.0, 90.0], counts: vec![3.0, 4.0], file: None };
+    assert_eq!(program.orientation, given);
 }
 
 /// A plugin's law is the traction that it has under a growing slip.

@@ -76,6 +76,7 @@ fn curves(
         plugin_paths: &reading.plugin_paths,
         only: &[],
         force: false,
+        keep_failed: true,
         overwrite: false,
         is_untrusted: reading.untrusted,
     };
