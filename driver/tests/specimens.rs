@@ -4,6 +4,7 @@ mod program;
 
 use program::{Desk, Run, command, json};
 use serde_json::{Value, json};
+use std::io::Read;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
@@ -121,6 +122,37 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     }
     let drawn = desk.pullout(["plot", "out"]).expect(0).stdout;
     assert!(drawn.contains("load_slip.svg"), "{drawn}");
+}
+
+/// The viewer's states are rows of the history, from the first to the last, and its numbers are as many as its head says.
+#[test]
+fn the_report_shows_states_over_the_run() {
+    let desk = Desk::new();
+    let run = desk.run(&desk.case("case.json", &fibre()), &[], "out", 0);
+    let page = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
+    let part = |class: &str| {
+        let from = page.split_once(&format!("<script class=\"{class}\"")).expect("a script").1;
+        from.split_once('>').and_then(|(_, rest)| rest.split_once("</script>")).expect("its end").0
+    };
+    let head: Value = serde_json::from_str(part("head")).expect("JSON");
+    let count = |key: &str| head[key].as_u64().expect("a count") as usize;
+    let frames = head["frames"].as_array().expect("frames");
+    let (slips, loads) = (run.history.column("slip"), run.history.column("load"));
+    assert!((10..=24).contains(&frames.len()), "{}", frames.len());
+    let told = |frame: &Value| [&frame["slip"], &frame["load"]].map(|value| value.as_f64().expect("a number"));
+    assert_eq!(told(&frames[0]), [slips[0], loads[0]]);
+    assert_eq!(told(&frames[frames.len() - 1]), [*slips.last().expect("rows"), *loads.last().expect("rows")]);
+    let is_row = |frame: &Value| slips.iter().zip(&loads).any(|(slip, load)| told(frame) == [*slip, *load]);
+    assert!(frames.iter().all(is_row));
+    let packed = base64::Engine::decode(&base64::engine::general_purpose::STANDARD, part("data")).expect("base64");
+    let mut data = Vec::new();
+    flate2::read::DeflateDecoder::new(packed.as_slice()).read_to_end(&mut data).expect("deflated");
+    let contacts: usize = frames.iter().map(|frame| frame["contacts"].as_u64().expect("a count") as usize).sum();
+    let fields = head["fields"].as_array().expect("fields").len();
+    assert_eq!(fields, 2, "the concrete is elastic");
+    let (nodes, states) = (count("nodes"), frames.len());
+    let words = 2 * nodes + 3 * count("triangles") + 2 * count("edges") + 6 * contacts;
+    assert_eq!(data.len(), 4 * words + 2 * states * nodes * (2 + fields));
 }
 
 #[test]

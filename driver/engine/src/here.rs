@@ -85,7 +85,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let [wall_time_s, cpu_time_s] = record.times();
     let (peaks, warnings) = (std::mem::take(&mut record.peaks), std::mem::take(&mut record.warnings));
     let cpu_time_s = Some(cpu_time_s);
-    let end = RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings };
+    let states = Default::default();
+    let end =
+        RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states };
     let mut summary = summarise(case, &end, specimen.as_mut())?;
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;

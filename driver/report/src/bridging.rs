@@ -81,7 +81,7 @@ pub fn conclude(
             Ok(done) if case.about().plots => draw(case, directory, &history, done),
             _ => Ok(Vec::new()),
         };
-        page::write(directory, &Account::of(case), &summary, pictures.as_deref().unwrap_or_default())?;
+        page::write(directory, &Account::of(case), &summary, pictures.as_deref().unwrap_or_default(), None)?;
         directory.finish()?;
         pictures.and(compared.map(|_| ()))
     });

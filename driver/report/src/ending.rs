@@ -7,6 +7,8 @@ use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Picture, Spec};
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
+use crate::viewer::States;
+use maud::Markup;
 use pullout_case::Case;
 use pullout_run::isolation::Aftermath;
 use pullout_run::path::{FailedAt, Statistics};
@@ -34,6 +36,8 @@ pub struct RunEnd {
     pub cpu_time_s: Option<f64>,
     /// What the run itself found that the user should know.
     pub warnings: Vec<String>,
+    /// States of a specimen that the report shows.
+    pub states: States,
 }
 
 impl RunEnd {
@@ -45,8 +49,9 @@ impl RunEnd {
         let mut peaks = PeakRecorder::new(&case.columns());
         HistoryFile::open(&folder.join("history.csv"))?.each_row(|row| peaks.observe(&row))?;
         let Aftermath { message, is_interrupted, failed_at, statistics, wall_time_s } = aftermath;
-        let (message, warnings) = (Some(message), Vec::new());
-        Ok(Self { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s: None, warnings })
+        let message = Some(message);
+        let (cpu_time_s, warnings, states) = (None, Vec::new(), States::default());
+        Ok(Self { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states })
     }
 }
 
@@ -69,11 +74,12 @@ pub fn conclude(
     summary.compare = compared.as_ref().map(Vec::clone).unwrap_or_default();
     let text = summary.text()?;
     let written = directory.write(summary::FILE, text).and_then(|_| directory.remove_earlier()).and_then(|()| {
-        let pictures = draw(case, directory, specimen.as_ref());
-        let shown = pictures.as_deref().unwrap_or_default();
-        page::write(directory, &Account::of(case), &summary, shown)?;
+        let drawn = draw(case, directory, specimen.as_ref(), &end.states);
+        let (pictures, viewer) =
+            drawn.as_ref().map_or((&[][..], None), |(pictures, viewer)| (pictures, viewer.as_ref()));
+        page::write(directory, &Account::of(case), &summary, pictures, viewer)?;
         directory.finish()?;
-        pictures.and(compared.map(|_| ()))
+        drawn.and(compared.map(|_| ()))
     });
     Ok((summary, written))
 }
@@ -91,16 +97,21 @@ pub fn compare_all<R: Rows>(case: &Case, history: impl FnOnce() -> io::Result<R>
 }
 
 /// Draws what the case asks for.
-fn draw(case: &Case, directory: &mut ResultDirectory, specimen: Option<&Specimen<'_>>) -> io::Result<Vec<Picture>> {
+fn draw(
+    case: &Case,
+    directory: &mut ResultDirectory,
+    specimen: Option<&Specimen<'_>>,
+    states: &States,
+) -> io::Result<(Vec<Picture>, Option<Markup>)> {
     if !case.about().plots {
-        return Ok(Vec::new());
+        return Ok(Default::default());
     }
     let history = HistoryFile::open(&directory.path().join("history.csv"))?.for_pictures()?;
     let mut pictures = plots::draw(directory, "plots", &history, &Spec::of(case))?;
-    if let Some((program, outcome)) = specimen {
-        pictures.extend(pictures::draw(directory, "plots", program, outcome)?);
-    }
-    Ok(pictures)
+    let Some((program, outcome)) = specimen else { return Ok((pictures, None)) };
+    pictures.extend(pictures::draw(directory, "plots", program, outcome)?);
+    let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
+    Ok((pictures, states.page(program, curve)?))
 }
 
 /// Says what came out, but for comparisons with curves.

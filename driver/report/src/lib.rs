@@ -18,6 +18,7 @@ pub mod plots;
 pub mod progress;
 pub mod record;
 pub mod summary;
+pub mod viewer;
 
 #[cfg(test)]
 mod test;

@@ -38,7 +38,7 @@ const ACTIVITIES: [Class; 4] = [
     (RGBColor(0xd5, 0x5e, 0x00), "damaged"),
     (RGBColor(0xe6, 0x9f, 0x00), "yielded"),
 ];
-const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
+pub(crate) const ALONG_HOLE: &str = "distance along the hole from where the fibre ended at first";
 const ALONG_FIBRE: &str = "distance from the embedded end along the fibre";
 
 /// Draws everything into a folder of the result directory.

@@ -3,7 +3,9 @@
 use crate::history::{History, HistoryWriter};
 use crate::progress::Progress;
 use crate::summary::PeakRecorder;
+use crate::viewer::States;
 use fe_core::assembly::GREATEST_COUNT;
+use fe_core::stepping::Snapshot;
 use pullout_run::isolation::worker;
 use pullout_run::path::{Observer, Row, Statistics};
 use pullout_run::pullout::checkpoint::Saved;
@@ -20,6 +22,8 @@ use std::time::{Duration, Instant};
 /// Takes the history down as the run goes on, and knows the peaks and the progress.
 pub struct Record {
     rows: Rows,
+    /// States of a specimen that the report shows; `None`: there is no report.
+    states: Option<States>,
     /// Another thread sets it to end the run.
     stop: Option<Arc<AtomicBool>>,
     /// Extremes of the columns.
@@ -55,6 +59,7 @@ pub struct Kept {
     /// SHA-256 of that.
     pub history_sha256: String,
     peaks: PeakRecorder,
+    states: Option<States>,
     done: u64,
     times_s: [f64; 2],
 }
@@ -84,6 +89,7 @@ impl Record {
         let (start, cpu_start) = (Instant::now(), time_of(clock));
         Self {
             rows,
+            states: None,
             stop: None,
             peaks,
             progress,
@@ -101,7 +107,8 @@ impl Record {
     /// Of a run that begins.
     pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
         let rows = Rows::File(HistoryWriter::create(history, columns, is_hashed)?);
-        Ok(Self::begin(rows, PeakRecorder::new(columns), progress, ClockId::ProcessCPUTime))
+        let record = Self::begin(rows, PeakRecorder::new(columns), progress, ClockId::ProcessCPUTime);
+        Ok(Self { states: Some(States::default()), ..record })
     }
 
     /// Of a run whose rows stay in memory. `stop` ends it; `is_of_thread`: nothing but the present thread works for it, and
@@ -115,9 +122,9 @@ impl Record {
 
     /// Of a run that goes on.
     pub fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
-        let Kept { history_bytes, history_sha256: _, peaks, done, times_s: earlier_s } = kept;
+        let Kept { history_bytes, history_sha256: _, peaks, states, done, times_s: earlier_s } = kept;
         let rows = Rows::File(HistoryWriter::resume(history, columns, history_bytes)?);
-        Ok(Self { done, earlier_s, ..Self::begin(rows, peaks, progress, ClockId::ProcessCPUTime) })
+        Ok(Self { states, done, earlier_s, ..Self::begin(rows, peaks, progress, ClockId::ProcessCPUTime) })
     }
 
     /// The rows that stayed in memory.
@@ -126,6 +133,11 @@ impl Record {
             Rows::Memory(history) => history,
             Rows::File(_) => History::default(),
         }
+    }
+
+    /// The states that the report shows, to be taken once.
+    pub fn take_states(&mut self) -> States {
+        self.states.take().unwrap_or_default()
     }
 
     /// Whether a signal or another thread ended the run.
@@ -179,15 +191,22 @@ impl Observer for Record {
         self.progress.advance(self.done, &row);
     }
 
+    fn state_reached(&mut self, slip: f64, load: f64, snapshot: &Snapshot<'_>, is_last: bool) {
+        if let Some(states) = &mut self.states {
+            states.observe(slip, load, snapshot, is_last);
+        }
+    }
+
     fn warn(&mut self, message: String) {
         self.warnings.push(message);
     }
 
     fn state(&self) -> Vec<u8> {
-        let Self { rows: Rows::File(writer), peaks, done, .. } = self else { return Vec::new() };
+        let Self { rows: Rows::File(writer), peaks, states, done, .. } = self else { return Vec::new() };
         let times_s = self.times();
         let (history_bytes, history_sha256) = (writer.bytes(), writer.digest());
-        let kept = Kept { history_bytes, history_sha256, peaks: peaks.clone(), done: *done, times_s };
+        let (peaks, states) = (peaks.clone(), states.clone());
+        let kept = Kept { history_bytes, history_sha256, peaks, states, done: *done, times_s };
         postcard::to_stdvec(&kept).unwrap_or_default()
     }
 }

@@ -98,7 +98,7 @@ pub(super) fn result_directory(folder: &Path) -> Summary {
     };
     directory.write(crate::summary::FILE, summary.text().unwrap()).unwrap();
     let account = Account { law: spec.law.clone(), mode: "3-D".into(), ..Account::default() };
-    page::write(&mut directory, &account, &summary, &pictures).unwrap();
+    page::write(&mut directory, &account, &summary, &pictures, None).unwrap();
     directory.finish().unwrap();
     summary
 }

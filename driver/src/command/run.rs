@@ -374,9 +374,11 @@ fn run_case(
         }
     };
     let [wall_time_s, cpu_time_s] = record.times();
+    let states = record.take_states();
     let (peaks, warnings) = (record.peaks, record.warnings);
     let cpu_time_s = Some(cpu_time_s);
-    let end = RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings };
+    let end =
+        RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states };
     conclude(case, directory, end, specimen)
 }
 

@@ -47,6 +47,7 @@ pub use fields::{Activity, ContactPoint, Fields, FieldsError};
 pub use principal::{Principal, von_mises};
 pub use recovery::{PartNodes, Recovery};
 pub use series::{Series, SeriesFiles, WriteError};
+pub use snapshot::contact_points;
 
 #[cfg(test)]
 mod test;

@@ -61,7 +61,8 @@ fn activity(solids: &Solids, element: usize) -> Activity {
     }
 }
 
-fn contact_points(snapshot: &Snapshot<'_>) -> Vec<ContactPoint> {
+/// The contact points of all pairs that have a place.
+pub fn contact_points(snapshot: &Snapshot<'_>) -> Vec<ContactPoint> {
     let pairs = &snapshot.model().contacts;
     let points = snapshot.contact().points().filter_map(|point| {
         Some(ContactPoint {

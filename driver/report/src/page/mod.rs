@@ -26,11 +26,12 @@ pub fn write(
     account: &Account,
     summary: &Summary,
     pictures: &[Picture],
+    viewer: Option<&Markup>,
 ) -> io::Result<()> {
-    directory.write(FILE, page_of(account, summary, pictures).into_string()).map(|_| ())
+    directory.write(FILE, page_of(account, summary, pictures, viewer).into_string()).map(|_| ())
 }
 
-fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup {
+fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: Option<&Markup>) -> Markup {
     let title = if summary.title.is_empty() { account.law.as_str() } else { summary.title.as_str() };
     if let Some(findings) = &summary.bridging {
         return page(title, &bridging::body(account, summary, findings, pictures));
@@ -40,6 +41,7 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture]) -> Markup
         @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
         @if !account.description.is_empty() { p.description { (account.description) } }
         (warnings(&summary.warnings))
+        @if let Some(viewer) = viewer { (viewer) }
         (what_was_run(account, summary))
         @if !pictures.is_empty() {
             h2 { "Pictures" }

@@ -27,7 +27,8 @@ fn account() -> Account {
 
 fn page_of(summary: &Summary) -> String {
     let svg = "<svg xmlns=\"http://www.w3.org/2000/svg\"><text>σ</text></svg>".to_string();
-    super::page_of(&account(), summary, &[Picture { path: std::path::PathBuf::from("plots/a.svg"), svg }]).into_string()
+    super::page_of(&account(), summary, &[Picture { path: std::path::PathBuf::from("plots/a.svg"), svg }], None)
+        .into_string()
 }
 
 #[test]
@@ -83,7 +84,7 @@ fn the_page_is_written_or_the_error_names_it() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("report.html");
     let mut directory = ResultDirectory::join(folder.path(), directory::Kind::Run).unwrap();
-    write(&mut directory, &account(), &summary::test::summary(), &[]).unwrap();
+    write(&mut directory, &account(), &summary::test::summary(), &[], None).unwrap();
     assert!(std::fs::read_to_string(&path).unwrap().starts_with("<!DOCTYPE html>"));
     let missing = folder.path().join("report.html/none");
     let error = ResultDirectory::join(&missing, directory::Kind::Run).unwrap_err();

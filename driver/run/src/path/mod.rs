@@ -13,6 +13,7 @@ mod test;
 use crate::columns::LEADING;
 use crate::program::{Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
+use fe_core::stepping::Snapshot;
 pub use interface::Committed as ContactPoint;
 pub use point::Committed as MaterialPoint;
 use serde::{Deserialize, Serialize};
@@ -47,6 +48,9 @@ pub trait Observer {
 
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
     fn accepted(&mut self, _increment: Accepted<'_>) {}
+
+    /// A specimen has reached a state with this slip and load; `is_last`: it is the last of the run, told before or not.
+    fn state_reached(&mut self, _slip: f64, _load: f64, _snapshot: &Snapshot<'_>, _is_last: bool) {}
 
     /// Whether the run shall end with the present increment.
     fn ends_here(&self) -> bool {

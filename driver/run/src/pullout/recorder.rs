@@ -325,6 +325,10 @@ impl<'p, 'o> Recorder<'p, 'o> {
     /// Writes the last row and the last fields if they were not due: a run that fails keeps all that it reached.
     fn finish(&mut self, snapshot: &Snapshot<'_>) -> io::Result<()> {
         self.finish_history()?;
+        if self.program.about.plots {
+            let [slip, load] = ["slip", "load"].map(|name| self.present.value(name));
+            self.observer.state_reached(slip, load, snapshot, true);
+        }
         self.fields.as_mut().map_or(Ok(()), |fields| fields.finish(snapshot))
     }
 
@@ -396,6 +400,9 @@ impl Observer for Recorder<'_, '_> {
         }
         let directive = self.accept(record)?;
         self.peak.observe(record, snapshot);
+        if self.program.about.plots {
+            self.observer.state_reached(record.slip, record.load, snapshot, false);
+        }
         if let Some(every) = self.program.fields_every
             && self.is_due(directive, every)
             && let Some(fields) = &mut self.fields

@@ -31,9 +31,14 @@ mod surface;
 mod view;
 mod zones;
 
+/// A colour of the scale of fields, as `#rrggbb`.
+pub fn band_color_text(band: usize, count: usize) -> String {
+    hexadecimal(band_color(band, count))
+}
+
 pub use crosses::crosses;
 pub use fe_core::element::ElementKind;
-pub use profile::{INTERFACE_SHEAR, interface_profiles};
+pub use profile::{ALONG_SURFACE, INTERFACE_SHEAR, interface_profiles};
 pub use zones::{Class, zones};
 
 use super::quantity::Quantity;

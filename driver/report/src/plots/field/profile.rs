@@ -4,6 +4,8 @@ use super::super::figure::{Figure, Line, Scale, Style};
 use super::super::quantity::Quantity;
 use fe_core::output::{ContactPoint, Fields};
 
+/// Coordinate along the slave surface of a pair.
+pub const ALONG_SURFACE: &str = "arc length along the hole";
 /// Name of the picture of shear tractions.
 pub const INTERFACE_SHEAR: &str = "interface_shear";
 
@@ -18,7 +20,7 @@ pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
     let figure = |(name, label, value): (&str, &str, Value)| Figure {
         name: name.into(),
         title: title.into(),
-        x: Quantity { name: "arc length along the hole".into(), unit: "mm".into() },
+        x: Quantity { name: ALONG_SURFACE.into(), unit: "mm".into() },
         y: Quantity { name: label.into(), unit: "MPa".into() },
         lines: (0..fields.pairs.len()).map(|pair| line(fields, pair, name, value)).collect(),
         marks: Vec::new(),

@@ -1,0 +1,377 @@
+//! The viewer of `report.html`: a specimen's deformed mesh with its fields over the run, drawn by the browser.
+//!
+//! States are kept as the run goes on, evenly over its increments. Displacements and fields are told in 65535 steps of
+//! their ranges, each state by its difference to the one before, deflated.
+
+use crate::pictures::ALONG_HOLE;
+use crate::plots::field::{ALONG_SURFACE, band_color_text};
+use crate::plots::quantity::{Quantity, group_of};
+use fe_core::mesh::Mesh;
+use fe_core::output::{FieldsError, Principal, Recovery, contact_points};
+use fe_core::stepping::Snapshot;
+use flate2::Compression;
+use flate2::write::DeflateEncoder;
+use maud::{Markup, PreEscaped, html};
+use pullout_run::columns::Group;
+use pullout_run::pullout::Program;
+use pullout_run::pullout::fibre::{Fibre, Wall};
+use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
+use std::collections::{BTreeMap, BTreeSet};
+use std::io::{self, Write};
+
+const SCRIPT: &str = include_str!("viewer.js");
+
+/// States that are kept at most: with one more, every second one goes.
+const MOST_STATES: usize = 24;
+/// Numbers that they hold at most, all together; four states are kept in any case.
+const MOST_NUMBERS: usize = 6_000_000;
+const FEWEST_STATES: usize = 4;
+/// Points of the curve.
+const MOST_POINTS: usize = 600;
+/// Colours between which the browser goes on linearly.
+const COLORS: usize = 16;
+/// Steps of a range; one more stands for no value.
+const STEPS: f64 = 65534.0;
+const NO_VALUE: u16 = u16::MAX;
+
+/// Fields at integration points: greatest and least principal stress, MPa, and the damage, NaN where there is none.
+const VALUES: usize = 3;
+
+/// States of a specimen over a run.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct States {
+    kept: Vec<State>,
+    /// Every so many increments one is kept, the binary logarithm.
+    doublings: u32,
+    seen: u64,
+}
+
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct State {
+    increment: u64,
+    slip: f64,
+    load: f64,
+    displacements: Vec<f32>,
+    fields: Vec<[f32; VALUES]>,
+    spalled: Vec<u32>,
+    /// Pair, place, arc length, pressure, bond.
+    contact: Vec<[f32; 6]>,
+}
+
+impl States {
+    /// Takes the state after an increment, if it is its turn or the last.
+    pub fn observe(&mut self, slip: f64, load: f64, snapshot: &Snapshot<'_>, is_last: bool) {
+        let increment = self.seen - u64::from(is_last).min(self.seen);
+        self.seen += u64::from(!is_last);
+        let is_kept = self.kept.last().is_some_and(|state| state.increment == increment);
+        if is_kept || !(is_last || increment.is_multiple_of(1 << self.doublings)) {
+            return;
+        }
+        let state = State::of(increment, slip, load, snapshot);
+        let size = VALUES * state.fields.len() + state.displacements.len();
+        self.kept.push(state);
+        let most = (MOST_NUMBERS / size.max(1)).clamp(FEWEST_STATES, MOST_STATES);
+        if self.kept.len() > most && !is_last {
+            self.doublings += 1;
+            let stride = 1 << self.doublings;
+            self.kept.retain(|state| state.increment.is_multiple_of(stride));
+        }
+    }
+
+    /// The viewer's part of the page; `curve`: slip and load of the history.
+    ///
+    /// # Errors
+    /// States of another mesh.
+    pub fn page(&self, program: &Program, curve: [Vec<f64>; 2]) -> io::Result<Option<Markup>> {
+        if self.kept.is_empty() {
+            return Ok(None);
+        }
+        let (head, data) = self.encode(program, curve).map_err(io::Error::other)?;
+        let mut encoder = DeflateEncoder::new(Vec::new(), Compression::default());
+        encoder.write_all(&data)?;
+        let packed = base64::Engine::encode(&base64::engine::general_purpose::STANDARD, encoder.finish()?);
+        let has_contact = !program.model.contacts.is_empty();
+        // no `</script>` can end the scripts: names are letters, figures and signs of JSON
+        let head = head.to_string().replace('<', "\\u003c");
+        Ok(Some(html! {
+            h2 { "Over the run" }
+            div #viewer {
+                p.none hidden { "This browser has no WebGL 2, which the viewer needs; the pictures below show the peak and the end." }
+                div.stage hidden {
+                    div.controls {
+                        select.field aria-label="field" {}
+                        label { "displacements × "
+                            select.magnification { @for factor in [1, 2, 5, 10, 50, 200] { option value=(factor) { (factor) } } } }
+                        label { input.edges type="checkbox" checked; " elements" }
+                        button.play type="button" { "play" }
+                        input.state type="range" min="0" aria-label="state";
+                        span.told {}
+                    }
+                    canvas.mesh {}
+                    div.key {
+                        span.least {} span.bar style=(format!("background: linear-gradient(to right, {})", colors().join(", "))) {}
+                        span.most {} span.here {}
+                    }
+                    div.plots { canvas.curve {} @if has_contact { canvas.contact {} } }
+                    p.hint { "Drag to move, wheel to zoom, double click for all; a click on the curve goes to the nearest state." }
+                }
+                script.head type="application/json" { (PreEscaped(head)) }
+                script.data type="text/plain" { (packed) }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }))
+    }
+
+    /// What the script reads: the head, and numbers of all kinds one behind the other.
+    fn encode(&self, program: &Program, curve: [Vec<f64>; 2]) -> Result<(Value, Vec<u8>), FieldsError> {
+        let model = &program.model;
+        let mesh = &model.mesh;
+        let recovery = Recovery::new(mesh);
+        let places = recovery.nodes();
+        let mut data = Vec::new();
+        places.nodes().iter().flat_map(|&node| mesh.nodes()[node]).for_each(|value| push(&mut data, value as f32));
+        let [triangles, edges] = self.shapes(mesh, &recovery, &model.parts_behind());
+        triangles.items.iter().chain(&edges.items).for_each(|item| {
+            item.nodes.iter().for_each(|node| data.extend_from_slice(&node.to_le_bytes()));
+        });
+        // along a fibre the walls of the hole have a common coordinate, and a bond that resists the pull is positive
+        let fibre = Fibre::of(model);
+        let walls: Vec<Option<Wall>> =
+            model.contacts.iter().map(|pair| Wall::of(fibre.as_ref()?, mesh, &pair.slave)).collect();
+        for &[pair, x, y, arc, pressure, bond] in self.kept.iter().flat_map(|state| &state.contact) {
+            let wall = walls.get(pair as usize).and_then(Option::as_ref);
+            let [arc, bond] = wall
+                .map_or([arc, bond], |wall| [wall.along_fibre(f64::from(arc)) as f32, wall.direction as f32 * bond]);
+            [pair, x, y, arc, pressure, bond].into_iter().for_each(|value| push(&mut data, value));
+        }
+        let displacement = range(self.kept.iter().flat_map(|state| &state.displacements).copied());
+        let moved = |state: &State| -> Vec<u16> {
+            let at = |&node: &usize| [state.displacements[2 * node], state.displacements[2 * node + 1]];
+            places.nodes().iter().flat_map(at).map(|value| step(value, displacement)).collect()
+        };
+        push_series(&mut data, self.kept.iter().map(moved));
+        let recovered: Vec<Vec<[f64; VALUES]>> =
+            self.kept.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
+        // fibres are stressed so much more than the matrix that colours follow the matrix
+        let slaves =
+            model.contacts.iter().flat_map(|pair| &pair.slave).map(|edge| mesh.elements()[edge.element].part());
+        let matrix: BTreeSet<usize> = slaves.chain(model.parts_behind()).collect();
+        let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&places.parts()[place]);
+        let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
+        let quantities = [
+            quantity("principal stress, greatest", "MPa"),
+            quantity("principal stress, least", "MPa"),
+            quantity("damage", ""),
+        ];
+        let mut fields = Vec::new();
+        for (k, quantity) in quantities.into_iter().enumerate() {
+            let values = recovered.iter().flat_map(|state| state.iter().enumerate());
+            let own = range(values.filter(|(place, _)| in_scale(*place)).map(|(_, values)| values[k] as f32));
+            if own[0].is_finite() {
+                push_series(
+                    &mut data,
+                    recovered.iter().map(|state| state.iter().map(|values| step(values[k] as f32, own)).collect()),
+                );
+                fields.push(json!({ "name": quantity.name, "unit": quantity.unit, "range": own }));
+            }
+        }
+        let frames = self.kept.iter().enumerate().map(|(k, state)| {
+            let left = [&triangles, &edges].map(|shapes| shapes.left(k));
+            json!({ "slip": state.slip, "load": state.load, "contacts": state.contact.len(), "left": left })
+        });
+        let head = json!({
+            "nodes": places.nodes().len(),
+            "triangles": triangles.items.len(),
+            "edges": edges.items.len(),
+            "behind": [triangles.behind(), edges.behind()],
+            "displacement": displacement,
+            "fields": fields,
+            "frames": frames.collect::<Vec<_>>(),
+            "pairs": model.contacts.iter().map(|pair| &pair.name).collect::<Vec<_>>(),
+            "along": if walls.iter().any(Option::is_some) { ALONG_HOLE } else { ALONG_SURFACE },
+            "curve": thinned(curve),
+            "colors": colors(),
+        });
+        Ok((head, data))
+    }
+
+    /// Triangles and edges of the elements.
+    fn shapes(&self, mesh: &Mesh, recovery: &Recovery, behind: &[usize]) -> [Shapes; 2] {
+        let mut gone = vec![self.kept.len(); mesh.elements().len()];
+        for (k, state) in self.kept.iter().enumerate() {
+            for &element in &state.spalled {
+                let first = &mut gone[element as usize];
+                *first = k.min(*first);
+            }
+        }
+        let mut triangles = Shapes::default();
+        let mut edges: BTreeMap<(bool, [u32; 2]), usize> = BTreeMap::new();
+        for (index, element) in mesh.elements().iter().enumerate() {
+            let kind = element.kind();
+            let is_behind = behind.contains(&element.part());
+            let nodes: Vec<u32> = recovery.nodes().of_element(index).iter().map(|&place| place as u32).collect();
+            let mut outline = Vec::new();
+            for edge in 0..kind.corner_count() {
+                let ([start, _, middle], count) = kind.edge_nodes(edge);
+                outline.push(nodes[start]);
+                outline.extend((count == 3).then(|| nodes[middle]));
+            }
+            let next = outline.iter().cycle().skip(1);
+            for (&a, &b) in outline.iter().zip(next) {
+                let last = edges.entry((is_behind, [a.min(b), a.max(b)])).or_default();
+                *last = gone[index].max(*last);
+            }
+            // corners are cut off, what is left is a triangle or a quadrangle; all of them are convex
+            let inner: Vec<u32> = if outline.len() == kind.corner_count() {
+                outline
+            } else {
+                let count = outline.len();
+                let corner = |k: usize| vec![outline[(k + count - 1) % count], outline[k], outline[k + 1]];
+                (0..count).step_by(2).for_each(|k| triangles.push(corner(k), is_behind, gone[index]));
+                outline.iter().copied().skip(1).step_by(2).collect()
+            };
+            for k in 1..inner.len() - 1 {
+                triangles.push(vec![inner[0], inner[k], inner[k + 1]], is_behind, gone[index]);
+            }
+        }
+        let mut lines = Shapes::default();
+        edges.into_iter().for_each(|((is_behind, nodes), gone)| lines.push(nodes.to_vec(), is_behind, gone));
+        [triangles, lines].map(Shapes::ordered)
+    }
+}
+
+impl State {
+    fn of(increment: u64, slip: f64, load: f64, snapshot: &Snapshot<'_>) -> Self {
+        let (model, solids) = (snapshot.model(), snapshot.solids());
+        let damage: Vec<Option<usize>> = model.laws.iter().map(|law| damage_of(&law.state_names())).collect();
+        let mut fields = Vec::new();
+        for (index, element) in model.mesh.elements().iter().enumerate() {
+            let derived = model.laws[element.part()].law.iter().flat_map(|law| &law.derived);
+            for point in 0..solids.point_count(index) {
+                let view = solids.point(index, point);
+                let principal = Principal::new(view.stress);
+                let damage = damage[element.part()].map_or(f64::NAN, |place| match view.statev.get(place) {
+                    Some(state) => *state,
+                    None => derived.clone().nth(place - view.statev.len()).map_or(f64::NAN, |d| d.value(view.statev)),
+                });
+                fields.push([principal.maximum as f32, principal.minimum as f32, damage as f32]);
+            }
+        }
+        let contact = contact_points(snapshot).into_iter().filter(|point| point.weight > 0.0).map(|point| {
+            let [x, y] = point.position;
+            [point.pair as f64, x, y, point.arc, point.pressure, point.shear_traction].map(|value| value as f32)
+        });
+        Self {
+            increment,
+            slip,
+            load,
+            displacements: snapshot.displacements().iter().map(|&value| value as f32).collect(),
+            fields,
+            spalled: solids.spalled().into_iter().map(|element| element as u32).collect(),
+            contact: contact.collect(),
+        }
+    }
+}
+
+impl State {
+    /// The fields at the places of the recovery; damages do not leave the range that they have at the points.
+    fn at_nodes(&self, mesh: &Mesh, recovery: &Recovery) -> Result<Vec<[f64; VALUES]>, FieldsError> {
+        let values: Vec<[f64; VALUES]> = self.fields.iter().map(|values| values.map(f64::from)).collect();
+        let damages: Vec<f64> = values.iter().map(|[.., damage]| *damage).collect();
+        let mut nodal = recovery.recover(&values)?;
+        let limited = recovery.recover_limited(mesh, &damages)?;
+        nodal.iter_mut().zip(limited).for_each(|([.., damage], value)| *damage = value);
+        Ok(nodal)
+    }
+}
+
+/// The damage among states and derived outputs: the total one, or else the first.
+fn damage_of(names: &[String]) -> Option<usize> {
+    let total = names.iter().position(|name| matches!(name.as_str(), "D" | "d" | "damage"));
+    total.or_else(|| names.iter().position(|name| group_of(name) == Group::Damage))
+}
+
+/// Triangles or edges.
+#[derive(Default)]
+struct Shapes {
+    items: Vec<Shape>,
+}
+
+struct Shape {
+    nodes: Vec<u32>,
+    is_behind: bool,
+    /// The first state without it.
+    gone: usize,
+}
+
+impl Shapes {
+    fn push(&mut self, nodes: Vec<u32>, is_behind: bool, gone: usize) {
+        self.items.push(Shape { nodes, is_behind, gone });
+    }
+
+    /// What lies behind first, and in both layers what stays longest: what is left of one is its beginning.
+    fn ordered(mut self) -> Self {
+        self.items.sort_by_key(|shape| (!shape.is_behind, std::cmp::Reverse(shape.gone)));
+        self
+    }
+
+    fn behind(&self) -> usize {
+        self.items.iter().filter(|shape| shape.is_behind).count()
+    }
+
+    /// How many are left in a state, behind and in front.
+    fn left(&self, state: usize) -> [usize; 2] {
+        [true, false]
+            .map(|layer| self.items.iter().filter(|shape| shape.is_behind == layer && shape.gone > state).count())
+    }
+}
+
+fn push(data: &mut Vec<u8>, value: f32) {
+    data.extend_from_slice(&value.to_le_bytes());
+}
+
+/// Writes states, each but the first as the difference to the one before.
+fn push_series(data: &mut Vec<u8>, states: impl Iterator<Item = Vec<u16>>) {
+    let mut before: Vec<u16> = Vec::new();
+    for state in states {
+        for (k, value) in state.iter().enumerate() {
+            let difference = value.wrapping_sub(before.get(k).copied().unwrap_or(0));
+            data.extend_from_slice(&difference.to_le_bytes());
+        }
+        before = state;
+    }
+}
+
+/// Least and greatest of the numbers; both infinite if there are none.
+fn range(values: impl Iterator<Item = f32>) -> [f32; 2] {
+    values
+        .filter(|value| value.is_finite())
+        .fold([f32::INFINITY, f32::NEG_INFINITY], |[low, high], value| [low.min(value), high.max(value)])
+}
+
+fn step(value: f32, [low, high]: [f32; 2]) -> u16 {
+    if !value.is_finite() {
+        return NO_VALUE;
+    }
+    let width = f64::from(high) - f64::from(low);
+    let share = if width > 0.0 { (f64::from(value) - f64::from(low)) / width } else { 0.5 };
+    (share.clamp(0.0, 1.0) * STEPS).round() as u16
+}
+
+/// The curve by every n-th point, and the last.
+fn thinned(curve: [Vec<f64>; 2]) -> [Vec<f64>; 2] {
+    let stride = curve[0].len().div_ceil(MOST_POINTS).max(1);
+    curve.map(|values| {
+        let last = values.len().saturating_sub(1);
+        let is_kept = |k: usize| k.is_multiple_of(stride) || k == last;
+        values.iter().enumerate().filter(|(k, _)| is_kept(*k)).map(|(_, value)| *value).collect()
+    })
+}
+
+fn colors() -> Vec<String> {
+    (0..COLORS).map(|k| band_color_text(k, COLORS)).collect()
+}
+
+#[cfg(test)]
+mod test;
