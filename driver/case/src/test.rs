@@ -44,7 +44,7 @@ impl Bench {
             ("empty.csv", ""),
             ("fixed.csv", "e33\n1e-4\n"),
             ("bins.csv", "from_deg,to_deg,count\n0,20,3\n30,90,4\n"),
-            ("empty.csv", "from_deg,to_deg,count\n0,90,0\n"),
+            ("nothing-counted.csv", "from_deg,to_deg,count\n0,90,0\n"),
             ("counted.csv", "from_deg,to_deg,count\n0,20,3\n20,90,4\n"),
             ("short.csv", "theta_deg,embedded,slip,load\n0,5,0.1,10\n0,5,1,5\n"),
             ("no_library.so", "this is text"),

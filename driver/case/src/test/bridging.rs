@@ -57,7 +57,7 @@ const MALFORMED: &[Sample] = &[
         "the bin to 20° is followed by one from 30°",
         ByMeaning,
     ),
-    (&[COUNTED, "orientation.file=empty.csv"], "$.orientation.file", "nor all 0", ByMeaning),
+    (&[COUNTED, "orientation.file=nothing-counted.csv"], "$.orientation.file", "nor all 0", ByMeaning),
     (&[COUNTED, "orientation.counts=[1]"], "$.orientation.file", "beside edges_deg or counts", ByMeaning),
     (&[r#"orientation={"type": "number", "eta": 0.999}"#], "$.orientation.eta", "must lie between", ByMeaning),
     (&["openings={\"points\": 1}"], "$.openings.points", "must be >= 3", BySchema),
