@@ -6,6 +6,7 @@
 //! says is a ratio of such times, or a count.
 
 mod abi;
+mod engine;
 mod fibre;
 mod laws;
 mod machine;
@@ -146,6 +147,8 @@ pub enum Item {
     Scaling,
     /// One run by one thread and by several: time, and whether the bits are the same.
     Threads,
+    /// What a run of a point costs a program that runs thousands.
+    Engine,
     /// The same work in CalculiX and simcoon, where they are installed.
     Peers,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
@@ -163,6 +166,7 @@ impl Item {
         Self::Skipping,
         Self::Scaling,
         Self::Threads,
+        Self::Engine,
         Self::Peers,
         Self::Stability,
         Self::Abi,
@@ -177,6 +181,7 @@ impl Item {
             Self::Skipping => "skipping",
             Self::Scaling => "scaling",
             Self::Threads => "threads",
+            Self::Engine => "engine",
             Self::Peers => "peers",
             Self::Stability => "stability",
             Self::Abi => "abi",
@@ -191,6 +196,7 @@ impl Item {
             Self::Skipping => fibre::skipping::measure(settings),
             Self::Scaling => scaling::measure(settings),
             Self::Threads => threads::measure(settings),
+            Self::Engine => engine::measure(settings),
             Self::Peers => peers::measure(settings),
             Self::Stability => stability::measure(settings),
             Self::Abi => abi::measure(settings),

@@ -133,6 +133,16 @@ fn threads_change_time_and_no_bit() {
 }
 
 #[test]
+fn runs_in_memory_are_timed() {
+    let (folder, _) = measure(&["engine", "--quick", "--out", "results"], 0);
+    let (_, rows) = csv(&folder.path().join("results").join("engine.csv"));
+    assert_eq!(rows.len(), 3);
+    for row in &rows {
+        assert!(row[1..].iter().all(|time| time.parse::<f64>().is_ok_and(|time| time > 0.0)), "{row:?}");
+    }
+}
+
+#[test]
 fn cost_is_measured_against_unknowns() {
     let (folder, _) = measure(&["scaling", "--quick", "--out", "results"], 0);
     let results = folder.path().join("results");

@@ -181,9 +181,14 @@ impl Sweep {
     pub fn part(&self, runs: &[usize]) -> Self {
         let bundle = |&run: &usize| self.bundle_of.get(run).copied().unwrap_or_default();
         Self {
+            version: self.version,
+            title: self.title.clone(),
+            base: self.base.clone(),
+            parameters: self.parameters.clone(),
             runs: runs.iter().map(|&run| self.runs[run].clone()).collect(),
+            bundles: self.bundles.clone(),
             bundle_of: runs.iter().map(bundle).collect(),
-            ..self.clone()
+            keep: self.keep.clone(),
         }
     }
 
