@@ -31,7 +31,7 @@ fn cases() -> [(&'static str, Value); 3] {
 
 const METHOD: &str = "\
 A case of a point with 150 increments through `pullout-engine`, nothing written: *read* (structure, plugin, parameters, path) and *run* (rows and summary in memory).
-Times of the thread's processor, medians of turns; what is needed once (schema, library) is there. A process for each run costs some ten times that.";
+Times of the thread's processor, medians of turns; what is needed once (schema, library) is there.";
 
 /// Three laws.
 pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
@@ -56,7 +56,7 @@ pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
             notes.push(format!("{law}: {} ms; at most {TARGET} ms is wanted: {word}.", significant(both, 3)));
         }
     }
-    let summaries = vec![(String::new(), data.clone())];
+    let summaries = vec![("A run and its parts".into(), data.clone())];
     Ok(Page {
         title: "Runs in memory",
         method: METHOD.into(),
