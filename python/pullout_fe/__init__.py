@@ -20,6 +20,7 @@ from .law import Law, Parameter, State, Update, plugins
 from .model import Fit, Model
 from .fields import Mesh
 from .run import Failure, History, Peak, Run, point, ramp, read, run
+from .sweep import Sweep, sweep
 
 __all__ = [
     "Case",
@@ -38,6 +39,7 @@ __all__ = [
     "Run",
     "RunFailed",
     "State",
+    "Sweep",
     "TimeLimit",
     "Update",
     "UpdateFailed",
@@ -49,6 +51,7 @@ __all__ = [
     "read",
     "run",
     "schema",
+    "sweep",
 ]
 
 __version__: str = _core.VERSION

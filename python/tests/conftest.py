@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import shutil
+import signal
 import subprocess
 from pathlib import Path
 
@@ -55,3 +56,9 @@ def umats(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         subprocess.run([compiler, "-shared", "-fPIC", "-O1", "-o", library, source], check=True)
         libraries[name] = library
     return libraries
+
+
+@pytest.fixture(autouse=True)
+def interruptible() -> None:
+    """Ctrl-C counts, also in a process that was started in the background, where shells switch it off."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -1,0 +1,270 @@
+"""Sweeps: a case run thousands of times, numbers and curves kept."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import subprocess
+import tempfile
+from pathlib import Path
+from typing import Any, Mapping, Protocol, Sequence, Union
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .case import Case, CaseLike, _text, dotted
+from .errors import CaseError, PulloutError
+
+__all__ = ["Sweep", "sweep"]
+
+#: how often what a lost worker left is handed out again
+ROUNDS = 3
+#: parts of the runs for each worker: what one that is slow, or lost, holds up
+PARTS_PER_WORKER = 4
+
+
+class Future(Protocol):
+    """What an executor promises."""
+
+    def result(self) -> Any:
+        """Waits for it."""
+
+
+class Submits(Protocol):
+    """Executors of :mod:`concurrent.futures`, ``distributed.Client``, and whatever else has ``submit``."""
+
+    def submit(self, function: Any, /, *arguments: Any) -> Future:
+        """Hands a call out."""
+
+
+#: by name, or an object with ``submit``; "dask": the present client of Dask Distributed, or one on this machine
+Executor = Union[str, Submits]
+Design = Union[Mapping[str, Sequence[Any]], Sequence[Mapping[str, Any]], Any]
+
+
+def sweep(
+    case: CaseLike,
+    design: Design,
+    *,
+    out: str | os.PathLike[str],
+    quantities: Mapping[str, Any] | Sequence[str] | None = None,
+    curves: Sequence[str] = (),
+    grid: ArrayLike | None = None,
+    curve: tuple[str, str] | None = None,
+    work_to: float | None = None,
+    executor: Executor = "processes",
+    workers: int | None = None,
+    chunk_runs: int | None = None,
+    progress: bool = False,
+) -> Sweep:
+    """Run a case for all points of a design; what is in the folder ``out`` already is not run again.
+
+    ``design``: values by place in the case, of which every combination is run (``{"material.props.E": [2e4, 3e4]}``), a list
+    of dictionaries, or a table of pandas or polars with the places as columns. ``quantities``: names as studies have them
+    (``["peak", "work"]``), or a dictionary of them. ``curves``: columns that are kept, on the ``grid`` of values of the curve's
+    x if there is one.
+
+    ``executor``: "processes" and "threads" of this machine, ``workers`` of them; "dask"; or anything with ``submit``. Every run
+    is made in a child of the worker, so that a library that ends its process costs one run and not the worker; with "threads"
+    only libraries that were built with this package may be called.
+
+    What fails is a row of the table with its ``status``; nothing is raised for it.
+    """
+    made = Case(case)
+    document = _document(made, design, quantities, curves, grid, curve, work_to)
+    with tempfile.TemporaryDirectory() as place:
+        folder = made._folder if made._file is None and _names_a_file(made.document, made._folder) else Path(place)
+        # file names are relative to the sweep file
+        handle, name = tempfile.mkstemp(".json", "sweep-", folder)
+        try:
+            with open(handle, "w", encoding="utf-8") as file:
+                file.write(_text({"title": Path(out).name, **document}))
+            paths = [f"--plugin-path={path}" for path in made._plugin_paths]
+            _call("plan", name, "--out", os.fspath(out), *paths)
+        finally:
+            os.unlink(name)
+    planned = Sweep(out)
+    planned.work(executor, workers=workers, chunk_runs=chunk_runs, progress=progress)
+    return planned
+
+
+class Sweep:
+    """A folder of a sweep: what is done, and its table."""
+
+    def __init__(self, folder: str | os.PathLike[str]) -> None:
+        self.folder = Path(folder).absolute()
+        if not (self.folder / "sweep.json").is_file():
+            raise CaseError(f"{self.folder} is no folder of a sweep")
+
+    def work(
+        self,
+        executor: Executor = "processes",
+        *,
+        workers: int | None = None,
+        chunk_runs: int | None = None,
+        again: bool = False,
+        progress: bool = False,
+    ) -> None:
+        """Run what is left; ``again``: also what failed, crashed or took too long."""
+        options = [] if chunk_runs is None else [f"--chunk-runs={chunk_runs}"]
+        options += ["--again"] if again else []
+        if executor in ("processes", "threads"):
+            options += [] if workers is None else [f"--jobs={workers}"]
+            options += ["--in-process"] if executor == "threads" else []
+            options += [] if progress else ["--quiet"]
+            _call("work", os.fspath(self.folder), *options, shown=progress)
+            return
+        submits = _dask() if executor == "dask" else executor
+        if isinstance(submits, str):
+            raise CaseError(f"executor {submits!r}: give 'processes', 'threads', 'dask' or an object with submit")
+        parts = PARTS_PER_WORKER * (workers or os.cpu_count() or 1)
+        trouble: Exception | None = None
+        for _ in range(ROUNDS):
+            futures = [submits.submit(_work, os.fspath(self.folder), part, parts, options) for part in range(parts)]
+            for future in futures:
+                try:
+                    future.result()
+                except Exception as error:  # a lost worker: its runs are left, the next round has them
+                    trouble = error
+            if self.status()["left"] == 0:
+                return
+            options = [option for option in options if option != "--again"]
+        raise PulloutError(f"{self.folder}: {self.status()['left']} runs are left after {ROUNDS} rounds") from trouble
+
+    def status(self) -> dict[str, int]:
+        """How many runs there are (``runs``), how many ended how, and how many are ``left``."""
+        told = _call("status", os.fspath(self.folder))
+        found = re.search(r": (\d+) runs, \d+ over(?: \((.*?)\))?, (\d+) left", told)
+        if found is None:
+            raise PulloutError(told.strip())
+        counts = {"runs": int(found[1]), "left": int(found[3])}
+        for part in filter(None, (found[2] or "").split(", ")):
+            count, name = part.split(" ")
+            counts[name] = int(count)
+        return counts
+
+    @property
+    def table(self) -> dict[str, NDArray[Any]]:
+        """One row a run, in their order, by column; numbers as floats, NaN where there is none."""
+        rows = list(csv.reader(_call("collect", os.fspath(self.folder)).splitlines()))
+        if not rows:
+            return {}
+        return {name: _column([row[k] for row in rows[1:]]) for k, name in enumerate(rows[0])}
+
+    def to_pandas(self) -> Any:
+        """The table as a ``pandas.DataFrame``."""
+        import pandas
+
+        return pandas.DataFrame(self.table)
+
+    def to_arrow(self) -> Any:
+        """The table with the curves as a ``pyarrow.Table``."""
+        from pyarrow import parquet
+
+        with tempfile.TemporaryDirectory() as place:
+            file = os.path.join(place, "table.parquet")
+            _call("collect", os.fspath(self.folder), "--out", file)
+            return parquet.read_table(file)
+
+    def curves(self, name: str) -> NDArray[np.float64]:
+        """A kept column of all runs: a row a run, filled up with NaN where runs have different lengths (needs pyarrow)."""
+        lists = [values or [] for values in self.to_arrow().column(f"curve.{name}").to_pylist()]
+        filled = np.full((len(lists), max(map(len, lists), default=0)), np.nan)
+        for row, values in zip(filled, lists):
+            row[: len(values)] = values
+        return filled
+
+    def __repr__(self) -> str:
+        counts = self.status()
+        return f"<Sweep {self.folder}: {', '.join(f'{count} {name}' for name, count in counts.items())}>"
+
+
+def _document(
+    case: Case,
+    design: Design,
+    quantities: Mapping[str, Any] | Sequence[str] | None,
+    curves: Sequence[str],
+    grid: ArrayLike | None,
+    curve: tuple[str, str] | None,
+    work_to: float | None,
+) -> dict[str, Any]:
+    """The sweep file."""
+    file, text, _, overrides, _ = case._parts()
+    document: dict[str, Any] = {"kind": "sweep", "base": os.fspath(file) if file is not None else json.loads(text or "{}")}
+    changes = (override.split("=", 1) for override in overrides)
+    if overrides:
+        document["set"] = {path: json.loads(value) for path, value in changes}
+    if hasattr(design, "to_dict"):
+        # pandas; polars has to_dicts
+        design = design.to_dicts() if hasattr(design, "to_dicts") else design.to_dict("records")
+    if isinstance(design, Mapping):
+        document["parameters"] = {dotted(path): list(values) for path, values in design.items()}
+    else:
+        document["points"] = [{dotted(path): value for path, value in point.items()} for point in design]
+    if quantities is not None:
+        named = quantities if isinstance(quantities, Mapping) else {name: name for name in quantities}
+        document["quantities"] = dict(named)
+    if curves:
+        document["curves"] = list(curves)
+    if grid is not None:
+        document["grid"] = np.asarray(grid, dtype=float).tolist()
+    if curve is not None:
+        document["curve"] = {"x": curve[0], "y": curve[1]}
+    if work_to is not None:
+        document["work_to"] = work_to
+    return document
+
+
+def _names_a_file(value: Any, folder: Path) -> bool:
+    if isinstance(value, str):
+        return bool(value) and len(value) < 4096 and "\0" not in value and (folder / value).is_file()
+    if isinstance(value, Mapping):
+        return any(_names_a_file(entry, folder) for entry in value.values())
+    return isinstance(value, list) and any(_names_a_file(entry, folder) for entry in value)
+
+
+def _column(cells: list[str]) -> NDArray[Any]:
+    try:
+        return np.array([float(cell) if cell else np.nan for cell in cells])
+    except ValueError:
+        return np.array(cells, dtype=object)
+
+
+def _dask() -> Submits:
+    import distributed
+
+    try:
+        client = distributed.get_client()
+    except ValueError:
+        client = distributed.Client()
+    # a call with the same arguments is made again: what it does depends on the folder
+    executor: Submits = client.get_executor(pure=False, retries=0)
+    return executor
+
+
+def _work(folder: str, part: int, parts: int, options: list[str]) -> None:
+    """Works a part of the runs off, where a worker is."""
+    _call("work", folder, f"--chunk={part}/{parts}", "--jobs=1", "--quiet", *options)
+
+
+def _call(*arguments: str, shown: bool = False) -> str:
+    """What `pullout sweep` says."""
+    from . import program
+
+    executable = program()
+    if executable is None:
+        raise PulloutError("the program pullout is not installed beside this package")
+    done = subprocess.run(
+        [executable, "sweep", *arguments],
+        stdin=subprocess.DEVNULL,
+        stdout=None if shown else subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    if done.returncode == 2:
+        raise CaseError(done.stderr.strip())
+    if done.returncode != 0:
+        raise PulloutError(done.stderr.strip() or f"pullout sweep {arguments[0]} ended with code {done.returncode}")
+    return done.stdout or ""

@@ -1,0 +1,108 @@
+"""Sweeps: the same rows by every executor, and ends of processes that have names."""
+
+from __future__ import annotations
+
+import os
+import signal
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pullout_fe as po
+
+BASE = po.point("concrete_damage", {"E": 31800.0}, "3d", [po.ramp(20, e11=2e-3)])
+DESIGN = {"material.props.E": [28000.0, 30000.0, 32000.0], "material.props.nu": [0.15, 0.2]}
+
+
+def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
+    made = po.sweep(BASE, DESIGN, out=tmp_path / "sweep", quantities=["peak", "work"], workers=2)
+    table = made.table
+    assert made.status() == {"runs": 6, "left": 0, "done": 6}
+    assert sorted(set(table["par.material.props.E"])) == DESIGN["material.props.E"]
+    for modulus, ratio, peak in zip(table["par.material.props.E"], table["par.material.props.nu"], table["q.peak"]):
+        alone = po.run(BASE.with_({"material.props.E": modulus, "material.props.nu": ratio}))
+        assert peak == alone.history["s11"].max()
+
+
+def test_executors_give_the_same_rows(tmp_path: Path) -> None:
+    points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 11)]
+    tables = []
+    with ThreadPoolExecutor(2) as threads:
+        for name, executor in [("processes", "processes"), ("threads", "threads"), ("own", threads)]:
+            table = po.sweep(BASE, points, out=tmp_path / name, quantities=["peak"], executor=executor, workers=2).table
+            tables.append({key: table[key].tolist() for key in ("run", "key", "status", "q.peak")})
+    assert tables[0] == tables[1] == tables[2]
+
+
+def test_what_is_there_is_not_run_again(tmp_path: Path) -> None:
+    first = po.sweep(BASE, {"material.props.E": [3e4]}, out=tmp_path / "sweep").table
+    more = po.sweep(BASE, {"material.props.E": [3e4, 3.1e4]}, out=tmp_path / "sweep").table
+    # not even what it cost has changed
+    assert [first[name][0] for name in ("key", "wall_s")] == [more[name][0] for name in ("key", "wall_s")]
+    assert len(more["key"]) == 2
+
+
+def test_a_library_that_ends_its_process_costs_one_run(umats: dict[str, Path], tmp_path: Path) -> None:
+    # stretched beyond 1 it stops
+    stops = {"plugin": str(umats["stops"]), "props": [200.0], "nstatv": 1}
+    case = po.Case({"kind": "point", "material": stops, "steps": [{"increments": 4, "target": {"e11": 0.1}}]})
+    points = [{"steps.0.target.e11": end} for end in (0.1, 2.0, 0.2)]
+    made = po.sweep(case, points, out=tmp_path / "sweep", quantities=["peak"], workers=1)
+    assert made.table["status"].tolist() == ["done", "crashed", "done"]
+    assert made.status() == {"runs": 3, "left": 0, "done": 2, "crashed": 1}
+
+
+def test_a_case_that_is_wrong_is_told(tmp_path: Path) -> None:
+    with pytest.raises(po.CaseError, match="nearest valid name"):
+        po.sweep(BASE, {"material.props.EE": [1.0]}, out=tmp_path / "sweep")
+    with pytest.raises(po.CaseError, match="no folder of a sweep"):
+        po.Sweep(tmp_path)
+    with pytest.raises(po.CaseError, match="with submit"):
+        po.sweep(BASE, {"material.props.E": [3e4]}, out=tmp_path / "other", executor="prozesse")
+
+
+class Unreliable(ThreadPoolExecutor):
+    """Loses the first of its workers."""
+
+    lost = 0
+
+    def submit(self, function, /, *arguments, **keywords):  # type: ignore[no-untyped-def]
+        Unreliable.lost += 1
+        if Unreliable.lost == 1:
+            return super().submit(_lost)
+        return super().submit(function, *arguments, **keywords)
+
+
+def _lost() -> None:
+    raise RuntimeError("the worker is gone")
+
+
+def test_what_a_lost_worker_left_is_handed_out_again(tmp_path: Path) -> None:
+    points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 20)]
+    with Unreliable(2) as executor:
+        made = po.sweep(BASE, points, out=tmp_path / "sweep", executor=executor, workers=2)
+    assert made.status() == {"runs": 20, "left": 0, "done": 20}
+
+
+def test_dask(tmp_path: Path) -> None:
+    distributed = pytest.importorskip("distributed")
+    points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 40)]
+    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        with distributed.Client(cluster) as client:
+            # one worker is killed in the middle
+            victim = next(iter(client.run(os.getpid).values()))
+            os.kill(victim, signal.SIGKILL)
+            made = po.sweep(BASE, points, out=tmp_path / "sweep", quantities=["peak"], executor="dask", workers=2)
+    assert made.status() == {"runs": 40, "left": 0, "done": 40}
+    plain = po.sweep(BASE, points, out=tmp_path / "plain", quantities=["peak"])
+    assert made.table["q.peak"].tolist() == plain.table["q.peak"].tolist()
+
+
+def test_curves(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    grid = [0.0, 5e-4, 1e-3]
+    made = po.sweep(BASE, {"material.props.E": [3e4, 3.2e4]}, out=tmp_path / "sweep", curves=["s11"], grid=grid)
+    curves = made.curves("s11")
+    assert curves.shape == (2, 3) and np.all(curves[:, 0] == 0.0) and np.all(curves[:, 1:] > 0.0)
