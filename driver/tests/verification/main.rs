@@ -1,6 +1,7 @@
 //! Problems with known solutions (closed forms of `end_to_end_tests::analytical`), each from its case file in
 //! `cases/verification` through the reader and the FE core; and one model of the fibre against the other.
 
+mod bar;
 mod beam;
 mod capstan;
 mod contact_patch;
