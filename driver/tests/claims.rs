@@ -142,3 +142,50 @@ fn the_examples_have_their_closed_forms() {
     let expected = 400.0 * 1.0_f64.sin();
     assert!((large.history.last("s12") / expected - 1.0).abs() < 3e-4, "{}", large.history.last("s12"));
 }
+
+/// A bar that is unloaded slides back over the shear lag of the bond's stiffness k, of the bar's own shear, and of what is free at the
+/// exit: 1/K = coth(βL)/(EAβ) + r/(EA), β² = k'πφ/(EA), 1/k' = 1/k + φ/(3G); a line of contact is twice as wide as the bar's section.
+#[test]
+fn a_bar_under_cycles_unloads_over_its_shear_lag_and_returns_to_its_envelope() {
+    const DIAMETER: f64 = 32.0;
+    const YOUNGS_MODULUS: f64 = 205_700.0;
+    const SHEAR_MODULUS: f64 = YOUNGS_MODULUS / 2.6;
+    // of the coarse mesh: the hole's rounded edge
+    const FREE: f64 = 8.0;
+    let desk = Desk::new();
+    let cycle = |slip: f64, first: f64| {
+        format!(
+            r#"{{"slip":{slip},"increments":{{"initial":0.02,"maximum":0.2}}}},
+               {{"slip":-{slip},"increments":{{"initial":{first},"maximum":0.2}},"until":{{"quantity":"load","less_than":0}}}},
+               {{"slip":{slip},"increments":{{"initial":0.01,"maximum":0.2}}}}"#
+        )
+    };
+    let steps = format!("steps=[{},{}]", cycle(0.1, 0.002), cycle(0.5, 0.0004));
+    for (law, stiffness) in [("A", 850.0), ("B", 950.0)] {
+        let overrides = [
+            &format!("contact.law.props.law={law}"),
+            &steps,
+            "contact.law.props.mu=0",
+            r#"parts.matrix.material={"plugin":"linear_elastic","props":{"E":31800000,"nu":0.18}}"#,
+            "mesh.specimen.mesh_size=1.5",
+            "mesh.specimen.exit_size=8",
+            "mesh.specimen.fibres.0.exit_radius=8",
+            "output.plots=false",
+        ];
+        let run = run(&desk, "chapter-8/8.14-bar-cyclic.json", &overrides);
+        let stiffness = 1.0 / (1.0 / stiffness + DIAMETER / (3.0 * SHEAR_MODULUS));
+        let axial = YOUNGS_MODULUS * 0.25 * std::f64::consts::PI * DIAMETER * DIAMETER;
+        let beta = (stiffness * std::f64::consts::PI * DIAMETER / axial).sqrt();
+        let expected = 1.0 / (1.0 / (axial * beta * (beta * (350.0 - FREE)).tanh()) + FREE / axial);
+        let (slopes, loads) = (first_slopes(&run, "slip_exit", "load"), ends(&run, "load"));
+        for unloading in [2, 5] {
+            let error = slopes[unloading - 1] / expected - 1.0;
+            assert!(error.abs() < 0.01, "law {law}, step {unloading}: {error:.4}");
+            assert!(loads[unloading] < 0.0, "law {law}, step {unloading}: {}", loads[unloading]);
+            let returned = loads[unloading + 1] / loads[unloading - 1] - 1.0;
+            assert!(returned.abs() < 0.005, "law {law}, step {unloading}: {returned:.2e}");
+        }
+        let (dissipated, work) = (run.history.column("interface_dissipation"), run.history.last("external_work"));
+        assert!(dissipated.windows(2).all(|pair| pair[1] - pair[0] > -1e-9 * work), "law {law}");
+    }
+}

@@ -8,10 +8,11 @@ difference of a displacement, mm.
 """
 
 import argparse
-import base64
 import os
+import pathlib
 import tempfile
 import xml.etree.ElementTree as xml
+import zlib
 
 import job
 import numpy
@@ -22,10 +23,15 @@ TRIANGLE = 5
 
 
 def arrays(file):
-    """Arrays of a VTU file by name: inline base64 after a count of 8 bytes."""
+    """Arrays of a VTU file by name: each is appended as a block of zlib, behind four counts of 8 bytes."""
+    head, _, tail = pathlib.Path(file).read_bytes().partition(b'<AppendedData encoding="raw">')
+    appended = tail.partition(b"_")[2]
     found = {}
-    for array in xml.parse(file).getroot().iter("DataArray"):
-        data = numpy.frombuffer(base64.b64decode(array.text)[8:], TYPES[array.get("type")])
+    for array in xml.fromstring(head + b"</VTKFile>").iter("DataArray"):
+        start = int(array.get("offset"))
+        blocks, _, _, size = numpy.frombuffer(appended, "<u8", 4, start)
+        block = appended[start + 32 : start + 32 + int(size)]
+        data = numpy.frombuffer(zlib.decompress(block) if blocks else b"", TYPES[array.get("type")])
         components = int(array.get("NumberOfComponents", "1"))
         found[array.get("Name")] = data.reshape(-1, components) if components > 1 else data
     return found

@@ -7,10 +7,11 @@ use std::hint::black_box;
 use std::sync::Arc;
 use std::time::Instant;
 
+use end_to_end_tests::Random;
 use fe_core::element::{ElementKind, Integration, MappedPoint};
 use fe_core::kinematics::{MAX_FREEDOMS, PlaneModel, StrainDisplacement};
 use fe_core::solver::{LinearSolver, Method, Pattern, SolverOptions, Symmetry, SystemMatrix};
-use grid::{Bodies, Numbers};
+use grid::Bodies;
 
 #[path = "../src/solver/test/grid.rs"]
 mod grid;
@@ -67,7 +68,7 @@ fn measure(rows: usize, bonded: usize, method: Method, repeats: usize) {
     let again = median(repeats, || {
         black_box(solver.factorise(&matrix, symmetry)).expect("a regular matrix");
     });
-    let right_side = Numbers(1).vector(bodies.nodes.len());
+    let right_side = Random::new(1).vector(bodies.nodes.len());
     let mut refined = false;
     let solve = median(repeats, || {
         let mut x = right_side.clone();

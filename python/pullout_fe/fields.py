@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import xml.etree.ElementTree as ElementTree
+import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -75,15 +76,29 @@ class Series:
         return _read(self._folder / self._files[1][frame])
 
 
+def _values(array: ElementTree.Element, appended: bytes) -> bytes:
+    """The numbers of an array, as bytes: of ours, one block of zlib among what is appended."""
+    if array.attrib["format"] != "appended":
+        # as earlier versions wrote them: the number of bytes stands in front
+        return base64.b64decode(array.text or "")[8:]
+    start = int(array.attrib["offset"])
+    blocks, _, _ = np.frombuffer(appended, "<u8", 3, start)
+    sizes = np.frombuffer(appended, "<u8", int(blocks), start + 24)
+    first = start + 24 + 8 * int(blocks)
+    ends = (first + np.cumsum(sizes)).astype(int).tolist()
+    return b"".join(zlib.decompress(appended[a:b]) for a, b in zip([first, *ends], ends))
+
+
 def _read(file: Path) -> Mesh:
-    root = ElementTree.parse(file).getroot()
+    # what is appended is not XML
+    head, found, tail = file.read_bytes().partition(b'<AppendedData encoding="raw">')
+    root = ElementTree.fromstring(head + b"</VTKFile>" if found else head)
+    appended = tail.partition(b"_")[2]
 
     def arrays(path: str) -> dict[str, NDArray[Any]]:
         found = {}
         for array in root.findall(f"./UnstructuredGrid/{path}/DataArray"):
-            content = base64.b64decode(array.text or "")
-            # the number of bytes stands in front
-            values = np.frombuffer(content, _TYPES[array.attrib["type"]], offset=8)
+            values = np.frombuffer(_values(array, appended), _TYPES[array.attrib["type"]])
             columns = int(array.attrib.get("NumberOfComponents", 1))
             found[array.attrib["Name"]] = values.reshape(-1, columns) if columns > 1 else values
         return found

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, Mapping, NamedTuple, Union
 
@@ -18,8 +19,7 @@ Array = NDArray[np.float64]
 #: where a parameter stands in the case, and "log" where its logarithm is what varies
 Free = Union[str, "tuple[str, str]"]
 
-#: relative step of differences: larger ones change the increments that a specimen takes by itself, smaller ones meet the
-#: tolerance of its equilibrium
+#: relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium
 STEP = 1e-6
 
 
@@ -81,23 +81,28 @@ class Model:
 
     def __call__(self, x: ArrayLike) -> Array:
         """The curve of these parameters."""
+        return self._run(x, record=False)[0]
+
+    def _run(self, x: ArrayLike, record: bool) -> tuple[Array, dict[str, Any] | None]:
+        """The curve, and the increments of the run."""
         values = np.atleast_1d(np.asarray(x, dtype=float))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         case = self.case.with_(dict(zip(self._paths, values.tolist())))
         try:
-            history = run(case, in_process=self.in_process).history
+            made = run(case, in_process=self.in_process, record=record)
         except RunFailed:
             if isinstance(self.on_failure, str):
                 raise
-            return np.full(1 if self.grid is None else self.grid.shape, self.on_failure)
+            return np.full(1 if self.grid is None else self.grid.shape, self.on_failure), None
+        history, increments = made.history, made.increments
         along, values = (history[name] for name in self.curve)
         if self.grid is None:
-            return np.array(values)
+            return np.array(values), increments
         # the first passage: a snap-back goes back along the first column
         first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
         found: Array = np.interp(self.grid, along[first], values[first], right=np.nan)
-        return found
+        return found, increments
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
@@ -108,13 +113,20 @@ class Model:
             return np.array(list(threads.map(self, rows)))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
-        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`."""
+        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`.
+
+        The runs repeat the increments of that at ``x``: what a specimen chooses by itself would make steps in the curve.
+        """
         start = np.atleast_1d(np.asarray(x, dtype=float))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
         # the step that the sum has
         moved = start + np.diag(steps)
-        curves = self.batch(np.vstack([start, moved]), executor)
-        derivatives: Array = ((curves[1:] - curves[0]) / (np.diag(moved) - start)[:, None]).T
+        base, increments = self._run(start, record=True)
+        frozen = copy.copy(self)
+        if increments is not None:
+            frozen.case = self.case.with_({"increments": increments})
+        curves = frozen.batch(moved, executor)
+        derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
         return derivatives
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:

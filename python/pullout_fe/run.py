@@ -140,6 +140,8 @@ class Run:
         self.status: str = summary["status"]
         #: a case that repeats the increment or the call that failed
         self.replay = None if replay is None else Case(json.loads(replay))
+        #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
+        self.increments: dict[str, Any] | None = None
         failed = summary.get("failed_at")
         #: how and where it failed, if it did
         self.failure: Failure | None = None
@@ -203,6 +205,7 @@ def run(
     in_process: bool = False,
     on_failure: str = "raise",
     out: str | os.PathLike[str] | None = None,
+    record: bool = False,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -211,6 +214,8 @@ def run(
     ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
     bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
     Ctrl-C ends it too.
+
+    ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them.
 
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.
@@ -222,16 +227,18 @@ def run(
     if threads < 1:
         raise CaseError([("threads", "is 1 or more")])
     if out is not None:
-        return _ended(_run_into(case, Path(out).absolute(), threads, in_process), on_failure)
+        return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record), on_failure)
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, replay = _core.run(case._parts(), int(threads), listener, in_process)
+        columns, summary, replay, increments = _core.run(case._parts(), int(threads), listener, in_process, record)
     finally:
         if bar is not None:
             bar.close()
     history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
-    return _ended(Run(case, history, json.loads(summary), replay), on_failure)
+    made = Run(case, history, json.loads(summary), replay)
+    made.increments = None if increments is None else {"recorded": json.loads(increments)}
+    return _ended(made, on_failure)
 
 
 def _ended(made: Run, on_failure: str) -> Run:
@@ -241,13 +248,14 @@ def _ended(made: Run, on_failure: str) -> Run:
     return made
 
 
-def _run_into(case: Case, out: Path, threads: int, in_process: bool) -> Run:
+def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool) -> Run:
     """A run of the program."""
     case.check()
     file, document, folder, overrides, plugin_paths = case._parts()
     # a document comes through a pipe, and stands in its folder
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
     command += ["--in-process"] if in_process else []
+    command += ["--record-increments"] if record else []
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
     ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)
@@ -275,7 +283,10 @@ def read(folder: str | os.PathLike[str]) -> Run:
         raise PulloutError(f"{folder} has no results: {error}") from None
     replay = folder / "replay.json"
     text = replay.read_text(encoding="utf-8") if replay.is_file() else None
-    return Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
+    made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
+    if (folder / "increments.json").is_file():
+        made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
+    return made
 
 
 def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:

@@ -24,8 +24,8 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// A case as Python has it: a file or a document, the folder of a document, changes, folders of plugins.
 pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
 
-/// Columns with their units, `summary.json`, and the replay case.
-type Results<'py> = (Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>, String, Option<String>);
+/// Columns with their units, `summary.json`, the replay case, and the increments.
+type Results<'py> = (Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>, String, Option<String>, Option<String>);
 
 /// How far a run is: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
@@ -83,15 +83,16 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
     })
 }
 
-/// Runs a case. `listener` is called with the part that is done and the present row.
+/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process))]
+#[pyo3(signature = (case, threads, listener, in_process, records))]
 pub fn run(
     py: Python<'_>,
     case: Parts,
     threads: usize,
     listener: Option<Py<PyAny>>,
     in_process: bool,
+    records: bool,
 ) -> PyResult<Results<'_>> {
     without_panic(|| {
         let source = source(case)?;
@@ -104,6 +105,7 @@ pub fn run(
         let settings = Settings {
             threads: NonZeroUsize::new(threads),
             stop: Arc::clone(&stop),
+            records,
             listener: listener.as_ref().map(|_| {
                 let state = Arc::clone(&state);
                 let hear = move |part: f64, row: &pullout_run::path::Row<'_>| {
@@ -174,13 +176,14 @@ fn tell(py: Python<'_>, listener: &Py<PyAny>, names: &[String], part: f64, row: 
 fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
     let summary = outcome.summary.text()?;
     let replay = outcome.replay.map(|replay| replay.to_string());
+    let increments = outcome.increments.map(|increments| increments.to_string());
     let columns = outcome.history.into_columns();
     // the memory is handed over, not copied
     let columns = columns.map(|(name, values)| {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay))
+    Ok((columns.collect(), summary, replay, increments))
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

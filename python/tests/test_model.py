@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import pickle
+import subprocess
 from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,7 @@ from pullout_fe.fenics import SmallStrainModel
 
 BAR = po.point("linear_elastic", {"E": 100.0, "nu": 0.25}, "3d", [po.ramp(10, e11=0.01, e22="hold", e33="hold")])
 PARAMETERS = {"E": ("material.props.E", "log"), "nu": "material.props.nu"}
+FIBRE = Path(__file__).parents[2] / "cases/chapter-6/6.14-plane.json"
 GRID = np.linspace(0.0, 0.01, 7)
 
 
@@ -45,6 +49,21 @@ def test_derivatives() -> None:
     assert np.allclose(found[:, 1], GRID * young * by_nu, rtol=1e-4)
 
 
+def test_derivatives_are_of_the_increments_of_one_run() -> None:
+    """A specimen that chooses its increments; and they are repeated to the bit."""
+    fibre = po.Case(FIBRE).with_({"steps[0].slip": 0.03, "output.vtu": False})
+    slips = np.array([0.005, 0.01, 0.02, 0.025])
+    made = po.Model(fibre, {"k": "contact.law.props.k_e", "a": "contact.law.props.a_1"}, ("slip", "load"), slips)
+    base = po.run(fibre, record=True)
+    frozen = fibre.with_({"increments": base.increments})
+    assert np.array_equal(po.run(frozen).history["load"], base.history["load"])
+    central = po.Model(frozen, {"k": "contact.law.props.k_e", "a": "contact.law.props.a_1"}, ("slip", "load"), slips)
+    # larger ones meet the kinks of the law
+    steps = np.diag(1e-5 * made.x0)
+    expected = np.array([(central(made.x0 + step) - central(made.x0 - step)) / (2 * step.sum()) for step in steps]).T
+    assert np.allclose(made.jac(made.x0), expected, rtol=0, atol=1e-4 * np.abs(expected).max(axis=0))
+
+
 def test_a_fit_finds_what_was_put_in_and_says_what_it_cannot_know() -> None:
     pytest.importorskip("scipy")
     target = oedometer(80.0, 0.25)
@@ -56,6 +75,25 @@ def test_a_fit_finds_what_was_put_in_and_says_what_it_cannot_know() -> None:
     assert fit.covariance[0, 0] == pytest.approx(expected, rel=1e-4)
     # one slope does not tell two constants
     assert set(model().fit(target, sigma=0.01).not_identifiable) == {"E", "nu"}
+
+
+def test_the_program_fits_to_the_same_values(tmp_path: Path) -> None:
+    pytest.importorskip("scipy")
+    props = {"law": "A", "k_e": 700.0, "a_1": 8.0, "b_1": 0.4}
+    bond = {"kind": "interface", "material": {"plugin": "bond_slip", "props": props}, "steps": [po.ramp(500, slip=0.01)]}
+    slips = np.array([2e-4, 4e-4, 1e-3, 2e-3, 5e-3, 1e-2])
+    # near the curve of k_e = 950, a_1 = 10, and none of the law
+    tractions = np.array([0.2, 0.37, 0.63, 0.85, 1.18, 1.60])
+    paths = {"k_e": "material.props.k_e", "a_1": "material.props.a_1"}
+    bounds = {"k_e": (100.0, 5000.0), "a_1": (1.0, 50.0)}
+    fit = po.Model(bond, paths, ("slip", "tau"), slips, bounds=bounds).fit(tractions)
+    (tmp_path / "bond.json").write_text(json.dumps(bond))
+    np.savetxt(tmp_path / "data.csv", np.array([slips, tractions]).T, delimiter=",", header="slip,tau", comments="")
+    free = [f"--free={paths[name]}={low}:{high}" for name, (low, high) in bounds.items()]
+    command = [po.program(), "fit", "bond.json", "--data=data.csv", "--curve=slip,tau", "--out=found", *free]
+    subprocess.run(command, cwd=tmp_path, check=True, capture_output=True)
+    found = json.loads((tmp_path / "found" / "fit.json").read_text())["parameters"]
+    assert [number["value"] for number in found] == pytest.approx(list(fit.values.values()), rel=1e-5)
 
 
 @pytest.mark.parametrize("constraint", ["FULL", "PLANE_STRAIN", "PLANE_STRESS"])

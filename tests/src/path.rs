@@ -1,24 +1,40 @@
 //! Deterministic random strain paths, and how far two arrays are apart.
 
-/// Deterministic pseudo-random numbers (splitmix64).
+/// Random numbers that a seed repeats.
 #[derive(Clone, Debug)]
-pub struct Random(pub u64);
+pub struct Random(fastrand::Rng);
 
 impl Random {
+    /// Starts a stream of numbers of its own for each seed.
+    pub fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        self.0.f64()
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// As many numbers as asked for, uniform in [−1, 1).
+    pub fn vector(&mut self, count: usize) -> Vec<f64> {
+        (0..count).map(|_| self.signed()).collect()
+    }
+
     /// Uniform in [−1, 1).
     pub fn signed(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
+        2.0 * self.unit() - 1.0
     }
 }
 
 /// Strain increments of a path that wanders between random corners of the given size, with `ntens` components.
 pub fn strain_path(seed: u64, ntens: usize, size: f64, increments: usize) -> Vec<[f64; 6]> {
     const INCREMENTS_PER_LEG: usize = 5;
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let mut corner = [0.0; 6];
     let mut path = Vec::with_capacity(increments);
     while path.len() < increments {

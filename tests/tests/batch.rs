@@ -86,7 +86,7 @@ impl Both {
 fn follow_random_paths(law: &Sample, stress_state: StressState, count: usize, request: Request) {
     let mut both = Both::new(law, stress_state, count);
     let ntens = stress_state.components().len();
-    let mut random = Random(count as u64);
+    let mut random = Random::new(count as u64);
     let paths: Vec<Vec<[f64; 6]>> = (0..count)
         .map(|k| {
             let size = law.strain * 10_f64.powf(1.5 * random.signed() - 0.5);

@@ -137,7 +137,7 @@ fn share(lstr: i32) -> f64 {
 
 /// Random tensors of every size, as stresses and strains.
 fn for_each_tensor(mut check: impl FnMut(&[f64], i32, i32, i32)) {
-    let mut random = Random(7);
+    let mut random = Random::new(7);
     for (ndi, nshr) in COUNTS {
         for lstr in [STRESS, STRAIN] {
             for _ in 0..200 {

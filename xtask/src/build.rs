@@ -4,10 +4,15 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The package of the program; the plugins are among its dependencies.
-const PROGRAM: &str = "driver";
-/// The package whose examples are the libraries for Kratos.
-const ALL_LAWS: &str = "pullout_laws";
+/// The packages to be installed: the program, whose dependencies the plugins are, and that whose examples are the libraries
+/// for Kratos.
+const INSTALLED: [&str; 4] = ["--package", "driver", "--package", "pullout_laws"];
+/// The name of the program.
+const PROGRAM: &str = "pullout";
+/// The folders of the plugins and of the utility routines.
+const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
+/// The profile of what is for others. What is built of another profile is for tests.
+pub const FOR_OTHERS: &str = "dist";
 
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
@@ -23,6 +28,8 @@ pub struct Products {
 /// Builds program and plugins, at once: the program knows its plugins by their hashes, and a second build with other
 /// features would make others.
 ///
+/// Where it is for tests, the whole workspace is built: dependencies have other features then, and the tests build them so.
+///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
 pub fn build(workspace: &Path, profile: &str) -> Result<Products, String> {
@@ -35,7 +42,8 @@ fn messages(workspace: &Path, profile: &str) -> Result<String, String> {
     let mut command = Command::new(cargo);
     command
         .current_dir(workspace)
-        .args(["build", "--package", PROGRAM, "--package", ALL_LAWS, "--lib", "--bins", "--examples"])
+        .args(["build", "--lib", "--bins", "--examples"])
+        .args(if profile == FOR_OTHERS { &INSTALLED[..] } else { &["--workspace"] })
         .args(["--profile", profile, "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
@@ -57,12 +65,13 @@ fn artifacts(messages: &str) -> Result<Vec<Value>, String> {
     Ok(artifacts)
 }
 
-/// The shared libraries among the workspace's targets of a kind: dependencies have some too, which nobody asked for.
+/// The shared libraries among the laws' targets of a kind: dependencies and tests have some too, which nobody asked for.
 fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     let has = |list: &Value, word: &str| list.as_array().is_some_and(|list| list.iter().any(|entry| entry == word));
     let mut libraries = Vec::new();
     for artifact in artifacts(messages)? {
-        let is_ours = artifact["package_id"].as_str().is_some_and(|id| id.starts_with("path+"));
+        let package = artifact["package_id"].as_str().unwrap_or_default();
+        let is_ours = package.starts_with("path+") && LIBRARIES.iter().any(|folder| package.contains(folder));
         if is_ours && has(&artifact["target"]["kind"], kind) && has(&artifact["target"]["crate_types"], "cdylib") {
             let files = artifact["filenames"].as_array().into_iter().flatten().filter_map(Value::as_str);
             libraries.extend(files.filter(|file| file.ends_with(std::env::consts::DLL_SUFFIX)).map(PathBuf::from));
@@ -74,7 +83,8 @@ fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
 /// The program, the plugins, and the libraries for Kratos.
 fn products(messages: &str) -> Result<Products, String> {
     let programs = artifacts(messages)?;
-    let program = programs.iter().rev().find_map(|artifact| artifact["executable"].as_str());
+    let program = programs.iter().find(|artifact| artifact["target"]["name"] == PROGRAM);
+    let program = program.and_then(|artifact| artifact["executable"].as_str());
     match program {
         Some(program) => {
             let (libraries, kratos) = (libraries(messages, "cdylib")?, libraries(messages, "example")?);
@@ -94,9 +104,11 @@ mod test {
         let messages = format!(
             r##"{{"reason":"compiler-artifact","package_id":"registry+r#s@1","target":{{"kind":["lib"]}},"filenames":["/t/libserde.rlib"],"executable":null}}
 {{"reason":"compiler-artifact","package_id":"registry+r#q@1","target":{{"kind":["cdylib","rlib"],"crate_types":["cdylib","rlib"]}},"filenames":["/t/libq{suffix}"],"executable":null}}
-{{"reason":"compiler-artifact","package_id":"path+file:///w/a#1","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
-{{"reason":"compiler-artifact","package_id":"path+file:///w/p#1","target":{{"kind":["bin"]}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
-{{"reason":"compiler-artifact","package_id":"path+file:///w/a#1","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/models/plugins/a#1","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/liba{suffix}","/t/deps/liba.debug"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/p#1","target":{{"kind":["bin"],"name":"pullout"}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/models/plugins/a#1","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/tests/faulty/c#1","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/libc{suffix}"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/b#1","target":{{"kind":["bin"],"name":"pullout-bench"}},"filenames":["/t/pullout-bench"],"executable":"/t/pullout-bench"}}
 {{"reason":"build-finished","success":true}}"##
         );
         let expected = Products {

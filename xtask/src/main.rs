@@ -25,14 +25,14 @@ enum Task {
         #[arg(long, value_name = "DIR")]
         prefix: PathBuf,
         /// Cargo profile to build with.
-        #[arg(long, value_name = "NAME", default_value = "dist")]
+        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
     },
     /// Build the wheel of the Python package, with the program, the laws and what belongs to them, and print its name: it is
     /// put into target/wheel.
     Wheel {
         /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
-        #[arg(long, value_name = "NAME", default_value = wheel::FOR_OTHERS)]
+        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
         /// A Python that has maturin. If it has auditwheel and abi3audit too, they must find nothing.
         #[arg(long, value_name = "PYTHON", default_value = "python3")]

@@ -1,6 +1,7 @@
 //! The wheel: extension, program, laws and headers in one file for Python.
 
-use crate::{build, install};
+use crate::build::{self, FOR_OTHERS};
+use crate::install;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -11,8 +12,6 @@ const FOLDER: &str = "target/wheel";
 const DATA: &str = "pullout_fe.data";
 /// A wheel should have no more: it is refused by nobody, but waited for by everybody.
 const BYTES: u64 = 12_000_000;
-/// The profile whose wheels are for others; those of other profiles are for tests.
-pub const FOR_OTHERS: &str = "dist";
 
 /// Builds everything, and makes the wheel of it; the result is its file.
 ///

@@ -288,6 +288,14 @@ pub struct Output {
     pub vtu: Option<bool>,
 }
 
+/// Increments that are repeated.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct RunIncrements {
+    /// increments.json of a run with --record-increments, relative to the case file, or what it holds.
+    pub recorded: serde_json::Value,
+}
+
 /// Iteration limits.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]

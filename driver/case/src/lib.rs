@@ -10,6 +10,7 @@ mod document;
 mod fields;
 mod history;
 pub mod import;
+mod increments;
 mod interface;
 mod json;
 mod plugin;

@@ -5,7 +5,7 @@ use crate::document::{self, InterfaceCase, Piece, PointCase, PulloutCase};
 use crate::point::Resolved;
 use crate::problem::{CaseErrors, Place, Problem};
 use crate::reader::Reader;
-use crate::{bridging, history, interface, json, point, specimen, structure};
+use crate::{bridging, history, increments, interface, json, point, specimen, structure};
 use fe_core::stepping::Analysis;
 use pullout_run::input::{self, Input, folder_of};
 use pullout_run::isolation::{self, Need};
@@ -282,7 +282,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             let columns = resolved.columns.as_deref();
             let about =
                 history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
-            finish(reader, document, resolved, about, &case.output, &case.controls)
+            finish(reader, document, resolved, about, (&case.output, &case.controls, &case.increments))
         }),
         "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
@@ -296,7 +296,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
             let columns = resolved.columns.as_deref();
             let about =
                 history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
-            finish(reader, document, resolved, about, &case.output, &case.controls)
+            finish(reader, document, resolved, about, (&case.output, &case.controls, &case.increments))
         }),
     };
     reader.add_structural(structural, before);
@@ -350,14 +350,20 @@ fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Optio
         .ok()
 }
 
+/// What is written, iteration limits, and increments that are repeated.
+type Settings<'c> = (
+    &'c Option<Piece<document::Output>>,
+    &'c Option<Piece<document::Controls>>,
+    &'c Option<Piece<document::RunIncrements>>,
+);
+
 /// Puts the program of a point together if nothing is missing.
 fn finish(
     reader: &mut Reader<'_>,
     document: Value,
     resolved: Resolved,
     about: About,
-    output: &Option<Piece<document::Output>>,
-    controls: &Option<Piece<document::Controls>>,
+    (output, controls, increments): Settings<'_>,
 ) -> Option<Case> {
     let root = Place::root();
     let output = reader.optional(output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
@@ -367,8 +373,11 @@ fn finish(
     let limits = reader.optional(controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
+    let (plugin, kind) = (resolved.plugin?, resolved.kind?);
+    let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
     Some(Case::Path(Box::new(Program {
         about: About {
+            recorded: increments::recorded(reader, increments.as_ref(), &most),
             every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
             plots: output.plots.unwrap_or(true),
             warnings: std::mem::take(&mut reader.warnings),
@@ -376,8 +385,8 @@ fn finish(
             ..about
         },
         document,
-        plugin: resolved.plugin?,
-        kind: resolved.kind?,
+        plugin,
+        kind,
         characteristic_length: resolved.characteristic_length,
         controls: program::Controls {
             max_iterations: limit(limits.max_iterations.map(|n| n.0), default.max_iterations),

@@ -2,9 +2,9 @@
 
 use crate::document::PulloutCase;
 use crate::document::pullout as document;
-use crate::history;
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
+use crate::{history, increments};
 use boundary::Boundary;
 use fe_core::mesh::Mesh;
 use fe_core::model::{Controls, Model, Skipping, Spalling};
@@ -84,6 +84,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         controls,
         skipping,
     };
+    let recorded = increments::recorded(reader, case.increments.as_ref(), &vec![None; model.steps.len()]);
     if reader.problems.is_empty() {
         preflight::check(reader, &model);
     }
@@ -101,6 +102,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         about: About {
             every: output.every.map_or(1, number),
             plots: output.plots.unwrap_or(true),
+            recorded,
             warnings: std::mem::take(&mut reader.warnings),
             defaults: std::mem::take(&mut reader.defaults),
             ..about

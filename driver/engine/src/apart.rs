@@ -56,6 +56,7 @@ fn command(source: &Source, settings: &Settings, out: &Path) -> io::Result<Comma
     command.args(["run", "--quiet", "--set=output.plots=false"]);
     command.arg("--parent").arg(std::process::id().to_string());
     command.args(settings.threads.map(|count| format!("--threads={count}")));
+    command.args(settings.records.then_some("--record-increments"));
     command.arg("--out").arg(out);
     command.args(all_are_let_in().then_some("--in-process"));
     for folder in &source.plugin_paths {
@@ -103,7 +104,6 @@ fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
         summary.title = source.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     }
     let history = History::of_run(out, |table| table.read()).unwrap_or_default();
-    let replay = input::read(&out.join("replay.json"), Input::Case).ok();
-    let replay = replay.and_then(|text| serde_json::from_slice(&text).ok());
-    Ok(Outcome { history, summary, replay })
+    let json = |name: &str| serde_json::from_slice(&input::read(&out.join(name), Input::Case).ok()?).ok();
+    Ok(Outcome { history, summary, replay: json("replay.json"), increments: json("increments.json") })
 }

@@ -1,6 +1,7 @@
 //! Runs in this process.
 
 use super::{Outcome, Settings};
+use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
@@ -52,7 +53,7 @@ pub fn extent(case: &Case) -> Extent {
 
 /// Runs a case; what it would write is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
-    let Settings { threads, stop, listener } = settings;
+    let Settings { threads, stop, records, listener } = settings;
     let threads = threads.unwrap_or(NonZeroUsize::MIN);
     let with_own;
     let case = match case {
@@ -69,12 +70,11 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     case.announce();
     let progress = Progress::to(listener, extent(case));
     let mut record = Record::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
+    record.recorded = records.then(Recorded::default);
     let Followed { statistics, result, mut specimen } =
         follow(case, &mut record, Path::new(""), &Checkpoints::default());
-    let is_interrupted = record.was_ended();
-    let place = record.place();
     let (message, failed_at, replay) = match result {
-        Ok(()) if is_interrupted => (Some(format!("told to end after {place}")), None, None),
+        Ok(()) if record.was_ended() => (Some(format!("told to end after {}", record.place())), None, None),
         Ok(()) => (None, None, None),
         Err(Stop::Write(error)) => return Err(error),
         Err(Stop::Failed(failure)) => {
@@ -82,14 +82,10 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             (Some(failure.message), Some(failed_at), Some(failure.replay).filter(|replay| !replay.is_null()))
         }
     };
-    let [wall_time_s, cpu_time_s] = record.times();
-    let (peaks, warnings) = (std::mem::take(&mut record.peaks), std::mem::take(&mut record.warnings));
-    let cpu_time_s = Some(cpu_time_s);
-    let states = Default::default();
-    let end =
-        RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states };
+    let end = RunEnd::after(&mut record, statistics, message, failed_at);
     let mut summary = summarise(case, &end, specimen.as_mut())?;
+    let increments = record.recorded.take().map(serde_json::to_value).transpose()?;
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;
-    Ok(Outcome { history, summary, replay })
+    Ok(Outcome { history, summary, replay, increments })
 }

@@ -61,6 +61,8 @@ pub struct Settings {
     pub threads: Option<NonZeroUsize>,
     /// Ends the run when it is set: within an increment of a point, an iteration of a specimen.
     pub stop: Arc<AtomicBool>,
+    /// Keeps the increments, so that another run can repeat them.
+    pub records: bool,
     /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.
     pub listener: Option<Listener>,
 }
@@ -74,6 +76,8 @@ pub struct Outcome {
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
     pub replay: Option<Value>,
+    /// The increments, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
+    pub increments: Option<Value>,
 }
 
 impl Outcome {

@@ -21,7 +21,7 @@ const FIRST_STEP: f64 = 1.0;
 
 /// The difference, as a part of the peak, of every row of a law that gives no curve: so far off that the method turns
 /// back and takes a shorter step. Along what a curve does not tell, a step may be of any length.
-const NO_CURVE: f64 = 10.0;
+pub(super) const NO_CURVE: f64 = 10.0;
 
 /// How much each row of the curve counts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]

@@ -1,4 +1,4 @@
-//! `pullout fit`: σ(w) from the test of a notched beam (`beam`), and with `pullout fit bond` the bond law behind the load–slip curve of a perpendicular fibre.
+//! `pullout fit CASE`: numbers of any case ([`fit_case`]); `pullout fit beam`: σ(w) from the test of a notched beam, and with `pullout fit bond` the bond law behind the load–slip curve of a perpendicular fibre.
 //!
 //! ```text
 //! CSV ─ curve ── mean traction against mean slip ── regression ── inverse finite elements ── law ± error ─ output
@@ -9,6 +9,7 @@
 //! what is left between its curve and the measured one moves the law until they agree.
 
 mod beam;
+mod case;
 mod curve;
 mod geometry;
 mod inverse;
@@ -22,6 +23,7 @@ mod test;
 mod uncertainty;
 
 pub use beam::{BeamColumns, BeamFit, describe as describe_beam, read_beam_test, write as write_beam};
+pub use case::{CaseFit, CaseRequest, Free, fit_case};
 pub use curve::LoadSlipCurve;
 pub use geometry::{Fibre, SlipAt};
 pub use inverse::Weights;

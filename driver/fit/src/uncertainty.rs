@@ -45,12 +45,26 @@ pub struct Uncertainty {
     pub correlation: DMatrix<f64>,
 }
 
-/// Of the weighted least-squares estimate θ with residuals r of the same variance σ² (r, J and weights W by rows):
+/// Of a fitted law.
+pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f64>, weights: &[f64]) -> Uncertainty {
+    let (errors, correlation) = spread(residuals, jacobian, weights, &derivatives(law));
+    let quantities = law.quantities().into_iter().zip(errors);
+    let estimates = quantities.map(|(quantity, standard_error)| Estimate { quantity, standard_error }).collect();
+    Uncertainty { estimates, correlation }
+}
+
+/// Standard errors and correlations of numbers q of the weighted least-squares estimate θ with residuals r of the same
+/// variance σ² (r, J and weights W by rows):
 ///
 /// ```text
 /// cov θ = σ² (JᵀWJ)⁻¹ JᵀW²J (JᵀWJ)⁻¹,   σ² = rᵀr/(m − n),   cov q = D cov θ Dᵀ with D = ∂q/∂θ
 /// ```
-pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f64>, weights: &[f64]) -> Uncertainty {
+pub fn spread(
+    residuals: &DVector<f64>,
+    jacobian: &DMatrix<f64>,
+    weights: &[f64],
+    derivatives: &DMatrix<f64>,
+) -> (Vec<f64>, DMatrix<f64>) {
     let weights = DVector::from_column_slice(weights);
     let scaled = |power: i32| {
         let mut scaled = jacobian.clone();
@@ -64,20 +78,17 @@ pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f
     let is_told = |eigenvalue: f64| eigenvalue > LEAST_INFORMATION * greatest;
     let inverse = information.eigenvalues.map(|value| if is_told(value) { 1.0 / value } else { 0.0 });
     let inverse = &information.eigenvectors * DMatrix::from_diagonal(&inverse) * information.eigenvectors.transpose();
-    let derivatives = derivatives(law);
-    let covariance = &derivatives * &inverse * scaled(2) * &inverse * derivatives.transpose() * variance;
+    let covariance = derivatives * &inverse * scaled(2) * &inverse * derivatives.transpose() * variance;
     let untold = information.eigenvalues.map(|value| f64::from(!is_told(value)));
-    let lost = &derivatives * &information.eigenvectors * DMatrix::from_diagonal(&untold);
+    let lost = derivatives * &information.eigenvectors * DMatrix::from_diagonal(&untold);
+    let deviation = |k: usize| covariance[(k, k)].max(0.0).sqrt();
     let error = |k: usize| {
         let unknown = lost.row(k).norm() > LEAST_INFORMATION.sqrt() * derivatives.row(k).norm();
-        if unknown { f64::INFINITY } else { covariance[(k, k)].max(0.0).sqrt() }
+        if unknown { f64::INFINITY } else { deviation(k) }
     };
-    let quantities = law.quantities().into_iter().enumerate();
-    let estimates: Vec<Estimate> =
-        quantities.map(|(k, quantity)| Estimate { quantity, standard_error: error(k) }).collect();
-    let spread: Vec<f64> = (0..estimates.len()).map(|k| covariance[(k, k)].max(0.0).sqrt()).collect();
-    let correlation = DMatrix::from_fn(spread.len(), spread.len(), |i, j| {
-        let product = spread[i] * spread[j];
+    let count = derivatives.nrows();
+    let correlation = DMatrix::from_fn(count, count, |i, j| {
+        let product = deviation(i) * deviation(j);
         // a number that was given goes with no other
         if i == j {
             1.0
@@ -87,7 +98,7 @@ pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f
             0.0
         }
     });
-    Uncertainty { estimates, correlation }
+    ((0..count).map(error).collect(), correlation)
 }
 
 /// ∂q/∂θ by central differences.

@@ -6,6 +6,7 @@ use crate::history::{HistoryFile, Rows};
 use crate::page::{self, Account};
 use crate::pictures;
 use crate::plots::{self, Picture, Spec};
+use crate::record::Record;
 use crate::summary::{self, PeakRecorder, PluginFile, PluginOf, Status, Summary};
 use crate::viewer::States;
 use maud::Markup;
@@ -41,6 +42,27 @@ pub struct RunEnd {
 }
 
 impl RunEnd {
+    /// Takes from a record what it has of a run that has ended.
+    pub fn after(
+        record: &mut Record,
+        statistics: Statistics,
+        message: Option<String>,
+        failed_at: Option<FailedAt>,
+    ) -> Self {
+        let [wall_time_s, cpu_time_s] = record.times();
+        Self {
+            peaks: std::mem::take(&mut record.peaks),
+            statistics,
+            message,
+            failed_at,
+            is_interrupted: record.was_ended(),
+            wall_time_s,
+            cpu_time_s: Some(cpu_time_s),
+            warnings: std::mem::take(&mut record.warnings),
+            states: record.take_states(),
+        }
+    }
+
     /// Of a run that was ended from outside: its peaks are those of the rows that were written.
     ///
     /// # Errors

@@ -15,7 +15,7 @@ use crate::plots::figure::{Figure, Line, Scale, Style};
 use crate::plots::quantity::{Quantity, group_of};
 use crate::plots::{self, Picture};
 use fe_core::mesh::Mesh;
-use fe_core::model::ContactPair;
+use fe_core::model::Model;
 use fe_core::output::{Activity, FieldsError, Principal, Recovery, axial_stress};
 use plotters::style::RGBColor;
 use pullout_run::columns::Group;
@@ -99,7 +99,6 @@ struct Album<'a> {
     fibre: Option<Fibre>,
     /// How the slave surface of each pair lies along the fibre.
     walls: Vec<Option<Wall>>,
-    /// Parts that carry contact points: fibres are stressed so much more that colours follow these parts.
     matrix: BTreeSet<usize>,
     /// The greatest principal stress so far, MPa.
     greatest_stress: f64,
@@ -109,21 +108,15 @@ struct Album<'a> {
 impl<'a> Album<'a> {
     fn new(directory: &'a mut ResultDirectory, folder: &'a str, program: &'a Program) -> Self {
         let mesh = &program.model.mesh;
-        let contacts = &program.model.contacts;
-        let slaves = contacts.iter().flat_map(|pair| &pair.slave);
-        let fibre = Fibre::of(&program.model);
-        let wall = |pair: &ContactPair| Wall::of(fibre.as_ref()?, mesh, &pair.slave);
+        let (fibre, walls) = walls(&program.model);
         Self {
-            walls: contacts.iter().map(wall).collect(),
+            walls,
             directory,
             folder,
             mesh,
             recovery: Recovery::new(mesh),
             fibre,
-            matrix: slaves
-                .map(|edge| mesh.elements()[edge.element].part())
-                .chain(program.model.parts_behind())
-                .collect(),
+            matrix: matrix(&program.model),
             greatest_stress: 0.0,
             pictures: Vec::new(),
         }
@@ -339,8 +332,22 @@ fn damages<'n>(names: &[&'n str]) -> Vec<&'n str> {
     if total.is_empty() { damages } else { total }
 }
 
-fn is_total(name: &str) -> bool {
+/// Returns whether a state is the damage as a whole, not that of one direction or cause.
+pub(crate) fn is_total(name: &str) -> bool {
     matches!(name, "D" | "d" | "damage")
+}
+
+/// Returns the fibre, and how the slave surface of each pair lies along it.
+pub(crate) fn walls(model: &Model) -> (Option<Fibre>, Vec<Option<Wall>>) {
+    let fibre = Fibre::of(model);
+    let walls = model.contacts.iter().map(|pair| Wall::of(fibre.as_ref()?, &model.mesh, &pair.slave)).collect();
+    (fibre, walls)
+}
+
+/// Returns the parts that carry contact points: fibres are stressed so much more that colours follow these parts.
+pub(crate) fn matrix(model: &Model) -> BTreeSet<usize> {
+    let slaves = model.contacts.iter().flat_map(|pair| &pair.slave);
+    slaves.map(|edge| model.mesh.elements()[edge.element].part()).chain(model.parts_behind()).collect()
 }
 
 fn capital(text: &str) -> String {

@@ -5,7 +5,7 @@ use crate::progress::Progress;
 use crate::summary::PeakRecorder;
 use crate::viewer::States;
 use fe_core::assembly::GREATEST_COUNT;
-use fe_core::stepping::Snapshot;
+use fe_core::stepping::{Recorded, Snapshot, Tried};
 use pullout_run::isolation::worker;
 use pullout_run::path::{Observer, Row, Statistics};
 use pullout_run::pullout::checkpoint::Saved;
@@ -33,6 +33,8 @@ pub struct Record {
     /// What the run found that the user should know.
     pub warnings: Vec<String>,
     done: u64,
+    /// Increments, if they are kept for another run that repeats them.
+    pub recorded: Option<Recorded>,
     /// Step and increment of the last row.
     place: [u32; 2],
     /// Whether the run was told to end.
@@ -95,6 +97,7 @@ impl Record {
             progress,
             warnings: Vec::new(),
             done: 0,
+            recorded: None,
             place: [0; 2],
             ended: Cell::new(false),
             start,
@@ -178,6 +181,12 @@ impl Observer for Record {
         let ends = is_stopped || signals::received().is_some();
         self.ended.set(ends);
         ends
+    }
+
+    fn tried(&mut self, step: u32, attempts: &[Tried]) {
+        if let Some(recorded) = &mut self.recorded {
+            recorded.push(step, attempts.to_vec());
+        }
     }
 
     fn stop(&self) -> Option<Arc<AtomicBool>> {

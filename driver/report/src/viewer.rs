@@ -3,7 +3,7 @@
 //! States are kept as the run goes on, evenly over its increments. Displacements and fields are told in 65535 steps of
 //! their ranges, each state by its difference to the one before, deflated.
 
-use crate::pictures::ALONG_HOLE;
+use crate::pictures::{ALONG_HOLE, is_total, matrix, walls};
 use crate::plots::field::{ALONG_SURFACE, band_color_text};
 use crate::plots::quantity::{Quantity, group_of};
 use fe_core::mesh::Mesh;
@@ -14,10 +14,9 @@ use flate2::write::DeflateEncoder;
 use maud::{Markup, PreEscaped, html};
 use pullout_run::columns::Group;
 use pullout_run::pullout::Program;
-use pullout_run::pullout::fibre::{Fibre, Wall};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 const SCRIPT: &str = include_str!("viewer.js");
@@ -136,9 +135,7 @@ impl States {
             item.nodes.iter().for_each(|node| data.extend_from_slice(&node.to_le_bytes()));
         });
         // along a fibre the walls of the hole have a common coordinate, and a bond that resists the pull is positive
-        let fibre = Fibre::of(model);
-        let walls: Vec<Option<Wall>> =
-            model.contacts.iter().map(|pair| Wall::of(fibre.as_ref()?, mesh, &pair.slave)).collect();
+        let (_, walls) = walls(model);
         for &[pair, x, y, arc, pressure, bond] in self.kept.iter().flat_map(|state| &state.contact) {
             let wall = walls.get(pair as usize).and_then(Option::as_ref);
             let [arc, bond] = wall
@@ -153,10 +150,7 @@ impl States {
         push_series(&mut data, self.kept.iter().map(moved));
         let recovered: Vec<Vec<[f64; VALUES]>> =
             self.kept.iter().map(|state| state.at_nodes(mesh, &recovery)).collect::<Result<_, _>>()?;
-        // fibres are stressed so much more than the matrix that colours follow the matrix
-        let slaves =
-            model.contacts.iter().flat_map(|pair| &pair.slave).map(|edge| mesh.elements()[edge.element].part());
-        let matrix: BTreeSet<usize> = slaves.chain(model.parts_behind()).collect();
+        let matrix = matrix(model);
         let in_scale = |place: usize| matrix.is_empty() || matrix.contains(&places.parts()[place]);
         let quantity = |name: &str, unit: &str| Quantity { name: name.into(), unit: unit.into() };
         let quantities = [
@@ -288,7 +282,7 @@ impl State {
 
 /// The damage among states and derived outputs: the total one, or else the first.
 fn damage_of(names: &[String]) -> Option<usize> {
-    let total = names.iter().position(|name| matches!(name.as_str(), "D" | "d" | "damage"));
+    let total = names.iter().position(|name| is_total(name));
     total.or_else(|| names.iter().position(|name| group_of(name) == Group::Damage))
 }
 

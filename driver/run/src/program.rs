@@ -5,9 +5,11 @@ use crate::arguments::{ContactArguments, UmatArguments};
 use crate::columns;
 use crate::input::folder_of;
 pub use fe_core::model::FieldValues;
+use fe_core::stepping::Recorded;
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
 use umat_abi::law::StressState;
 
@@ -158,6 +160,8 @@ pub struct About {
     pub warnings: Vec<String>,
     /// What the case leaves to defaults, a line for each place.
     pub defaults: Vec<String>,
+    /// Increments of another run, which are repeated: no `until` ends a step or the run then.
+    pub recorded: Option<Arc<Recorded>>,
 }
 
 /// Everything a run of a point needs.

@@ -1,4 +1,4 @@
-//! `pullout fit`: laws from experiments.
+//! `pullout fit`: numbers of a case, and laws, from experiments.
 
 use super::{BAD_INPUT, DONE, FAILED, Place, complain, isolated, refuse, run, say};
 use clap::{Args, Subcommand, ValueEnum};
@@ -10,10 +10,21 @@ use std::io;
 use std::path::PathBuf;
 
 mod beam;
+mod case;
 
-/// What is fitted.
+/// What is fitted: numbers of a case, or a law.
+#[derive(Debug, Args)]
+#[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
+pub(super) struct Fit {
+    #[command(subcommand)]
+    law: Option<Law>,
+    #[command(flatten)]
+    case: case::Arguments,
+}
+
+/// A law that is fitted.
 #[derive(Debug, Subcommand)]
-pub(super) enum Law {
+enum Law {
     /// A bond law from the load–slip curve of a perpendicular fibre.
     ///
     /// The mean traction P/(π D (L − g)) over the mean slip g gives a first law by regression: straight lines (form
@@ -126,21 +137,23 @@ fn not_negative(text: &str) -> Result<f64, String> {
         .ok_or_else(|| "a number ≥ 0 is needed".into())
 }
 
-impl Law {
+impl Fit {
     /// Where plugins are called.
     pub(super) fn place(&self) -> Place {
-        match self {
-            Self::Bond(bond) => bond.place,
-            Self::Beam(beam) => beam.reading.place,
+        match (&self.law, &self.case) {
+            (Some(Law::Bond(bond)), _) => bond.place,
+            (Some(Law::Beam(beam)), _) => beam.reading.place,
+            (None, case) => case.place,
         }
     }
 }
 
 /// Fits a law, as the command line says, whose words are `line`.
-pub(super) fn act(law: &Law, line: &[OsString]) -> u8 {
-    match law {
-        Law::Bond(bond) => act_on_bond(bond, line),
-        Law::Beam(beam) => beam.act(),
+pub(super) fn act(fit: &Fit, line: &[OsString]) -> u8 {
+    match &fit.law {
+        Some(Law::Bond(bond)) => act_on_bond(bond, line),
+        Some(Law::Beam(beam)) => beam.act(),
+        None => fit.case.act(),
     }
 }
 

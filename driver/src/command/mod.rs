@@ -90,10 +90,11 @@ enum Command {
     /// Turn a one-element ABAQUS job with a user material into a case of kind "point".
     Import(import::Arguments),
     /// Find a law's parameters from an experiment.
-    Fit {
-        #[command(subcommand)]
-        law: fit::Law,
-    },
+    ///
+    /// `fit CASE` seeks numbers of any case by which a curve of its history is nearest to a measured one (Levenberg and
+    /// Marquardt). Written to the result directory: fitted-case.json (runs with what was found), fitted-curve.csv, fit.json
+    /// (values with standard errors and correlations).
+    Fit(Box<fit::Fit>),
     /// Measure run time against error, the cost of the plugin ABI, throughput.
     Bench(bench::Arguments),
     /// Print calibrated parameters of a law.
@@ -158,7 +159,7 @@ impl Command {
             Self::Check { reading, .. } => reading.place,
             Self::Plugin { action } => action.place(),
             Self::Sweep { action } => action.place(),
-            Self::Fit { law } => law.place(),
+            Self::Fit(fit) => fit.place(),
             // it measures calls in this process
             Self::Bench(_) => Place { in_process: true },
             Self::Schema
@@ -248,7 +249,7 @@ fn act(command: Command, line: &[OsString]) -> u8 {
         Command::Schema => schema(),
         Command::Plot(arguments) => plot::plot(&arguments),
         Command::Import(arguments) => import::run(&arguments),
-        Command::Fit { law } => fit::act(&law, line),
+        Command::Fit(fit) => fit::act(&fit, line),
         Command::Bench(arguments) => bench::run(&arguments),
         Command::Props { law } => props::print(&law),
         Command::Worker(task) => isolated::work(&task),

@@ -1,6 +1,7 @@
 //! `pullout run` and `pullout check`.
 
 use super::{BAD_INPUT, DONE, FAILED, Reading, complain, isolated, option, refuse, study};
+use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_engine::{Followed, extent, follow};
@@ -47,6 +48,9 @@ pub(super) struct Arguments {
     /// same bits with any number.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
+    /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
+    #[arg(long, conflicts_with = "restart")]
+    record_increments: bool,
     /// Say nothing but errors.
     #[arg(long)]
     pub(super) quiet: bool,
@@ -72,6 +76,7 @@ impl Arguments {
         });
         line.extend(self.interruption.checkpoint_every.map(|every| format!("--checkpoint-every={every}").into()));
         line.extend(self.overwrite.then(|| "--overwrite".into()));
+        line.extend(self.record_increments.then(|| "--record-increments".into()));
         line.extend(self.quiet.then(|| "--quiet".into()));
         line.extend(self.threads.map(|count| format!("--threads={count}").into()));
         line.extend(self.parent.map(|parent| format!("--parent={parent}").into()));
@@ -131,6 +136,8 @@ struct Telling {
     quiet: bool,
     /// What the plugins print.
     echo: bool,
+    /// The increments in a file.
+    records: bool,
 }
 
 impl Job<'_> {
@@ -222,7 +229,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
         return code;
     }
     // of a worker's run, the supervisor shows what is printed
-    let telling = Telling { quiet: *quiet, echo: *echo };
+    let telling = Telling { quiet: *quiet, echo: *echo, records: arguments.record_increments };
     let run = |(job, directory): (Job<'_>, ResultDirectory)| {
         if let Some(signal) = signals::received() {
             complain(format!("{}: not run: interrupted by {}", directory.path().display(), signal.words()));
@@ -355,16 +362,19 @@ fn run_case(
         None => Record::new(&history_file, &columns, progress, checkpoints.every.is_some())?,
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
+    record.recorded = telling.records.then(Recorded::default);
     let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);
+    if let Some(recorded) = record.recorded.take() {
+        directory.write("increments.json", serde_json::to_string(&recorded)?)?;
+    }
     // what plugins printed is complete before the results are listed
     drop(prints);
-    let is_interrupted = record.was_ended();
     let failed_at = match &result {
         Err(Stop::Failed(failure)) => Some(failure.place()),
         _ => None,
     };
     let message = match result {
-        Ok(()) if is_interrupted => Some(interrupted(&record.place(), checkpoints.every.is_some())),
+        Ok(()) if record.was_ended() => Some(interrupted(&record.place(), checkpoints.every.is_some())),
         Ok(()) => None,
         Err(Stop::Write(error)) => Some(format!("{}: {error}", record.place())),
         Err(Stop::Failed(failure)) if failure.replay.is_null() => Some(failure.message),
@@ -373,12 +383,7 @@ fn run_case(
             Some(format!("{} (replay case: {})", failure.message, replay.display()))
         }
     };
-    let [wall_time_s, cpu_time_s] = record.times();
-    let states = record.take_states();
-    let (peaks, warnings) = (record.peaks, record.warnings);
-    let cpu_time_s = Some(cpu_time_s);
-    let end =
-        RunEnd { peaks, statistics, message, failed_at, is_interrupted, wall_time_s, cpu_time_s, warnings, states };
+    let end = RunEnd::after(&mut record, statistics, message, failed_at);
     conclude(case, directory, end, specimen)
 }
 

@@ -1,6 +1,6 @@
 //! What is there of a sweep.
 
-use crate::store::{Keys, Store};
+use crate::store::{Keys, Store, Sweep};
 use crate::table::{Column, Table};
 use pullout_run::isolation;
 use pullout_run::path::{FailedAt, FailureKind};
@@ -89,8 +89,10 @@ impl Standing {
     /// # Errors
     /// It cannot be read.
     pub fn of(store: &Store) -> io::Result<Self> {
-        let rows = gather(store, |name| ["key", "status", "attempt", "time", "cpu_s", "wall_s"].contains(&name))?;
-        let mut standing = Self { runs: store.sweep()?.runs.len(), ..Self::default() };
+        let sweep = store.sweep()?;
+        let wants = |name: &str| ["key", "status", "attempt", "time", "cpu_s", "wall_s"].contains(&name);
+        let rows = gather(store, &sweep, wants)?;
+        let mut standing = Self { runs: sweep.runs.len(), ..Self::default() };
         for status in rows.column("status").map(Column::texts).unwrap_or_default().iter().flatten() {
             *standing.over.entry(status.clone()).or_default() += 1;
         }
@@ -110,15 +112,14 @@ impl Standing {
 /// # Errors
 /// The store cannot be read.
 pub fn collect(store: &Store) -> io::Result<Table> {
-    gather(store, |_| true)
+    gather(store, &store.sweep()?, |_| true)
 }
 
-fn gather(store: &Store, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
-    let sweep = store.sweep()?;
+fn gather(store: &Store, sweep: &Sweep, wants: impl Fn(&str) -> bool) -> io::Result<Table> {
     let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Table::read(part, &wants)).collect();
     let parts = parts?;
     let known = Known::within(&parts);
-    let mut keys = Keys::new(&sweep, isolation::identity()?);
+    let mut keys = Keys::new(sweep, isolation::identity()?);
     let found: Vec<(usize, (usize, usize))> =
         (0..sweep.runs.len()).filter_map(|run| Some((run, known.best(&keys.of(run))?.place))).collect();
     let (runs, places): (Vec<usize>, Vec<(usize, usize)>) = found.into_iter().unzip();

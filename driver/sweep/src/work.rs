@@ -63,6 +63,10 @@ struct Office<'w> {
     sweep: &'w Sweep,
     work: &'w Work,
     engine: String,
+    /// Names of the machine and of its processor.
+    machine: (String, String),
+    /// Whether a parameter is a number in all runs: its column has one type in all parts.
+    are_numbers: Vec<bool>,
     due: Vec<Due>,
     next: AtomicUsize,
     over: AtomicUsize,
@@ -100,7 +104,10 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
     let kept = runs.len() - due.len();
     let engine = engine.iter().map(|byte| format!("{byte:02x}")).collect();
     let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let office = Office { store, sweep: &sweep, work, engine, due, next, over, told };
+    let is_number = |index: usize| sweep.runs.iter().all(|run| run[index].is_number());
+    let are_numbers = (0..sweep.parameters.len()).map(is_number).collect();
+    let machine = machine();
+    let office = Office { store, sweep: &sweep, work, engine, machine, are_numbers, due, next, over, told };
     let jobs = work.jobs.clamp(1, office.due.len().max(1));
     let errors = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
@@ -281,9 +288,7 @@ impl Office<'_> {
         ];
         for (index, path) in parameters.iter().enumerate() {
             let value = |k: usize| &self.sweep.runs[runs[k].run][index];
-            // the same type in all parts
-            let is_number = self.sweep.runs.iter().all(|run| run[index].is_number());
-            let column = if is_number {
+            let column = if self.are_numbers[index] {
                 number(&|k| value(k).as_f64())
             } else {
                 text(&|k| Some(value(k).as_str().map_or_else(|| value(k).to_string(), str::to_owned)))
@@ -301,7 +306,7 @@ impl Office<'_> {
             columns.push((name.to_owned(), count(&|k| Some(rows[k].counts[index]))));
         }
         let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or(Duration::ZERO).as_secs_f64();
-        let (host, cpu) = machine();
+        let (host, cpu) = &self.machine;
         columns.extend([
             ("wall_s".to_owned(), number(&|k| Some(rows[k].times[0]))),
             ("cpu_s".to_owned(), number(&|k| Some(rows[k].times[1]))),
@@ -331,7 +336,7 @@ fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -
     }
 }
 
-/// Names of this machine and of its processor.
+/// Returns the names of this machine and of its processor.
 fn machine() -> (String, String) {
     let host = fs::read_to_string("/proc/sys/kernel/hostname").unwrap_or_default();
     let told = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();

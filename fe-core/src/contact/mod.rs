@@ -340,6 +340,11 @@ impl Contact {
         slips.sum::<f64>() / self.area()
     }
 
+    /// Whether there is such a point.
+    pub fn has(&self, point: PointIndex) -> bool {
+        self.pairs.get(point.pair).is_some_and(|pair| point.point < pair.points.len())
+    }
+
     /// The slip of a point, mm, in the direction in which its pair slid so far.
     ///
     /// # Panics

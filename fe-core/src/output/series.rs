@@ -100,7 +100,7 @@ impl Series {
     /// The folder cannot be made, or a file not be written or removed.
     pub fn resume(directory: &Path, mesh: &Mesh, files: SeriesFiles) -> Result<Self, WriteError> {
         let series = Self { files, ..Self::create(directory, mesh)? };
-        series.replace("fields.pvd", &series.list())?;
+        series.replace("fields.pvd", Ok(series.list().into_bytes()))?;
         let later = (series.files.written..).map(|number| names(number).map(|name| directory.join(name)));
         for paths in later.take_while(|paths| paths.iter().any(|path| path.exists())) {
             for path in paths.into_iter().filter(|path| path.exists()) {
@@ -128,21 +128,23 @@ impl Series {
     pub fn write(&mut self, fields: &Fields<'_>) -> Result<(), WriteError> {
         fields.check()?;
         let [file, contact_file] = names(self.files.written);
-        self.replace(&file, &solids(fields, &self.recovery)?.xml())?;
+        self.replace(&file, solids(fields, &self.recovery)?.bytes())?;
         self.files.entries.push((fields.time, 0, file));
         if !fields.pairs.is_empty() {
-            self.replace(&contact_file, &contact(fields).xml())?;
+            self.replace(&contact_file, contact(fields).bytes())?;
             self.files.entries.push((fields.time, 1, contact_file));
         }
         self.files.written += 1;
-        self.replace("fields.pvd", &self.list())
+        self.replace("fields.pvd", Ok(self.list().into_bytes()))
     }
 
     /// Writes a file beside its place and moves it there.
-    fn replace(&self, file: &str, content: &str) -> Result<(), WriteError> {
+    fn replace(&self, file: &str, content: io::Result<Vec<u8>>) -> Result<(), WriteError> {
         let path = self.directory.join(file);
         let partial = path.with_extension("partial");
-        let written = std::fs::write(&partial, content).and_then(|()| std::fs::rename(&partial, &path));
+        let written = content
+            .and_then(|content| std::fs::write(&partial, content))
+            .and_then(|()| std::fs::rename(&partial, &path));
         if written.is_err() {
             let _ = std::fs::remove_file(&partial);
         }

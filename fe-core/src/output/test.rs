@@ -3,7 +3,7 @@ use crate::element::{ElementKind, Integration, MappedPoint};
 use crate::kinematics::PlaneModel;
 use crate::mesh::{ElementDefinition, Mesh, MeshDefinition, Part};
 use approx::assert_abs_diff_eq;
-use base64::Engine as _;
+use std::io::Read as _;
 use std::path::Path;
 
 /// Two parts side by side on shared nodes, each of 2×2 elements of a kind with 2 triangles in place of a quadrilateral;
@@ -247,21 +247,55 @@ impl Snapshot {
     }
 }
 
-/// The bytes of an array of a file, without their count.
-fn bytes(document: &roxmltree::Document<'_>, name: &str) -> Vec<u8> {
-    let array = document.descendants().find(|node| node.attribute("Name") == Some(name)).unwrap();
-    let content = base64::engine::general_purpose::STANDARD.decode(array.text().unwrap()).unwrap();
-    let (count, bytes) = content.split_first_chunk::<8>().unwrap();
-    assert_eq!(u64::from_le_bytes(*count) as usize, bytes.len());
-    bytes.to_vec()
+/// A file's XML without what is appended, and that.
+struct Vtu {
+    text: String,
+    appended: Vec<u8>,
 }
 
-fn reals(document: &roxmltree::Document<'_>, name: &str) -> Vec<f64> {
-    bytes(document, name).as_chunks::<8>().0.iter().map(|&chunk| f64::from_le_bytes(chunk)).collect()
-}
+impl Vtu {
+    fn read(path: &Path) -> Self {
+        const MARK: &[u8] = b"<AppendedData encoding=\"raw\">\n_";
+        let content = std::fs::read(path).unwrap();
+        let place = content.windows(MARK.len()).position(|window| window == MARK).unwrap();
+        let end = b"\n</AppendedData>\n</VTKFile>\n";
+        let appended = content[place + MARK.len()..].strip_suffix(end).unwrap().to_vec();
+        let text = String::from_utf8(content[..place].to_vec()).unwrap() + "</VTKFile>";
+        Self { text, appended }
+    }
 
-fn integers(document: &roxmltree::Document<'_>, name: &str) -> Vec<i64> {
-    bytes(document, name).as_chunks::<8>().0.iter().map(|&chunk| i64::from_le_bytes(chunk)).collect()
+    fn document(&self) -> roxmltree::Document<'_> {
+        roxmltree::Document::parse(&self.text).unwrap()
+    }
+
+    /// The bytes of an array.
+    fn bytes(&self, name: &str) -> Vec<u8> {
+        let document = self.document();
+        assert_eq!(document.root_element().attribute("compressor"), Some("vtkZLibDataCompressor"));
+        let array = document.descendants().find(|node| node.attribute("Name") == Some(name)).unwrap();
+        let start: usize = array.attribute("offset").unwrap().parse().unwrap();
+        let count = |k: usize| {
+            let at = start + 8 * k;
+            u64::from_le_bytes(self.appended[at..at + 8].try_into().unwrap()) as usize
+        };
+        if count(0) == 0 {
+            return Vec::new();
+        }
+        assert_eq!([count(0), count(2)], [1, 0], "one block, and none smaller");
+        let mut bytes = Vec::new();
+        let block = &self.appended[start + 32..start + 32 + count(3)];
+        flate2::read::ZlibDecoder::new(block).read_to_end(&mut bytes).unwrap();
+        assert_eq!(bytes.len(), count(1));
+        bytes
+    }
+
+    fn reals(&self, name: &str) -> Vec<f64> {
+        self.bytes(name).as_chunks::<8>().0.iter().map(|&chunk| f64::from_le_bytes(chunk)).collect()
+    }
+
+    fn integers(&self, name: &str) -> Vec<i64> {
+        self.bytes(name).as_chunks::<8>().0.iter().map(|&chunk| i64::from_le_bytes(chunk)).collect()
+    }
 }
 
 fn read(path: &Path) -> String {
@@ -277,15 +311,14 @@ fn parts_behind_others_lie_behind_the_plane() {
     let fields = Fields { behind: vec![1], ..snapshot.fields(&mesh, 0.0) };
     let mut series = Series::create(folder.path(), &mesh).unwrap();
     series.write(&fields).unwrap();
-    let text = read(&folder.path().join("fields/000000.vtu"));
-    let document = roxmltree::Document::parse(&text).unwrap();
-    let points = reals(&document, "Points");
+    let vtu = Vtu::read(&folder.path().join("fields/000000.vtu"));
+    let points = vtu.reals("Points");
     for (place, &part) in series.recovery().nodes().parts().iter().enumerate() {
         let expected = if part == 1 { -0.5 * mesh.parts()[1].thickness } else { 0.0 };
         assert_eq!(points[3 * place + 2], expected);
     }
     let thicknesses: Vec<f64> = mesh.elements().iter().map(|element| element.thickness()).collect();
-    assert_eq!(reals(&document, "thickness"), thicknesses);
+    assert_eq!(vtu.reals("thickness"), thicknesses);
 }
 
 #[test]
@@ -297,20 +330,20 @@ fn a_written_increment_reads_back() {
         let fields = snapshot.fields(&mesh, 0.5);
         let mut series = Series::create(folder.path(), &mesh).unwrap();
         series.write(&fields).unwrap();
-        let text = read(&folder.path().join("fields/000000.vtu"));
-        let document = roxmltree::Document::parse(&text).unwrap();
+        let vtu = Vtu::read(&folder.path().join("fields/000000.vtu"));
+        let document = vtu.document();
         let piece = document.descendants().find(|node| node.has_tag_name("Piece")).unwrap();
         let places = series.recovery().nodes();
         let count = places.nodes().len();
         assert_eq!(piece.attribute("NumberOfPoints").unwrap(), count.to_string());
         assert_eq!(piece.attribute("NumberOfCells").unwrap(), mesh.elements().len().to_string());
-        assert_eq!(reals(&document, "TimeValue"), [0.5]);
+        assert_eq!(vtu.reals("TimeValue"), [0.5]);
 
         let number = [(ElementKind::T3, 5), (ElementKind::Q4, 9), (ElementKind::T6, 22), (ElementKind::Q8, 23)];
         let number = number.iter().find(|(of, _)| *of == kind).unwrap().1;
-        assert_eq!(bytes(&document, "types"), vec![number; mesh.elements().len()]);
-        let (connectivity, offsets) = (integers(&document, "connectivity"), integers(&document, "offsets"));
-        let points = reals(&document, "Points");
+        assert_eq!(vtu.bytes("types"), vec![number; mesh.elements().len()]);
+        let (connectivity, offsets) = (vtu.integers("connectivity"), vtu.integers("offsets"));
+        let points = vtu.reals("Points");
         let mut start = 0;
         for (element, &end) in mesh.elements().iter().zip(&offsets) {
             let corners = &connectivity[start..end as usize];
@@ -322,9 +355,9 @@ fn a_written_increment_reads_back() {
         }
         assert_eq!(connectivity.len(), start);
 
-        let displacement = reals(&document, "displacement");
-        let (stress, damage) = (reals(&document, "stress"), reals(&document, "D_t"));
-        let maximum = reals(&document, "principal_stress_max");
+        let displacement = vtu.reals("displacement");
+        let (stress, damage) = (vtu.reals("stress"), vtu.reals("D_t"));
+        let maximum = vtu.reals("principal_stress_max");
         let exact = series.recovery().recover(&fields.stresses).unwrap();
         for place in 0..count {
             let node = places.nodes()[place];
@@ -334,19 +367,18 @@ fn a_written_increment_reads_back() {
             assert_eq!(damage[place].is_nan(), places.parts()[place] == 0);
         }
         // the law has a variable called as the strain is
-        let constant = reals(&document, "state_strain");
+        let constant = vtu.reals("state_strain");
         assert!(constant.iter().zip(places.parts()).all(|(&v, &part)| part == 0 || (v - 7.0).abs() < 1e-14));
-        assert_eq!(reals(&document, "strain").len(), 4 * count);
+        assert_eq!(vtu.reals("strain").len(), 4 * count);
         let stress = document.descendants().find(|node| node.attribute("Name") == Some("stress")).unwrap();
         assert_eq!((stress.attribute("ComponentName3"), stress.attribute("type")), (Some("s12"), Some("Float64")));
 
-        let text = read(&folder.path().join("fields/contact_000000.vtu"));
-        let document = roxmltree::Document::parse(&text).unwrap();
-        assert_eq!(reals(&document, "bond_traction"), [5.5; 3]);
-        assert_eq!(bytes(&document, "open"), [0, 1, 0]);
-        assert_eq!(bytes(&document, "types"), [1; 3]);
-        assert_eq!(reals(&document, "Points"), [0.0, 1.0, 0.0, 0.1, 1.0, 0.0, 0.2, 1.0, 0.0]);
-        assert_eq!(bytes(&document, "pair upper & \"lower\""), 1i32.to_le_bytes());
+        let vtu = Vtu::read(&folder.path().join("fields/contact_000000.vtu"));
+        assert_eq!(vtu.reals("bond_traction"), [5.5; 3]);
+        assert_eq!(vtu.bytes("open"), [0, 1, 0]);
+        assert_eq!(vtu.bytes("types"), [1; 3]);
+        assert_eq!(vtu.reals("Points"), [0.0, 1.0, 0.0, 0.1, 1.0, 0.0, 0.2, 1.0, 0.0]);
+        assert_eq!(vtu.bytes("pair upper & \"lower\""), 1i32.to_le_bytes());
     }
 }
 
@@ -366,8 +398,8 @@ fn the_list_is_whole_after_each_increment() {
         let sets: Vec<_> = document.descendants().filter(|node| node.has_tag_name("DataSet")).collect();
         assert_eq!(sets.len(), 2 * (increment as usize + 1));
         for set in &sets {
-            let text = read(&folder.path().join(set.attribute("file").unwrap()));
-            let file = roxmltree::Document::parse(&text).unwrap();
+            let vtu = Vtu::read(&folder.path().join(set.attribute("file").unwrap()));
+            let file = vtu.document();
             let piece = file.descendants().find(|node| node.has_tag_name("Piece")).unwrap();
             let solids = set.attribute("part") == Some("0");
             assert_eq!(piece.attribute("NumberOfCells"), Some(if solids { "8" } else { "0" }));

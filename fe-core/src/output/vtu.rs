@@ -1,12 +1,13 @@
-//! Unstructured grids as VTK XML files: inline base64, Float64, little endian.
+//! Unstructured grids as VTK XML files: Float64, little endian, each array compressed by zlib and appended as it is.
 //!
 //! The crates that write this format name no components and leave out the counts of an empty piece, without which no
 //! reader takes the file; what is needed of it is these few lines.
 
 use crate::element::ElementKind;
-use base64::Engine as _;
-use base64::engine::general_purpose::STANDARD;
+use flate2::Compression;
+use flate2::write::ZlibEncoder;
 use std::fmt::Write as _;
+use std::io::{self, Write as _};
 
 /// A named array of tuples.
 pub(super) struct Array<'a> {
@@ -72,7 +73,7 @@ impl<'a> Array<'a> {
         Self { name: name.into(), components, data: Data::Real(data.as_flattened().to_vec()) }
     }
 
-    fn write(&self, xml: &mut String) {
+    fn write(&self, file: &mut File) -> io::Result<()> {
         let (kind, bytes): (_, Vec<u8>) = match &self.data {
             Data::Real(values) => ("Float64", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
             Data::Integer(values) => ("Int32", values.iter().flat_map(|value| value.to_le_bytes()).collect()),
@@ -83,50 +84,77 @@ impl<'a> Array<'a> {
             several => several.iter().enumerate().map(|(k, name)| format!(" ComponentName{k}=\"{name}\"")).collect(),
         };
         let attributes = format!("NumberOfComponents=\"{}\"{named}", self.components.len());
-        data_array(xml, kind, &escaped(&self.name), &attributes, &bytes);
+        file.data_array(kind, &escaped(&self.name), &attributes, &bytes)
     }
 }
 
 impl Grid<'_> {
-    /// The file.
-    pub(super) fn xml(&self) -> String {
-        let mut xml = String::from(
-            "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
-             header_type=\"UInt64\">\n<UnstructuredGrid>\n<FieldData>\n",
-        );
-        data_array(&mut xml, "Float64", "TimeValue", "NumberOfTuples=\"1\"", &self.time.to_le_bytes());
+    /// Returns the bytes of the file.
+    pub(super) fn bytes(&self) -> io::Result<Vec<u8>> {
+        let mut file = File {
+            xml: String::from(
+                "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" \
+                 header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n<UnstructuredGrid>\n<FieldData>\n",
+            ),
+            appended: Vec::new(),
+        };
+        file.data_array("Float64", "TimeValue", "NumberOfTuples=\"1\"", &self.time.to_le_bytes())?;
         for (name, number) in &self.numbers {
-            data_array(&mut xml, "Int32", &escaped(name), "NumberOfTuples=\"1\"", &number.to_le_bytes());
+            file.data_array("Int32", &escaped(name), "NumberOfTuples=\"1\"", &number.to_le_bytes())?;
         }
         let (points, cells) = (self.points.len(), self.cells.types.len());
         // writing to a String cannot fail
-        let _ =
-            writeln!(xml, "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>");
-        self.point_data.iter().for_each(|array| array.write(&mut xml));
-        xml.push_str("</PointData>\n<CellData>\n");
-        self.cell_data.iter().for_each(|array| array.write(&mut xml));
-        xml.push_str("</CellData>\n<Points>\n");
+        let _ = writeln!(
+            file.xml,
+            "</FieldData>\n<Piece NumberOfPoints=\"{points}\" NumberOfCells=\"{cells}\">\n<PointData>"
+        );
+        self.point_data.iter().try_for_each(|array| array.write(&mut file))?;
+        file.xml.push_str("</PointData>\n<CellData>\n");
+        self.cell_data.iter().try_for_each(|array| array.write(&mut file))?;
+        file.xml.push_str("</CellData>\n<Points>\n");
         let positions: Vec<u8> = self.points.iter().flatten().copied().flat_map(f64::to_le_bytes).collect();
-        data_array(&mut xml, "Float64", "Points", "NumberOfComponents=\"3\"", &positions);
-        xml.push_str("</Points>\n<Cells>\n");
+        file.data_array("Float64", "Points", "NumberOfComponents=\"3\"", &positions)?;
+        file.xml.push_str("</Points>\n<Cells>\n");
         for (name, numbers) in [("connectivity", &self.cells.connectivity), ("offsets", &self.cells.offsets)] {
             let bytes: Vec<u8> = numbers.iter().flat_map(|number| number.to_le_bytes()).collect();
-            data_array(&mut xml, "Int64", name, "", &bytes);
+            file.data_array("Int64", name, "", &bytes)?;
         }
-        data_array(&mut xml, "UInt8", "types", "", &self.cells.types);
-        xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n</VTKFile>\n");
-        xml
+        file.data_array("UInt8", "types", "", &self.cells.types)?;
+        file.xml.push_str("</Cells>\n</Piece>\n</UnstructuredGrid>\n<AppendedData encoding=\"raw\">\n_");
+        let mut bytes = file.xml.into_bytes();
+        bytes.append(&mut file.appended);
+        bytes.extend_from_slice(b"\n</AppendedData>\n</VTKFile>\n");
+        Ok(bytes)
     }
 }
 
-/// The number of bytes, then the bytes, as one piece of base64.
-fn data_array(xml: &mut String, kind: &str, name: &str, attributes: &str, bytes: &[u8]) {
-    let mut content = Vec::with_capacity(8 + bytes.len());
-    content.extend_from_slice(&(bytes.len() as u64).to_le_bytes());
-    content.extend_from_slice(bytes);
-    let _ = write!(xml, "<DataArray type=\"{kind}\" Name=\"{name}\" {attributes} format=\"binary\">");
-    STANDARD.encode_string(&content, xml);
-    xml.push_str("</DataArray>\n");
+/// A file on its way: what says where arrays stand, and the arrays.
+struct File {
+    xml: String,
+    appended: Vec<u8>,
+}
+
+impl File {
+    /// Adds an array as one block: how many blocks there are, their size, that of a last smaller one (none), the compressed
+    /// size, and the data. An array of nothing has no block.
+    fn data_array(&mut self, kind: &str, name: &str, attributes: &str, bytes: &[u8]) -> io::Result<()> {
+        let offset = self.appended.len();
+        let _ = writeln!(
+            self.xml,
+            "<DataArray type=\"{kind}\" Name=\"{name}\" {attributes} format=\"appended\" offset=\"{offset}\"/>"
+        );
+        let mut count = |number: usize| self.appended.extend_from_slice(&(number as u64).to_le_bytes());
+        if bytes.is_empty() {
+            [0; 3].into_iter().for_each(count);
+            return Ok(());
+        }
+        let mut encoder = ZlibEncoder::new(Vec::new(), Compression::fast());
+        encoder.write_all(bytes)?;
+        let block = encoder.finish()?;
+        [1, bytes.len(), 0, block.len()].into_iter().for_each(&mut count);
+        self.appended.extend_from_slice(&block);
+        Ok(())
+    }
 }
 
 /// Text inside an attribute.

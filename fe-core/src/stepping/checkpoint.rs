@@ -86,6 +86,8 @@ impl<'m> Analysis<'m> {
             checkpoint_every: None,
             last_checkpoint: checkpoint.equilibrium.memory.statistics.increments,
             resumed: Some(checkpoint.position.clone()),
+            tried: Vec::new(),
+            repeats: None,
         })
     }
 

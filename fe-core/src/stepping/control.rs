@@ -12,6 +12,7 @@
 
 use super::checkpoint::MOST_COUNTED;
 use super::newton::{Committed, Converged, Leader, Target};
+use super::recorded::Way;
 use super::size::{EASY, GROWTH, IncrementSize};
 use crate::assembly::Trouble;
 use crate::model::{Model, Step};
@@ -229,17 +230,28 @@ impl StepRun {
     pub(super) fn target(&mut self) -> Target {
         match self.lead {
             Lead::Drives => {
-                let left = 1.0 - self.progress;
-                self.attempted = self.size.next(left);
-                Target::Drives(self.drives_at(if self.attempted == left {
-                    1.0
-                } else {
-                    self.progress + self.attempted
-                }))
+                self.attempted = self.size.next(1.0 - self.progress);
+                Target::Drives(self.drives_at(self.aim()))
             }
             Lead::Other(Led { by, increment, .. }) => {
-                Target::Led { by, growth: increment, direction: self.direction() }
+                Target::Led { by, growth: increment, direction: self.direction(), point: None }
             }
+        }
+    }
+
+    /// The progress that the present attempt leads to under the drives.
+    fn aim(&self) -> f64 {
+        if self.attempted == 1.0 - self.progress { 1.0 } else { self.progress + self.attempted }
+    }
+
+    /// Where the present attempt leads; `leading`: the contact point that leads, if one does.
+    pub(super) fn way(&self, leading: Option<[usize; 2]>) -> Way {
+        match self.lead {
+            Lead::Drives => Way::Drives(self.aim()),
+            Lead::Other(Led { by: Leader::PointSlip, increment, .. }) => {
+                Way::Slip { growth: increment, point: leading }
+            }
+            Lead::Other(Led { by: Leader::Dissipation, increment, .. }) => Way::Dissipation(increment),
         }
     }
 
@@ -255,18 +267,18 @@ impl StepRun {
         part * (self.duration - step_time)
     }
 
-    fn direction(&self) -> Vec<f64> {
+    pub(super) fn direction(&self) -> Vec<f64> {
         self.end.iter().zip(&self.start).map(|(end, start)| end - start).collect()
     }
 
-    fn drives_at(&self, progress: f64) -> Vec<f64> {
+    pub(super) fn drives_at(&self, progress: f64) -> Vec<f64> {
         if progress == 1.0 {
             return self.end.clone();
         }
         self.start.iter().zip(&self.end).map(|(start, end)| start + progress * (end - start)).collect()
     }
 
-    fn progress_of(&self, drives: &[f64]) -> f64 {
+    pub(super) fn progress_of(&self, drives: &[f64]) -> f64 {
         let direction = self.direction();
         let length: f64 = direction.iter().map(|d| d * d).sum();
         let along: f64 = drives.iter().zip(&self.start).zip(&direction).map(|((a, start), d)| (a - start) * d).sum();
@@ -292,8 +304,7 @@ impl StepRun {
         match &mut self.lead {
             Lead::Drives => {
                 self.largest_slip = self.largest_slip.max(slip);
-                let left = 1.0 - self.progress;
-                self.progress = if self.attempted == left { 1.0 } else { self.progress + self.attempted };
+                self.progress = self.aim();
                 self.size.accepted(iterations);
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
                     self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);

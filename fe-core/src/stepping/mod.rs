@@ -7,6 +7,7 @@ mod error;
 mod findings;
 mod newton;
 mod record;
+mod recorded;
 mod size;
 mod snapshot;
 mod spalling;
@@ -21,6 +22,7 @@ pub use energy::Energies;
 pub use error::{ModelError, RunError};
 pub use newton::Iteration;
 pub use record::{Counts, Directive, FibreRecord, Observer, Record};
+pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;
 
@@ -112,6 +114,10 @@ pub struct Analysis<'m> {
     last_checkpoint: u64,
     /// Where the run goes on.
     resumed: Option<Position>,
+    /// Attempts at the present increment.
+    tried: Vec<Tried>,
+    /// Increments that are repeated.
+    repeats: Option<Recorded>,
 }
 
 impl<'m> Analysis<'m> {
@@ -150,6 +156,8 @@ impl<'m> Analysis<'m> {
             checkpoint_every: None,
             last_checkpoint: 0,
             resumed: None,
+            tried: Vec::new(),
+            repeats: None,
         })
     }
 
@@ -211,6 +219,14 @@ impl<'m> Analysis<'m> {
             if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
                 return Ok(());
             }
+        }
+        if let Some(Recorded { steps }) = self.repeats.take() {
+            for ((increments, step), number) in steps.iter().zip(&self.model.steps).zip(1..) {
+                if self.repeat_step(step, number, increments, observer)? == Directive::EndRun {
+                    break;
+                }
+            }
+            return Ok(());
         }
         let first = resumed.as_ref().map_or(1, |position| position.step);
         for (step, number) in self.model.steps.iter().zip(1..).skip_while(|(_, number)| *number < first) {
@@ -313,28 +329,29 @@ impl<'m> Analysis<'m> {
                 let looks = run.smaller_looks(&findings);
                 if !looks.is_empty() {
                     self.believed_findings(findings, converged, Some(run.attempted()));
+                    self.tell_look(&run, context.time_increment);
                     self.look_closer(looks, context);
                     attempt = self.attempt(&target, context);
                 }
             }
+            let to = self.way(&run);
+            let mut imbalanced = None;
             let judged = attempt.map_err(|trouble| Judgement { trouble, has_failed: true }).and_then(|converged| {
                 let findings = self.findings(&converged);
-                let findings = self.believed_findings(findings, &converged, run.refuses_energies(&findings));
+                imbalanced = run.refuses_energies(&findings);
+                let findings = self.believed_findings(findings, &converged, imbalanced);
                 run.judge(&converged, self.present.load, findings).map(|()| (converged, findings))
             });
+            let verdict = if judged.is_ok() { Verdict::Stands } else { Verdict::Refused };
+            self.tried.push(Tried { to, time: context.time_increment, verdict, imbalanced });
             match judged {
                 Ok((converged, findings)) => {
                     increment += 1;
-                    let iterations = converged.iterations.clone();
                     run.accept(&self.present.committed, &converged, findings, self.present.load);
-                    let passed = context.time_increment;
-                    step_time += passed;
-                    self.commit(converged, passed);
-                    self.equilibrium.solids.energies_stand();
-                    self.databases.increment_ends(clock(&context, passed));
-                    let record = self.record(number, increment, cutbacks, iterations);
+                    step_time += context.time_increment;
+                    let directive = self.stands(converged, context, cutbacks, observer)?;
                     cutbacks = 0;
-                    match observer.increment(&record, &self.snapshot())? {
+                    match directive {
                         Directive::GoOn => {}
                         end => {
                             self.check_stabilisation(number, increment, run.progress())?;
@@ -361,6 +378,24 @@ impl<'m> Analysis<'m> {
         Ok(Directive::GoOn)
     }
 
+    /// Makes a converged increment the present state, and tells the observer of it.
+    fn stands(
+        &mut self,
+        converged: Converged,
+        context: IncrementContext,
+        cutbacks: u32,
+        observer: &mut dyn Observer,
+    ) -> Result<Directive, RunError> {
+        let iterations = converged.iterations.clone();
+        let passed = context.time_increment;
+        self.commit(converged, passed);
+        self.equilibrium.solids.energies_stand();
+        self.databases.increment_ends(clock(&context, passed));
+        let tried = std::mem::take(&mut self.tried);
+        let record = Record { tried, ..self.record(context.step, context.increment, cutbacks, iterations) };
+        Ok(observer.increment(&record, &self.snapshot())?)
+    }
+
     /// One attempt at an increment from the present state.
     fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
         self.databases.increment_starts(clock(&context, 0.0));
@@ -374,7 +409,9 @@ impl<'m> Analysis<'m> {
             self.equilibrium.restore();
             let target = look.target();
             let context = IncrementContext { time_increment: look.time_increment(context.step_time), ..context };
-            let Ok(converged) = self.attempt(&target, context) else { break };
+            let attempt = self.attempt(&target, context);
+            self.tell_look(&look, context.time_increment);
+            let Ok(converged) = attempt else { break };
             self.believed_findings(self.findings(&converged), &converged, Some(look.attempted()));
         }
         self.equilibrium.restore();

@@ -1,6 +1,6 @@
 //! What is told of each increment.
 
-use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot};
+use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot, Tried};
 use std::io;
 
 /// One accepted increment, or the initial state (step 0, increment 0).
@@ -48,6 +48,8 @@ pub struct Record {
     pub iterations: Vec<Iteration>,
     /// Each of several fibres ([`crate::model::Measured::fibres`]).
     pub fibres: Vec<FibreRecord>,
+    /// The attempts that led to it, the last of which stands.
+    pub tried: Vec<Tried>,
 }
 
 /// One of several fibres; the numbers are those of [`Record`].
@@ -172,6 +174,7 @@ impl Analysis<'_> {
             cutbacks,
             iterations,
             fibres,
+            tried: Vec::new(),
         }
     }
 }

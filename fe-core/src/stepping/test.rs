@@ -1,6 +1,7 @@
 //! Whole runs against closed forms: what the parts of an increment give together.
 
 mod pull_out;
+mod recorded;
 mod skipping;
 
 use super::*;

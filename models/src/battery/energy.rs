@@ -16,7 +16,7 @@ pub struct Imbalance {
 /// The energy balance of random paths. Each path has three straight legs of `steps` increments. Where σ is continuous a step's share is
 /// O(Δε³), at a kink O(Δε²), at a jump of σ O(Δε): the sum falls as 1/steps² or, with jumps, 1/steps.
 pub fn imbalance<L: Law>(props: &[f64], stress_state: StressState, size: f64, paths: usize, steps: u32) -> Imbalance {
-    let mut random = Random(0xE4E6);
+    let mut random = Random::new(0xE4E6);
     let (mut absolute, mut created, mut scale) = (0.0, 0.0, 0.0);
     for _ in 0..paths {
         let mut point = Point::<L>::virgin(props, stress_state);
@@ -53,10 +53,9 @@ pub fn check_frozen_damage<L: Law>(
     stress_state: StressState,
     size: f64,
     count: usize,
-    tolerance: f64,
+    (steps, tolerance): (u32, f64),
 ) -> usize {
-    const STEPS: u32 = 200;
-    let mut random = Random(0xF402);
+    let mut random = Random::new(0xF402);
     let mut compared = 0;
     for _ in 0..count {
         let mut point = Point::<L>::virgin(props, stress_state);
@@ -68,9 +67,9 @@ pub fn check_frozen_damage<L: Law>(
         let (mut sum, mut scale, mut symmetric) = (0.0, 0.0_f64, true);
         for corner in corners {
             let from = point.strain;
-            for step in 1..=STEPS {
+            for step in 1..=steps {
                 let at = |s: f64| -> [f64; 6] {
-                    std::array::from_fn(|i| from[i] + (corner[i] - from[i]) * s / f64::from(STEPS))
+                    std::array::from_fn(|i| from[i] + (corner[i] - from[i]) * s / f64::from(steps))
                 };
                 let middle = point.trial(&at(f64::from(step) - 0.5)).0.stress;
                 let end = at(f64::from(step));

@@ -199,7 +199,7 @@ fn displacement(random: &mut Random, sizes: Sizes, directions: usize, last: &[f6
 
 /// UINTER tangents on random histories of up to two legs.
 pub fn check_contact_tangent<L: InterfaceLaw>(props: &[f64], directions: usize, sizes: Sizes, count: usize) -> Checked {
-    let mut random = Random(0x7A6);
+    let mut random = Random::new(0x7A6);
     let mut checked = Checked::default();
     for _ in 0..count {
         let mut point = ContactPoint::<L>::virgin(props, directions);
@@ -219,7 +219,7 @@ pub fn check_contact_tangent<L: InterfaceLaw>(props: &[f64], directions: usize, 
 
 /// FRIC tangents, by slip and by pressure, on random histories of up to two legs.
 pub fn check_sliding_tangent<L: InterfaceLaw>(props: &[f64], directions: usize, sizes: Sizes, count: usize) -> Checked {
-    let mut random = Random(0xF21C);
+    let mut random = Random::new(0xF21C);
     let mut checked = Checked::default();
     for _ in 0..count {
         let mut point = SlidingPoint::<L>::virgin(props, directions);
@@ -248,7 +248,7 @@ pub fn check_contact_invariants<L: InterfaceLaw>(
     count: usize,
     monotone: &[&str],
 ) {
-    let mut random = Random(0xD155);
+    let mut random = Random::new(0xD155);
     let monotone: Vec<usize> = monotone.iter().map(|name| state_index::<L>(name)).collect();
     for _ in 0..count {
         let mut point = ContactPoint::<L>::virgin(props, directions);
@@ -289,7 +289,7 @@ pub fn check_contact_invariants<L: InterfaceLaw>(
 /// Work less stored and dissipated energy at the end of a closed smooth path, over the largest work;
 /// and the dissipation.
 fn energy_defect<L: InterfaceLaw>(props: &[f64], directions: usize, sizes: Sizes, seed: u64, steps: usize) -> [f64; 2] {
-    let mut random = Random(seed);
+    let mut random = Random::new(seed);
     let harmonics: [[f64; 3]; 3] = std::array::from_fn(|_| std::array::from_fn(|_| random.signed()));
     let offset = 0.5 * random.signed();
     let at = |fraction: f64| -> [f64; 3] {

@@ -48,7 +48,7 @@ pub fn check_tangents<L: Law>(label: &str, samples: &[Sample<'_>]) {
 /// Random two-leg histories. Fails if a smooth state's tangent disagrees with differences, or if more than 5 % are
 /// excluded.
 pub fn check_tangent<L: Law>(sample: &Sample<'_>, stress_state: StressState, count: usize) -> TangentSummary {
-    let mut random = Random(0x5EED);
+    let mut random = Random::new(0x5EED);
     let mut summary = TangentSummary { tried: count, ..TangentSummary::default() };
     for number in 0..count {
         let mut point = sample.point::<L>(stress_state);

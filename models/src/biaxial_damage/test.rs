@@ -173,7 +173,7 @@ fn proportional_paths_do_not_depend_on_the_number_of_increments() {
 /// β, r_t and D as the thesis defines them, from the stress alone, and the stress from them.
 #[test]
 fn implicit_stress_satisfies_the_equations_it_defines() {
-    let mut random = Random(0x14);
+    let mut random = Random::new(0x14);
     for number in 0..6000 {
         let stress_state = STRESS_STATES[number % 3];
         let props = props(BETA[number / 3 % 2], IMPLICIT);
@@ -216,7 +216,7 @@ fn implicit_stress_satisfies_the_equations_it_defines() {
 
 #[test]
 fn lagged_weights_are_those_of_the_last_stress() {
-    let mut random = Random(0x1A6);
+    let mut random = Random::new(0x1A6);
     for number in 0..3000 {
         let stress_state = STRESS_STATES[number % 3];
         let props = props(BLEND, LAGGED);

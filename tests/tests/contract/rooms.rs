@@ -1,4 +1,5 @@
-//! Rooms of the house: no crate depends on one that stands above it, no two top modules of a crate on each other.
+//! Rooms of the house: no crate depends on one that stands above it, no two top modules of a crate on each other, none is
+//! built twice.
 
 use end_to_end_tests::workspace;
 use serde_json::Value;
@@ -95,4 +96,21 @@ fn top_modules_of_a_crate_have_no_circles() {
         }
         assert!(needed.is_empty(), "{name}: a circle among {needed:?}");
     }
+}
+
+/// Dependencies with their features, as a build of some packages has them.
+fn dependencies(selection: &[&str]) -> BTreeSet<String> {
+    let mut cargo = Command::new(option_env!("CARGO").unwrap_or("cargo"));
+    cargo.args(["tree", "--offline", "--prefix", "none", "--format", "{p} {f}"]).args(selection);
+    let output = cargo.current_dir(workspace("")).output().expect("cargo tree");
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).lines().map(|line| line.trim_end_matches(" (*)").to_owned()).collect()
+}
+
+#[test]
+fn the_extension_of_python_builds_no_dependency_that_the_tests_do_not() {
+    let extension = dependencies(&["--package", "pullout-python", "--edges", "normal,no-proc-macro"]);
+    let tests = dependencies(&["--workspace", "--edges", "normal,dev,no-proc-macro"]);
+    assert!(extension.len() > 100, "{}", extension.len());
+    assert_eq!(extension.difference(&tests).collect::<Vec<_>>(), Vec::<&String>::new());
 }

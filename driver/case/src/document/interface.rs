@@ -1,7 +1,8 @@
 //! Kind "interface".
 
 use super::{
-    Compare, ContactArguments, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive, Until,
+    Compare, ContactArguments, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive,
+    RunIncrements, Until,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -43,6 +44,9 @@ pub struct InterfaceCase {
     /// What is done to the point.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<InterfaceStep>>>,
+    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
+    /// the run then.
+    pub increments: Option<Piece<RunIncrements>>,
     /// Ends the run early.
     pub until: Option<Piece<Until>>,
     /// Curves to compare with.

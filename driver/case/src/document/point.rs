@@ -1,8 +1,8 @@
 //! Kind "point".
 
 use super::{
-    Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, UmatArguments,
-    Until,
+    Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, RunIncrements,
+    UmatArguments, Until,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -53,6 +53,9 @@ pub struct PointCase {
     /// What is done to the point.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PointStep>>>,
+    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
+    /// the run then.
+    pub increments: Option<Piece<RunIncrements>>,
     /// Ends the run early.
     pub until: Option<Piece<Until>>,
     /// Curves to compare with.

@@ -1,6 +1,8 @@
 //! Kind "pullout".
 
-use super::{Compare, Components, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, Until, Whole};
+use super::{
+    Compare, Components, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, RunIncrements, Until, Whole,
+};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use std::collections::BTreeMap;
@@ -57,6 +59,9 @@ pub struct PulloutCase {
     /// What is done to the specimen.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
+    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
+    /// the run then.
+    pub increments: Option<Piece<RunIncrements>>,
     /// Ends the run early.
     pub until: Option<Piece<Until>>,
     /// Curves to compare with.

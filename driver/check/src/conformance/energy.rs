@@ -69,7 +69,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     if subject.path.as_deref().is_some_and(is_heated) {
         return ledger.skip(CHECK, "the case changes the temperature: heat is energy as well");
     }
-    let mut random = Random(options.seed ^ 0xE4E6);
+    let mut random = Random::new(options.seed ^ 0xE4E6);
     let (mut errors, mut paths, mut fall, mut returned) = ([0.0_f64; INCREMENTS.len()], 0, 0.0_f64, false);
     let calls = LEGS * INCREMENTS.iter().sum::<u32>() as usize;
     let wanted = subject.affordable(PATHS, calls, TIME);

@@ -2,17 +2,18 @@
 
 use std::f64::consts::TAU;
 
-/// splitmix64.
-pub(super) struct Random(pub(super) u64);
+/// Random numbers that a seed repeats.
+pub(super) struct Random(fastrand::Rng);
 
 impl Random {
+    /// Starts a stream of numbers of its own for each seed.
+    pub(super) fn new(seed: u64) -> Self {
+        Self(fastrand::Rng::with_seed(seed))
+    }
+
     /// Uniform in [0, 1).
     pub(super) fn unit(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+        self.0.f64()
     }
 
     /// Uniform in [−1, 1).

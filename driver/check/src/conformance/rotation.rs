@@ -84,7 +84,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     if !claimed && (subject.described() || subject.finite) {
         return ledger.skip(CHECK, "not claimed");
     }
-    let mut random = Random(options.seed ^ 0x707);
+    let mut random = Random::new(options.seed ^ 0x707);
     let entry = subject.entry;
     let start = if claimed { subject.blank() } else { subject.virgin() };
     let (mut worst, mut elastic, mut refused) = (0.0_f64, 0.0_f64, 0);
@@ -155,7 +155,7 @@ pub(super) fn incremental_rotation(
     if !subject.described() {
         return ledger.skip(CHECK, "no metadata: which states are tensors is unknown");
     }
-    let mut random = Random(options.seed ^ 0xD407);
+    let mut random = Random::new(options.seed ^ 0xD407);
     let identity = subject.rotation;
     let mut worst = (0.0_f64, 0);
     for state in sample {
@@ -190,7 +190,7 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: 
     if !subject.finite {
         return;
     }
-    let mut random = Random(options.seed ^ 0x0B7E);
+    let mut random = Random::new(options.seed ^ 0x0B7E);
     let entry = subject.entry;
     let (mut worst, mut tried) = ((0.0_f64, String::new()), 0);
     for state in sample.iter().take(STATES) {

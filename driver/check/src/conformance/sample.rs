@@ -91,7 +91,7 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
             left_out += 1;
             continue;
         }
-        let mut random = Random(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95));
+        let mut random = Random::new(options.seed.wrapping_add(number as u64).wrapping_mul(0xD134_2543_DE82_EF95));
         let (origin, mut point, ways) = origin(subject, path.as_deref(), number, &mut random);
         ledger.draw(number, matches!(origin, Origin::Excursion(_)));
         match state(subject, &mut random, origin, ways, &mut point, &mut cut_backs) {

@@ -30,7 +30,7 @@ fn end_stress(subject: &mut Subject<'_>, end: &[f64], count: u32) -> Result<Vec<
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "increment size";
     ledger.begin(CHECK);
-    let mut random = Random(options.seed ^ 0x57E9);
+    let mut random = Random::new(options.seed ^ 0x57E9);
     let (mut errors, mut paths) = ([0.0_f64; 3], 0);
     let calls: u32 = COUNTS.iter().sum();
     for _ in 0..subject.affordable(PATHS, calls as usize, TIME) {

@@ -149,7 +149,7 @@ fn agreement(
     if condensed && index.is_none() {
         return ledger.skip(CHECK, "no state strain_33");
     }
-    let mut random = Random(options.seed ^ 0x33);
+    let mut random = Random::new(options.seed ^ 0x33);
     let mut worst = (0.0_f64, String::from("stress on random paths"));
     for path in 0..PATHS {
         let (mut point, mut whole) = (plane.blank(), solid.blank());

@@ -24,7 +24,7 @@ pub enum Kind {
 }
 
 /// What a run writes while it goes on. `#` is a number, `*` any text.
-const GROWING: [&str; 12] = [
+const GROWING: [&str; 13] = [
     "history.csv",
     "checkpoint.bin",
     "checkpoint.partial",
@@ -38,6 +38,7 @@ const GROWING: [&str; 12] = [
     "umat.log",
     "umat.msg",
     "replay.json",
+    "increments.json",
 ];
 /// What else would be replaced, or taken for a result.
 const RUN: [&str; 9] = [
@@ -54,7 +55,7 @@ const RUN: [&str; 9] = [
 /// What a study leaves in the directory of a run.
 const MEMBER: [&str; 2] = ["run.json", "output.txt"];
 const STUDY: [&str; 5] = ["study.csv", "study.json", "report.html", "plots/*.svg", "plots/*.png"];
-const FIT: [&str; 12] = [
+const FIT: [&str; 14] = [
     "curve.csv",
     "fit.json",
     "report.html",
@@ -64,6 +65,8 @@ const FIT: [&str; 12] = [
     "piecewise-law.json",
     "piecewise-case.json",
     "piecewise-curve.csv",
+    "fitted-case.json",
+    "fitted-curve.csv",
     "sigma.csv",
     "bond-case.json",
     "plots/*.svg",

@@ -240,12 +240,13 @@ impl<'p> Runner<'p> {
             InterfaceDrive::Table { rows, .. } => rows.len(),
         };
         let fields = self.committed.fields.clone();
-        for index in 0..count {
+        let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len());
+        for index in 0..taken.min(count) {
             let increment = u32::try_from(index + 1).unwrap_or(u32::MAX);
             self.set_counters(number, increment);
             self.set_goal(step, start, index, count);
             step.fields.set_increment(&fields, &self.committed.fields, [index, count], &mut self.fields);
-            let place = Place { step: number, increment, last: index + 1 == count };
+            let place = Place { step: number, increment, last: index + 1 == taken.min(count) };
             let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
             if next != Next::GoOn {
                 return Ok(next);

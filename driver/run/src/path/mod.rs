@@ -13,7 +13,7 @@ mod test;
 use crate::columns::LEADING;
 use crate::program::{Kind, Program, Until};
 use fe_core::assembly::GREATEST_COUNT;
-use fe_core::stepping::Snapshot;
+use fe_core::stepping::{Snapshot, Tried};
 pub use interface::Committed as ContactPoint;
 pub use point::Committed as MaterialPoint;
 use serde::{Deserialize, Serialize};
@@ -45,6 +45,9 @@ pub trait Observer {
 
     /// An increment is done, whether its row is written or not; the run has cost so much by now.
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
+
+    /// The attempts that led to an increment that is done.
+    fn tried(&mut self, _step: u32, _attempts: &[Tried]) {}
 
     /// A plugin has answered an increment, or a piece of one that was cut back, and the point is about to go there.
     fn accepted(&mut self, _increment: Accepted<'_>) {}
@@ -193,9 +196,14 @@ pub fn run_within(
 
 /// Number of increments that a program makes at most.
 pub fn increments(program: &Program) -> u64 {
+    increments_of_steps(&program.kind).iter().sum()
+}
+
+/// Number of increments that each step makes at most.
+pub fn increments_of_steps(kind: &Kind) -> Vec<u64> {
     use crate::program::{InterfaceDrive, PointDrive};
     let count = |n: usize| n as u64;
-    match &program.kind {
+    match kind {
         Kind::Point(point) => point
             .steps
             .iter()
@@ -205,7 +213,7 @@ pub fn increments(program: &Program) -> u64 {
                 }
                 PointDrive::Table { rows, .. } => count(rows.len()),
             })
-            .sum(),
+            .collect(),
         Kind::Interface(interface) => interface
             .steps
             .iter()
@@ -213,7 +221,7 @@ pub fn increments(program: &Program) -> u64 {
                 InterfaceDrive::Ramp { increments, .. } => count(*increments),
                 InterfaceDrive::Table { rows, .. } => count(rows.len()),
             })
-            .sum(),
+            .collect(),
     }
 }
 
@@ -240,7 +248,7 @@ impl<'a> Recorder<'a> {
         Self {
             observer,
             every: program.about.every.max(1),
-            until: program.about.until.as_ref(),
+            until: program.about.until.as_ref().filter(|_| program.about.recorded.is_none()),
             values: vec![0.0; length],
         }
     }

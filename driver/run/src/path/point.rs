@@ -257,7 +257,8 @@ impl<'p> Runner<'p> {
         }
         let plan = Plan::new(step, self);
         let count = plan.increments();
-        for index in 0..count {
+        let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len());
+        for index in 0..taken.min(count) {
             let increment = to_u32(index + 1);
             [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, increment);
             plan.set_goal(index, self);
@@ -265,7 +266,7 @@ impl<'p> Runner<'p> {
             if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
                 self.unloading_tangent(statistics);
             }
-            let place = Place { step: number, increment, last: index + 1 == count };
+            let place = Place { step: number, increment, last: index + 1 == taken.min(count) };
             let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
             if next != Next::GoOn {
                 return Ok(next);

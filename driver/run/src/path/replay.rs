@@ -17,7 +17,7 @@ const TITLE: &str = "Replay of a failed increment: ";
 /// The case with its steps and initial state replaced; plugin and files by absolute path.
 fn frame(program: &Program) -> Map<String, Value> {
     let mut case = program.document.as_object().cloned().unwrap_or_default();
-    for key in ["until", "compare", "output", "temperature", "predef"] {
+    for key in ["until", "compare", "output", "temperature", "predef", "increments"] {
         case.remove(key);
     }
     let title = program.about.title.strip_prefix(TITLE).unwrap_or(&program.about.title);

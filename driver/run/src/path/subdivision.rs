@@ -2,6 +2,7 @@
 
 use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
 use crate::program::{Controls, Program, Until};
+use fe_core::stepping::{Tried, Verdict, Way};
 use umat_abi::host::CallFailure;
 
 /// An attempt that did not succeed.
@@ -53,9 +54,19 @@ pub(super) fn take_increment(
     recorder: &mut Recorder<'_>,
     statistics: &mut Statistics,
 ) -> Result<Next, Stop> {
-    match advance(point, program.controls, recorder.observer, statistics) {
+    let recorded = program.about.recorded.as_ref().and_then(|recorded| {
+        recorded.of_step(place.step).get((place.increment as usize).checked_sub(1)?).map(Vec::as_slice)
+    });
+    let mut tried = Vec::new();
+    let taken = match recorded {
+        Some(attempts) => repeat(point, attempts, recorder.observer, statistics),
+        None => advance(point, program.controls, recorder.observer, statistics, &mut tried),
+    };
+    let step_until = step_until.filter(|_| recorded.is_none());
+    match taken {
         Ok(iterations) => {
             statistics.increments += 1;
+            recorder.observer.tried(place.step, recorded.unwrap_or(&tried));
             Ok(recorder.increment(place, iterations, *statistics, step_until, |values| point.fill(values))?)
         }
         Err(GivenUp { reason, first }) => {
@@ -87,6 +98,7 @@ fn advance(
     controls: Controls,
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
+    tried: &mut Vec<Tried>,
 ) -> Result<u32, GivenUp> {
     let mut done = 0.0;
     let mut piece = 1.0;
@@ -98,7 +110,10 @@ fn advance(
         let to = if done + piece >= 1.0 - 0.5 * smallest { 1.0 } else { done + piece };
         let first_to = *first.get_or_insert(to);
         let given_up = |reason| GivenUp { reason, first: first_to };
-        match point.attempt(done, to, statistics) {
+        let attempt = point.attempt(done, to, statistics);
+        let verdict = if attempt.is_ok() { Verdict::Stands } else { Verdict::Refused };
+        tried.push(Tried { to: Way::Drives(to), time: 0.0, verdict, imbalanced: None });
+        match attempt {
             Ok(count) => {
                 point.commit(observer);
                 iterations += count;
@@ -121,4 +136,31 @@ fn advance(
             }
         }
     }
+}
+
+/// Takes the pieces of an increment that another run took, with the attempts that it refused.
+fn repeat(
+    point: &mut impl Divisible,
+    attempts: &[Tried],
+    observer: &mut dyn Observer,
+    statistics: &mut Statistics,
+) -> Result<u32, GivenUp> {
+    let mut done = 0.0;
+    let mut iterations = 0;
+    for tried in attempts {
+        let to = if let Way::Drives(to) = tried.to { to } else { 1.0 };
+        match point.attempt(done, to, statistics) {
+            Ok(count) if tried.verdict == Verdict::Stands => {
+                point.commit(observer);
+                iterations += count;
+                done = to;
+            }
+            Err(Trouble::Fatal(reason) | Trouble::CutBack { reason, .. }) if tried.verdict == Verdict::Stands => {
+                let reason = format!("{reason} (the increment is a recorded one, which is repeated as it is)");
+                return Err(GivenUp { reason, first: to });
+            }
+            _ => statistics.cutbacks += 1,
+        }
+    }
+    Ok(iterations)
 }

@@ -86,6 +86,9 @@ pub fn run<'p>(
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }
+    if let Some(recorded) = &program.about.recorded {
+        analysis.repeat(recorded.as_ref().clone());
+    }
     let set_up = start.elapsed();
     let written = from.and_then(|saved| saved.recorder.fields.as_ref());
     let writer = || match written {
@@ -339,9 +342,11 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn directive(&self) -> Directive {
         let step = (self.present.step as usize).checked_sub(1);
         let step_until = step.and_then(|step| self.program.step_untils.get(step)).and_then(Option::as_ref);
-        if self.observer.ends_here() || self.present.has_reached(self.program.about.until.as_ref()) {
+        let is_repeated = self.program.about.recorded.is_some();
+        let has_reached = |until| !is_repeated && self.present.has_reached(until);
+        if self.observer.ends_here() || has_reached(self.program.about.until.as_ref()) {
             Directive::EndRun
-        } else if self.present.has_reached(step_until) {
+        } else if has_reached(step_until) {
             Directive::EndStep
         } else {
             Directive::GoOn
@@ -350,6 +355,9 @@ impl<'p, 'o> Recorder<'p, 'o> {
 
     /// Whether the present step ends with the present row.
     fn is_at_end_of_step(&self) -> bool {
+        if let Some(recorded) = &self.program.about.recorded {
+            return recorded.of_step(self.present.step).len() == self.present.increment as usize;
+        }
         let step = (self.present.step as usize).checked_sub(1).and_then(|step| self.program.model.steps.get(step));
         step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
     }
@@ -397,6 +405,9 @@ impl Observer for Recorder<'_, '_> {
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive> {
         if record.step == 0 {
             self.initial_displacement = initial_displacement(snapshot);
+        }
+        if record.step > 0 {
+            self.observer.tried(record.step, &record.tried);
         }
         let directive = self.accept(record)?;
         self.peak.observe(record, snapshot);

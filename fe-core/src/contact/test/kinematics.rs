@@ -28,9 +28,9 @@ fn a_linear_edge_gives_the_closed_forms_of_the_thesis() {
         PlaneModel::PlaneStrain,
     );
     let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
-    let mut random = Random(3);
+    let mut random = Random::new(3);
     for _ in 0..20 {
-        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.2 * random.next()).collect();
+        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.2 * random.signed()).collect();
         let position = |node: usize| [0, 1].map(|i| scene.mesh.nodes()[node][i] + displacements[2 * node + i]);
         let slave_node = 4;
         let slave = SlavePoint { nodes: [slave_node; 3], values: [1.0, 0.0, 0.0], count: 1 };
@@ -125,7 +125,7 @@ fn forces_and_moments_balance() {
 /// The foot on random curved edges is a place of least distance: no place of the chain is nearer, and d·x' = 0.
 #[test]
 fn feet_on_random_curves_are_the_nearest_places() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     let scene = Scene::new(
         Row { kind: Q8, from: 0.0, to: 5.0, count: 5 },
         Row { kind: Q8, from: 0.0, to: 5.0, count: 5 },
@@ -136,14 +136,14 @@ fn feet_on_random_curves_are_the_nearest_places() {
     let mut inside = 0;
     for _ in 0..60 {
         // Straight at the start, so that no normal is smoothed.
-        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.06 * random.next()).collect();
+        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.06 * random.signed()).collect();
         let position = |node: usize| {
             let [x, y] = scene.mesh.nodes()[node];
             [x + displacements[2 * node], y + 0.2 * x.sin() + displacements[2 * node + 1]]
         };
         let projection = Projection { chain: &chain, position };
-        let x = 2.5 + 2.0 * random.next();
-        let point = [x, 0.2 * x.sin() + 0.15 * random.next()];
+        let x = 2.5 + 2.0 * random.signed();
+        let point = [x, 0.2 * x.sin() + 0.15 * random.signed()];
         let foot = projection.anywhere(point).unwrap();
         let at = |edge: i64, coordinate: f64| {
             let shape = chain.shape(edge, coordinate);
@@ -176,7 +176,7 @@ fn feet_on_random_curves_are_the_nearest_places() {
 /// Nothing of an edge is nearer than its clearance, which is not far below the distance.
 #[test]
 fn a_clearance_is_a_bound_of_the_distance() {
-    let mut random = Random(12);
+    let mut random = Random::new(12);
     let scene = Scene::new(
         Row { kind: Q8, from: 0.0, to: 3.0, count: 3 },
         Row { kind: Q8, from: 0.0, to: 3.0, count: 3 },
@@ -185,13 +185,13 @@ fn a_clearance_is_a_bound_of_the_distance() {
     );
     let chain = Chain::new(&scene.mesh, &scene.master, "p", false).unwrap();
     for _ in 0..200 {
-        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.3 * random.next()).collect();
+        let displacements: Vec<f64> = (0..scene.freedom_count()).map(|_| 0.3 * random.signed()).collect();
         let position = |node: usize| {
             let [x, y] = scene.mesh.nodes()[node];
             [x + displacements[2 * node], y + displacements[2 * node + 1]]
         };
         let projection = Projection { chain: &chain, position };
-        let point = [1.5 + 4.0 * random.next(), 4.0 * random.next()];
+        let point = [1.5 + 4.0 * random.signed(), 4.0 * random.signed()];
         for edge in 0..3 {
             let clearance = projection.clearance(point, edge);
             let distances = (0..=200).map(|step| {

@@ -15,18 +15,9 @@ use crate::model::{
     SoftLaw, Width,
 };
 use crate::solver::Blocks;
+use end_to_end_tests::Random;
 use std::collections::HashMap;
 use umat_abi::law::Request;
-
-/// Numbers in −1 … 1 that are the same in every run.
-pub(super) struct Random(u64);
-
-impl Random {
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 52) as f64 - 1.0
-    }
-}
 
 /// One row of elements on one side of y = curve(x).
 #[derive(Clone, Copy)]
@@ -110,8 +101,8 @@ impl Scene {
 
     /// The slave moved as a rigid body, everything shaken a little.
     pub fn shaken(&self, movement: [f64; 2], amplitude: f64) -> Vec<f64> {
-        let mut random = Random(7);
-        self.moved(1, |_| movement).iter().map(|u| u + amplitude * random.next()).collect()
+        let mut random = Random::new(7);
+        self.moved(1, |_| movement).iter().map(|u| u + amplitude * random.signed()).collect()
     }
 }
 

@@ -17,7 +17,8 @@ fn a_walk_finds_what_a_full_search_finds() {
             Contact::new(&scene.mesh, std::slice::from_ref(&pair), &[86.0; 2], walk, &FieldValues::default()).unwrap()
         });
         for step in 0..60 {
-            let displacements = scene.shaken([0.05 * f64::from(step) - 0.5, -0.02], 0.01);
+            // noise so small that a point below a kink, between two edges, has one foot and not two
+            let displacements = scene.shaken([0.05 * f64::from(step) - 0.5, -0.02], 0.002);
             let [walked, searched] = contacts.each_mut().map(|contact| {
                 let forces = forces(contact, &displacements);
                 contact.commit();

@@ -300,11 +300,8 @@ fn sizes_start_at_the_interface_and_the_exit() {
 /// Parameters at random within wide bounds: always a sound mesh of the right area.
 #[test]
 fn specimens_are_sound_over_a_range_of_parameters() {
-    let mut state = 42_u64;
-    let mut random = move |low: f64, high: f64| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        low + (high - low) * ((state >> 11) as f64 / (1_u64 << 53) as f64)
-    };
+    let mut numbers = end_to_end_tests::Random::new(42);
+    let mut random = move |low: f64, high: f64| numbers.between(low, high);
     for trial in 0..60 {
         let kinds = [(); 2].map(|()| ElementKind::ALL[random(0.0, 4.0) as usize]);
         let diameter = random(0.1, 2.0);

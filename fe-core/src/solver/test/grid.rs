@@ -87,19 +87,3 @@ fn element_stiffness(modulus: f64) -> [[f64; MAX_FREEDOMS]; MAX_FREEDOMS] {
     }
     stiffness
 }
-
-/// Numbers between −1 and 1 that repeat (Knuth's linear congruential generator).
-pub struct Numbers(pub u64);
-
-impl Numbers {
-    /// The next one.
-    pub fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-    }
-
-    /// As many as asked for.
-    pub fn vector(&mut self, count: usize) -> Vec<f64> {
-        (0..count).map(|_| self.next()).collect()
-    }
-}

@@ -3,9 +3,10 @@ use std::sync::Arc;
 use super::*;
 use crate::element::{ElementKind, Integration, MappedPoint};
 use crate::kinematics::{MAX_FREEDOMS, PlaneModel, StrainDisplacement};
+use end_to_end_tests::Random;
 use faer::Mat;
 use faer::linalg::solvers::{PartialPivLu, Solve};
-use grid::{Bodies, Numbers};
+use grid::Bodies;
 
 mod grid;
 mod parts;
@@ -29,7 +30,7 @@ impl Scene {
 
     /// Random unsymmetric, indefinite blocks of six equations of either surface, displaced by `slide` nodes.
     fn couple(&mut self, seed: u64, slide: usize) {
-        let mut numbers = Numbers(seed);
+        let mut numbers = Random::new(seed);
         let (lower, upper) = (&self.bodies.surfaces[0][1], &self.bodies.surfaces[1][0]);
         self.matrix.contact.clear();
         for start in (0..lower.len() - 4 - 2 * slide).step_by(4) {
@@ -80,7 +81,7 @@ fn dense(matrix: &SystemMatrix) -> Mat<f64> {
 /// Solves for a random right side, and compares with dense LU to 1e-10 of the greatest displacement.
 #[track_caller]
 fn check_solution(solver: &mut LinearSolver, matrix: &SystemMatrix) {
-    let right_side = Numbers(77).vector(matrix.pattern().size());
+    let right_side = Random::new(77).vector(matrix.pattern().size());
     let mut found = right_side.clone();
     solver.solve(matrix, &mut found).unwrap();
     let column = Mat::from_fn(right_side.len(), 1, |row, _| right_side[row]);
@@ -101,8 +102,8 @@ fn soften(matrix: &mut SystemMatrix) {
 
 /// Adds noise to the solids: unsymmetric.
 fn disturb(matrix: &mut SystemMatrix) {
-    let mut numbers = Numbers(5);
-    matrix.values.iter_mut().for_each(|value| *value += 1.0 * numbers.next());
+    let mut numbers = Random::new(5);
+    matrix.values.iter_mut().for_each(|value| *value += 1.0 * numbers.signed());
 }
 
 #[test]
@@ -120,7 +121,7 @@ fn the_product_is_that_of_the_dense_matrix() {
     let mut scene = Scene::new();
     scene.couple(1, 1);
     disturb(&mut scene.matrix);
-    let x = Numbers(3).vector(scene.size());
+    let x = Random::new(3).vector(scene.size());
     let mut y = vec![0.0; x.len()];
     scene.matrix.multiply(&x, &mut y).unwrap();
     let full = dense(&scene.matrix);
@@ -160,8 +161,8 @@ fn unsymmetric_solids_are_solved() {
 #[test]
 fn numbers_that_overflow_on_the_way_are_an_error() {
     let mut scene = Scene::new();
-    let mut numbers = Numbers(9);
-    scene.matrix.values.iter_mut().for_each(|value| *value = numbers.next() * 10f64.powf(305.0 * numbers.next()));
+    let mut numbers = Random::new(9);
+    scene.matrix.values.iter_mut().for_each(|value| *value = numbers.signed() * 10f64.powf(305.0 * numbers.signed()));
     for method in [Method::BlockLu, Method::GeneralLu] {
         for symmetry in [Symmetry::Symmetric, Symmetry::Unsymmetric] {
             assert!(scene.solver(Some(method)).factorise(&scene.matrix, symmetry).is_err());
@@ -224,7 +225,7 @@ fn lu_does_again_what_changed_and_what_is_above_it_to_the_same_bits() {
         let expected = forgetful.factorise(&scene.matrix, Symmetry::Unsymmetric).unwrap();
         assert_eq!((report.method, expected.flops), (Method::BlockLu, Some(all)));
         done.push(report.flops.unwrap() / all);
-        let (mut x, mut y) = (Numbers(9).vector(size), Numbers(9).vector(size));
+        let (mut x, mut y) = (Random::new(9).vector(size), Random::new(9).vector(size));
         kept.solve(&scene.matrix, &mut x).unwrap();
         forgetful.solve(&scene.matrix, &mut y).unwrap();
         assert_eq!(x, y, "round {round}");
@@ -252,7 +253,7 @@ fn lu_forgets_old_blocks_when_they_outweigh_the_present_ones() {
     let mut factor_entries = Vec::new();
     for start in [0, 20, 0] {
         matrix.contact.clear();
-        matrix.contact.push(&nodes[start..start + 10], &Numbers(3).vector(100));
+        matrix.contact.push(&nodes[start..start + 10], &Random::new(3).vector(100));
         let report = solver.factorise(&matrix, Symmetry::Unsymmetric).unwrap();
         assert!(!report.symbolic_reused);
         factor_entries.push(report.factor_entries.unwrap());
@@ -331,7 +332,7 @@ fn a_factor_of_another_matrix_is_noticed() {
     scene.bond(50.0);
     let mut solver = scene.solver(None);
     solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
-    let right_side = Numbers(8).vector(scene.size());
+    let right_side = Random::new(8).vector(scene.size());
     let mut x = right_side.clone();
     scene.matrix.values.iter_mut().for_each(|value| *value *= 1.5);
     assert!(matches!(solver.solve(&scene.matrix, &mut x), Err(SolverError::Residual { .. })));
@@ -346,7 +347,7 @@ fn refinement_repairs_a_factor_that_is_almost_right() {
     solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
     scene.matrix.values.iter_mut().for_each(|value| *value *= 1.0 + 1e-7);
     scene.bond(50.0 * (1.0 + 1e-7));
-    let report = solver.solve(&scene.matrix, &mut Numbers(8).vector(scene.size())).unwrap();
+    let report = solver.solve(&scene.matrix, &mut Random::new(8).vector(scene.size())).unwrap();
     assert!(report.refined && report.relative_residual < REFINED_RESIDUAL);
 }
 
@@ -383,7 +384,7 @@ fn repeats_are_equal_bit_by_bit() {
             let mut solver = scene.solver(Some(method));
             solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
             solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
-            let mut x = Numbers(8).vector(scene.size());
+            let mut x = Random::new(8).vector(scene.size());
             solver.solve(&scene.matrix, &mut x).unwrap();
             x
         };
@@ -417,7 +418,7 @@ fn a_superelement_is_the_schur_complement_and_expands() {
         let mut border = [upper.as_slice(), lower].concat();
         border.reverse();
         let superelement = Superelement::new(matrix.pattern(), &matrix.values, &bodies.nodes, &border).unwrap();
-        let displacements = Numbers(4).vector(border.len());
+        let displacements = Random::new(4).vector(border.len());
         let (condensed, expanded) = dense_condensation(&matrix, &border, &displacements);
         let count = border.len();
         for (place, value) in superelement.stiffness().iter().enumerate() {
@@ -487,7 +488,7 @@ fn a_soft_mode_beside_a_stiff_contact_is_solved_as_well_as_rounding_allows() {
     for method in [Method::BlockLu, Method::GeneralLu] {
         let mut solver = scene.solver(Some(method));
         solver.factorise(&scene.matrix, Symmetry::Symmetric).unwrap();
-        let mut x = Numbers(8).vector(scene.size());
+        let mut x = Random::new(8).vector(scene.size());
         let report = solver.solve(&scene.matrix, &mut x).unwrap();
         assert!(report.relative_residual > REFINED_RESIDUAL, "otherwise this tests nothing");
         assert!(report.relative_residual < LARGEST_RESIDUAL);

@@ -59,7 +59,7 @@ fn a_cut_separates_two_halves_along_the_shorter_side() {
 fn parts_give_the_solution_of_the_whole_and_threads_change_no_bit() {
     let bodies = body(true);
     let matrix = bodies.matrix();
-    let right_side = Numbers(3).vector(bodies.nodes.len());
+    let right_side = Random::new(3).vector(bodies.nodes.len());
     let solve = |solver: &mut LinearSolver| {
         let report = solver.factorise(&matrix, Symmetry::Symmetric).unwrap();
         let mut x = right_side.clone();
@@ -88,7 +88,7 @@ fn parts_give_the_solution_of_the_whole_and_threads_change_no_bit() {
 fn parts_that_stay_are_not_factorised_again() {
     let bodies = body(true);
     let mut matrix = bodies.matrix();
-    let right_side = Numbers(5).vector(bodies.nodes.len());
+    let right_side = Random::new(5).vector(bodies.nodes.len());
     let solve = |solver: &mut LinearSolver, matrix: &SystemMatrix| {
         let report = solver.factorise(matrix, Symmetry::Symmetric).unwrap();
         assert_eq!(report.method, Method::Parts);

@@ -2,6 +2,7 @@
 
 use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, trouble, unsolvable};
 use crate::assembly::{Place, Trouble, loads};
+use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Model};
 use crate::stepping::times::timed;
 use umat_abi::law::Request;
@@ -72,7 +73,7 @@ impl Equilibrium<'_> {
                 self.solve(&mut correction)?;
                 Ok(self.as_direction(&correction, drives))
             }
-            Target::Led { by, growth, direction } => {
+            Target::Led { by, growth, direction, point } => {
                 let mut along = self.drive_force(start, direction);
                 self.solve(&mut correction)?;
                 self.solve(&mut along)?;
@@ -80,7 +81,7 @@ impl Equilibrium<'_> {
                 let from_residual = self.as_direction(&correction, zero);
                 let from_drives = self.as_direction(&along, direction.clone());
                 let progress = match by {
-                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, attempt.predicts()),
+                    Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, attempt.predicts(), *point),
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
@@ -100,10 +101,17 @@ impl Equilibrium<'_> {
     }
 
     /// How far the leading point has slid; chosen where the increment starts.
-    fn slip_progress(&mut self, from_residual: &Direction, from_drives: &Direction, predicts: bool) -> Progress {
+    fn slip_progress(
+        &mut self,
+        from_residual: &Direction,
+        from_drives: &Direction,
+        predicts: bool,
+        known: Option<PointIndex>,
+    ) -> Progress {
         if predicts {
             let breaking = self.contact.breaking_point().or(self.breaking_point.take());
             let leading = breaking.or_else(|| self.contact.fastest_point(&from_drives.displacements));
+            let leading = known.filter(|point| self.contact.has(*point)).or(leading);
             self.leading_point = leading.map(|point| (point, self.contact.slip_of(point)));
         } else if let Some(point) = self.contact.breaking_point() {
             self.breaking_point = Some(point);

@@ -66,8 +66,9 @@ impl Committed {
 pub(super) enum Target {
     /// These values of the drives.
     Drives(Vec<f64>),
-    /// This growth of what leads, with the drives on the line from where they are along a direction.
-    Led { by: Leader, growth: f64, direction: Vec<f64> },
+    /// This growth of what leads, with the drives on the line from where they are along a direction. `point`: the contact
+    /// point that leads, if it is known.
+    Led { by: Leader, growth: f64, direction: Vec<f64>, point: Option<PointIndex> },
 }
 
 /// What grows where the drives would have to turn back.
@@ -145,7 +146,7 @@ pub(super) struct Equilibrium<'m> {
     /// Contact points that opened or closed in the last evaluation.
     contact_changes: usize,
     /// The contact point that leads, and its slip at the start of the increment.
-    leading_point: Option<(PointIndex, f64)>,
+    pub(super) leading_point: Option<(PointIndex, f64)>,
     /// A point that broke in this attempt: if the attempt fails it leads the next.
     breaking_point: Option<PointIndex>,
     pub(super) times: Times,

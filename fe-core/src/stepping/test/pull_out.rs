@@ -213,13 +213,8 @@ fn tangent_error(model: &Model) -> f64 {
         IncrementContext { step: 1, increment: 9, iteration: 1, step_time: 0.9, total_time: 0.9, time_increment: 0.1 };
     let rows = equilibrium.system.row_count();
     // a point of the next increment: the fibre moves on by 1 µm, so that slips grow, every row by its own small share
-    let mut seed = 0x2545_f491_4f6c_dd1d_u64;
-    let mut random = move || {
-        seed ^= seed << 13;
-        seed ^= seed >> 7;
-        seed ^= seed << 17;
-        (seed >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-    };
+    let mut numbers = end_to_end_tests::Random::new(1);
+    let mut random = move || 0.5 * numbers.signed();
     let drives = [1e-3];
     let moved: Vec<f64> = (0..rows).map(|_| 1e-7 * random()).collect();
     let direction: Vec<f64> = (0..rows).map(|_| random()).collect();

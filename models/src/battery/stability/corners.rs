@@ -84,7 +84,8 @@ pub fn concrete(random: &mut Random, inelastic: bool, band: bool) -> Corner {
             *energy = pick(random, &[0.0, 1.0, 1.0]) * 10_f64.powf(4.0 * random.unit() - 2.0);
         }
     }
-    let beta = pick(random, &[0.0, 0.17, 1.0, random.0 as f64 / u64::MAX as f64]);
+    let any = random.unit();
+    let beta = pick(random, &[0.0, 0.17, 1.0, any]);
     let zeta_c = pick(random, &[0.0, 0.0, 1.0, 10.0]);
     let fractions =
         if inelastic { [pick(random, &[0.0, 0.3, 0.9, 0.999]), pick(random, &[0.0, 0.3, 0.9])] } else { [0.0; 2] };

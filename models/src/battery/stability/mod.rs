@@ -92,7 +92,7 @@ impl Form {
 
 /// Throws one chunk of states at a law.
 fn throw<L: Law>(subject: &Subject<'_>, stress_state: StressState, chunk: u64, states: u64) -> Ledger {
-    let mut random = Random((0x57AB_1117 ^ chunk).wrapping_mul(0xD134_2543_DE82_EF95));
+    let mut random = Random::new((0x57AB_1117 ^ chunk).wrapping_mul(0xD134_2543_DE82_EF95));
     let mut ledger = Ledger::default();
     while ledger.states < states {
         if random.unit() < 0.5 {

@@ -74,7 +74,7 @@ fn a_zero_increment_keeps_the_loading_tangent() {
 /// what a host that asks for the tangent at a converged state gives.
 #[test]
 fn a_point_that_is_evaluated_again_is_still_loading() {
-    let mut random = Random(11);
+    let mut random = Random::new(11);
     for (law, residual) in [(0.0, 0.0), (0.0, 0.5), (1.0, 0.0), (1.0, 0.5)] {
         let props = glued(&[(LAW, law), (TAU_RES, residual)]);
         let envelope = Envelope::powers(950.0, [1.5921, 0.0832], [0.87, -0.2678], residual).expect("chapter 8");
@@ -104,7 +104,7 @@ fn pull_out_force_is_bounded() {
 #[test]
 fn pinched_reloading_returns_to_the_envelope() {
     let props = glued(&[(K_U, 850.0)]);
-    let mut random = Random(0xA);
+    let mut random = Random::new(0xA);
     for _ in 0..2000 {
         let mut point = ContactPoint::<BondSlip>::virgin(&props, 2);
         let kappa = 10_f64.powf(-4.0 + 5.0 * random.unit()) * random.signed();
@@ -191,7 +191,7 @@ fn monotone_loading_does_not_depend_on_the_increment() {
 /// Histories on one line through the origin give the same numbers along it, whatever its direction.
 #[test]
 fn collinear_slips_behave_as_in_one_direction() {
-    let mut random = Random(0x2D);
+    let mut random = Random::new(0x2D);
     for law in [0.0, 1.0, 2.0] {
         let props = glued(&[(LAW, law)]);
         for number in 0..500 {
@@ -305,7 +305,7 @@ fn the_bond_ends_at_the_clearance_of_the_soft_law() {
 /// FRIC at the pressure that UINTER's normal law gives: the same traction, states and energy.
 #[test]
 fn fric_is_the_tangential_part_of_uinter() {
-    let mut random = Random(0xF);
+    let mut random = Random::new(0xF);
     for law in [0.0, 1.0, 2.0] {
         let props = glued(&[(LAW, law)]);
         let mut contact = ContactPoint::<BondSlip>::virgin(&props, 3);

@@ -87,7 +87,7 @@ fn is_the_implicit_law_until_damage_begins() {
 fn tangent_is_the_derivative_of_the_stress_symmetric_and_positive() {
     let props = banded();
     battery::check_tangents::<ConcreteDamageImplex>("IMPL-EX", &[sample(&(props, Some(20.0)))]);
-    let mut random = battery::Random(0x1E);
+    let mut random = battery::Random::new(0x1E);
     for stress_state in STRESS_STATES {
         for _ in 0..300 {
             let mut point = virgin(&props, stress_state);

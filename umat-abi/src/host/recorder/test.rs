@@ -115,9 +115,9 @@ fn a_destroyed_file_is_read_in_vain() {
     let (mut file, recording) = prepared();
     let mut slot = slot(recorder(&file));
     slot.enter(fric(0.25, 3));
-    let mut state = 1_u64;
+    let mut random = fastrand::Rng::with_seed(1);
     for _ in 0..2000 {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        let state = random.u64(..);
         let offset = if state & 1 == 0 { (state >> 8) % 200 } else { map::HEADER as u64 + (state >> 8) % 400 };
         file.seek(io::SeekFrom::Start(offset)).expect("an offset");
         let value = if state & 2 == 0 { state } else { (state >> 40) % 64 };

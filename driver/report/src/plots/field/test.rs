@@ -184,12 +184,8 @@ fn the_deformed_mesh_names_its_parts_and_its_magnification() {
 fn pictures_stay_small() {
     let mesh = ring(50, 50);
     let picture = FieldPicture::new("5000 elements", &mesh);
-    let mut seed = 1u64;
-    let mut random = || {
-        seed = seed.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (seed >> 40) as f64
-    };
-    let noise: Vec<f64> = mesh.nodes.iter().map(|_| random()).collect();
+    let mut random = fastrand::Rng::with_seed(1);
+    let noise: Vec<f64> = mesh.nodes.iter().map(|_| random.f64()).collect();
     let sizes = [
         (contour(&picture, &hoop(&mesh), &stress(), None).unwrap().len(), 300_000),
         (deformed_mesh(&picture).unwrap().len(), 1_000_000),

@@ -72,6 +72,7 @@ pub fn record(step: u32, increment: u32, time: f64) -> Record {
         cutbacks: 26,
         iterations: vec![Iteration::default(); 3],
         fibres: Vec::new(),
+        tried: Vec::new(),
     }
 }
 

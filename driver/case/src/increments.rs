@@ -1,0 +1,68 @@
+//! Increments of another run that are repeated.
+
+use crate::document::{Piece, RunIncrements};
+use crate::problem::Place;
+use crate::reader::Reader;
+use fe_core::stepping::{Recorded, Way};
+use pullout_run::input::{self, Input};
+use serde_json::Value;
+use std::sync::Arc;
+
+/// The recorded increments that a case gives. `steps`: the most increments of each of its steps; `None`: as many as it likes,
+/// of a specimen.
+pub fn recorded(
+    reader: &mut Reader<'_>,
+    given: Option<&Piece<RunIncrements>>,
+    steps: &[Option<u64>],
+) -> Option<Arc<Recorded>> {
+    let place = Place::root().key("increments");
+    let given = reader.optional(given, &place)?;
+    let place = place.key("recorded");
+    let read: Result<Recorded, String> = match &given.recorded {
+        Value::String(name) => {
+            let file = reader.file(name, &place)?;
+            let wrong = |error: String| format!("{}: {error}", file.display());
+            let text = input::read(&file, Input::Case).map_err(|error| wrong(error.to_string()));
+            text.and_then(|text| serde_json::from_slice(&text).map_err(|error| wrong(error.to_string())))
+        }
+        inline => serde_json::from_value(inline.clone()).map_err(|error| error.to_string()),
+    };
+    let recorded = match read {
+        Ok(recorded) => recorded,
+        Err(error) => {
+            reader.problem(&place, format!("is no record of increments (--record-increments writes one): {error}"));
+            return None;
+        }
+    };
+    match mistake(&recorded, steps) {
+        None => Some(Arc::new(recorded)),
+        Some(message) => {
+            reader.problem(&place, message);
+            None
+        }
+    }
+}
+
+fn mistake(recorded: &Recorded, steps: &[Option<u64>]) -> Option<String> {
+    if let Some((place, why)) = recorded.mistake() {
+        return Some(format!("{place} {why}"));
+    }
+    if recorded.steps.len() > steps.len() {
+        return Some(format!("has {} steps, the case {}", recorded.steps.len(), steps.len()));
+    }
+    for (index, (increments, most)) in recorded.steps.iter().zip(steps).enumerate() {
+        let Some(most) = most else { continue };
+        if increments.len() as u64 > *most {
+            return Some(format!(
+                "steps[{index}] has {} increments, step {} of the case {most}",
+                increments.len(),
+                index + 1
+            ));
+        }
+        let is_whole = |tried: &fe_core::stepping::Tried| tried.to == Way::Drives(1.0);
+        if let Some(k) = increments.iter().position(|attempts| !attempts.last().is_some_and(is_whole)) {
+            return Some(format!("steps[{index}][{k}] does not end with the increment: it is of a specimen"));
+        }
+    }
+    None
+}

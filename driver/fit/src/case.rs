@@ -1,0 +1,544 @@
+//! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
+//!
+//! Least squares by Levenberg and Marquardt's method. Bounds are kept by what is sought instead of the numbers: z with
+//! x = lo + (hi − lo)(1 + sin z)/2. Derivatives are forward differences on the increments of the run at the same place, so
+//! that increments which a run chooses by itself make no steps in them.
+
+use super::inverse::{NO_CURVE, root_mean_square};
+use super::uncertainty::{IDENTIFIABLE, spread};
+use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
+use nalgebra::storage::Owned;
+use nalgebra::{DMatrix, DVector, Dyn};
+use pullout_case::CsvFile;
+use pullout_engine::{Outcome, Settings, Source};
+use pullout_report::directory::ResultDirectory;
+use pullout_run::PLUGIN_STACK;
+use pullout_run::input::folder_of;
+use pullout_run::number::significant;
+use serde_json::{Value, json};
+use std::cell::Cell;
+use std::fmt::Write as _;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
+const STEP: f64 = 1e-6;
+/// The search ends when the sum of squares would fall, or what is sought would move, by less than this part.
+const SMALLEST: f64 = 1e-10;
+/// A start on a bound moves inwards by this part of the distance of the bounds: on them nothing has a slope.
+const INWARDS: f64 = 0.01;
+/// A number so near to a bound, as a part of the distance of the bounds, lies on it.
+const ON_BOUND: f64 = 1e-6;
+
+/// A number of a case that is sought.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Free {
+    /// Its place, as `--set` has it.
+    pub path: String,
+    /// Where it may be.
+    pub bounds: [f64; 2],
+}
+
+/// What is fitted to what.
+#[derive(Clone, Debug)]
+pub struct CaseRequest {
+    /// The case with its values to start from.
+    pub source: Source,
+    /// What is sought.
+    pub free: Vec<Free>,
+    /// The measured curve.
+    pub data: PathBuf,
+    /// Columns of the history that it is compared with.
+    pub curve: [String; 2],
+    /// Most runs.
+    pub max_runs: usize,
+}
+
+/// What a search found.
+#[derive(Clone, Debug)]
+pub struct CaseFit {
+    /// What was sought.
+    pub free: Vec<Free>,
+    /// Where the search began.
+    pub starts: Vec<f64>,
+    /// The numbers that fit best.
+    pub values: Vec<f64>,
+    /// Of the numbers; infinite if nothing is known.
+    pub standard_errors: Vec<f64>,
+    /// Between the numbers.
+    pub correlation: DMatrix<f64>,
+    /// Root mean square of the differences, in the unit of the curve.
+    pub rms: f64,
+    /// Runs that were made.
+    pub runs: usize,
+    /// Why it is not the best.
+    pub trouble: Option<String>,
+    /// The case with these numbers.
+    pub case: Value,
+    /// Data: both columns, and what the case computes.
+    pub rows: Vec<[f64; 3]>,
+}
+
+/// Fits a case. `progress` is told the runs so far and the root mean square of the differences.
+///
+/// # Errors
+/// Everything that is wrong with the input, one sentence each.
+pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<CaseFit, Vec<String>> {
+    let document = document(request)?;
+    let starts = starts(request, &document)?;
+    let data = read_data(request)?;
+    let file = request.source.file.display();
+    let scale = data.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
+    let mut problem = Problem {
+        request,
+        data: &data,
+        scale,
+        runs: Cell::new(0),
+        sought: DVector::from_iterator(starts.len(), starts.iter().zip(&request.free).map(|(x, free)| free.sought(*x))),
+        present: None,
+        increments: None,
+        best: None,
+        trouble: Cell::new(None),
+        progress,
+    };
+    match problem.run(&starts, None) {
+        Ok((computed, increments)) => problem.take(&starts, &computed, increments),
+        Err(message) => return Err(vec![format!("{file}: {message}")]),
+    }
+    let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST).with_patience(request.max_runs);
+    let (problem, report) = method.minimize(problem);
+    let trouble = match report.termination {
+        reason if reason.was_successful() => None,
+        // increments that runs choose are no finer
+        TerminationReason::NoImprovementPossible(_) => None,
+        TerminationReason::User(_) => problem.trouble.take().or_else(|| {
+            Some(format!("the search was not at its end after the {} runs of --max-runs", request.max_runs))
+        }),
+        other => Some(format!("the search ended with {other:?}")),
+    };
+    let Some(best) = &problem.best else { return Err(vec![format!("{file}: no run gives a curve")]) };
+    let derivatives = problem.derivatives(&best.values, &best.computed, best.increments.as_ref());
+    let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
+    let count = best.values.len();
+    // relative changes of the numbers, so that all are of one size
+    let sizes = DMatrix::from_diagonal(&DVector::from_iterator(count, best.values.iter().map(|&value| size(value))));
+    let residuals = DVector::from_vec(best.differences(&data));
+    let (standard_errors, correlation) = match derivatives {
+        Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
+        Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
+    };
+    let rows = data.iter().zip(&best.computed).map(|(row, computed)| [row[0], row[1], *computed]).collect();
+    Ok(CaseFit {
+        free: request.free.clone(),
+        starts,
+        standard_errors,
+        correlation,
+        rms: root_mean_square(&residuals),
+        runs: problem.runs.get(),
+        trouble,
+        case: kept(request, document, &best.values),
+        values: best.values.clone(),
+        rows,
+    })
+}
+
+fn size(value: f64) -> f64 {
+    if value == 0.0 { 1.0 } else { value.abs() }
+}
+
+impl Free {
+    /// `PATH=lo:hi`.
+    ///
+    /// # Errors
+    /// What is wrong with it.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let form = || "write PATH=lo:hi, e.g. material.props.E=1e4:4e4".to_owned();
+        let (path, bounds) = text.rsplit_once('=').ok_or_else(form)?;
+        let (low, high) = bounds.split_once(':').ok_or_else(form)?;
+        if path.split('.').any(str::is_empty) {
+            return Err("an empty name in the path: write a.b.c=lo:hi".into());
+        }
+        let number = |text: &str| {
+            let number = text.trim().parse().ok().filter(|number: &f64| number.is_finite());
+            number.ok_or_else(|| format!("'{text}' is no finite number: {}", form()))
+        };
+        let bounds = [number(low)?, number(high)?];
+        if bounds[0] >= bounds[1] {
+            return Err(format!("{} is not below {}", bounds[0], bounds[1]));
+        }
+        Ok(Self { path: path.into(), bounds })
+    }
+
+    fn value(&self, sought: f64) -> f64 {
+        let [low, high] = self.bounds;
+        (low + (high - low) * 0.5 * (1.0 + sought.sin())).clamp(low, high)
+    }
+
+    fn sought(&self, value: f64) -> f64 {
+        let [low, high] = self.bounds;
+        (2.0 * (value - low) / (high - low) - 1.0).clamp(-1.0, 1.0).asin()
+    }
+
+    /// The bound that a value lies on.
+    fn bound(&self, value: f64) -> Option<f64> {
+        let near = ON_BOUND * (self.bounds[1] - self.bounds[0]);
+        self.bounds.into_iter().find(|bound| (bound - value).abs() <= near)
+    }
+}
+
+fn document(request: &CaseRequest) -> Result<Value, Vec<String>> {
+    let Source { file, overrides, plugin_paths, .. } = &request.source;
+    let name = file.display();
+    if request.source.need().is_none() {
+        pullout_case::read(file, overrides, plugin_paths)
+            .map_err(|errors| errors.problems.iter().map(|problem| format!("{name}: {problem}")).collect::<Vec<_>>())?;
+    }
+    request.source.text().ok_or_else(|| vec![format!("{name}: is no case")])
+}
+
+/// The values that the case has.
+fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<String>> {
+    let mut problems = Vec::new();
+    let mut starts = Vec::new();
+    let file = request.source.file.display();
+    for (k, Free { path, bounds: [low, high] }) in request.free.iter().enumerate() {
+        if request.free[..k].iter().any(|other| other.path == *path) {
+            problems.push(format!("--free {path}: is given twice"));
+        }
+        let found = path
+            .split('.')
+            .try_fold(document, |value, name| value.get(name).or_else(|| value.get(name.parse::<usize>().ok()?)));
+        match found.map(|found| (found, found.as_f64())) {
+            Some((_, Some(value))) if (*low..=*high).contains(&value) => {
+                let inwards = INWARDS * (high - low);
+                starts.push(if value == *low {
+                    low + inwards
+                } else if value == *high {
+                    high - inwards
+                } else {
+                    value
+                });
+            }
+            Some((_, Some(value))) => {
+                problems.push(format!("--free {path}: the case begins with {value}, which is not within {low}:{high}"));
+            }
+            Some((found, None)) => problems.push(format!("{file}: $.{path} is {found}, and no number")),
+            None => problems.push(format!("{file}: $.{path} is not there: give it the value to start from")),
+        }
+    }
+    if problems.is_empty() { Ok(starts) } else { Err(problems) }
+}
+
+/// The measured points.
+fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
+    let file = request.data.display();
+    let named = |problem: String| format!("{file}, {problem}");
+    let csv = CsvFile::read(&request.data)?;
+    if csv.header.iter().all(|name| name.parse::<f64>().is_ok()) {
+        return Err(vec![named("line 1: these are numbers, but the first line must name the columns".into())]);
+    }
+    if csv.header.len() < 2 {
+        return Err(vec![named("line 1: one column, but two are needed".into())]);
+    }
+    let by_name = request.curve.each_ref().map(|name| csv.column(name).ok());
+    let columns = if let [Some(x), Some(y)] = by_name { [x, y] } else { [0, 1] };
+    let rows = csv.numbers(&columns, true).map_err(|problems| problems.into_iter().map(named).collect::<Vec<_>>())?;
+    if rows.len() <= request.free.len() {
+        let message = format!("{} points do not tell {} numbers", rows.len(), request.free.len());
+        return Err(vec![format!("{file}: {message}")]);
+    }
+    let rows: Vec<[f64; 2]> = rows.iter().map(|row| [row[0], row[1]]).collect();
+    if rows.iter().all(|row| row[1] == 0.0) {
+        return Err(vec![format!("{file}: all values are 0: nothing is told by them")]);
+    }
+    Ok(rows)
+}
+
+/// The case with what was found; files are named so that it runs from any folder.
+fn kept(request: &CaseRequest, document: Value, values: &[f64]) -> Value {
+    let settings = overrides(&request.free, values);
+    let mut case = pullout_case::overridden(document, &settings).unwrap_or_default();
+    absolute(&mut case, folder_of(&request.source.file));
+    case
+}
+
+fn absolute(value: &mut Value, folder: &Path) {
+    match value {
+        Value::String(text) if !text.is_empty() => {
+            let path = folder.join(&text);
+            if path.is_file() {
+                *text = std::path::absolute(&path).unwrap_or(path).display().to_string();
+            }
+        }
+        Value::Array(entries) => entries.iter_mut().for_each(|entry| absolute(entry, folder)),
+        Value::Object(members) => members.values_mut().for_each(|member| absolute(member, folder)),
+        _ => {}
+    }
+}
+
+fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
+    free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
+}
+
+/// The best run so far.
+struct Best {
+    values: Vec<f64>,
+    computed: Vec<f64>,
+    increments: Option<Value>,
+}
+
+impl Best {
+    fn differences(&self, data: &[[f64; 2]]) -> Vec<f64> {
+        self.computed.iter().zip(data).map(|(computed, row)| computed - row[1]).collect()
+    }
+}
+
+/// The least-squares problem as the method sees it.
+struct Problem<'a> {
+    request: &'a CaseRequest,
+    data: &'a [[f64; 2]],
+    /// Differences are parts of this.
+    scale: f64,
+    runs: Cell<usize>,
+    sought: DVector<f64>,
+    /// Differences at the present place.
+    present: Option<DVector<f64>>,
+    /// Increments of the run there.
+    increments: Option<Value>,
+    best: Option<Best>,
+    trouble: Cell<Option<String>>,
+    progress: &'a dyn Fn(usize, f64),
+}
+
+impl Problem<'_> {
+    fn values(&self) -> Vec<f64> {
+        self.request.free.iter().zip(&self.sought).map(|(free, sought)| free.value(*sought)).collect()
+    }
+
+    /// The curve at the data's points, and the increments.
+    fn run(&self, values: &[f64], increments: Option<&Value>) -> Result<(Vec<f64>, Option<Value>), String> {
+        self.runs.set(self.runs.get() + 1);
+        curve(self.request, self.data, values, increments)
+    }
+
+    fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Value>) {
+        let new = Best { values: values.to_vec(), computed: computed.to_vec(), increments: increments.clone() };
+        let differences = DVector::from_vec(new.differences(self.data));
+        (self.progress)(self.runs.get(), root_mean_square(&differences));
+        let differences = differences / self.scale;
+        let norm = |best: &Best| DVector::from_vec(best.differences(self.data)).norm_squared();
+        if self.best.as_ref().is_none_or(|best| norm(&new) < norm(best)) {
+            self.best = Some(new);
+        }
+        (self.present, self.increments) = (Some(differences), increments);
+    }
+
+    /// ∂curve/∂values on the increments of a run, in threads.
+    fn derivatives(
+        &self,
+        values: &[f64],
+        computed: &[f64],
+        increments: Option<&Value>,
+    ) -> Result<DMatrix<f64>, String> {
+        self.runs.set(self.runs.get() + values.len());
+        let column = |k: usize| -> Result<DVector<f64>, String> {
+            let mut moved = values.to_vec();
+            let step = STEP * size(values[k]);
+            moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
+            let (curve, _) = curve(self.request, self.data, &moved, increments)?;
+            let step = moved[k] - values[k];
+            Ok(DVector::from_iterator(
+                curve.len(),
+                curve.iter().zip(computed).map(|(there, here)| (there - here) / step),
+            ))
+        };
+        let processors = std::thread::available_parallelism().map_or(1, usize::from);
+        let mut columns = Vec::new();
+        let numbers: Vec<usize> = (0..values.len()).collect();
+        for numbers in numbers.chunks(processors) {
+            let some: Vec<Result<DVector<f64>, String>> = std::thread::scope(|scope| {
+                let spawn = |k: usize| {
+                    let thread = std::thread::Builder::new().stack_size(PLUGIN_STACK);
+                    thread.spawn_scoped(scope, move || column(k)).map_err(|error| error.to_string())
+                };
+                let threads: Vec<_> = numbers.iter().map(|&k| spawn(k)).collect();
+                let join = |thread: Result<std::thread::ScopedJoinHandle<'_, _>, String>| {
+                    thread?.join().unwrap_or_else(|_| Err("a run ended its thread".into()))
+                };
+                threads.into_iter().map(join).collect()
+            });
+            columns.extend(some);
+        }
+        let columns: Result<Vec<DVector<f64>>, String> = columns.into_iter().collect();
+        Ok(DMatrix::from_columns(&columns?))
+    }
+}
+
+/// The curve of a case with other numbers, at the points of the data, and the increments of the run.
+fn curve(
+    request: &CaseRequest,
+    data: &[[f64; 2]],
+    values: &[f64],
+    increments: Option<&Value>,
+) -> Result<(Vec<f64>, Option<Value>), String> {
+    let mut source = request.source.clone();
+    source.overrides.extend(overrides(&request.free, values));
+    source.overrides.extend(increments.map(|recorded| format!("increments={}", json!({ "recorded": recorded }))));
+    let prepared = source.read().map_err(|errors| {
+        errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
+    })?;
+    let settings = Settings { records: increments.is_none(), ..Settings::default() };
+    let outcome = prepared.run(settings).map_err(|error| error.to_string())?;
+    if !outcome.is_done() {
+        return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
+    }
+    let computed = at_data(&outcome, &request.curve, data)?;
+    Ok((computed, outcome.increments))
+}
+
+/// The second column where the first passes the data's values for the first time.
+fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
+    let column = |name: &String| {
+        let columns = || outcome.history.columns().join(", ");
+        outcome
+            .history
+            .column(name)
+            .ok_or_else(|| format!("--curve: the history has no column '{name}', but {}", columns()))
+    };
+    let (x, y) = (column(&names[0])?, column(&names[1])?);
+    let mut points: Vec<[f64; 2]> = Vec::with_capacity(x.len());
+    for (&x, &y) in x.iter().zip(y.iter()) {
+        if points.last().is_none_or(|last| x > last[0]) {
+            points.push([x, y]);
+        }
+    }
+    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return Err("the run has no rows".into()) };
+    let at = |row: &[f64; 2]| {
+        let x = row[0];
+        let right = points.partition_point(|point| point[0] < x);
+        match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
+            (None, _) => Ok(first[1]),
+            (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
+            (Some(_), None) => Err(format!("the run ends at {} {}, the data go on to {x}", names[0], last[0])),
+        }
+    };
+    data.iter().map(at).collect()
+}
+
+impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
+    type ResidualStorage = Owned<f64, Dyn>;
+    type JacobianStorage = Owned<f64, Dyn, Dyn>;
+    type ParameterStorage = Owned<f64, Dyn>;
+
+    fn set_params(&mut self, sought: &DVector<f64>) {
+        if *sought == self.sought && self.present.is_some() {
+            return;
+        }
+        self.sought.copy_from(sought);
+        self.present = None;
+        if self.runs.get() >= self.request.max_runs {
+            return;
+        }
+        let values = self.values();
+        match self.run(&values, None) {
+            Ok((computed, increments)) => self.take(&values, &computed, increments),
+            // so far off that the method turns back and takes a shorter step
+            Err(_) => self.present = Some(DVector::from_element(self.data.len(), NO_CURVE)),
+        }
+    }
+
+    fn params(&self) -> DVector<f64> {
+        self.sought.clone()
+    }
+
+    fn residuals(&self) -> Option<DVector<f64>> {
+        self.present.clone()
+    }
+
+    fn jacobian(&self) -> Option<DMatrix<f64>> {
+        let values = self.values();
+        if self.runs.get() + values.len() > self.request.max_runs {
+            return None;
+        }
+        let here = self.present.as_ref()?;
+        let computed: Vec<f64> = here.iter().zip(self.data).map(|(part, row)| part * self.scale + row[1]).collect();
+        match self.derivatives(&values, &computed, self.increments.as_ref()) {
+            Ok(mut derivatives) => {
+                for ((mut column, free), sought) in
+                    derivatives.column_iter_mut().zip(&self.request.free).zip(&self.sought)
+                {
+                    column *= 0.5 * (free.bounds[1] - free.bounds[0]) * sought.cos() / self.scale;
+                }
+                Some(derivatives)
+            }
+            Err(message) => {
+                self.trouble.set(Some(message));
+                None
+            }
+        }
+    }
+}
+
+impl CaseFit {
+    /// Whether the curve tells a number.
+    fn is_identifiable(&self, k: usize) -> bool {
+        self.standard_errors[k] <= IDENTIFIABLE * self.values[k].abs()
+    }
+
+    /// What came out, for a person.
+    pub fn describe(&self) -> String {
+        let mut text = String::new();
+        for (k, free) in self.free.iter().enumerate() {
+            let (value, error) = (self.values[k], self.standard_errors[k]);
+            let known = if self.is_identifiable(k) { "" } else { "  NOT IDENTIFIABLE" };
+            let bound = free.bound(value).map_or_else(String::new, |bound| format!("  on its bound {bound}"));
+            let error = if error.is_finite() { significant(error, 2) } else { "unknown".into() };
+            // to a String it cannot fail
+            let _ = writeln!(text, "  {} = {} ± {error}{known}{bound}", free.path, significant(value, 6));
+        }
+        let _ = writeln!(text, "  RMS difference {}, {} runs", significant(self.rms, 4), self.runs);
+        text
+    }
+
+    /// Writes fit.json, fitted-case.json and fitted-curve.csv.
+    ///
+    /// # Errors
+    /// A file that cannot be written.
+    pub fn write(&self, directory: &mut ResultDirectory, request: &CaseRequest) -> io::Result<()> {
+        let number = |k: usize| {
+            let free = &self.free[k];
+            let error = self.standard_errors[k];
+            json!({
+                "path": free.path,
+                "value": self.values[k],
+                "start": self.starts[k],
+                "bounds": free.bounds,
+                "on_bound": free.bound(self.values[k]),
+                "standard_error": error.is_finite().then_some(error),
+                "identifiable": self.is_identifiable(k),
+            })
+        };
+        let parameters: Vec<Value> = (0..self.free.len()).map(number).collect();
+        let correlation: Vec<Vec<f64>> = self.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
+        let summary = json!({
+            "status": if self.trouble.is_none() { "done" } else { "failed" },
+            "message": self.trouble,
+            "case": request.source.file,
+            "data": request.data,
+            "curve": request.curve,
+            "rms": self.rms,
+            "runs": self.runs,
+            "parameters": parameters,
+            "correlation": correlation,
+        });
+        directory.write("fit.json", format!("{summary:#}\n"))?;
+        directory.write("fitted-case.json", format!("{:#}\n", self.case))?;
+        let [x, y] = &request.curve;
+        let mut table = format!("{x},{y},computed\n");
+        for [x, y, computed] in &self.rows {
+            let _ = writeln!(table, "{x},{y},{computed}");
+        }
+        directory.write("fitted-curve.csv", table)?;
+        Ok(())
+    }
+}

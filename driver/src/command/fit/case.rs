@@ -1,0 +1,113 @@
+//! `pullout fit CASE`.
+
+use super::super::{BAD_INPUT, DONE, FAILED, Place, complain, run, say};
+use pullout_engine::Source;
+use pullout_fit::{CaseRequest, Free, fit_case};
+use pullout_report::directory::{Access, Kind};
+use pullout_run::isolation::prints::Prints;
+use pullout_run::number::significant;
+use std::path::PathBuf;
+
+/// Beside `fit bond` and `fit beam`: what must be given is not where one of these is.
+#[derive(Debug, clap::Args)]
+pub(in super::super) struct Arguments {
+    /// The case, with the values to start from.
+    #[arg(value_name = "CASE.json", required = true)]
+    case: Option<PathBuf>,
+    /// A number of the case that is sought between two bounds, e.g. material.props.E=1e4:4e4 (may be repeated).
+    #[arg(long = "free", value_name = "PATH=lo:hi", required = true, value_parser = Free::parse)]
+    free: Vec<Free>,
+    /// The measured curve: CSV with a header line.
+    #[arg(long, value_name = "CURVE.csv", required = true)]
+    data: Option<PathBuf>,
+    /// Columns of the history that it is compared with; those of the data have the same names, or are the first two.
+    #[arg(long, value_name = "X,Y", default_value = "slip,load", value_parser = columns)]
+    curve: [String; 2],
+    /// Most runs.
+    #[arg(long, value_name = "N", default_value_t = 500, value_parser = clap::value_parser!(u32).range(1..))]
+    max_runs: u32,
+    /// Result directory [default: out/<case file stem>-fit/].
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Replace files in the result directory that this program did not write, or that were changed since; they are listed.
+    #[arg(long)]
+    overwrite: bool,
+    /// Override an entry of the case, e.g. steps.0.increments=5.
+    #[arg(long = "set", value_name = "a.b.c=VALUE")]
+    overrides: Vec<String>,
+    /// Look for plugins here first (may be repeated).
+    #[arg(long = "plugin-path", value_name = "DIR")]
+    plugin_paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) place: Place,
+    /// Say nothing but errors.
+    #[arg(long)]
+    quiet: bool,
+}
+
+/// "slip,load".
+fn columns(text: &str) -> Result<[String; 2], String> {
+    let names = text.split_once(',').map(|(x, y)| [x.trim().to_owned(), y.trim().to_owned()]);
+    names.filter(|[x, y]| !x.is_empty() && !y.is_empty() && x != y).ok_or_else(|| "write X,Y: two columns".into())
+}
+
+impl Arguments {
+    pub(super) fn act(&self) -> u8 {
+        let (Some(case), Some(data)) = (&self.case, &self.data) else { return BAD_INPUT };
+        let mut source = Source::file(case);
+        (source.overrides, source.plugin_paths) = (self.overrides.clone(), self.plugin_paths.clone());
+        let request = CaseRequest {
+            source,
+            free: self.free.clone(),
+            data: data.clone(),
+            curve: self.curve.clone(),
+            max_runs: self.max_runs as usize,
+        };
+        let folder = self.out.clone().unwrap_or_else(|| {
+            let stem = case.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            PathBuf::from("out").join(stem + "-fit")
+        });
+        let mut inputs = pullout_case::inputs(case, &self.overrides);
+        inputs.push(data.clone());
+        let access = Access { inputs: &inputs, overwrite: self.overwrite, is_locked: false };
+        let mut directory = match run::open_for(&folder, Kind::Fit, access) {
+            Ok(directory) => directory,
+            Err(code) => return code,
+        };
+        let progress = |runs: usize, rms: f64| {
+            if !self.quiet {
+                complain(format!("run {runs}, RMS difference {}", significant(rms, 4)));
+            }
+        };
+        let found = {
+            let _prints = Prints::discard();
+            fit_case(&request, &progress)
+        };
+        let fit = match found {
+            Ok(fit) => fit,
+            Err(problems) => {
+                problems.iter().for_each(complain);
+                return BAD_INPUT;
+            }
+        };
+        let written = directory.begin(&[]).and_then(|()| {
+            fit.write(&mut directory, &request)?;
+            directory.remove_earlier()?;
+            directory.finish()
+        });
+        if let Err(error) = written {
+            complain(error);
+            return FAILED;
+        }
+        if !self.quiet {
+            say(&(fit.describe() + &format!("-> {}\n", folder.display())));
+        }
+        match &fit.trouble {
+            None => DONE,
+            Some(trouble) => {
+                complain(format!("{}: {trouble}", case.display()));
+                FAILED
+            }
+        }
+    }
+}

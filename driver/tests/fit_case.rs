@@ -1,0 +1,139 @@
+//! `pullout fit CASE`: numbers of a case from a curve that it made, and what is wrong with what users write.
+
+#[path = "program/mod.rs"]
+mod program;
+
+use program::{Desk, cases, command};
+use serde_json::{Value, json};
+use std::fs;
+use std::path::Path;
+use std::process::Output;
+
+fn fit(desk: &Desk, case: &Path, arguments: &[&str]) -> Output {
+    command().args(["fit", "--quiet"]).args(arguments).arg(case).current_dir(desk.path("")).output().unwrap()
+}
+
+fn bond(k_e: f64, a_1: f64) -> Value {
+    json!({
+        "kind": "interface",
+        "material": { "plugin": "bond_slip", "props": { "law": "A", "k_e": k_e, "a_1": a_1, "b_1": 0.4 } },
+        "steps": [{ "increments": 150, "target": { "slip": 0.01 } }],
+        "output": { "plots": false },
+    })
+}
+
+/// A curve of what is sought, started elsewhere, gives it back; the case that is written makes the curve.
+fn found(case: &Value, sought: &[(&str, f64, [f64; 2])], curve: &str, relative: f64) -> Value {
+    let desk = Desk::new();
+    let truth: Vec<String> = sought.iter().map(|(path, value, _)| format!("{path}={value:?}")).collect();
+    let start = desk.case("start.json", case);
+    let made = desk.run(&start, &truth.iter().map(String::as_str).collect::<Vec<_>>(), "truth", 0);
+    let data = made.folder.join("history.csv");
+    let free: Vec<String> =
+        sought.iter().map(|(path, _, [low, high])| format!("--free={path}={low:?}:{high:?}")).collect();
+    let data = format!("--data={}", data.display());
+    let curve = format!("--curve={curve}");
+    let mut arguments: Vec<&str> = free.iter().map(String::as_str).collect();
+    arguments.extend([data.as_str(), curve.as_str(), "--out=found"]);
+    let output = fit(&desk, &start, &arguments);
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    let folder = desk.path("found");
+    let read = |name: &str| serde_json::from_str::<Value>(&fs::read_to_string(folder.join(name)).unwrap()).unwrap();
+    let result = read("fit.json");
+    for (k, (path, value, _)) in sought.iter().enumerate() {
+        let number = &result["parameters"][k];
+        assert_eq!(number["path"], *path);
+        if number["identifiable"] == json!(true) {
+            approx::assert_relative_eq!(number["value"].as_f64().unwrap(), *value, max_relative = relative);
+        }
+        assert!(number["standard_error"].is_number() == (number["identifiable"] == json!(true)), "{number}");
+    }
+    desk.run(&folder.join("fitted-case.json"), &[], "again", 0);
+    result
+}
+
+#[test]
+fn a_contact_point() {
+    let sought = [("material.props.k_e", 950.0, [300.0, 3000.0]), ("material.props.a_1", 10.0, [1.0, 30.0])];
+    let result = found(&bond(700.0, 7.0), &sought, "slip,tau", 1e-6);
+    assert_eq!(result["status"], "done");
+    assert!(result["parameters"].as_array().unwrap().iter().all(|number| number["identifiable"] == json!(true)));
+}
+
+/// One slope does not tell two constants.
+#[test]
+fn what_the_curve_does_not_tell_is_said() {
+    let bar = json!({
+        "kind": "point",
+        "material": { "plugin": "linear_elastic", "props": { "E": 90.0, "nu": 0.2 } },
+        "steps": [{ "increments": 10, "target": { "e11": 0.01, "e22": 0.0, "e33": 0.0 } }],
+        "output": { "plots": false },
+    });
+    let sought = [("material.props.E", 100.0, [10.0, 300.0]), ("material.props.nu", 0.25, [0.0, 0.4])];
+    let result = found(&bar, &sought, "e11,s11", 1.0);
+    assert!(result["parameters"].as_array().unwrap().iter().all(|number| number["identifiable"] == json!(false)));
+    let found = found(&bar, &sought[..1], "e11,s11", 1e-6);
+    assert_eq!(found["parameters"][0]["identifiable"], true);
+}
+
+/// Across the peak, increments chosen by the run.
+#[test]
+fn a_pull_out() {
+    let text = fs::read_to_string(cases().join("chapter-6/6.14-plane.json")).unwrap();
+    let mut case: Value = serde_json::from_str(&text).unwrap();
+    case["steps"][0]["slip"] = json!(0.05);
+    case["output"] = json!({ "vtu": false, "plots": false });
+    let sought = [("contact.law.props.k_e", 480.0, [100.0, 1000.0]), ("contact.law.props.a_1", 3.8, [2.0, 6.0])];
+    found(&case, &sought, "slip,load", 2e-3);
+}
+
+#[test]
+fn what_is_wrong_is_one_message_with_its_place() {
+    let desk = Desk::new();
+    let case = desk.case("bond.json", &bond(700.0, 7.0));
+    let table = |name: &str, text: &str| fs::write(desk.path(name), text).unwrap();
+    table("data.csv", "slip,tau\n0.001,1\n0.002,2\n0.003,3\n");
+    table("numbers.csv", "0.1,1\n0.2,2\n0.3,3\n");
+    table("one.csv", "slip\n0.1\n");
+    table("cell.csv", "slip,tau\n0.1,1\n0.2,x\n0.3,3\n");
+    table("short.csv", "slip,tau\n0.1,1\n");
+    table("zero.csv", "slip,tau\n0.1,0\n0.2,0\n0.3,0\n");
+    table("far.csv", "slip,tau\n0.001,1\n0.002,2\n0.9,3\n");
+    table("empty.csv", "");
+    let k_e = "--free=material.props.k_e=300:3000";
+    let wrong: [(&[&str], &str); 16] = [
+        (&["--data=data.csv"], "--free"),
+        (&[k_e], "--data"),
+        (&["--free=material.props.k_e", "--data=data.csv"], "PATH=lo:hi"),
+        (&["--free=material.props.k_e=300", "--data=data.csv"], "PATH=lo:hi"),
+        (&["--free=material.props.k_e=3000:300", "--data=data.csv"], "3000 is not below 300"),
+        (&["--free=material.props.k_e=a:300", "--data=data.csv"], "'a' is no finite number"),
+        (&["--free=material..k_e=1:2", "--data=data.csv"], "empty name"),
+        (&["--free=material.props.k=1:2", "--data=data.csv"], "$.material.props.k is not there"),
+        (&["--free=material.props.law=1:2", "--data=data.csv"], "$.material.props.law is \"A\", and no number"),
+        (&["--free=material.props.k_e=1:2", "--data=data.csv"], "begins with 700, which is not within 1:2"),
+        (&[k_e, k_e, "--data=data.csv"], "is given twice"),
+        (&[k_e, "--data=none.csv"], "none.csv"),
+        (&[k_e, "--data=numbers.csv"], "numbers.csv, line 1: these are numbers"),
+        (&[k_e, "--data=one.csv"], "one.csv, line 1: one column"),
+        (&[k_e, "--data=cell.csv"], "cell.csv, line 3, column 'tau': 'x' is no finite number"),
+        (&[k_e, "--data=short.csv"], "short.csv: 1 points do not tell 1 numbers"),
+    ];
+    let more: [(&[&str], &str); 5] = [
+        (&[k_e, "--data=zero.csv"], "all values are 0"),
+        (&[k_e, "--data=far.csv"], "the run ends at slip 0.01, the data go on to 0.9"),
+        (&[k_e, "--data=empty.csv"], "empty.csv"),
+        (&[k_e, "--data=data.csv", "--curve=slip,load"], "no column 'load'"),
+        (&[k_e, "--data=data.csv", "--curve=slip"], "write X,Y"),
+    ];
+    for (arguments, part) in wrong.iter().chain(&more) {
+        let mut arguments = arguments.to_vec();
+        if !arguments.iter().any(|argument| argument.starts_with("--curve")) {
+            arguments.push("--curve=slip,tau");
+        }
+        let output = fit(&desk, &case, &arguments);
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
+        assert!(message.contains(part), "{arguments:?}: {message}");
+    }
+}

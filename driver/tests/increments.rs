@@ -1,0 +1,163 @@
+//! Runs that repeat the increments of another: the same bits, and curves that are smooth in the parameters.
+
+#[path = "program/mod.rs"]
+mod program;
+
+use program::{Desk, cases};
+use pullout_engine::{Outcome, Settings, Source, set_program};
+use serde_json::{Value, json};
+use std::path::Path;
+
+fn run(source: Source, records: bool) -> Outcome {
+    set_program(Path::new(env!("CARGO_BIN_EXE_pullout")));
+    let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
+    prepared.run(Settings { records, ..Settings::default() }).unwrap_or_else(|error| panic!("{error}"))
+}
+
+fn with(case: &Value, changes: &[(&str, f64)], increments: Option<&Value>) -> Source {
+    let mut source = Source::document(case.clone(), &cases().join("chapter-6"));
+    source.overrides = changes.iter().map(|(path, value)| format!("{path}={value:?}")).collect();
+    source.overrides.extend(increments.map(|recorded| format!("increments={}", json!({ "recorded": recorded }))));
+    source
+}
+
+fn bits(outcome: &Outcome) -> Vec<Vec<u64>> {
+    let history = &outcome.history;
+    let columns = 0..history.columns().len();
+    columns.map(|k| history.column_at(k).unwrap().iter().map(|value| value.to_bits()).collect()).collect()
+}
+
+fn repeats(case: &Value) -> Value {
+    let base = run(with(case, &[], None), true);
+    assert!(base.is_done(), "{:?}", base.summary.message);
+    let increments = base.increments.clone().unwrap();
+    let again = run(with(case, &[], Some(&increments)), true);
+    assert!(again.is_done(), "{:?}", again.summary.message);
+    assert!(bits(&again) == bits(&base));
+    assert_eq!(again.increments.unwrap(), increments);
+    increments
+}
+
+fn refused(increments: &Value) -> usize {
+    increments.to_string().matches("refused").count()
+}
+
+fn bond() -> Value {
+    json!({
+        "kind": "interface",
+        "material": { "plugin": "bond_slip", "props": { "law": "A", "k_e": 950.0, "a_1": 10.0, "b_1": 0.4 } },
+        "steps": [{ "increments": 20, "target": { "slip": 0.5 }, "until": { "quantity": "slip", "greater_than": 0.3 } },
+                  { "increments": 3, "target": { "slip": 0.1 } }],
+        "output": { "every": 7 }
+    })
+}
+
+/// A cracking point, of which an increment is cut back, and one that slides until it has had enough.
+#[test]
+fn points_are_repeated_to_the_bit() {
+    let point = json!({
+        "kind": "point",
+        "material": { "plugin": "concrete_damage", "props": { "E": 31800.0, "nu": 0.18, "G_f": 0.1 } },
+        "characteristic_length": 50.0,
+        "steps": [{ "increments": 4, "target": { "e11": 4e-3, "s22": 0.0, "s33": 0.0 } },
+                  { "increments": 3, "target": { "s11": 0.0 } }],
+        "controls": { "max_iterations": 6 }
+    });
+    assert!(refused(&repeats(&point)) > 0);
+    let increments = repeats(&bond());
+    assert_eq!(increments["steps"][0].as_array().unwrap().len(), 13, "the step ended early");
+}
+
+fn fibre(slip: f64) -> Value {
+    let text = std::fs::read_to_string(cases().join("chapter-6/6.14-plane.json")).unwrap();
+    let mut case: Value = serde_json::from_str(&text).unwrap();
+    case["steps"][0]["slip"] = json!(slip);
+    case["output"] = json!({ "vtu": false });
+    case
+}
+
+/// Five parameters at five slips across the peak, against central differences with the same increments.
+#[test]
+fn gradients_of_a_pull_out_curve() {
+    const PARAMETERS: [&str; 5] = [
+        "contact.law.props.k_e",
+        "contact.law.props.a_1",
+        "contact.law.props.b_1",
+        "contact.law.props.b_2",
+        "parts.matrix.material.props.E",
+    ];
+    const SLIPS: [f64; 5] = [0.004, 0.012, 0.02, 0.04, 0.08];
+    let case = fibre(0.1);
+    let increments = repeats(&case);
+    assert!(refused(&increments) > 0);
+    let value = |path: &str| path.split('.').fold(&case, |value, key| &value[key]).as_f64().unwrap();
+    let loads = |path: &str, relative: f64| -> Vec<f64> {
+        let outcome = run(with(&case, &[(path, value(path) * (1.0 + relative))], Some(&increments)), false);
+        assert!(outcome.is_done(), "{:?}", outcome.summary.message);
+        let column = |name: &str| outcome.history.column(name).unwrap();
+        let (slip, load) = (column("slip"), column("load"));
+        let at = |s: f64| {
+            let k = slip.iter().position(|slip| *slip > s).unwrap();
+            load[k - 1] + (load[k] - load[k - 1]) * (s - slip[k - 1]) / (slip[k] - slip[k - 1])
+        };
+        SLIPS.map(at).to_vec()
+    };
+    let base = loads(PARAMETERS[0], 0.0);
+    assert!(base[2] > base[0] && base[2] > base[4], "the peak is in between: {base:?}");
+    for path in PARAMETERS {
+        let derivatives = |above: f64, below: f64| -> Vec<f64> {
+            let [high, low] = [above, below].map(|step| loads(path, step));
+            high.iter().zip(&low).map(|(high, low)| (high - low) / (above - below)).collect()
+        };
+        let (forward, central) = (derivatives(1e-6, 0.0), derivatives(1e-4, -1e-4));
+        let greatest = central.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
+        let worst = forward.iter().zip(&central).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max);
+        println!("{path}: {central:?}, {worst:.1e}");
+        assert!(worst < 1e-4, "{path}: {forward:?}, {central:?}");
+    }
+}
+
+#[test]
+fn the_program_writes_increments_and_reads_them() {
+    let desk = Desk::new();
+    let mut case = bond();
+    case["output"] = json!({ "plots": false });
+    let file = desk.case("bond.json", &case);
+    let base = desk.run(&file, &[], "base", 0);
+    assert!(!base.folder.join("increments.json").exists());
+    let output = program::command()
+        .arg("run")
+        .arg("--record-increments")
+        .arg("--overwrite")
+        .arg("--out")
+        .arg(&base.folder)
+        .arg(&file)
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", String::from_utf8_lossy(&output.stderr));
+    case["increments"] = json!({ "recorded": "base/increments.json" });
+    let again = desk.run(&desk.case("again.json", &case), &[], "again", 0);
+    let rows = |folder: &Path| std::fs::read_to_string(folder.join("history.csv")).unwrap();
+    assert_eq!(rows(&again.folder), rows(&base.folder));
+}
+
+#[test]
+fn what_no_run_has_recorded_is_refused_with_its_place() {
+    let increment = json!([{ "to": { "drives": 1.0 } }]);
+    let wrong = [
+        (json!(5), "record"),
+        (json!("none.json"), "none.json"),
+        (json!({ "steps": 1 }), "record"),
+        (json!({ "steps": [[[{ "to": { "drives": 1.0 }, "tme": 1.0 }]]] }), "tme"),
+        (json!({ "steps": [[[{ "to": { "drives": 2.0 } }]]] }), "steps[0][0][0]"),
+        (json!({ "steps": [[[]]] }), "stands"),
+        (json!({ "steps": [[increment], [[{ "to": { "drives": 1.0 }, "verdict": "refused" }]]] }), "steps[1][0][0]"),
+        (json!({ "steps": [[], [], []] }), "3 steps, the case 2"),
+        (json!({ "steps": [vec![increment.clone(); 21]] }), "21 increments"),
+        (json!({ "steps": [[[{ "to": { "slip": { "growth": 1.0, "point": [0, 0] } }, "time": 0.1 }]]] }), "specimen"),
+    ];
+    for (recorded, part) in wrong {
+        let message = with(&bond(), &[], Some(&recorded)).read().unwrap_err().to_string();
+        assert!(message.contains("$.increments.recorded") && message.contains(part), "{recorded}: {message}");
+    }
+}

@@ -1,0 +1,204 @@
+//! The increments of a run, so that another one repeats them: snap-backs, refused attempts and all.
+//!
+//! What a run depends on is what it attempted, in this order: an attempt that was refused leaves tangents, scales and a far
+//! field behind. A run that repeats all of them on the same model comes to the same bits; with other parameters its results
+//! are a smooth function of these, since nothing is chosen any more.
+
+use super::control::StepRun;
+use super::newton::{Leader, Target};
+use super::record::{Directive, Observer};
+use super::{Analysis, RunError};
+use crate::assembly::Trouble;
+use crate::contact::PointIndex;
+use crate::model::{IncrementContext, Step};
+use serde::{Deserialize, Serialize};
+
+/// The attempts at each increment of each step of a run, in order.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Recorded {
+    /// By steps and increments; the last attempt at an increment stands. Of points several may: pieces of an increment.
+    pub steps: Vec<Vec<Vec<Tried>>>,
+}
+
+/// An attempt at an increment.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Tried {
+    /// What led, and where to.
+    pub to: Way,
+    /// Time that it took, s; points know it themselves.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub time: f64,
+    /// What became of it.
+    #[serde(default, skip_serializing_if = "Verdict::stands")]
+    pub verdict: Verdict,
+    /// Its size, if its energies did not balance.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub imbalanced: Option<f64>,
+}
+
+/// What leads, and where to.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase", deny_unknown_fields)]
+pub enum Way {
+    /// The drives: to this part of the step; of a point, to this part of the increment.
+    Drives(f64),
+    /// The slip of a contact point.
+    Slip {
+        /// Its growth, mm.
+        growth: f64,
+        /// Indices of the pair and of the point in it; `None`: there was none.
+        point: Option<[usize; 2]>,
+    },
+    /// What the solids' laws dissipate grows by so much, N·mm.
+    Dissipation(f64),
+}
+
+/// What became of an attempt.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Verdict {
+    /// It is the increment, or a piece of it.
+    #[default]
+    Stands,
+    /// It did not converge, or went too far.
+    Refused,
+    /// It was made to learn something.
+    Look,
+}
+
+impl Verdict {
+    fn stands(&self) -> bool {
+        *self == Self::Stands
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "as serde calls it")]
+fn is_zero(number: &f64) -> bool {
+    *number == 0.0
+}
+
+impl Recorded {
+    /// What no run can have come to, with its place, if anything.
+    pub fn mistake(&self) -> Option<(String, &'static str)> {
+        for (step, increments) in self.steps.iter().enumerate() {
+            for (increment, attempts) in increments.iter().enumerate() {
+                let place = |attempt: usize| format!("steps[{step}][{increment}][{attempt}]");
+                for (index, tried) in attempts.iter().enumerate() {
+                    let (Way::Drives(number) | Way::Slip { growth: number, .. } | Way::Dissipation(number)) = tried.to;
+                    let is_sound = number.is_finite() && tried.time >= 0.0 && tried.time.is_finite();
+                    if !is_sound || matches!(tried.to, Way::Drives(part) if !(0.0..=1.0).contains(&part)) {
+                        return Some((place(index), "is no part of a step, or takes no time that is a number ≥ 0"));
+                    }
+                }
+                if !attempts.last().is_some_and(|last| last.verdict.stands()) {
+                    return Some((place(attempts.len().saturating_sub(1)), "the last attempt at an increment stands"));
+                }
+            }
+        }
+        None
+    }
+
+    /// Takes an increment down; from 1.
+    pub fn push(&mut self, step: u32, attempts: Vec<Tried>) {
+        self.steps.resize_with(step as usize, Vec::new);
+        if let Some(increments) = self.steps.last_mut() {
+            increments.push(attempts);
+        }
+    }
+
+    /// The attempts at the increments of a step, from 1.
+    pub fn of_step(&self, step: u32) -> &[Vec<Tried>] {
+        let index = (step as usize).checked_sub(1);
+        index.and_then(|index| self.steps.get(index)).map(Vec::as_slice).unwrap_or_default()
+    }
+}
+
+impl StepRun {
+    /// Where a recorded attempt leads.
+    fn recorded_target(&self, to: Way) -> Target {
+        let led = |by, growth, point| Target::Led { by, growth, direction: self.direction(), point };
+        match to {
+            Way::Drives(part) => Target::Drives(self.drives_at(part)),
+            Way::Slip { growth, point } => {
+                led(Leader::PointSlip, growth, point.map(|[pair, point]| PointIndex { pair, point }))
+            }
+            Way::Dissipation(growth) => led(Leader::Dissipation, growth, None),
+        }
+    }
+}
+
+impl Analysis<'_> {
+    /// Repeats the increments of another run, whatever the steps say of theirs. No checkpoints are made.
+    pub fn repeat(&mut self, recorded: Recorded) {
+        self.repeats = Some(recorded);
+    }
+
+    /// Where the attempt that was just made leads.
+    pub(super) fn way(&self, run: &StepRun) -> Way {
+        run.way(self.equilibrium.leading_point.map(|(point, _)| [point.pair, point.point]))
+    }
+
+    /// Takes down an attempt that was made to learn something of energies.
+    pub(super) fn tell_look(&mut self, run: &StepRun, time: f64) {
+        let (to, imbalanced) = (self.way(run), Some(run.attempted()));
+        self.tried.push(Tried { to, time, verdict: Verdict::Look, imbalanced });
+    }
+
+    /// Repeats the increments of a step.
+    pub(super) fn repeat_step(
+        &mut self,
+        step: &Step,
+        number: u32,
+        increments: &[Vec<Tried>],
+        observer: &mut dyn Observer,
+    ) -> Result<Directive, RunError> {
+        let run = StepRun::new(step, &self.present.committed.drives, self.model);
+        let (mut step_time, mut progress) = (0.0, 0.0);
+        for (attempts, increment) in increments.iter().zip(1..) {
+            let mut cutbacks = 0;
+            for tried in attempts {
+                let context = IncrementContext {
+                    step: number,
+                    increment,
+                    iteration: 1,
+                    step_time,
+                    total_time: self.present.total_time,
+                    time_increment: tried.time,
+                };
+                let attempt = self.attempt(&run.recorded_target(tried.to), context);
+                if let Ok(converged) = &attempt {
+                    let findings = self.findings(converged);
+                    self.believed_findings(findings, converged, tried.imbalanced);
+                }
+                self.tried.push(*tried);
+                if !tried.verdict.stands() {
+                    self.equilibrium.restore();
+                    let counts = u32::from(tried.verdict == Verdict::Refused);
+                    cutbacks += counts;
+                    self.equilibrium.memory.statistics.cutbacks += u64::from(counts);
+                    continue;
+                }
+                match attempt {
+                    Ok(converged) => {
+                        step_time += tried.time;
+                        progress = run.progress_of(&converged.end.drives);
+                        let directive = self.stands(converged, context, cutbacks, observer)?;
+                        if directive != Directive::GoOn {
+                            return Ok(directive);
+                        }
+                        cutbacks = 0;
+                    }
+                    Err(_) if self.is_stopped() => return Ok(Directive::EndRun),
+                    Err(Trouble { place, reason, .. }) => {
+                        let reason = format!("{reason} (the increment is a recorded one, which is repeated as it is)");
+                        let trouble = Trouble { place, reason, fraction: None };
+                        return Err(RunError::Failed { step: number, increment, progress, trouble });
+                    }
+                }
+            }
+        }
+        Ok(Directive::GoOn)
+    }
+}
