@@ -141,6 +141,24 @@ fn friction_begins_sticking() {
     checked(&desk, &library, &case, 0);
 }
 
+/// LM is 0, 1 or 2; the case does not go where it is 3.
+#[test]
+fn friction_of_no_meaning_is_an_error() {
+    let desk = Desk::new();
+    let source = std::fs::read_to_string(workspace("tests/umats/contact_with_state.F")).expect("a source");
+    let source = source.replacen("      LM=0\n", "      LM=0\n      IF (SLIP(1)+DGAM(1).LT.0.D0) LM=3\n", 1);
+    let source = desk.write("means.F", &source);
+    let Some(_) = end_to_end_tests::find(end_to_end_tests::Tool::Fortran) else { return };
+    desk.pullout(["plugin", "build", source.to_str().expect("UTF-8"), "-o", "libmeans.so"]).expect(0);
+    let library = json!(desk.path("libmeans.so"));
+    let material = json!({ "plugin": library, "entry": "fric", "props": [1e3, 0.6, 0.3, 0.05], "nstatv": 2 });
+    let steps = json!([{ "increments": 5, "target": { "p": 10.0 } }, { "increments": 20, "target": { "slip": 0.1 } }]);
+    let case = json!({ "kind": "interface", "material": material, "steps": steps });
+    let outcome = checked(&desk, &library, &case, 1);
+    let row = row(&outcome, "answers");
+    assert!(row.starts_with("FAIL") && row.contains("it returned LM = 3"), "{row}");
+}
+
 #[test]
 fn no_friction_is_no_error() {
     let desk = Desk::new();

@@ -8,12 +8,21 @@ use super::sample::target;
 use super::subject::{INSTANT, Subject, Trouble};
 use super::{Options, tolerances};
 
-/// Increments per leg; each twice the one before.
-const INCREMENTS: [u32; 4] = [40, 80, 160, 320];
+/// Increments per leg at first, and how often they are halved before anything is said.
+const INCREMENTS: u32 = 40;
+const HALVINGS: usize = 3;
+/// How often they are halved where the error does not tell yet: where a stress jumps, it falls on average only.
+const MOST_HALVINGS: usize = 8;
 const LEGS: usize = 3;
 const PATHS: usize = 8;
 /// What a slow law may take, s.
 const TIME: f64 = 2.0;
+
+/// Where the legs of a path end, and its |work − energy| / work after so many halvings.
+struct Path {
+    targets: Vec<Vec<f64>>,
+    errors: Vec<f64>,
+}
 
 /// Sums over one path.
 #[derive(Default)]
@@ -70,41 +79,48 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         return ledger.skip(CHECK, "the case changes the temperature: heat is energy as well");
     }
     let mut random = Random::new(options.seed ^ 0xE4E6);
-    let (mut errors, mut paths, mut fall, mut returned) = ([0.0_f64; INCREMENTS.len()], 0, 0.0_f64, false);
-    let calls = LEGS * INCREMENTS.iter().sum::<u32>() as usize;
+    let calls = LEGS * (INCREMENTS << (HALVINGS + 1)) as usize;
     let wanted = subject.affordable(PATHS, calls, TIME);
-    for _ in 0..wanted {
-        let targets: Vec<_> = (0..LEGS).map(|_| target(subject, &mut random)).collect();
-        let balances: Result<Vec<_>, _> =
-            INCREMENTS.iter().map(|&increments| run(subject, &targets, increments)).collect();
-        subject.share = 1.0;
-        let Ok(balances) = balances else { continue };
-        paths += 1;
-        for (error, balance) in errors.iter_mut().zip(&balances) {
+    let mut paths: Vec<Path> = (0..wanted)
+        .map(|_| Path { targets: (0..LEGS).map(|_| target(subject, &mut random)).collect(), errors: Vec::new() })
+        .collect();
+    let (mut errors, mut fall, mut returned) = (Vec::new(), 0.0_f64, false);
+    for halvings in 0..=MOST_HALVINGS {
+        let increments = INCREMENTS << halvings;
+        let affordable = || subject.affordable(usize::MAX, LEGS * increments as usize, TIME) >= paths.len();
+        if halvings > HALVINGS && (converges(&errors) || !affordable()) {
+            break;
+        }
+        paths.retain_mut(|path| {
+            let balance = run(subject, &path.targets, increments);
+            subject.share = 1.0;
+            let Ok(balance) = balance else { return false };
             let work = balance.absolute_work.max(f64::MIN_POSITIVE);
-            *error += (balance.work - balance.energy).abs() / work / wanted as f64;
+            path.errors.push((balance.work - balance.energy).abs() / work);
             fall = fall.max(balance.fall / work);
             returned |= balance.energy != 0.0;
+            true
+        });
+        if paths.is_empty() {
+            return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
         }
-    }
-    if paths == 0 {
-        return ledger.add(CHECK, Verdict::Warn, "", "every path was cut short by a cut-back request");
+        let mean = |level| paths.iter().map(|path| path.errors[level]).sum::<f64>() / paths.len() as f64;
+        errors = (0..=halvings).map(mean).collect();
     }
     if !returned && !subject.described() {
         return ledger.add(CHECK, Verdict::Info, "", "the plugin returns no energies");
     }
-    let [.., before, last] = errors;
-    let converges = last <= tolerances::ENERGY
-        && errors[1] >= last * tolerances::ENERGY_REDUCTION.powi(INCREMENTS.len() as i32 - 2);
-    let good = last <= tolerances::ENERGY_KINKS || converges;
-    let verdict = match good {
+    let [.., before, last] = errors[..] else { unreachable!("two subdivisions at least") };
+    let verdict = match converges(&errors) {
         true => Verdict::Pass,
         false if subject.described() => Verdict::Fail,
         false => Verdict::Warn,
     };
     let detail = format!(
-        "|work - energy| / work with {before:.1e} before the last halving, order {:.1}, {paths} paths",
-        (errors[1] / last.max(f64::MIN_POSITIVE)).log2() / (INCREMENTS.len() - 2) as f64
+        "|work - energy| / work with {before:.1e} before the last of {} halvings, order {:.1}, {} paths",
+        errors.len() - 1,
+        order(&errors),
+        paths.len()
     );
     ledger.add(CHECK, verdict, format!("{last:.1e}"), detail);
     // Nothing promises it: some published laws do not dissipate at every step.
@@ -115,4 +131,41 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
         format!("{:.1e}", fall.max(0.0)),
         "largest fall in an increment, relative to the work",
     );
+}
+
+/// Returns whether errors after successive halvings are those of kinks alone, or fall with the increment.
+fn converges(errors: &[f64]) -> bool {
+    let last = errors.last().copied().unwrap_or(f64::INFINITY);
+    last <= tolerances::ENERGY_KINKS
+        || last <= tolerances::ENERGY && order(errors) >= tolerances::ENERGY_REDUCTION.log2()
+}
+
+/// The slope of log₂(error) over the number of halvings, by least squares.
+fn order(errors: &[f64]) -> f64 {
+    let middle = 0.5 * (errors.len() as f64 - 1.0);
+    let (mut product, mut square) = (0.0, 0.0);
+    for (halvings, error) in errors.iter().enumerate() {
+        let from_middle = halvings as f64 - middle;
+        product -= from_middle * error.max(f64::MIN_POSITIVE).log2();
+        square += from_middle * from_middle;
+    }
+    product / square
+}
+
+#[cfg(test)]
+mod test {
+    use super::{converges, order};
+
+    #[test]
+    fn errors_that_stay_do_not_converge() {
+        let falls = |power: i32| [40, 80, 160, 320].map(|n: i32| f64::from(n).powi(-power));
+        assert!((order(&falls(1)) - 1.0).abs() < 1e-12 && (order(&falls(2)) - 2.0).abs() < 1e-12);
+        assert!(converges(&falls(1)) && converges(&falls(2)));
+        assert!(!converges(&[1e-3; 9]) && !converges(&[2e-3, 1e-3, 1e-3, 1e-3]));
+        // a jump of the stress at random places of its increments: finer ones tell
+        let jump = [6.1e-4, 1.2e-3, 8.4e-4, 6.6e-4];
+        assert!(!converges(&jump) && converges(&[&jump[..], &[2e-4, 1.2e-4, 5e-5]].concat()));
+        // convergent, and useless
+        assert!(!converges(&falls(1).map(|error| 1e2 * error)));
+    }
 }

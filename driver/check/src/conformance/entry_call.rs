@@ -3,7 +3,7 @@
 use super::subject::{Answer, Committed, INSTANT, Setting};
 use nalgebra::Matrix3;
 use pullout_run::deformation::columns;
-use umat_abi::host::{Alteration, FricCall, Overrun, SurfaceFields, UinterCall, UmatCall};
+use umat_abi::host::{Alteration, FricAnswer, FricCall, Overrun, SurfaceFields, UinterCall, UmatCall};
 
 /// The answer, and whether it wrote behind an array: the answer counts all the same, the overrun has a row of its own.
 pub(super) type Called = (Answer, Result<(), Overrun>);
@@ -52,7 +52,8 @@ pub(super) fn umat(call: &mut UmatCall, from: &Committed, filling: f64, alterati
         energies: [stored, plastic, creep, 0.0, 0.0],
         slip_increment: [0.0; 2],
         flags: from.flags,
-        lm: 0,
+        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
+        given: Ok(FricAnswer::Tractions),
     };
     (answer, result)
 }
@@ -86,7 +87,8 @@ pub(super) fn uinter(call: &mut UinterCall, filling: f64, alteration: Alteration
         energies: call.energies,
         slip_increment: [0.0; 2],
         flags: call.flags,
-        lm: 0,
+        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
+        given: Ok(FricAnswer::Tractions),
     };
     (answer, result)
 }
@@ -123,7 +125,8 @@ pub(super) fn fric(call: &mut FricCall, filling: f64, alteration: Alteration<'_>
         energies: [call.energies[0], call.energies[1], 0.0, 0.0, 0.0],
         slip_increment: call.dslip,
         flags: [if is_closed { call.next_lm() } else { FricCall::OPEN }, 0],
-        lm: call.lm,
+        not_finite: call.not_finite().or_else(|| call.moduli_not_finite()),
+        given: call.answer(),
     };
     (answer, result)
 }

@@ -213,7 +213,7 @@ pub(super) fn objectivity(subject: &mut Subject<'_>, sample: &[State], options: 
             ..subject.advanced(&point, &zero, &answer)
         });
         subject.share = 1.0;
-        let (Ok(still), Ok(turned)) = (still, turned) else { continue };
+        let (Ok(still), Some(turned)) = (still, turned) else { continue };
         let turned_step = rotated(entry, &state.step, &rotation, 2.0);
         let answers = (subject.evaluate(&still, &state.step), subject.evaluate(&turned, &turned_step));
         let (Ok(expected), Ok(found)) = answers else { continue };

@@ -6,6 +6,7 @@ use super::random::Random;
 use super::report::{Ledger, Verdict};
 use super::subject::{Committed, Entry, Subject, Trouble, largest};
 use std::fmt;
+use umat_abi::host::CallFailure;
 
 /// One state of the sample.
 #[derive(Clone, Debug)]
@@ -209,12 +210,12 @@ fn state(
     for _ in 0..MOST_HALVINGS {
         match subject.evaluate(point, &step) {
             Ok(_) => return Ok(step),
-            Err(Trouble::CutBack(_)) => step.iter_mut().for_each(|d| *d *= 0.5),
+            Err(Trouble::Call(CallFailure::CutBack(_))) => step.iter_mut().for_each(|d| *d *= 0.5),
             Err(trouble) => return Err((trouble, end)),
         }
         *cut_backs += 1;
     }
-    Err((Trouble::CutBack(0.5), end))
+    Err((Trouble::Call(CallFailure::CutBack(0.5)), end))
 }
 
 fn end_of(point: &Committed, step: &[f64]) -> Vec<f64> {

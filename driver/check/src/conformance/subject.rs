@@ -19,7 +19,8 @@ use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallOutcome, FricCall, LoadError, Probed, SurfaceFields, UinterCall, UmatCall, Validation,
+    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Probed, SurfaceFields,
+    UinterCall, UmatCall, Validation, judge,
 };
 use umat_abi::law::StressState;
 
@@ -173,8 +174,10 @@ pub(super) struct Answer {
     pub(super) energies: [f64; 5],
     pub(super) slip_increment: [f64; 2],
     pub(super) flags: [i32; 2],
-    /// FRIC's LM: 0, the tractions are given.
-    pub(super) lm: i32,
+    /// A result that no host can go on with.
+    pub(super) not_finite: Option<NotFinite>,
+    /// What LM of FRIC says of the tractions; those of the others are given.
+    pub(super) given: Result<FricAnswer, String>,
 }
 
 impl Answer {
@@ -214,23 +217,20 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
 /// Why a call gave no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Trouble {
-    /// A cut-back request with the arrays as they were.
-    CutBack(f64),
-    /// NaN: a configuration error or a panic.
+    /// What any host judges; a cut-back request left the arrays as they were.
+    Call(CallFailure),
+    /// A cut-back request and NaN: a configuration error or a panic.
     Refused,
-    /// Finite PNEWDT ≥ 1, but a result that is not finite.
-    NotFinite(&'static str),
-    /// FRIC gave no tractions.
-    NoTractions(i32),
+    /// FRIC gave no tractions, and why.
+    NoTractions(String),
 }
 
 impl fmt::Display for Trouble {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CutBack(fraction) => write!(f, "asks for a cut-back to {fraction}"),
-            Self::Refused => f.write_str("refused: NaN and a cut-back request (a panic, or a configuration error)"),
-            Self::NotFinite(array) => write!(f, "{array} is not finite, and PNEWDT asks for no cut-back"),
-            Self::NoTractions(lm) => write!(f, "returns LM = {lm}, no tractions"),
+            Self::Call(failure) => failure.fmt(f),
+            Self::Refused => f.write_str("it refused: NaN and a cut-back request (a panic, or a configuration error)"),
+            Self::NoTractions(why) => f.write_str(why),
         }
     }
 }
@@ -478,9 +478,10 @@ impl<'p> Subject<'p> {
     }
 
     /// The response to F₁, with DSTRAN, DROT and the rotated STRAN and STRESS that a host passes with it.
-    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Result<Answer, Trouble> {
+    /// `None`: there is no such motion, or no answer.
+    pub(super) fn deform(&mut self, from: &Committed, end: &Matrix3<f64>) -> Option<Answer> {
         let (Entry::Umat(stress_state), Some(motion)) = (self.entry, incremental_motion(&from.gradient, end)) else {
-            return Err(Trouble::NotFinite("F"));
+            return None;
         };
         let components = stress_state.components();
         let turned = |values: &[f64], shear: f64| -> Vec<f64> {
@@ -496,7 +497,7 @@ impl<'p> Subject<'p> {
         let answer = self.evaluate(&before, &step);
         self.rotation = IDENTITY;
         self.end = None;
-        answer
+        answer.ok()
     }
 
     /// Finds out whether the law reads the deformation gradients: then the answer changes without them.
@@ -544,22 +545,20 @@ impl<'p> Subject<'p> {
     /// The response to a step, or why there is none.
     pub(super) fn evaluate(&mut self, from: &Committed, step: &[f64]) -> Result<Answer, Trouble> {
         let mut answer = self.call(from, step, 0.0, Alteration::None);
-        // FRIC's LM = 2: no friction here
-        if answer.lm > 1 {
-            answer.lm = 0;
-            answer.output.fill(0.0);
-            answer.tangent.fill(0.0);
+        match judge(Ok(answer.outcome), answer.not_finite) {
+            Err(CallFailure::CutBack(_)) if answer.output.iter().any(|x| x.is_nan()) => return Err(Trouble::Refused),
+            judgement => judgement.map_err(Trouble::Call)?,
         }
-        let finite = |values: &[f64]| values.iter().all(|x| x.is_finite());
-        match answer.outcome {
-            CallOutcome::CutBack(_) if answer.output.iter().any(|x| x.is_nan()) => Err(Trouble::Refused),
-            CallOutcome::CutBack(fraction) => Err(Trouble::CutBack(fraction)),
-            CallOutcome::Done if !finite(&answer.output) => Err(Trouble::NotFinite("STRESS")),
-            CallOutcome::Done if !finite(&answer.tangent) => Err(Trouble::NotFinite("DDSDDE")),
-            CallOutcome::Done if !finite(&answer.statev) => Err(Trouble::NotFinite("STATEV")),
-            CallOutcome::Done if answer.lm != 0 => Err(Trouble::NoTractions(answer.lm)),
-            CallOutcome::Done => Ok(answer),
+        match &answer.given {
+            Ok(FricAnswer::Tractions) => {}
+            Ok(FricAnswer::NoShear) => {
+                answer.output.fill(0.0);
+                answer.tangent.fill(0.0);
+            }
+            Ok(FricAnswer::Sticks) => return Err(Trouble::NoTractions("it returned LM = 1, no tractions".into())),
+            Err(words) => return Err(Trouble::NoTractions(words.clone())),
         }
+        Ok(answer)
     }
 
     /// Goes along a step, halving it where the plugin asks for a cut-back; returns the number of cut-backs.
@@ -574,7 +573,7 @@ impl<'p> Subject<'p> {
                 *point = self.advanced(point, step, &answer);
                 Ok(0)
             }
-            Err(Trouble::CutBack(_)) if halvings > 0 => {
+            Err(Trouble::Call(CallFailure::CutBack(_))) if halvings > 0 => {
                 let half: Vec<f64> = step.iter().map(|d| 0.5 * d).collect();
                 self.share *= 0.5;
                 let first = self.advance_halving(point, &half, halvings - 1);
