@@ -2,7 +2,7 @@
 
 mod program;
 
-use end_to_end_tests::SHIPPED_LAWS;
+use end_to_end_tests::shipped_laws;
 use program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
 use serde_json::{Value, json};
 use std::io::Write;
@@ -231,7 +231,7 @@ fn every_law_is_listed_and_described() {
     let list = desk.pullout(["plugin", "list", "--plugin-path", "/nowhere/at/all"]).expect(0).stdout;
     let searched = list.split("Searched:").nth(1).expect("the folders");
     assert!(searched.contains("/nowhere/at/all (does not exist)") && searched.lines().count() > 3, "{list}");
-    for law in SHIPPED_LAWS {
+    for law in &shipped_laws() {
         // beside its own library there is the one of all laws
         let library = format!("{}{law}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
         let own = |line: &&str| line.split_whitespace().next() == Some(law) && line.ends_with(&library);
@@ -256,7 +256,7 @@ fn every_law_is_listed_and_described() {
 #[test]
 fn every_shipped_law_passes_the_check() {
     let desk = Desk::new();
-    for law in SHIPPED_LAWS {
+    for law in &shipped_laws() {
         let Outcome { stdout: report, stderr, .. } = desk.pullout(["plugin", "check", law, "--states", "60"]).expect(0);
         assert!(report.contains(", none failed"), "{law}\n{report}");
         // what it says of input that makes no sense is told in the rows
@@ -386,7 +386,7 @@ fn the_library_of_all_laws_is_driven_by_cmname() {
     assert!(outcome.stderr.contains("$.material.cmname: "), "{}", outcome.stderr);
     let list = desk.pullout(["plugin", "list"]).expect(0).stdout;
     let together: Vec<&str> = list.lines().filter(|line| line.contains("libpullout_laws")).collect();
-    for law in SHIPPED_LAWS {
+    for law in &shipped_laws() {
         assert!(together.iter().any(|line| line.starts_with(law)), "{law} is not in pullout_laws:\n{list}");
     }
 }

@@ -2,7 +2,7 @@
 
 mod program;
 
-use program::{Desk, Run, command, json};
+use program::{Desk, Run, command, json, xml_of_fields};
 use serde_json::{Value, json};
 use std::io::Read;
 use std::path::Path;
@@ -49,8 +49,7 @@ fn series(folder: &Path) -> Vec<(f64, String)> {
     let attribute = |node: roxmltree::Node<'_, '_>, name: &str| node.attribute(name).expect("an attribute").to_owned();
     sets.map(|node| {
         let file = attribute(node, "file");
-        let text = std::fs::read_to_string(folder.join(&file)).expect("a file of the series");
-        roxmltree::Document::parse(&text).expect("XML");
+        roxmltree::Document::parse(&xml_of_fields(&folder.join(&file))).expect("XML");
         (attribute(node, "timestep").parse().expect("a time"), file)
     })
     .collect()

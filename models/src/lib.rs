@@ -15,11 +15,3 @@ pub mod linear_elastic;
 pub mod pure_damage;
 pub mod reverse_cyclic_damage;
 pub mod tensor;
-
-mod battery;
-
-/// What is thrown at the laws of solids, and what they must hold.
-pub mod stability {
-    pub use crate::battery::stability::ledger::Check;
-    pub use crate::battery::stability::{Form, Ledger, forms};
-}

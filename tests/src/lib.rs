@@ -9,27 +9,26 @@ mod path;
 mod sample;
 mod toolchain;
 
+pub use battery::Random;
 pub use clock::CpuClock;
 pub use memory::PointMemory;
-pub use path::{Random, difference, strain_path};
+pub use path::{difference, strain_path};
 pub use sample::{LAWS, Sample, sample};
 pub use toolchain::{Tool, find, named_by, notice, run};
 
 use std::path::{Path, PathBuf};
 
-/// The laws that are shipped.
-pub const SHIPPED_LAWS: [&str; 10] = [
-    "biaxial_damage",
-    "bond_slip",
-    "concrete_damage",
-    "concrete_damage_implex",
-    "drucker_prager",
-    "inelastic_damage",
-    "j2_plasticity",
-    "linear_elastic",
-    "pure_damage",
-    "reverse_cyclic_damage",
-];
+/// Returns the names of the laws that are shipped, each of which has a package of its own.
+///
+/// # Panics
+/// If their folder cannot be read.
+pub fn shipped_laws() -> Vec<String> {
+    let packages = std::fs::read_dir(workspace("models/plugins")).expect("the packages of the plugins").flatten();
+    let mut laws: Vec<String> = packages.map(|package| package.file_name().to_string_lossy().into_owned()).collect();
+    laws.retain(|name| name != "pullout_laws");
+    laws.sort();
+    laws
+}
 
 /// The folder into which Cargo builds the plugins: that of the test program itself.
 ///

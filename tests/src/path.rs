@@ -1,35 +1,6 @@
 //! Deterministic random strain paths, and how far two arrays are apart.
 
-/// Random numbers that a seed repeats.
-#[derive(Clone, Debug)]
-pub struct Random(fastrand::Rng);
-
-impl Random {
-    /// Starts a stream of numbers of its own for each seed.
-    pub fn new(seed: u64) -> Self {
-        Self(fastrand::Rng::with_seed(seed))
-    }
-
-    /// Uniform in [0, 1).
-    pub fn unit(&mut self) -> f64 {
-        self.0.f64()
-    }
-
-    /// Uniform in [low, high).
-    pub fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.unit()
-    }
-
-    /// As many numbers as asked for, uniform in [−1, 1).
-    pub fn vector(&mut self, count: usize) -> Vec<f64> {
-        (0..count).map(|_| self.signed()).collect()
-    }
-
-    /// Uniform in [−1, 1).
-    pub fn signed(&mut self) -> f64 {
-        2.0 * self.unit() - 1.0
-    }
-}
+use battery::Random;
 
 /// Strain increments of a path that wanders between random corners of the given size, with `ntens` components.
 pub fn strain_path(seed: u64, ntens: usize, size: f64, increments: usize) -> Vec<[f64; 6]> {

@@ -4,7 +4,7 @@ use super::Row;
 use super::progress::Progress;
 use crate::BenchError;
 use crate::table::Table;
-use models::stability::{Form, Ledger, forms};
+use battery::stability::{Form, Ledger, forms};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use umat_abi::law::StressState;
 
@@ -52,7 +52,7 @@ fn subject(form: &Form) -> String {
 impl Thrown {
     /// One line for each promise.
     pub fn rows(&self) -> Vec<Row> {
-        let row = |(promise, check): (&'static str, models::stability::Check)| Row {
+        let row = |(promise, check): (&'static str, battery::stability::Check)| Row {
             part: PART,
             subject: subject(&self.form),
             situation: self.stress_state.into(),

@@ -10,7 +10,7 @@ use crate::runs::Limit;
 fn few_states_break_no_promise_and_every_promise_is_looked_at() {
     let thrown = laws::measure(200, &Progress::quiet()).expect("no panic");
     let rows: Vec<Row> = thrown.iter().flat_map(laws::Thrown::rows).collect();
-    assert_eq!(thrown.len(), 3 * models::stability::forms().len());
+    assert_eq!(thrown.len(), 3 * battery::stability::forms().len());
     for row in &rows {
         assert_eq!(row.failed, 0, "{row:?}");
         assert!(row.tried >= row.excluded, "{row:?}");

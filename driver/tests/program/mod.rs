@@ -99,6 +99,14 @@ impl Desk {
     }
 }
 
+/// Returns the XML of a VTU file, without the arrays that follow it, which are bytes.
+pub fn xml_of_fields(file: &Path) -> String {
+    const ARRAYS: &[u8] = b"<AppendedData";
+    let bytes = std::fs::read(file).unwrap_or_else(|error| panic!("{}: {error}", file.display()));
+    let end = bytes.windows(ARRAYS.len()).position(|window| window == ARRAYS).expect("arrays behind the XML");
+    String::from_utf8_lossy(&bytes[..end]).into_owned() + "</VTKFile>"
+}
+
 /// A result directory.
 #[derive(Debug)]
 pub struct Run {

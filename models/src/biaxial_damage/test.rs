@@ -1,14 +1,12 @@
 mod proportional;
 
 use super::*;
-use crate::battery::reference::check;
-use crate::battery::samples::biaxial_damage::*;
-use crate::battery::{
-    Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_rotation, check_tangents,
-    check_virgin,
-};
 use crate::tensor::{Spectral, trace};
 use approx::assert_relative_eq;
+use battery::pages::{PARAMETERS, STATES};
+use battery::reference::check;
+use battery::samples::biaxial_damage::*;
+use battery::{Point, Promises, Random, STRESS_STATES, Sample, battery, check_path_exactness};
 use proportional::{Equilibrium, Proportional};
 use umat_abi::law::{advance_values, parameters_of};
 
@@ -61,39 +59,30 @@ fn matches_the_40_digit_responses() {
     }
 }
 
-#[test]
-fn tangent_is_the_derivative() {
-    for (label, weights) in [("implicit", IMPLICIT), ("lagged", LAGGED)] {
-        let sets = BETA.map(|mode| (props(mode, weights), 4e-4));
-        check_tangents::<BiaxialDamage>(label, &Sample::all(&sets));
+/// What the law promises: not that dissipation grows (`work_balance_may_be_negative`), and with lagged weights not that a
+/// committed strain met again changes nothing. Of its paths see `proportional_paths_do_not_depend_on_the_number_of_increments`.
+fn promises(sets: &[([f64; 12], f64); 3], steady: bool) -> Promises<'_> {
+    Promises {
+        samples: Sample::all(sets),
+        histories: 1000,
+        monotone: &["eta_t", "eta_c", "Y_t_max", "Y_c_max"],
+        dissipative: false,
+        steady,
+        history: &["eta_t", "eta_c"],
+        elastic_strain: |_| 3e-5,
+        path_ends: &[],
+        random_paths: [0, 0],
+        path_counts: |_, _| &[],
     }
 }
 
-#[test]
-fn rotated_strain_gives_the_rotated_stress() {
-    for weights in [IMPLICIT, LAGGED] {
-        for mode in BETA {
-            for stress_state in STRESS_STATES {
-                let props = props(mode, weights);
-                check_rotation::<BiaxialDamage>(&Sample::new(&props, 2e-4), stress_state, 1000);
-            }
-        }
-    }
-}
+const IMPLICIT_SETS: [([f64; 12], f64); 3] =
+    [(props(UNIAXIAL, IMPLICIT), 4e-4), (props(BIAXIAL, IMPLICIT), 4e-4), (props(BLEND, IMPLICIT), 4e-4)];
+const LAGGED_SETS: [([f64; 12], f64); 3] =
+    [(props(UNIAXIAL, LAGGED), 4e-4), (props(BIAXIAL, LAGGED), 4e-4), (props(BLEND, LAGGED), 4e-4)];
 
-#[test]
-fn damage_and_maxima_never_decrease_and_a_committed_strain_met_again_changes_nothing() {
-    let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
-    for mode in BETA {
-        for stress_state in STRESS_STATES {
-            // dissipation: see `work_balance_may_be_negative`
-            let props = props(mode, IMPLICIT);
-            let sample = Sample::new(&props, 3e-4);
-            check_invariants::<BiaxialDamage>(&sample, stress_state, 1000, &monotone, false);
-            check_virgin::<BiaxialDamage>(&sample, stress_state, 3e-5, &monotone[..2]);
-        }
-    }
-}
+battery!(implicit: BiaxialDamage, promises(&IMPLICIT_SETS, true), pages: ["biaxial_damage/doc.md": &[PARAMETERS, STATES]]);
+battery!(lagged: BiaxialDamage, promises(&LAGGED_SETS, false));
 
 /// docs/theory/peaks.md: peaks, strains at the peak, and the law at many points of each path.
 #[test]

@@ -2,11 +2,12 @@ mod behaviour;
 mod configuration;
 
 use super::*;
-use crate::battery::interface::{
+use battery::interface::{
     ContactPoint, Sizes, SlidingPoint, check_contact_invariants, check_contact_tangent, check_energy_balance,
     check_sliding_tangent,
 };
-use crate::battery::reference::Table;
+use battery::pages::{PARAMETERS, STATES};
+use battery::reference::Table;
 use std::f64::consts::PI;
 use umat_abi::law::check_properties;
 
@@ -74,6 +75,12 @@ fn variants() -> Vec<Vec<f64>> {
 fn sizes(props: &[f64]) -> Sizes {
     let soft = props[NORMAL_LAW] == 1.0;
     Sizes { normal: if soft { 0.05 } else { 2e-3 }, slip: 0.2, pressure: 20.0 }
+}
+
+#[test]
+fn its_page_has_the_tables_that_hosts_see() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/src/bond_slip/doc.md");
+    battery::pages::check(page, &BondSlip::INFO, &[PARAMETERS, STATES]);
 }
 
 #[test]

@@ -8,9 +8,11 @@ mod implex;
 mod strength;
 
 use super::*;
-use crate::battery::samples::concrete_damage::*;
-use crate::battery::{self, PATH_COUNTS, Point, STRESS_STATES, Sample, reference};
-use umat_abi::law::StressState;
+use battery::pages::{PARAMETERS, STATES};
+use battery::samples::concrete_damage::*;
+use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery, check_path_exactness, reference};
+use std::sync::LazyLock;
+use umat_abi::law::{StressState, parameters_of};
 
 /// Positions in STATEV.
 const CRACK_BAND: usize = 4;
@@ -80,44 +82,38 @@ fn reproduces_the_forty_digit_references() {
     }
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    let labels = ["IV-H", "IV-HP", "confined", "crack band", "IV-HP, band, confined"];
-    for (label, variant) in labels.into_iter().zip(&variants()) {
-        battery::check_tangents::<ConcreteDamage>(label, &[sample(variant)]);
+static VARIANTS: LazyLock<[([f64; 14], Option<f64>); 5]> = LazyLock::new(variants);
+
+/// What a variant promises.
+fn promises(number: usize) -> Promises<'static> {
+    Promises {
+        samples: vec![sample(&VARIANTS[number])],
+        histories: 300,
+        monotone: &["eta_t", "eta_c", "Y_t_max", "Y_c_max"],
+        dissipative: true,
+        steady: true,
+        history: &["eta_t", "eta_c", "Y_t_max", "Y_c_max"],
+        elastic_strain: |_| 3e-5,
+        path_ends: &[
+            [1.0, -1.0 / 6.0, -2.0 / 15.0, 1.0 / 3.0, 0.0, 0.0],
+            [-20.0 / 3.0, 4.0 / 3.0, 1.0 / 3.0, 10.0 / 3.0, 0.0, 0.0],
+            [10.0 / 3.0, -10.0 / 3.0, 0.0, 0.0, 0.0, 0.0],
+            [-10.0, -20.0 / 3.0, 0.0, 10.0 / 3.0, 0.0, 0.0],
+        ],
+        random_paths: [20, 2],
+        // without inelastic strain and confinement
+        path_counts: |sample, _| {
+            let props = parameters_of::<ConcreteDamage>(sample.props).expect("parameters");
+            if props.b_t == 0.0 && props.b_c == 0.0 && props.zeta_c == 0.0 { &PATH_COUNTS } else { &[] }
+        },
     }
 }
 
-#[test]
-fn response_turns_with_the_axes_and_nothing_heals() {
-    let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
-    for variant in &variants() {
-        for stress_state in STRESS_STATES {
-            battery::check_rotation::<ConcreteDamage>(&sample(variant), stress_state, 300);
-            battery::check_invariants::<ConcreteDamage>(&sample(variant), stress_state, 300, &monotone, true);
-            battery::check_virgin::<ConcreteDamage>(&sample(variant), stress_state, 3e-5, &monotone);
-        }
-    }
-}
-
-#[test]
-fn increments_of_a_proportional_path_do_not_matter() {
-    let paths = [
-        [3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0],
-        [-2e-3, 4e-4, 1e-4, 1e-3, 0.0, 0.0],
-        [1e-3, -1e-3, 0.0, 0.0, 0.0, 0.0],
-        [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0],
-    ];
-    let banded = with(defaults(), &[("G_f", 0.1), ("G_c", 20.0)]);
-    for variant in [(defaults(), None), (banded, Some(20.0))] {
-        for stress_state in STRESS_STATES {
-            for path in &paths {
-                battery::check_path_exactness::<ConcreteDamage>(&sample(&variant), stress_state, path, &PATH_COUNTS);
-            }
-            battery::check_random_paths::<ConcreteDamage>(&sample(&variant), stress_state, 20, 2);
-        }
-    }
-}
+battery!(hyperelastic: ConcreteDamage, promises(0), pages: ["concrete_damage/doc.md": &[PARAMETERS, STATES]]);
+battery!(inelastic: ConcreteDamage, promises(1));
+battery!(confined: ConcreteDamage, promises(2));
+battery!(banded: ConcreteDamage, promises(3));
+battery!(inelastic_banded_and_confined: ConcreteDamage, promises(4));
 
 /// IV-HP splits with K_c(D_c,n): exact where crushing and open cracks do not meet, else of first order.
 #[test]
@@ -125,12 +121,7 @@ fn increments_with_inelastic_strain_converge() {
     let props = with(defaults(), &[("b_t", 0.3), ("b_c", 0.3)]);
     for path in [[3e-4, -5e-5, -4e-5, 1e-4, 0.0, 0.0], [-3e-3, -2e-3, 0.0, 1e-3, 0.0, 0.0]] {
         let counts = [1, 10, 1000, 20_000];
-        battery::check_path_exactness::<ConcreteDamage>(
-            &Sample::new(&props, 1e-3),
-            StressState::ThreeD,
-            &path,
-            &counts,
-        );
+        check_path_exactness::<ConcreteDamage>(&Sample::new(&props, 1e-3), StressState::ThreeD, &path, &counts);
     }
     let stress_after = |count: u32| {
         let mut point = Point::<ConcreteDamage>::virgin(&props, StressState::ThreeD);

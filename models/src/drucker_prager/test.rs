@@ -1,12 +1,11 @@
 use super::*;
-use crate::battery::samples::drucker_prager::*;
-use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, advance_free};
-use crate::battery::{
-    Point, Random, STRESS_STATES, Sample, check_invariants, check_rotation, check_tangents, check_virgin,
-};
 use crate::j2_plasticity::J2Plasticity;
 use crate::tensor::{add_dyad, stress_norm_squared, trace, work};
 use approx::assert_relative_eq;
+use battery::pages::{PARAMETERS, STATES};
+use battery::samples::drucker_prager::*;
+use battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, advance_free};
+use battery::{Point, Promises, Random, STRESS_STATES, Sample, battery};
 use umat_abi::law::{advance_values, parameters_of};
 
 fn root_j2(stress: &[f64; 6]) -> f64 {
@@ -19,21 +18,23 @@ fn axial(strain: f64) -> [f64; 6] {
     [strain, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    check_tangents::<DruckerPrager>("", &SETS.each_ref().map(|props| Sample::new(props, 3e-3)));
-}
-
-#[test]
-fn rotates_and_dissipates() {
-    for stress_state in STRESS_STATES {
-        for props in &SETS {
-            check_rotation::<DruckerPrager>(&Sample::new(props, 3e-3), stress_state, 200);
-            check_invariants::<DruckerPrager>(&Sample::new(props, 1e-3), stress_state, 200, &["peeq"], true);
-            check_virgin::<DruckerPrager>(&Sample::new(props, 1e-3), stress_state, 1e-4, &["peeq"]);
-        }
-    }
-}
+battery!(
+    promised: DruckerPrager,
+    Promises {
+        samples: SETS.iter().map(|props| Sample::new(props, 3e-3)).collect(),
+        histories: 200,
+        monotone: &["peeq"],
+        dissipative: true,
+        steady: true,
+        history: &["peeq"],
+        elastic_strain: |_| 1e-4,
+        // the return to a cone depends on the increments
+        path_ends: &[],
+        random_paths: [0, 0],
+        path_counts: |_, _| &[],
+    },
+    pages: ["drucker_prager/doc.md": &[PARAMETERS, STATES]]
+);
 
 #[test]
 fn uniaxial_strengths_are_those_of_the_cone() {

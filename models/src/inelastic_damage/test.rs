@@ -1,12 +1,10 @@
 use super::*;
-use crate::battery::energy::{check_frozen_damage, imbalance};
-use crate::battery::peak::Uniaxial;
-use crate::battery::samples::inelastic_damage::*;
-use crate::battery::{
-    PATH_COUNTS, Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths,
-    check_rotation, check_tangents, check_virgin, reference,
-};
 use approx::assert_relative_eq;
+use battery::energy::{check_frozen_damage, imbalance};
+use battery::pages::{PARAMETERS, STATES};
+use battery::peak::Uniaxial;
+use battery::samples::inelastic_damage::*;
+use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery, reference};
 use umat_abi::law::{advance_values, parameters_of};
 
 /// The thesis's ill-posed form.
@@ -37,29 +35,27 @@ fn agrees_with_40_digits() {
     }
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    check_tangents::<InelasticDamage>("alpha = 1", &Sample::all(&CLOSED));
-    check_tangents::<InelasticDamage>("alpha != 1", &Sample::all(&MARCHED));
-}
-
-#[test]
-fn passes_the_battery() {
-    for stress_state in STRESS_STATES {
-        for sample in [Sample::all(&CLOSED), Sample::all(&MARCHED)].concat() {
-            check_invariants::<InelasticDamage>(&sample, stress_state, 100, &["eta"], true);
-            check_rotation::<InelasticDamage>(&sample, stress_state, 100);
-            let elastic = if sample.props[4] > 0.0 { 1e-7 * sample.size } else { 0.0 };
-            check_virgin::<InelasticDamage>(&sample, stress_state, elastic, &["eta"]);
-            // the power form is no part of the promise, but keeps it up to 1000 increments
-            let counts =
-                if sample.props[6] == 1.0 || sample.props[7] == 0.0 { &PATH_COUNTS[..] } else { &PATH_COUNTS[..3] };
-            let end = [3.0, -0.4, 0.3, 1.2, 0.0, 0.0].map(|x| x * sample.size * sample.props[5].signum());
-            check_path_exactness::<InelasticDamage>(&sample, stress_state, &end, counts);
-            check_random_paths::<InelasticDamage>(&sample, stress_state, 10, usize::from(counts.len() == 4));
-        }
+/// What the law promises at parameters whose branch is closed or marched.
+fn promises<'p>(sets: &'p [([f64; 8], f64); 6]) -> Promises<'p> {
+    Promises {
+        samples: Sample::all(sets),
+        histories: 100,
+        monotone: &["eta"],
+        dissipative: true,
+        steady: true,
+        history: &["eta"],
+        elastic_strain: |sample| if sample.props[4] > 0.0 { 1e-7 * sample.size } else { 0.0 },
+        path_ends: &[[3.0, -0.4, 0.3, 1.2, 0.0, 0.0], [-3.0, 0.4, -0.3, -1.2, 0.0, 0.0]],
+        random_paths: [10, 1],
+        // the power form is no part of the promise, but keeps it up to 1000 increments
+        path_counts: |sample, _| {
+            if sample.props[6] == 1.0 || sample.props[7] == 0.0 { &PATH_COUNTS } else { &PATH_COUNTS[..3] }
+        },
     }
 }
+
+battery!(closed: InelasticDamage, promises(&CLOSED), pages: ["inelastic_damage/doc.md": &[PARAMETERS, STATES]]);
+battery!(marched: InelasticDamage, promises(&MARCHED));
 
 /// Also for the ill-posed form: from random ends back, one step finds the D that a hundred find.
 #[test]

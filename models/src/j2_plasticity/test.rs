@@ -1,12 +1,10 @@
 use super::*;
-use crate::battery::samples::j2_plasticity::*;
-use crate::battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, OUT_OF_PLANE, advance_free};
-use crate::battery::{
-    PATH_COUNTS, Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_rotation,
-    check_tangents, check_virgin,
-};
 use crate::tensor::{stress_norm_squared, trace, work};
 use approx::assert_relative_eq;
+use battery::pages::{PARAMETERS, STATES};
+use battery::samples::j2_plasticity::*;
+use battery::uniaxial::{BOTH_LATERAL, ONE_LATERAL, OUT_OF_PLANE, advance_free};
+use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery};
 use umat_abi::law::{advance_values, parameters_of};
 
 const MU: f64 = E / (2.0 * (1.0 + NU));
@@ -22,32 +20,23 @@ fn axial(strain: f64) -> [f64; 6] {
     [strain, 0.0, 0.0, 0.0, 0.0, 0.0]
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    check_tangents::<J2Plasticity>("", &SETS.map(|props| Sample::new(props, 3e-3)));
-}
-
-#[test]
-fn rotates_and_dissipates() {
-    for stress_state in STRESS_STATES {
-        for props in SETS {
-            let sample = Sample::new(props, 3e-3);
-            check_rotation::<J2Plasticity>(&sample, stress_state, 200);
-            check_invariants::<J2Plasticity>(&sample, stress_state, 200, &["peeq"], true);
-            check_virgin::<J2Plasticity>(&sample, stress_state, 3e-4, &["peeq"]);
-        }
-    }
-}
-
-#[test]
-fn proportional_strain_needs_one_increment_where_the_return_is_radial() {
-    for stress_state in [StressState::ThreeD, StressState::PlaneStrainOrAxisymmetric] {
-        for props in SETS {
-            let strain = [8e-3, -2e-3, 1e-3, 3e-3, 0.0, 0.0];
-            check_path_exactness::<J2Plasticity>(&Sample::new(props, 3e-3), stress_state, &strain, &PATH_COUNTS);
-        }
-    }
-}
+battery!(
+    promised: J2Plasticity,
+    Promises {
+        samples: SETS.map(|props| Sample::new(props, 3e-3)).to_vec(),
+        histories: 200,
+        monotone: &["peeq"],
+        dissipative: true,
+        steady: true,
+        history: &["peeq"],
+        elastic_strain: |_| 3e-4,
+        path_ends: &[[8.0 / 3.0, -2.0 / 3.0, 1.0 / 3.0, 1.0, 0.0, 0.0]],
+        random_paths: [0, 0],
+        // one increment is enough where the return is radial
+        path_counts: |_, stress_state| if stress_state == StressState::PlaneStress { &[] } else { &PATH_COUNTS },
+    },
+    pages: ["j2_plasticity/doc.md": &[PARAMETERS, STATES]]
+);
 
 #[test]
 fn uniaxial_stress_follows_the_table() {

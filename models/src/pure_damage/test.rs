@@ -1,12 +1,10 @@
 use super::*;
-use crate::battery::energy::{check_frozen_damage, imbalance};
-use crate::battery::peak::Uniaxial;
-use crate::battery::samples::pure_damage::*;
-use crate::battery::{
-    PATH_COUNTS, Point, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths,
-    check_rotation, check_tangents, check_virgin, reference, tangent_error,
-};
 use approx::assert_relative_eq;
+use battery::energy::{check_frozen_damage, imbalance};
+use battery::pages::{PARAMETERS, STATES};
+use battery::peak::Uniaxial;
+use battery::samples::pure_damage::*;
+use battery::{PATH_COUNTS, Point, Promises, STRESS_STATES, Sample, battery, reference, tangent_error};
 use umat_abi::law::{advance_values, parameters_of};
 
 #[test]
@@ -26,27 +24,22 @@ fn agrees_with_40_digits() {
     }
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    check_tangents::<PureDamage>("", &Sample::all(&SETS));
-}
-
-#[test]
-fn passes_the_battery() {
-    for stress_state in STRESS_STATES {
-        for sample in Sample::all(&SETS) {
-            check_invariants::<PureDamage>(&sample, stress_state, 200, &["eta", "Y_max"], true);
-            let elastic = if sample.props[4] > 0.0 { 1e-5 * sample.size } else { 0.0 };
-            check_virgin::<PureDamage>(&sample, stress_state, elastic, &["eta"]);
-        }
-        for sample in Sample::all(&SETS[..3]) {
-            check_rotation::<PureDamage>(&sample, stress_state, 200);
-            let end = [3.0, -0.4, 0.3, 1.2, 0.0, 0.0].map(|x| x * sample.size);
-            check_path_exactness::<PureDamage>(&sample, stress_state, &end, &PATH_COUNTS);
-            check_random_paths::<PureDamage>(&sample, stress_state, 20, 2);
-        }
-    }
-}
+battery!(
+    promised: PureDamage,
+    Promises {
+        samples: Sample::all(&SETS),
+        histories: 200,
+        monotone: &["eta", "Y_max"],
+        dissipative: true,
+        steady: true,
+        history: &["eta"],
+        elastic_strain: |sample| if sample.props[4] > 0.0 { 1e-5 * sample.size } else { 0.0 },
+        path_ends: &[[3.0, -0.4, 0.3, 1.2, 0.0, 0.0]],
+        random_paths: [20, 2],
+        path_counts: |_, _| &PATH_COUNTS,
+    },
+    pages: ["pure_damage/doc.md": &[PARAMETERS, STATES]]
+);
 
 #[test]
 fn work_is_stored_or_dissipated() {

@@ -1,12 +1,10 @@
 use super::*;
-use crate::battery::energy::{check_frozen_damage, imbalance};
-use crate::battery::peak::Uniaxial;
-use crate::battery::samples::reverse_cyclic_damage::*;
-use crate::battery::{
-    PATH_COUNTS, Point, Random, STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths,
-    check_rotation, check_tangents, check_virgin, reference, rotated,
-};
 use approx::assert_relative_eq;
+use battery::energy::{check_frozen_damage, imbalance};
+use battery::pages::{PARAMETERS, STATES};
+use battery::peak::Uniaxial;
+use battery::samples::reverse_cyclic_damage::*;
+use battery::{PATH_COUNTS, Point, Promises, Random, STRESS_STATES, Sample, battery, reference, rotated};
 
 #[test]
 fn agrees_with_40_digits() {
@@ -30,30 +28,25 @@ fn agrees_with_40_digits() {
     }
 }
 
-#[test]
-fn tangent_is_the_derivative_of_the_stress() {
-    let (thesis, regular): (Vec<_>, Vec<_>) = Sample::all(&SETS).into_iter().partition(|s| s.props[8] == 0.0);
-    check_tangents::<ReverseCyclicDamage>("thesis", &thesis);
-    check_tangents::<ReverseCyclicDamage>("regular", &regular);
-}
-
-#[test]
-fn passes_the_battery() {
-    let monotone = ["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
-    for stress_state in STRESS_STATES {
-        for sample in Sample::all(&SETS) {
-            check_invariants::<ReverseCyclicDamage>(&sample, stress_state, 200, &monotone, true);
-            check_rotation::<ReverseCyclicDamage>(&sample, stress_state, 200);
-            let elastic = if sample.props[4] > 0.0 { 1e-5 * sample.size } else { 0.0 };
-            check_virgin::<ReverseCyclicDamage>(&sample, stress_state, elastic, &monotone[..2]);
-        }
-        for sample in Sample::all(&SETS[..3]) {
-            let end = [1.0, -4.0, 0.3, 1.2, 0.0, 0.0].map(|x| x * sample.size);
-            check_path_exactness::<ReverseCyclicDamage>(&sample, stress_state, &end, &PATH_COUNTS);
-            check_random_paths::<ReverseCyclicDamage>(&sample, stress_state, 20, 2);
-        }
+/// What a variant promises.
+fn promises(regular: bool) -> Promises<'static> {
+    let is_regular = |sample: &Sample<'_>| sample.props[8] == 1.0;
+    Promises {
+        samples: Sample::all(&SETS).into_iter().filter(|sample| is_regular(sample) == regular).collect(),
+        histories: 200,
+        monotone: &["eta_t", "eta_c", "Y_t_max", "Y_c_max"],
+        dissipative: true,
+        steady: true,
+        history: &["eta_t", "eta_c"],
+        elastic_strain: |sample| if sample.props[4] > 0.0 { 1e-5 * sample.size } else { 0.0 },
+        path_ends: &[[1.0, -4.0, 0.3, 1.2, 0.0, 0.0]],
+        random_paths: [20, 2],
+        path_counts: |_, _| &PATH_COUNTS,
     }
 }
+
+battery!(thesis: ReverseCyclicDamage, promises(false), pages: ["reverse_cyclic_damage/doc.md": &[PARAMETERS, STATES]]);
+battery!(regular: ReverseCyclicDamage, promises(true));
 
 #[test]
 fn work_is_stored_or_dissipated() {

@@ -1,7 +1,7 @@
 //! Closed forms and properties of the envelope, the two bond laws, friction and opening.
 
 use super::*;
-use crate::battery::Random;
+use battery::Random;
 
 /// Hard contact that neither opens nor rubs unless pressed.
 fn glued(set: &[(usize, f64)]) -> Vec<f64> {

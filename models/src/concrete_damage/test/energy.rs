@@ -29,7 +29,7 @@ pub(super) fn smallest_eigenvalue(mut m: [[f64; 6]; 6]) -> f64 {
 #[test]
 fn frozen_damage_gives_a_symmetric_positive_stiffness() {
     let props = defaults();
-    let mut random = battery::Random::new(0xC0);
+    let mut random = Random::new(0xC0);
     for stress_state in STRESS_STATES {
         for _ in 0..2000 {
             let mut point = Point::<ConcreteDamage>::virgin(&props, stress_state);
@@ -52,7 +52,7 @@ fn frozen_damage_gives_a_symmetric_positive_stiffness() {
 /// Random smooth paths of `count` increments: work done = energy stored + dissipated, with an error that
 /// falls with the square of the increment.
 fn balance_error(props: &[f64; 14], stress_state: StressState, length: Option<f64>, seed: u64, count: u32) -> f64 {
-    let mut random = battery::Random::new(seed);
+    let mut random = Random::new(seed);
     let waves: Vec<[f64; 6]> = (0..3).map(|_| random.strain(stress_state, 3e-4)).collect();
     let mut point = Point::<ConcreteDamage>::virgin(props, stress_state);
     point.characteristic_length = length;

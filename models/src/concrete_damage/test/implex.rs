@@ -83,11 +83,18 @@ fn is_the_implicit_law_until_damage_begins() {
     }
 }
 
+/// Its parameters are those of the implicit law.
+#[test]
+fn its_page_has_the_states_that_hosts_see() {
+    let page = concat!(env!("CARGO_MANIFEST_DIR"), "/src/concrete_damage/implex.md");
+    battery::pages::check(page, &ConcreteDamageImplex::INFO, &[STATES]);
+}
+
 #[test]
 fn tangent_is_the_derivative_of_the_stress_symmetric_and_positive() {
     let props = banded();
     battery::check_tangents::<ConcreteDamageImplex>("IMPL-EX", &[sample(&(props, Some(20.0)))]);
-    let mut random = battery::Random::new(0x1E);
+    let mut random = Random::new(0x1E);
     for stress_state in STRESS_STATES {
         for _ in 0..300 {
             let mut point = virgin(&props, stress_state);

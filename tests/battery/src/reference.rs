@@ -6,12 +6,14 @@ use umat_abi::law::{Law, StressState};
 /// Columns of one reference file by name.
 pub struct Table {
     header: Vec<String>,
+    /// Numbers, row by row.
     pub rows: Vec<Vec<f64>>,
 }
 
 impl Table {
+    /// Reads a file of `tests/reference/`.
     pub fn read(file: &str) -> Self {
-        let path = format!("{}/../tests/reference/{file}", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../reference/{file}", env!("CARGO_MANIFEST_DIR"));
         let mut reader = csv::Reader::from_path(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
         let header = reader.headers().expect("header").iter().map(String::from).collect();
         let rows = reader
@@ -21,6 +23,7 @@ impl Table {
         Self { header, rows }
     }
 
+    /// Returns the place of a column.
     pub fn column(&self, name: &str) -> usize {
         self.header.iter().position(|h| h == name).unwrap_or_else(|| panic!("no column {name}"))
     }
@@ -59,7 +62,7 @@ pub fn check<L: Law>(
             worst = worst.max(error);
         }
         for &(name, state) in damage_columns {
-            let damage = crate::damage_law::damage(point.state[state]);
+            let damage = models::damage_law::damage(point.state[state]);
             let expected = row[table.column(name)];
             assert!(
                 (damage - expected).abs() <= 1e-12,

@@ -1,42 +1,34 @@
-//! The checks every law must pass, whatever its equations: consistent tangent against differences,
-//! rotation invariance, monotone damage, dissipation, virgin state. What [`stability`] needs is there for
-//! `pullout-bench stability` too, the rest for tests alone.
+//! What every law must pass, whatever its equations: the consistent tangent against differences, rotation, states that never
+//! decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with what it promises
+//! ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
 
 mod differences;
+pub mod energy;
+pub mod interface;
+mod invariants;
+pub mod pages;
+mod path;
+pub mod peak;
+mod promises;
 mod proportional;
+pub mod reference;
 mod rotation;
+#[allow(missing_docs, reason = "sets of parameters, which stand beside their names")]
 pub mod samples;
 pub mod stability;
-
-#[cfg(test)]
-pub mod energy;
-#[cfg(test)]
-pub mod interface;
-#[cfg(test)]
-mod invariants;
-#[cfg(test)]
-mod pages;
-#[cfg(test)]
-mod path;
-#[cfg(test)]
-pub mod peak;
-#[cfg(test)]
-pub mod reference;
-#[cfg(test)]
 mod tangent;
-#[cfg(test)]
 pub mod uniaxial;
-#[cfg(test)]
-pub use {
-    invariants::{check_invariants, check_rotation, check_virgin},
-    path::{PATH_COUNTS, check_path_exactness, check_random_paths},
-    tangent::{check_tangents, tangent_error},
-};
 
-use crate::tensor::Spectral;
+pub use invariants::{check_invariants, check_rotation, check_virgin};
+pub use path::{PATH_COUNTS, check_path_exactness, check_random_paths};
+pub use promises::Promises;
+pub use tangent::{check_tangents, tangent_error};
+
+use models::tensor::Spectral;
 use umat_abi::law::{Failure, Increment, Law, Request, Response, StressState, advance_values, parameters_of};
 
 /// Random numbers that a seed repeats, so that a failing state can be named.
+#[derive(Clone, Debug)]
 pub struct Random(fastrand::Rng);
 
 impl Random {
@@ -53,6 +45,16 @@ impl Random {
     /// Uniform in [−1, 1).
     pub fn signed(&mut self) -> f64 {
         2.0 * self.unit() - 1.0
+    }
+
+    /// Uniform in [low, high).
+    pub fn between(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    /// As many numbers as asked for, uniform in [−1, 1).
+    pub fn vector(&mut self, count: usize) -> Vec<f64> {
+        (0..count).map(|_| self.signed()).collect()
     }
 
     /// A strain of the given size with all components of the stress state.
@@ -90,13 +92,16 @@ impl Random {
 /// A parameter set and what it is tried at.
 #[derive(Clone, Copy, Debug)]
 pub struct Sample<'p> {
+    /// PROPS.
     pub props: &'p [f64],
     /// About the strain at the peak or at first yield.
     pub size: f64,
+    /// CELENT, mm.
     pub characteristic_length: Option<f64>,
 }
 
 impl<'p> Sample<'p> {
+    /// Makes a sample without a characteristic length.
     pub fn new(props: &'p [f64], size: f64) -> Self {
         Self { props, size, characteristic_length: None }
     }
@@ -122,16 +127,27 @@ impl<'p> Sample<'p> {
 
 /// A material point of law `L`, driven directly.
 pub struct Point<'p, L: Law> {
+    /// What PROPS say.
     pub parameters: L::Parameters<'p>,
+    /// Which components exist.
     pub stress_state: StressState,
+    /// The committed strain.
     pub strain: [f64; 6],
+    /// The committed stress, MPa.
     pub stress: [f64; 6],
+    /// The committed STATEV.
     pub state: Vec<f64>,
+    /// CELENT, mm.
     pub characteristic_length: Option<f64>,
+    /// DTIME, s.
     pub time_increment: f64,
 }
 
 impl<'p, L: Law> Point<'p, L> {
+    /// Makes a point that was never strained.
+    ///
+    /// # Panics
+    /// If the parameters are out of bounds.
     pub fn virgin(props: &'p [f64], stress_state: StressState) -> Self {
         Self {
             parameters: parameters_of::<L>(props).expect("properties within bounds, consistent"),

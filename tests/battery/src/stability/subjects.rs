@@ -1,19 +1,19 @@
 //! Every law of a solid, in the forms whose promises differ.
 
 use super::{Ledger, Subject, corners, throw};
-use crate::battery::samples::{
+use crate::samples::{
     biaxial_damage as biaxial, concrete_damage as concrete, drucker_prager as cone, inelastic_damage as inelastic,
     j2_plasticity as mises, pure_damage as pure, reverse_cyclic_damage as reverse,
 };
-use crate::battery::{STRESS_STATES, Sample};
-use crate::biaxial_damage::BiaxialDamage;
-use crate::concrete_damage::ConcreteDamage;
-use crate::drucker_prager::DruckerPrager;
-use crate::inelastic_damage::InelasticDamage;
-use crate::j2_plasticity::J2Plasticity;
-use crate::linear_elastic::LinearElastic;
-use crate::pure_damage::PureDamage;
-use crate::reverse_cyclic_damage::ReverseCyclicDamage;
+use crate::{STRESS_STATES, Sample};
+use models::biaxial_damage::BiaxialDamage;
+use models::concrete_damage::ConcreteDamage;
+use models::drucker_prager::DruckerPrager;
+use models::inelastic_damage::InelasticDamage;
+use models::j2_plasticity::J2Plasticity;
+use models::linear_elastic::LinearElastic;
+use models::pure_damage::PureDamage;
+use models::reverse_cyclic_damage::ReverseCyclicDamage;
 use umat_abi::law::StressState;
 
 /// A law in one of its forms.

@@ -1,7 +1,7 @@
 //! Parameter sets that the law is tried at.
 
-use crate::battery::Sample;
-use crate::concrete_damage::Parameters;
+use crate::Sample;
+use models::concrete_damage::Parameters;
 use umat_abi::table::Parameters as _;
 
 /// The parameters that PROPS have by default.

@@ -3,10 +3,10 @@
 use super::Subject;
 use super::ledger::{Ledger, TANGENT};
 use super::strain::Thrown;
-use crate::battery::differences::{directional_error, near_kink, one_sided_error};
-use crate::battery::{Point, Random, Sample};
-use crate::damage_law::integrity;
-use crate::tensor::work;
+use crate::differences::{directional_error, near_kink, one_sided_error};
+use crate::{Point, Random, Sample};
+use models::damage_law::integrity;
+use models::tensor::work;
 use umat_abi::law::{Failure, Law, Request, Response, StressState, check_properties, parameters_of};
 
 /// Increments of one history.

@@ -1,7 +1,7 @@
 //! Work = stored + dissipated on fine paths, and hyperelasticity while damage rests.
 
 use super::{Point, Random};
-use crate::tensor::work;
+use models::tensor::work;
 use umat_abi::law::{Law, StressState};
 
 /// Sums over the steps of random paths, relative to Σ |σ_mid : Δε|.

@@ -1,6 +1,6 @@
 //! The strains that are thrown.
 
-use crate::battery::{Random, rotated};
+use crate::{Random, rotated};
 use umat_abi::law::StressState;
 
 /// A strain, and a strain with exactly repeated principal values close by if that is what it tests.

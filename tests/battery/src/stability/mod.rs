@@ -7,13 +7,13 @@
 
 mod corners;
 mod history;
-pub mod ledger;
+mod ledger;
 mod strain;
 mod subjects;
 #[cfg(test)]
 mod test;
 
-pub use ledger::Ledger;
+pub use ledger::{Check, Ledger};
 pub use subjects::{Form, forms};
 
 use super::proportional::{deviation, equal, stress_after};

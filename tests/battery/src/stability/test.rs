@@ -1,7 +1,7 @@
 //! Every law of a solid, thrown at.
 
 use super::forms;
-use crate::battery::STRESS_STATES;
+use crate::STRESS_STATES;
 
 /// Of each form and stress state.
 const STATES: u64 = 10_000;

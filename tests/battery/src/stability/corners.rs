@@ -1,7 +1,7 @@
 //! Admissible parameters of every law, far from ordinary ones, and a characteristic length.
 
-use crate::battery::Random;
-use crate::battery::samples::biaxial_damage as biaxial;
+use crate::Random;
+use crate::samples::biaxial_damage as biaxial;
 
 /// PROPS and CELENT.
 pub type Corner = (Vec<f64>, Option<f64>);

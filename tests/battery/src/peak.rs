@@ -13,6 +13,7 @@ pub struct Uniaxial<'p, L: Law> {
 }
 
 impl<'p, L: Law> Uniaxial<'p, L> {
+    /// Makes a bar whose `free` components of stress vanish.
     pub fn new(props: &'p [f64], stress_state: StressState, free: &'static [usize]) -> Self {
         Self { point: Point::virgin(props, stress_state), free, ratio: 0.0 }
     }

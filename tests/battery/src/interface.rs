@@ -8,14 +8,20 @@ use umat_abi::table::States;
 
 /// A contact point of law `L`, driven by relative displacements (UINTER).
 pub struct ContactPoint<'p, L: InterfaceLaw> {
+    /// What PROPS say.
     pub parameters: L::Parameters<'p>,
+    /// Number of directions.
     pub directions: usize,
+    /// The committed penetration and slips, mm.
     pub displacement: [f64; 3],
+    /// The committed pressure and shear tractions, MPa.
     pub traction: [f64; 3],
+    /// The committed STATEV.
     pub state: Vec<f64>,
 }
 
 impl<'p, L: InterfaceLaw> ContactPoint<'p, L> {
+    /// Makes a point that was never moved.
     pub fn virgin(props: &'p [f64], directions: usize) -> Self {
         Self {
             parameters: read_parameters(&L::INFO, props).expect("properties within bounds, consistent"),
@@ -59,17 +65,22 @@ impl<'p, L: InterfaceLaw> ContactPoint<'p, L> {
 
 /// A contact point of law `L` under a given pressure (FRIC).
 pub struct SlidingPoint<'p, L: InterfaceLaw> {
+    /// What PROPS say.
     pub parameters: L::Parameters<'p>,
+    /// Number of directions.
     pub directions: usize,
+    /// The committed STATEV.
     pub state: Vec<f64>,
 }
 
 impl<'p, L: InterfaceLaw> SlidingPoint<'p, L> {
+    /// Makes a point that was never moved.
     pub fn virgin(props: &'p [f64], directions: usize) -> Self {
         let ContactPoint { parameters, state, .. } = ContactPoint::<L>::virgin(props, directions);
         Self { parameters, directions, state }
     }
 
+    /// Returns the response to a slip under a pressure, and the states there.
     pub fn trial(&self, slip_increment: [f64; 2], pressure: f64) -> (TangentialResponse, Vec<f64>) {
         let mut state = L::State::read(&self.state);
         let increment = TangentialIncrement { directions: self.directions, slip_increment, pressure };
@@ -80,6 +91,7 @@ impl<'p, L: InterfaceLaw> SlidingPoint<'p, L> {
         (response, values)
     }
 
+    /// Slips and commits.
     pub fn advance(&mut self, slip_increment: [f64; 2], pressure: f64) -> TangentialResponse {
         let (response, state) = self.trial(slip_increment, pressure);
         self.state = state;
@@ -94,8 +106,11 @@ fn state_index<L: InterfaceLaw>(name: &str) -> usize {
 /// Sizes of the random states, mm and MPa.
 #[derive(Clone, Copy)]
 pub struct Sizes {
+    /// Penetrations, mm.
     pub normal: f64,
+    /// Slips, mm.
     pub slip: f64,
+    /// Pressures, MPa.
     pub pressure: f64,
 }
 
@@ -157,9 +172,11 @@ fn near_kink(input: &[f64; 3], steps: &[f64; 3], map: &impl Fn(&[f64; 3]) -> Map
 /// Counts of a tangent check.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Checked {
+    /// States.
     pub tried: usize,
     /// Left out because the tangent jumps within the reach of the differences.
     pub kinks: usize,
+    /// The largest error of the others.
     pub worst: f64,
 }
 

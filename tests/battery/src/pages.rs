@@ -1,17 +1,13 @@
 //! The tables of the laws' pages are those that hosts see. `PULLOUT_WRITE_TABLES=1 cargo test -p models pages` writes them.
 
-use crate::{
-    biaxial_damage::BiaxialDamage, bond_slip::BondSlip, concrete_damage::ConcreteDamage,
-    concrete_damage::ConcreteDamageImplex, drucker_prager::DruckerPrager, inelastic_damage::InelasticDamage,
-    j2_plasticity::J2Plasticity, linear_elastic::LinearElastic, pure_damage::PureDamage,
-    reverse_cyclic_damage::ReverseCyclicDamage,
-};
 use std::ffi::CStr;
-use umat_abi::law::{InterfaceLaw, Law, LawInfo};
+use umat_abi::law::LawInfo;
 use umat_abi::metadata::{Parameter, Text, open_bounds};
 
-const PARAMETERS: &str = "# Parameters\n";
-const STATES: &str = "# State variables\n";
+/// The head of the table of parameters.
+pub const PARAMETERS: &str = "# Parameters\n";
+/// The head of the table of state variables.
+pub const STATES: &str = "# State variables\n";
 
 fn text(text: Text) -> String {
     // SAFETY: the texts of a table of this program are literals.
@@ -67,32 +63,19 @@ fn with_table(page: &str, head: &str, table: &str) -> String {
     format!("{before}{head}\n{table}\n{}\n", rest.trim_start_matches('\n'))
 }
 
-#[test]
-fn pages_have_the_tables_that_hosts_see() {
-    let pages: [(&str, &LawInfo, &[&str]); 10] = [
-        ("linear_elastic/doc.md", &LinearElastic::INFO, &[PARAMETERS, STATES]),
-        ("pure_damage/doc.md", &PureDamage::INFO, &[PARAMETERS, STATES]),
-        ("inelastic_damage/doc.md", &InelasticDamage::INFO, &[PARAMETERS, STATES]),
-        ("reverse_cyclic_damage/doc.md", &ReverseCyclicDamage::INFO, &[PARAMETERS, STATES]),
-        ("biaxial_damage/doc.md", &BiaxialDamage::INFO, &[PARAMETERS, STATES]),
-        ("concrete_damage/doc.md", &ConcreteDamage::INFO, &[PARAMETERS, STATES]),
-        // its parameters are those of the implicit law
-        ("concrete_damage/implex.md", &ConcreteDamageImplex::INFO, &[STATES]),
-        ("j2_plasticity/doc.md", &J2Plasticity::INFO, &[PARAMETERS, STATES]),
-        ("drucker_prager/doc.md", &DruckerPrager::INFO, &[PARAMETERS, STATES]),
-        ("bond_slip/doc.md", &BondSlip::INFO, &[PARAMETERS, STATES]),
-    ];
-    for (file, info, heads) in pages {
-        let path = format!("{}/src/{file}", env!("CARGO_MANIFEST_DIR"));
-        let page = std::fs::read_to_string(&path).unwrap_or_else(|error| panic!("{path}: {error}"));
-        let expected = heads.iter().fold(page.clone(), |page, head| {
-            let table = if *head == PARAMETERS { parameters(info) } else { states(info) };
-            with_table(&page, head, &table)
-        });
-        if std::env::var_os("PULLOUT_WRITE_TABLES").is_some() {
-            std::fs::write(&path, expected).unwrap_or_else(|error| panic!("{path}: {error}"));
-        } else {
-            assert_eq!(page, expected, "{file}: PULLOUT_WRITE_TABLES=1 writes its tables");
-        }
+/// Compares the tables under these heads of a page with those that hosts see; writes them with `PULLOUT_WRITE_TABLES`.
+///
+/// # Panics
+/// If they differ, or there is no such page.
+pub fn check(file: &str, info: &LawInfo, heads: &[&str]) {
+    let page = std::fs::read_to_string(file).unwrap_or_else(|error| panic!("{file}: {error}"));
+    let expected = heads.iter().fold(page.clone(), |page, head| {
+        let table = if *head == PARAMETERS { parameters(info) } else { states(info) };
+        with_table(&page, head, &table)
+    });
+    if std::env::var_os("PULLOUT_WRITE_TABLES").is_some() {
+        std::fs::write(file, expected).unwrap_or_else(|error| panic!("{file}: {error}"));
+    } else {
+        assert_eq!(page, expected, "{file}: PULLOUT_WRITE_TABLES=1 writes its tables");
     }
 }
