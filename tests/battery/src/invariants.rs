@@ -7,7 +7,7 @@ use models::tensor::Elasticity;
 use umat_abi::law::{Law, Request, StressState};
 use umat_abi::table::States;
 
-/// [`rotation_error`] of many histories.
+/// Holds the response to turned strains against the turned response, of many histories.
 pub fn check_rotation<L: Law>(sample: &Sample<'_>, stress_state: StressState, count: usize) {
     let mut random = Random::new(0x0707);
     for _ in 0..count {

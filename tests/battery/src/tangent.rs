@@ -4,7 +4,7 @@ use super::differences::{directional_error, near_kink};
 use super::{Point, Random, STRESS_STATES, Sample};
 use umat_abi::law::{Law, StressState};
 
-/// [`directional_error`] of every column of the tangent.
+/// Returns the largest error of the columns of the tangent against differences.
 pub fn tangent_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6]) -> f64 {
     let unit = |j: usize| std::array::from_fn(|i| if i == j { 1.0 } else { 0.0 });
     let columns: [[f64; 6]; 6] = std::array::from_fn(|k| unit(*point.stress_state.components().get(k).unwrap_or(&0)));
@@ -24,7 +24,7 @@ pub struct TangentSummary {
 /// States of each stress state whose tangent is compared: the acceptance asks for 10 000.
 const TANGENT_STATES: usize = 10_000;
 
-/// Tangents of [`TANGENT_STATES`] random states of each stress state, spread over the samples; prints a row each.
+/// Compares the tangents of 10 000 random states of each stress state, spread over the samples, with differences; prints a row each.
 pub fn check_tangents<L: Law>(label: &str, samples: &[Sample<'_>]) {
     for stress_state in STRESS_STATES {
         let mut sum = TangentSummary::default();
