@@ -71,9 +71,41 @@ fn points_are_repeated_to_the_bit() {
 fn fibre(slip: f64) -> Value {
     let text = std::fs::read_to_string(cases().join("chapter-6/6.14-plane.json")).unwrap();
     let mut case: Value = serde_json::from_str(&text).unwrap();
+    case["mesh"]["specimen"] = program::coarse_fibre();
     case["steps"][0]["slip"] = json!(slip);
     case["output"] = json!({ "vtu": false });
     case
+}
+
+/// A record that ends where a run failed would be repeated as if it were the whole run.
+#[test]
+fn a_run_that_was_not_at_its_end_leaves_no_increments() {
+    let mut bar = json!({
+        "kind": "point",
+        "material": { "plugin": "concrete_damage", "props": { "E": 31800.0, "nu": 0.18, "G_f": 0.1 } },
+        "characteristic_length": 50.0,
+        // more than it bears
+        "steps": [{ "increments": 10, "target": { "s11": 30.0 } }],
+        "output": { "plots": false },
+    });
+    let failed = run(with(&bar, &[], None), true);
+    assert!(!failed.is_done() && failed.increments.is_none());
+    let desk = Desk::new();
+    let folder = desk.path("out");
+    let file = desk.case("bar.json", &bar);
+    let record = || {
+        let mut command = program::command();
+        command.args(["run", "--quiet", "--record-increments", "--out"]).arg(&folder).arg(&file).status().unwrap();
+        folder.join("increments.json").exists()
+    };
+    assert!(!record());
+    bar["steps"][0]["target"] = json!({ "s11": 1.0 });
+    desk.case("bar.json", &bar);
+    assert!(record());
+    // nor does one of an earlier run stay
+    bar["steps"][0]["target"] = json!({ "s11": 30.0 });
+    desk.case("bar.json", &bar);
+    assert!(!record());
 }
 
 /// Five parameters at five slips across the peak, against central differences with the same increments.
@@ -86,8 +118,8 @@ fn gradients_of_a_pull_out_curve() {
         "contact.law.props.b_2",
         "parts.matrix.material.props.E",
     ];
-    const SLIPS: [f64; 5] = [0.004, 0.012, 0.02, 0.04, 0.08];
-    let case = fibre(0.1);
+    const SLIPS: [f64; 5] = [0.004, 0.012, 0.02, 0.03, 0.04];
+    let case = fibre(0.045);
     let increments = repeats(&case);
     assert!(refused(&increments) > 0);
     let value = |path: &str| path.split('.').fold(&case, |value, key| &value[key]).as_f64().unwrap();
@@ -153,8 +185,12 @@ fn what_no_run_has_recorded_is_refused_with_its_place() {
         (json!({ "steps": [[[]]] }), "stands"),
         (json!({ "steps": [[increment], [[{ "to": { "drives": 1.0 }, "verdict": "refused" }]]] }), "steps[1][0][0]"),
         (json!({ "steps": [[], [], []] }), "3 steps, the case 2"),
-        (json!({ "steps": [vec![increment.clone(); 21]] }), "21 increments"),
-        (json!({ "steps": [[[{ "to": { "slip": { "growth": 1.0, "point": [0, 0] } }, "time": 0.1 }]]] }), "specimen"),
+        (json!({ "steps": [[increment]] }), "1 steps, the case 2"),
+        (json!({ "steps": [vec![increment.clone(); 21], []] }), "21 increments"),
+        (
+            json!({ "steps": [[[{ "to": { "slip": { "growth": 1.0, "point": [0, 0] } }, "time": 0.1 }]], []] }),
+            "specimen",
+        ),
     ];
     for (recorded, part) in wrong {
         let message = with(&bond(), &[], Some(&recorded)).read().unwrap_err().to_string();

@@ -17,7 +17,8 @@ use std::process::{Child, Command, Stdio};
 use std::time::{Duration, Instant};
 
 const PATIENCE: Duration = Duration::from_secs(60);
-const COUNT: usize = 240;
+const COUNT: usize = 64;
+const JOBS: usize = 4;
 
 /// The daemons, ended with the test.
 struct Cluster {
@@ -42,7 +43,7 @@ fn wait(what: &str, mut is_there: impl FnMut() -> bool) {
     let start = Instant::now();
     while !is_there() {
         assert!(start.elapsed() < PATIENCE, "{what} did not happen in {PATIENCE:?}");
-        std::thread::sleep(Duration::from_millis(100));
+        std::thread::sleep(Duration::from_millis(20));
     }
 }
 
@@ -62,10 +63,11 @@ impl Cluster {
              SlurmdUser=root\nAuthType=auth/munge\nAuthInfo=socket={socket}\nCredType=cred/munge\nMpiDefault=none\n\
              ProctrackType=proctrack/linuxproc\nTaskPlugin=task/none\nReturnToService=2\nSwitchType=switch/none\n\
              StateSaveLocation={}\nSlurmdSpoolDir={}\nSlurmctldPidFile={}\nSlurmdPidFile={}\nSlurmctldLogFile={}\n\
-             SlurmdLogFile={}\nSchedulerType=sched/builtin\nSelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n\
-             AccountingStorageType=accounting_storage/none\nJobAcctGatherType=jobacct_gather/none\nKillWait=5\n\
+             SlurmdLogFile={}\nSchedulerType=sched/builtin\n\
+             SchedulerParameters=sched_interval=1,sched_min_interval=0,batch_sched_delay=0\nSelectType=select/cons_tres\nSelectTypeParameters=CR_Core\n\
+             AccountingStorageType=accounting_storage/none\nJobAcctGatherType=jobacct_gather/none\nKillWait=1\n\
              SlurmdParameters=config_overrides\nJobCompType=jobcomp/none\n\
-             NodeName={host} NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN\n\
+             NodeName={host} NodeAddr=127.0.0.1 CPUs={JOBS} State=UNKNOWN\n\
              PartitionName=all Nodes={host} Default=YES MaxTime=INFINITE State=UP\n",
             free_port(),
             free_port(),
@@ -139,14 +141,23 @@ fn is_root() -> bool {
     fs::metadata("/proc/self").is_ok_and(|of| std::os::unix::fs::MetadataExt::uid(&of) == 0)
 }
 
-fn keys(store: &Path) -> Vec<String> {
+fn parts(store: &Path) -> impl Iterator<Item = PathBuf> {
     let parts = fs::read_dir(store.join("parts")).into_iter().flatten().flatten().map(|part| part.path());
-    let parts = parts.filter(|part| part.extension().is_some_and(|extension| extension == "parquet"));
+    parts.filter(|part| part.extension().is_some_and(|extension| extension == "parquet"))
+}
+
+/// The number of the first run of a part, with which its name begins.
+fn first_run(part: &Path) -> usize {
+    let name = part.file_name().unwrap_or_default().to_string_lossy();
+    name.split('-').next().and_then(|number| number.parse().ok()).unwrap_or(usize::MAX)
+}
+
+fn keys(store: &Path) -> Vec<String> {
     let keys = |part: PathBuf| match Table::read(&part, |name| name == "key").expect("a part").column("key") {
         Some(Column::Text(keys)) => keys.iter().flatten().cloned().collect::<Vec<String>>(),
         _ => Vec::new(),
     };
-    parts.flat_map(keys).collect()
+    parts(store).flat_map(keys).collect()
 }
 
 #[test]
@@ -179,21 +190,19 @@ fn an_array_of_jobs_of_which_one_is_cancelled() {
         ])
         .expect(0);
     // rows are written often, so that something is done of the job that is cancelled
-    let script = desk.write("job.sh", &script.stdout.replace("--quiet", "--quiet --chunk-runs 5"));
+    let script = desk.write("job.sh", &script.stdout.replace("--quiet", "--quiet --chunk-runs 2"));
 
     let place = desk.path("cluster");
     fs::create_dir(&place).expect("a folder");
     let cluster = Cluster::start(&place);
     let job = cluster.submit(&script, &place);
     let third = format!("{job}_2");
-    wait("work of the job that is cancelled", || {
-        cluster.ask("squeue", &["-h", "-j", &third, "-o", "%t"]).trim() == "R"
-    });
-    std::thread::sleep(Duration::from_millis(700));
+    let of_third = COUNT / JOBS * 2..COUNT / JOBS * 3;
+    wait("rows of the job that is cancelled", || parts(&store).any(|part| of_third.contains(&first_run(&part))));
     cluster.ask("scancel", &[&third]);
     cluster.ended(&job);
     let done = keys(&store).len();
-    assert!((COUNT * 3 / 4..COUNT).contains(&done), "{done} rows: one of four jobs was cancelled in the middle");
+    assert!((COUNT / JOBS * 3 + 1..COUNT).contains(&done), "{done} rows: one of four jobs was cancelled in the middle");
 
     // the same script does what is left
     let again = cluster.submit(&script, &place);

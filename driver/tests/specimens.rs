@@ -15,9 +15,7 @@ fn fibre() -> Value {
     json!({
         "kind": "pullout",
         "title": "A coarse fibre",
-        "mesh": { "specimen": {
-            "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0, "largest_size": 6.0,
-        } },
+        "mesh": { "specimen": program::coarse_fibre() },
         "parts": { "fibre": elastic(210e3), "matrix": elastic(23.7e3) },
         "contact": { "law": { "plugin": "bond_slip", "props": { "k_e": 400.0 } } },
         "steps": [

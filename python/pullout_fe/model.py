@@ -21,6 +21,8 @@ Free = Union[str, "tuple[str, str]"]
 
 #: relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium
 STEP = 1e-6
+#: values of the grid so little outside a run, as a part of their distance from its beginning, are at its end
+ROUNDING = 1e-9
 
 
 class Fit(NamedTuple):
@@ -48,7 +50,7 @@ class Model:
 
     ``parameters``: names, each with its place in the case (``"material.props.E"``), or a pair of the place and ``"log"``: then
     steps and fits are in the logarithm. ``curve``: two columns of the history. On the ``grid`` of values of the first the second
-    is interpolated, at the first time that a value is passed, NaN behind the end; without a grid it is as the run has it, and
+    is interpolated, at the first time that a value is passed, NaN before the beginning and behind the end; without a grid it is as the run has it, and
     the increments must not depend on the parameters.
 
     ``on_failure``: "raise", or a number which then stands for the whole curve (``np.nan``).
@@ -99,9 +101,17 @@ class Model:
         along, values = (history[name] for name in self.curve)
         if self.grid is None:
             return np.array(values), increments
-        # the first passage: a snap-back goes back along the first column
+        # the first passage on the way to the farthest value: a snap-back goes back along the first column
+        ways = self.grid - along[0]
+        way = float(ways[np.argmax(np.abs(ways))])
+        direction = -1.0 if way < 0.0 else 1.0
+        along = direction * along
         first = np.concatenate([[True], along[1:] > np.maximum.accumulate(along)[:-1]])
-        found: Array = np.interp(self.grid, along[first], values[first], right=np.nan)
+        passed = along[first]
+        # what was rounded is at the ends
+        wanted, rounding = direction * self.grid, ROUNDING * abs(way)
+        is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
+        found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
         return found, increments
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:

@@ -135,3 +135,11 @@ def test_the_protocol_of_fenics(constraint: str) -> None:
     before = stress.copy()
     made.evaluate_without_tangent(2.0, 1.0, np.zeros(count * size * size), before, history)
     assert np.allclose(before, stress)
+
+
+def test_a_curve_that_goes_backwards_and_a_grid_beyond_it() -> None:
+    """Compression, whose strains fall: outside of what the run passes there is no value."""
+    bar = po.point("linear_elastic", {"E": 100.0, "nu": 0.25}, "3d", [po.ramp(7, e11=-0.01)])
+    grid = np.array([0.001, 0.0, -0.003, -0.01 - 1e-13, -0.011])
+    made = po.Model(bar, {"E": "material.props.E"}, ("e11", "s11"), grid)
+    assert np.allclose(made([100.0]), [np.nan, 0.0, -0.3, -1.0, np.nan], equal_nan=True)

@@ -9,11 +9,12 @@ use serde_json::Value;
 use std::sync::Arc;
 
 /// The recorded increments that a case gives. `steps`: the most increments of each of its steps; `None`: as many as it likes,
-/// of a specimen.
+/// of a specimen. `may_end_early`: it can end before its last step.
 pub fn recorded(
     reader: &mut Reader<'_>,
     given: Option<&Piece<RunIncrements>>,
     steps: &[Option<u64>],
+    may_end_early: bool,
 ) -> Option<Arc<Recorded>> {
     let place = Place::root().key("increments");
     let given = reader.optional(given, &place)?;
@@ -34,7 +35,7 @@ pub fn recorded(
             return None;
         }
     };
-    match mistake(&recorded, steps) {
+    match mistake(&recorded, steps, may_end_early) {
         None => Some(Arc::new(recorded)),
         Some(message) => {
             reader.problem(&place, message);
@@ -43,11 +44,12 @@ pub fn recorded(
     }
 }
 
-fn mistake(recorded: &Recorded, steps: &[Option<u64>]) -> Option<String> {
+fn mistake(recorded: &Recorded, steps: &[Option<u64>], may_end_early: bool) -> Option<String> {
     if let Some((place, why)) = recorded.mistake() {
         return Some(format!("{place} {why}"));
     }
-    if recorded.steps.len() > steps.len() {
+    // what is not recorded would be left out
+    if recorded.steps.len() > steps.len() || recorded.steps.len() < steps.len() && !may_end_early {
         return Some(format!("has {} steps, the case {}", recorded.steps.len(), steps.len()));
     }
     for (index, (increments, most)) in recorded.steps.iter().zip(steps).enumerate() {

@@ -377,7 +377,7 @@ fn finish(
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
     Some(Case::Path(Box::new(Program {
         about: About {
-            recorded: increments::recorded(reader, increments.as_ref(), &most),
+            recorded: increments::recorded(reader, increments.as_ref(), &most, about.until.is_some()),
             every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
             plots: output.plots.unwrap_or(true),
             warnings: std::mem::take(&mut reader.warnings),

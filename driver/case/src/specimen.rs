@@ -84,7 +84,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         controls,
         skipping,
     };
-    let recorded = increments::recorded(reader, case.increments.as_ref(), &vec![None; model.steps.len()]);
+    let steps_of_run = vec![None; model.steps.len()];
+    let recorded = increments::recorded(reader, case.increments.as_ref(), &steps_of_run, about.until.is_some());
     if reader.problems.is_empty() {
         preflight::check(reader, &model);
     }

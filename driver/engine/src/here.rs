@@ -7,6 +7,7 @@ use pullout_case::Case;
 use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
 use pullout_report::progress::{Extent, Progress};
 use pullout_report::record::Record;
+use pullout_report::summary::Status;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::Checkpoints;
@@ -84,7 +85,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     };
     let end = RunEnd::after(&mut record, statistics, message, failed_at);
     let mut summary = summarise(case, &end, specimen.as_mut())?;
-    let increments = record.recorded.take().map(serde_json::to_value).transpose()?;
+    // those of a run that was not at its end would repeat a part of it
+    let recorded = record.recorded.take().filter(|_| summary.status == Status::Done);
+    let increments = recorded.map(serde_json::to_value).transpose()?;
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;
     Ok(Outcome { history, summary, replay, increments })

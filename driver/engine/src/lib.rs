@@ -76,7 +76,7 @@ pub struct Outcome {
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
     pub replay: Option<Value>,
-    /// The increments, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
+    /// The increments of a run that is done, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
     pub increments: Option<Value>,
 }
 

@@ -27,6 +27,8 @@ const STEP: f64 = 1e-6;
 const SMALLEST: f64 = 1e-10;
 /// A start on a bound moves inwards by this part of the distance of the bounds: on them nothing has a slope.
 const INWARDS: f64 = 0.01;
+/// Data so little outside a run, as a part of their distance from its beginning, are at its end: they were rounded.
+const ROUNDING: f64 = 1e-9;
 /// A number so near to a bound, as a part of the distance of the bounds, lies on it.
 const ON_BOUND: f64 = 1e-6;
 
@@ -86,6 +88,11 @@ pub struct CaseFit {
 pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<CaseFit, Vec<String>> {
     let document = document(request)?;
     let starts = starts(request, &document)?;
+    // read once, with its overrides: what is written into the file from now on changes nothing
+    let request = &CaseRequest {
+        source: Source { document: Some(document.clone()), overrides: Vec::new(), ..request.source.clone() },
+        ..request.clone()
+    };
     let data = read_data(request)?;
     let file = request.source.file.display();
     let scale = data.iter().fold(0.0_f64, |greatest, row| greatest.max(row[1].abs()));
@@ -241,7 +248,14 @@ fn read_data(request: &CaseRequest) -> Result<Vec<[f64; 2]>, Vec<String>> {
         return Err(vec![named("line 1: one column, but two are needed".into())]);
     }
     let by_name = request.curve.each_ref().map(|name| csv.column(name).ok());
-    let columns = if let [Some(x), Some(y)] = by_name { [x, y] } else { [0, 1] };
+    let columns = match by_name {
+        [Some(x), Some(y)] => [x, y],
+        [None, None] => [0, 1],
+        [there, _] => {
+            let missing = &request.curve[usize::from(there.is_some())];
+            return Err(vec![named(format!("line 1: there is one of the columns of --curve, but not '{missing}'"))]);
+        }
+    };
     let rows = csv.numbers(&columns, true).map_err(|problems| problems.into_iter().map(named).collect::<Vec<_>>())?;
     if rows.len() <= request.free.len() {
         let message = format!("{} points do not tell {} numbers", rows.len(), request.free.len());
@@ -271,7 +285,14 @@ fn absolute(value: &mut Value, folder: &Path) {
             }
         }
         Value::Array(entries) => entries.iter_mut().for_each(|entry| absolute(entry, folder)),
-        Value::Object(members) => members.values_mut().for_each(|member| absolute(member, folder)),
+        Value::Object(members) => {
+            // the name of a law is no file
+            let is_name = |key: &str, member: &Value| {
+                key == "plugin" && member.as_str().is_some_and(|name| !umat_abi::host::names_a_file(name))
+            };
+            let members = members.iter_mut().filter(|(key, member)| !is_name(key, member));
+            members.for_each(|(_, member)| absolute(member, folder));
+        }
         _ => {}
     }
 }
@@ -396,7 +417,7 @@ fn curve(
     Ok((computed, outcome.increments))
 }
 
-/// The second column where the first passes the data's values for the first time.
+/// The second column where the first passes the data's values for the first time, on its way to the farthest of them.
 fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
@@ -406,20 +427,28 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
             .ok_or_else(|| format!("--curve: the history has no column '{name}', but {}", columns()))
     };
     let (x, y) = (column(&names[0])?, column(&names[1])?);
+    let Some(&start) = x.first() else { return Err("the run has no rows".into()) };
+    let way =
+        data.iter().map(|row| row[0] - start).fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
+    let direction = if way < 0.0 { -1.0 } else { 1.0 };
+    let rounding = ROUNDING * way.abs();
+    // along the way
     let mut points: Vec<[f64; 2]> = Vec::with_capacity(x.len());
     for (&x, &y) in x.iter().zip(y.iter()) {
-        if points.last().is_none_or(|last| x > last[0]) {
-            points.push([x, y]);
+        if points.last().is_none_or(|last| direction * x > last[0]) {
+            points.push([direction * x, y]);
         }
     }
-    let (Some(&first), Some(&last)) = (points.first(), points.last()) else { return Err("the run has no rows".into()) };
+    let last = points.last().map_or(start, |last| direction * last[0]);
     let at = |row: &[f64; 2]| {
-        let x = row[0];
+        let x = direction * row[0];
         let right = points.partition_point(|point| point[0] < x);
         match (right.checked_sub(1).map(|left| points[left]), points.get(right)) {
-            (None, _) => Ok(first[1]),
             (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
-            (Some(_), None) => Err(format!("the run ends at {} {}, the data go on to {x}", names[0], last[0])),
+            (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
+            (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
+            (None, _) => Err(format!("the run begins at {} {start}, the data also have {}", names[0], row[0])),
+            (Some(_), None) => Err(format!("the run ends at {} {last}, the data go on to {}", names[0], row[0])),
         }
     };
     data.iter().map(at).collect()

@@ -364,7 +364,8 @@ fn run_case(
     };
     record.recorded = telling.records.then(Recorded::default);
     let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);
-    if let Some(recorded) = record.recorded.take() {
+    // those of a run that was not at its end would repeat a part of it
+    if let Some(recorded) = record.recorded.take().filter(|_| result.is_ok() && !record.was_ended()) {
         directory.write("increments.json", serde_json::to_string(&recorded)?)?;
     }
     // what plugins printed is complete before the results are listed

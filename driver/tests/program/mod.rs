@@ -1,7 +1,7 @@
 //! The program as its users meet it: run as a process, its files read back.
 #![allow(dead_code, reason = "each test program uses a part of this module")]
 
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::fs;
@@ -44,6 +44,11 @@ pub fn pullout_in<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<I
         stdout: String::from_utf8(output.stdout).expect("UTF-8"),
         stderr: String::from_utf8(output.stderr).expect("UTF-8"),
     }
+}
+
+/// The mesh of a fibre that is as coarse as still shows a pull-out.
+pub fn coarse_fibre() -> Value {
+    json!({ "type": "perpendicular_fibre", "embedded_elements": 6, "interface_size": 2.0, "largest_size": 6.0 })
 }
 
 /// A folder for cases and results that vanishes at the end of the test.
