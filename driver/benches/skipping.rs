@@ -76,7 +76,7 @@ struct Run {
 }
 
 impl Run {
-    /// With what is skipped; `None` if it fails, which is said.
+    /// Prepares a run with this skipped; `None` if it fails, which is printed.
     fn new(model: &Model, skipping: Skipping) -> Option<Self> {
         let model = Model { skipping, ..model.clone() };
         let clock = CpuClock::start();

@@ -16,7 +16,7 @@ const STACK: usize = 1 << 24;
 pub struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
-    /// So many threads. The caller's is one of them where it can be: to wake another one takes up to half a millisecond,
+    /// Makes a pool of so many threads. The caller's is one of them where it can be: to wake another one takes up to half a millisecond,
     /// and this one has the data. It can be once in its life, so one `Threads` serves all that it does.
     ///
     /// # Errors
@@ -43,7 +43,7 @@ impl Threads {
         }
     }
 
-    /// How many.
+    /// Returns how many.
     pub(crate) fn count(&self) -> usize {
         self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
@@ -59,7 +59,7 @@ impl Threads {
         }
     }
 
-    /// What `work` says of each piece where it says something: the one with the least key.
+    /// Returns what `work` says of each piece where it says something: the one with the least key.
     pub(crate) fn least<P: Send, R: Send, K: Ord + Send>(
         &self,
         pieces: &mut [P],

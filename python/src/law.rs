@@ -43,7 +43,7 @@ pub fn plugins() -> Vec<String> {
     found.filter(|name| name != host::UTILITIES).collect()
 }
 
-/// Whether a library was built with this extension, and so may be loaded into the interpreter.
+/// Returns whether a library was built with this extension, and so may be loaded into the interpreter.
 #[pyfunction]
 pub fn is_shipped(path: PathBuf) -> bool {
     isolation::is_shipped(&path)
@@ -80,7 +80,7 @@ impl Plugin {
         })
     }
 
-    /// What the library says of its law, as JSON; "null" if it says nothing.
+    /// Returns what the library says of its law, as JSON; "null" if it says nothing.
     fn describe(&self) -> String {
         self.law.as_ref().map_or(Value::Null, description).to_string()
     }
@@ -238,7 +238,7 @@ struct Points<'a> {
     state: &'a mut [f64],
     tangent: Option<&'a mut [f64]>,
     lengths: Option<&'a [f64]>,
-    /// At the start of the increment, and the increment, s.
+    /// Time at the start of the increment, and the increment, s.
     time: [f64; 2],
 }
 

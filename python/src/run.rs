@@ -43,7 +43,7 @@ fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<
     Ok(source)
 }
 
-/// What is wrong with a case, or with its plugins alone.
+/// Returns what is wrong with a case, or with its plugins alone.
 fn refusal(errors: &CaseErrors) -> PyErr {
     let is_plugin = |problem: &pullout_case::CaseProblem| problem.kind == pullout_case::ProblemKind::PluginNotLoadable;
     match errors.problems.as_slice() {

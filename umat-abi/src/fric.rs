@@ -8,7 +8,7 @@ entry_point! {
     type FricFunction, fric_symbol;
     /// The arguments of FRIC in order.
     struct FricArguments {
-        /// On entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
+        /// LM: on entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
         lm: *mut i32,
         /// `(nfdir)` shear traction.
         tau: *mut f64,

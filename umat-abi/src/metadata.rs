@@ -149,7 +149,7 @@ impl Choice {
         Self { value, name: Text::new(name) }
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &'static str {
         self.name.as_str()
     }
@@ -213,7 +213,7 @@ impl Parameter {
         }
     }
 
-    /// What values are usual; the default and others that the bounds admit are no errors.
+    /// Returns what values are usual; the default and others that the bounds admit are no errors.
     pub const fn typically(mut self, lower: f64, upper: f64) -> Self {
         self.typical_lower = lower;
         self.typical_upper = upper;
@@ -267,17 +267,17 @@ impl Parameter {
         self
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &'static str {
         self.name.as_str()
     }
 
-    /// Its named values.
+    /// Returns the named values.
     pub fn choices(&self) -> &'static [Choice] {
         self.choices.as_slice()
     }
 
-    /// Whether the value is finite, within bounds and, for a selecting parameter, listed.
+    /// Returns whether the value is finite, within bounds and, for a selecting parameter, listed.
     pub fn admits(&self, value: f64) -> bool {
         let above = if self.open_bounds & open_bounds::LOWER != 0 { value > self.lower } else { value >= self.lower };
         let below = if self.open_bounds & open_bounds::UPPER != 0 { value < self.upper } else { value <= self.upper };
@@ -308,14 +308,14 @@ impl RepeatingGroup {
         Self { name: Text::new(name), size, minimum, count_parameter, reserved: 0 }
     }
 
-    /// Whether there may be so many of them behind the other parameters.
+    /// Returns whether there may be so many of them behind the other parameters.
     #[inline(always)]
     pub fn admits(&self, occurrences: usize, others: &[f64]) -> bool {
         let is_counted = self.count_parameter < 0 || others[self.count_parameter as usize] == occurrences as f64;
         is_counted & (occurrences >= self.minimum as usize)
     }
 
-    /// Its key in case files.
+    /// Returns the key in case files.
     pub fn name(&self) -> &'static str {
         self.name.as_str()
     }
@@ -350,7 +350,7 @@ impl StateVariable {
         self
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn name(&self) -> &'static str {
         self.name.as_str()
     }
@@ -410,7 +410,7 @@ pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 
 /// What became of a point of a batch.
 pub mod batch_results {
-    /// Its arrays hold the new values.
+    /// Arrays hold the new values.
     pub const DONE: i32 = 0;
     /// It needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
     pub const CUT_BACK: i32 = 1;

@@ -9,7 +9,7 @@ use std::fmt;
 /// Largest number of state variables of a law exported by this crate.
 pub const MAX_STATES: usize = 64;
 
-/// Whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
+/// Returns whether none is NaN or infinite: all are looked at, without an early exit, which vectorises. x − x is +0 of a number
 /// and NaN of anything else (in the default rounding mode, in which laws run).
 ///
 /// Two by two from the first: a pair that a copy has just written in two halves would have to wait for both.
@@ -193,7 +193,7 @@ impl<const N: usize> Field<N> for [f64; N] {
 
 /// What N states make.
 pub trait StateField<const N: usize> {
-    /// From the values of its rows.
+    /// Makes a field from the values of its rows.
     fn of(values: [f64; N]) -> Self;
     /// The values of its rows.
     fn values(&self) -> [f64; N];
@@ -235,7 +235,7 @@ pub struct Check<const N: usize> {
 }
 
 impl<const N: usize> Check<N> {
-    /// Of rows of a table.
+    /// Checks rows of a table.
     pub const fn new(rows: &'static [Parameter; N]) -> Self {
         let mut check = Self { rows, lower: [0.0; N], upper: [0.0; N], has_choices: false };
         let mut k = 0;
@@ -250,7 +250,7 @@ impl<const N: usize> Check<N> {
         check
     }
 
-    /// Whether all values are within their bounds (no NaN is), and listed where there are choices.
+    /// Returns whether all values are within their bounds (no NaN is), and listed where there are choices.
     #[inline(always)]
     pub fn admits(&self, values: &[f64; N]) -> bool {
         // one decision: they are independent, a branch for each would not be
@@ -281,7 +281,7 @@ pub fn put<const N: usize>(taken: [f64; N], values: &mut [f64], at: &mut usize) 
     *at += N;
 }
 
-/// Whether none of a field is NaN or infinite.
+/// Returns whether none of a field is NaN or infinite.
 #[doc(hidden)]
 #[inline(always)]
 pub fn is_finite<const N: usize>(field: &impl StateField<N>) -> bool {

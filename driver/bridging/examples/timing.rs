@@ -77,7 +77,7 @@ fn report(name: &str, composite: &Composite, openings: &[f64], prepared: f64, st
     println!("{name}: {all:.1} ms, of which {prepared:.1} ms once; greatest relative error {error:.1e}");
 }
 
-/// Of all threads, s.
+/// Returns the CPU time of all threads, s.
 fn cpu_time() -> f64 {
     let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
     let nanoseconds = tasks.filter_map(|task| {

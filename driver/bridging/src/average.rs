@@ -31,7 +31,7 @@ pub struct Average {
 /// Σ over nodes of load, carrying, broken and spalled.
 type Sums = [f64; 4];
 
-/// At openings, in their order.
+/// Returns the averages at openings, in their order.
 pub fn averages(composite: &Composite, openings: &[f64]) -> Vec<Average> {
     openings.par_iter().map(|&opening| composite.average(opening)).collect()
 }
@@ -183,7 +183,7 @@ impl<'c> Integral<'c> {
         met
     }
 
-    /// By the rule of one degree; `visit` is told angle and weighted load of every node.
+    /// Sums by the rule of one degree; `visit` is told angle and weighted load of every node.
     fn sums(&self, level: usize, visit: &mut impl FnMut(f64, f64)) -> Sums {
         let half = 0.5 * self.composite.fibre.fibre.length;
         let mut sums = Sums::default();

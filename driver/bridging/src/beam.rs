@@ -94,7 +94,7 @@ pub struct SectionLaw {
 }
 
 impl SectionLaw {
-    /// Of σ(w), whose first opening is 0.
+    /// Makes a section law of σ(w), whose first opening is 0.
     pub fn new(matrix: &Matrix, law: &Polyline, hinge: f64) -> Self {
         let stiffness = matrix.modulus / hinge;
         let points: Vec<(f64, f64)> = law.points().collect();
@@ -140,7 +140,7 @@ impl SectionLaw {
     }
 }
 
-/// Of σ = stress + slope (u − a) from a to b.
+/// Returns the line integrals of σ = stress + slope (u − a) from a to b.
 fn line_integrals(a: f64, b: f64, stress: f64, slope: f64) -> [f64; 2] {
     let step = b - a;
     let first = step * (stress + 0.5 * slope * step);
@@ -162,7 +162,7 @@ fn with_integrals(curve: &[[f64; 2]]) -> Vec<[f64; 4]> {
     nodes
 }
 
-/// By rising u, below 0.
+/// Returns the branch of compression as (u, σ), by rising u below 0.
 fn compression(matrix: &Matrix, hinge: f64) -> Vec<[f64; 2]> {
     let elastic = |strain: f64| [-strain * hinge, -strain * matrix.modulus];
     let Some(fc) = matrix.fc else { return vec![elastic(CRUSHED)] };
@@ -187,7 +187,7 @@ fn compression(matrix: &Matrix, hinge: f64) -> Vec<[f64; 2]> {
 pub struct Load {
     /// Opening at the mouth of the notch, mm.
     pub cmod: f64,
-    /// By EN 14651's formula, mm.
+    /// Deflection by EN 14651's formula, mm.
     pub deflection: f64,
     /// F, N.
     pub force: f64,
@@ -216,7 +216,7 @@ pub struct Beam<'l> {
 }
 
 impl<'l> Beam<'l> {
-    /// Of one strip or more.
+    /// Makes a beam of one strip or more.
     pub fn new(geometry: NotchedBeam, strips: &'l [SectionLaw], matrix: &Matrix) -> Self {
         let ligament = geometry.ligament();
         let elongation = strips.last().map_or(0.0, |strip| strip.cracking);

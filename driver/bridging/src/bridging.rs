@@ -23,7 +23,7 @@ pub enum Bond {
 enum Source {
     Closed(ClosedSide),
     ShearLag(ShearLagSide),
-    /// Of openings.
+    /// A table of loads over openings.
     Table(Table),
 }
 
@@ -53,7 +53,7 @@ pub(crate) struct Prepared<'t> {
 #[derive(Clone, Debug)]
 enum Base<'t> {
     Perpendicular(Bridged),
-    /// With its load over the spalled length: lengths, loads, slopes.
+    /// A bridged fibre with its load over the spalled length: lengths, loads, slopes.
     Spalling(Bridged, [Vec<f64>; 3]),
     Row(Row<'t>),
 }
@@ -81,7 +81,7 @@ pub struct Response {
 }
 
 impl BridgingFibre {
-    /// Of a bond; `modular_ratio` is η_E = E V_f/(E_m (1 − V_f)), 0 for a stiff matrix.
+    /// Makes a bridging fibre of a bond; `modular_ratio` is η_E = E V_f/(E_m (1 − V_f)), 0 for a stiff matrix.
     ///
     /// # Errors
     /// Numbers without sense.
@@ -111,7 +111,7 @@ impl BridgingFibre {
         Ok(bridging)
     }
 
-    /// Of curves at angles; what angles do is in them.
+    /// Makes a bridging fibre of curves at angles; what angles do is in them.
     ///
     /// # Errors
     /// Numbers without sense.
@@ -125,7 +125,7 @@ impl BridgingFibre {
         Ok(Self { fibre, source: Source::Table(table), inclination, spalls: None, sides })
     }
 
-    /// At an opening w, of the shorter embedded side L_e, at θ (radians).
+    /// Returns the response at an opening w, of the shorter embedded side L_e, at θ (radians).
     pub fn at(&self, opening: f64, embedded: f64, angle: f64) -> Response {
         self.respond(&self.prepare(opening, embedded), angle)
     }
@@ -204,13 +204,13 @@ impl BridgingFibre {
         Response { load: if ruptured { 0.0 } else { load }, ruptured, spalled, stage }
     }
 
-    /// Whether the load has kinks over the angle beside those of [`Self::angles`].
+    /// Returns whether the load has kinks over the angle beside those of [`Self::angles`].
     pub(crate) fn has_kinks_over_angles(&self) -> bool {
         let simple = matches!(self.inclination, Inclination::Exp { .. } | Inclination::ExpCos { .. });
         self.fibre.strength.is_some() || !simple
     }
 
-    /// How closely averages are worth following.
+    /// Returns how closely averages are worth following.
     pub(crate) fn resolution(&self) -> Resolution {
         match (&self.source, &self.spalls) {
             (Source::Closed(_), None) => Resolution::EXACT,

@@ -37,7 +37,7 @@ pub struct Matrix {
     pub modulus: f64,
     /// Tensile strength, MPa.
     pub ft: f64,
-    /// Its softening.
+    /// Softening.
     #[serde(default)]
     pub softening: Softening,
     /// Fracture energy, N/mm.

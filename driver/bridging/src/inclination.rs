@@ -87,7 +87,7 @@ impl Inclination {
         }
     }
 
-    /// Of `base`, the perpendicular fibre at the opening; `at` gives the same with a spalled length. `spalls` are those of
+    /// Applies the inclination to `base`, the perpendicular fibre at the opening; `at` gives the same with a spalled length. `spalls` are those of
     /// this fibre and matrix.
     #[expect(clippy::too_many_arguments, reason = "a fibre at an opening, and all that it may depend on")]
     pub(crate) fn apply(
@@ -131,7 +131,7 @@ impl Inclination {
         }
     }
 
-    /// How far the matrix spalls; `at` gives a perpendicular fibre: (opening, embedded length, spalled length).
+    /// Returns how far the matrix spalls; `at` gives a perpendicular fibre: (opening, embedded length, spalled length).
     pub(crate) fn spalls(&self, fibre: &Fibre, at: impl Fn(f64, f64, f64) -> Bridged + Sync) -> Option<Spalls> {
         let Self::Spalling { k, k_sp, ft } = *self else { return None };
         let half = 0.5 * fibre.length;
@@ -223,7 +223,7 @@ impl Spalling {
         root(excess, 0.0, self.embedded)
     }
 
-    /// At an opening, the greatest spall being reached at another: spalls do not heal.
+    /// Returns the load at an opening, the greatest spall being reached at another: spalls do not heal.
     fn after(&self, opening: f64, [peak, largest, highest]: [f64; 3], at: impl Fn(f64) -> Bridged) -> Inclined {
         let is_largest = opening >= peak;
         let spalled = if is_largest { largest } else { self.alone(opening, &at).min(largest) };

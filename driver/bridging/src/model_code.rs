@@ -26,7 +26,7 @@ pub struct ModelCode2010 {
 }
 
 impl ModelCode2010 {
-    /// Of f_R1 and f_R3; w_u in mm.
+    /// Makes the law of the Model Code from f_R1 and f_R3; w_u in mm.
     pub fn new(f_r1: f64, f_r3: f64, ultimate_opening: f64) -> Self {
         let serviceability = 0.45 * f_r1;
         let falls = serviceability - 0.5 * f_r3 + 0.2 * f_r1;
@@ -40,7 +40,7 @@ impl ModelCode2010 {
 pub struct StrengthClass {
     /// Least f_R1k, MPa.
     pub strength: f64,
-    /// By f_R3k/f_R1k.
+    /// The letter of the class, by f_R3k/f_R1k.
     pub letter: char,
     /// Whether fibres may stand for bars: f_R1k/f_Lk > 0.4 and f_R3k/f_R1k > 0.5.
     pub structural: bool,

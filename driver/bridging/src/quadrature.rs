@@ -126,7 +126,7 @@ pub fn root(mut f: impl FnMut(f64) -> f64, a: f64, b: f64) -> f64 {
     x_1
 }
 
-/// Where f is greatest in [a, b], if it has one maximum there (golden section), and its value.
+/// Returns where f is greatest in [a, b], if it has one maximum there (golden section), and its value.
 pub fn maximum(mut f: impl FnMut(f64) -> f64, a: f64, b: f64, steps: usize) -> (f64, f64) {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let (mut low, mut high) = (a, b);

@@ -31,7 +31,7 @@ pub struct Scatter {
     pub beams: usize,
     /// Coefficient of variation of the load of a fibre by its bond (lognormal, mean 1).
     pub bond_cv: f64,
-    /// Of its strength.
+    /// Coefficient of variation of the strength.
     pub strength_cv: f64,
     /// Strips of the ligament, each with the fibres that cross it.
     pub strips: usize,
@@ -153,7 +153,7 @@ fn uniform(random: &mut Pcg64) -> f64 {
 
 /// Loads of all fibres that there may be, unbroken, and the distribution of their angles.
 struct Population {
-    /// At (length, angle), over the openings.
+    /// Loads at (length, angle), over the openings.
     loads: Vec<Vec<f64>>,
     /// 0 unless all fibres are at one angle.
     angles: usize,

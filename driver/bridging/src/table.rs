@@ -33,7 +33,7 @@ struct Measured {
 }
 
 impl Measured {
-    /// Where it ends with a load it goes on straight to none at the slip of extraction, or falls at once beyond that.
+    /// Reads a curve. One that ends with a load goes on straight to none at the slip of extraction, or falls at once beyond that.
     fn new(curve: &Curve) -> Self {
         let mut points: Vec<(f64, f64)> = curve.slip.iter().copied().zip(curve.load.iter().copied()).collect();
         if points.first().is_none_or(|first| first.0 > 0.0) {
@@ -56,7 +56,7 @@ impl Measured {
 pub struct Table {
     angles: Vec<f64>,
     lengths: Vec<f64>,
-    /// By angle, then length.
+    /// Curves by angle, then length.
     curves: Vec<Vec<Measured>>,
     cut: f64,
 }
@@ -74,7 +74,7 @@ pub(crate) struct Row<'t> {
 }
 
 impl Table {
-    /// Of curves in any order; fibres at more than `cut_deg` carry nothing.
+    /// Makes a table of curves in any order; fibres at more than `cut_deg` carry nothing.
     ///
     /// # Errors
     /// Curves that do not make a table, or do not reach half the fibre's length.
@@ -166,7 +166,7 @@ impl Table {
         self.lengths.partition_point(|&length| length < embedded).min(self.lengths.len() - 1)
     }
 
-    /// At all angles; `greatest` only if it is wanted.
+    /// Returns the row at all angles; `greatest` only if it is wanted.
     pub(crate) fn row(&self, slip: f64, embedded: f64, greatest: bool) -> Row<'_> {
         let all = (0..self.angles.len()).map(|angle| self.between(angle, slip, embedded, greatest));
         let (loads, greatest): (Vec<f64>, Vec<f64>) = all.map(|[load, greatest]| (load, greatest)).unzip();
@@ -175,7 +175,7 @@ impl Table {
         Row { table: self, loads, slopes, greatest, greatest_slopes, cell: self.cell(embedded) }
     }
 
-    /// Of openings instead of slips, both sides of the crack giving way. The long side follows the loading branch of
+    /// Makes a table of openings instead of slips, both sides of the crack giving way. The long side follows the loading branch of
     /// the longest curve.
     pub(crate) fn of_two_sides(&self, fibre_length: f64) -> Self {
         let mut lengths = Vec::new();

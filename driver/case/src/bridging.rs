@@ -35,9 +35,9 @@ const SAME_DIAMETER: f64 = 1e-6;
 
 /// Reads other cases that one of bridging takes curves of, or says what is wrong with them.
 pub struct Others {
-    /// Of a specimen with overrides: `None` if that is not to be done here.
+    /// Reads a specimen with overrides: `None` if that is not to be done here.
     pub specimen: fn(&Reader<'_>, &Path, &[String]) -> ReadSpecimen,
-    /// Of a law of contact along steps.
+    /// Reads a law of contact and the steps along which it is called.
     pub law: fn(&Reader<'_>, &Value, &[Value]) -> ReadLaw,
 }
 
@@ -100,7 +100,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     Some(program)
 }
 
-/// What the fibres and the matrix make; the rest is left open.
+/// Returns what the fibres and the matrix make; the rest is left open.
 fn program_of(
     case: &BridgingCase,
     fibre: Option<(Fibre, Source)>,

@@ -112,7 +112,7 @@ fn matching_sets(constraints: &[Constraint], free: &[usize]) -> Vec<u32> {
     sets
 }
 
-/// Whether the step's six conditions determine the strains of an elastic body.
+/// Returns whether the step's six conditions determine the strains of an elastic body.
 fn is_regular(constraints: &[Constraint], controls: &[Control; 6], set: u32, mode: Mode) -> bool {
     PROBES.iter().any(|&(modulus, ratio)| {
         let stiffness = elastic_stiffness(modulus, ratio);

@@ -159,7 +159,7 @@ pub struct Material {
     /// all plugins were built with the program; false is granted by --in-process only.
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
-    /// In a plane: "3d" calls the UMAT with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.
+    /// How the UMAT is called in a plane: "3d" with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.
     /// Default: as it needs; of a library without metadata calls of a virgin point tell.
     #[serde(rename = "as")]
     pub components: Option<CalledAs>,

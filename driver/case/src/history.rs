@@ -7,7 +7,7 @@ use crate::table::CsvFile;
 use pullout_run::program::{self, About};
 use std::path::Path;
 
-/// What cases of all kinds say; how much is written, and what reading leaves to tell, is added later.
+/// Returns what cases of all kinds say; how much is written, and what reading leaves to tell, is added later.
 pub fn about(
     reader: &mut Reader<'_>,
     path: &Path,

@@ -148,7 +148,7 @@ fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>,
     }
 }
 
-/// What the normal value means; problems for a gap under FRIC, and for gap and pressure at once.
+/// Returns what the normal value means; problems for a gap under FRIC, and for gap and pressure at once.
 fn normal_control(
     reader: &mut Reader<'_>,
     gap: bool,

@@ -160,7 +160,7 @@ pub fn not_found(plugin: &str, folders: &[PathBuf]) -> String {
     format!("no plugin '{plugin}' was found; searched: {}{near}; {}", searched.join(", "), where_to_look(folders))
 }
 
-/// How to name folders of plugins, and how to get the program's own laws if they are in none of these folders.
+/// Returns how to name folders of plugins, and how to get the program's own laws if they are in none of these folders.
 pub fn where_to_look(folders: &[PathBuf]) -> String {
     let other = "--plugin-path DIR or the environment variable PULLOUT_PLUGIN_PATH names other folders";
     match Found::by_name(ALL_LAWS, folders) {
@@ -193,7 +193,7 @@ fn choose_law(reader: &mut Reader<'_>, library: &Library, material: &Material, p
     Some(law.cloned())
 }
 
-/// How the UMAT is called, as the case says.
+/// Returns how the UMAT is called, as the case says.
 fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: &Use) -> Manner {
     let keys = [("as", material.components.is_some()), ("tangent", material.tangent.is_some())];
     if purpose.entry != Entry::Umat {
@@ -211,7 +211,7 @@ fn manner(reader: &mut Reader<'_>, material: &Material, place: &Place, purpose: 
     }
 }
 
-/// Whether the law has the entry point and the mode.
+/// Returns whether the law has the entry point and the mode.
 fn check_kind(reader: &mut Reader<'_>, law: &Law, place: &Place, purpose: &Use, manner: Manner) -> bool {
     let of_specimen = purpose.subject == Subject::Specimen;
     let solid =

@@ -125,7 +125,7 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
     }
 }
 
-/// Whether a step controls strains and Cauchy stresses of a material that has turned.
+/// Returns whether a step controls strains and Cauchy stresses of a material that has turned.
 fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bool {
     setting.measure == Measure::Logarithmic
         && step.mixes_strain_and_stress(setting.mode.controllable())

@@ -32,7 +32,7 @@ impl Place {
         Self(format!("{}[{index}]", self.0))
     }
 
-    /// Whether one of some places is this one or lies within it.
+    /// Returns whether one of some places is this one or lies within it.
     pub fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
         // What begins with a text stands together in their order.
         let has_beginning = |beginning: Self| {
@@ -41,7 +41,7 @@ impl Place {
         places.contains(self) || [".", "["].into_iter().any(|next| has_beginning(Self(format!("{}{next}", self.0))))
     }
 
-    /// As `--set` names it: `material.props`.
+    /// Returns the place as `--set` names it: `material.props`.
     pub fn in_words(&self) -> &str {
         self.0.trim_start_matches("$.")
     }
@@ -114,7 +114,7 @@ const LONGEST_LINE: usize = 1000;
 pub struct CaseErrors {
     /// The case file.
     pub file: PathBuf,
-    /// At least one problem.
+    /// What is wrong: at least one problem.
     pub problems: Vec<Problem>,
 }
 

@@ -21,7 +21,7 @@ pub fn props_from_json(law: &Law, props: &Value) -> Result<Vec<f64>, Vec<Problem
     }
 }
 
-/// As [`props_from_json`].
+/// Returns PROPS in order, as [`props_from_json`] does.
 pub(super) fn resolve(law: &Law, props: Option<&Props>, place: &Place) -> Result<Vec<f64>, Vec<Problem>> {
     let mut problems = Vec::new();
     let values = match props {

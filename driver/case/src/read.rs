@@ -28,7 +28,7 @@ pub enum Case {
 }
 
 impl Case {
-    /// What cases of all kinds say.
+    /// Returns what cases of all kinds say.
     pub fn about(&self) -> &About {
         match self {
             Self::Path(program) => &program.about,
@@ -125,7 +125,7 @@ fn finished(reader: Reader<'_>, path: &Path, case: Option<Case>) -> Result<Case,
     }
 }
 
-/// Whether a file is a study rather than a case.
+/// Returns whether a file is a study rather than a case.
 pub fn is_study(path: &Path) -> bool {
     document(path, &[]).is_some_and(|document| document["kind"] == structure::STUDY)
 }

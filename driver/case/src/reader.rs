@@ -23,7 +23,7 @@ pub struct Reader<'a> {
 }
 
 impl<'a> Reader<'a> {
-    /// For a file in this folder.
+    /// Makes a reader for a file in this folder.
     pub fn new(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
         Self {
             folder,

@@ -17,7 +17,7 @@ pub trait StepDocument: Sized {
 
 /// A step of a program.
 pub trait Counted: Clone {
-    /// Its number of increments.
+    /// Returns the number of increments.
     fn increments(&self) -> u64;
     /// Rows of its table that a copy of it copies.
     fn rows(&self) -> u64;
@@ -52,7 +52,7 @@ pub fn expand<S: StepDocument, R: Counted>(
     expanded
 }
 
-/// Whether so many repetitions stay within the limits.
+/// Returns whether so many repetitions stay within the limits.
 fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: u64, place: &Place) -> bool {
     let sum = |count: fn(&R) -> u64| steps.iter().map(count).fold(0_u64, u64::saturating_add).saturating_mul(repeat);
     let limits = [

@@ -58,7 +58,7 @@ pub fn schema() -> Value {
 /// The part of the schema that a case of some kind must obey, and what checks it; or why it cannot.
 type Checker = Result<(Value, Validator), String>;
 
-/// What checks a kind, made once: a study reads the cases of all its runs.
+/// Returns what checks a kind, made once: a study reads the cases of all its runs.
 fn checker(kind: &str) -> Option<&'static Checker> {
     static CHECKERS: [OnceLock<Checker>; KINDS.len() + 2] = [const { OnceLock::new() }; KINDS.len() + 2];
     let index = kinds().chain([STUDY, SWEEP]).position(|name| name == kind)?;
@@ -153,7 +153,7 @@ pub struct Structure {
 }
 
 impl Structure {
-    /// Whether something is missing because its key is misspelt.
+    /// Returns whether something is missing because its key is misspelt.
     pub fn explains(&self, problem: &Problem) -> bool {
         problem.place.as_ref().is_some_and(|place| self.meant.contains(place))
     }
@@ -162,7 +162,7 @@ impl Structure {
 struct Findings<'s> {
     schema: &'s Value,
     problems: Vec<Problem>,
-    /// By JSON pointer of an object, keys in it.
+    /// Unknown keys by the JSON pointer of the object that they stand in.
     unknown: BTreeMap<String, BTreeSet<String>>,
     /// Keys that are not there, and that these are nearest to.
     meant: BTreeSet<Place>,
@@ -290,13 +290,13 @@ struct WrongTag<'e> {
     words: Vec<&'e Value>,
 }
 
-/// Whether an error says that a member's word belongs to another branch.
+/// Returns whether an error says that a member's word belongs to another branch.
 fn is_tag(error: &ValidationError<'_>, here: &Location) -> bool {
     matches!(error.kind(), Kind::Constant { expected_value } if expected_value.is_string())
         && error.instance_path() != here
 }
 
-/// If every branch expects another word in the same member.
+/// Finds the tag that is wrong, if every branch expects another word in the same member.
 fn wrong_tag<'e>(context: &'e [Vec<ValidationError<'static>>], here: &Location) -> Option<WrongTag<'e>> {
     let constant = |branch: &'e Vec<ValidationError<'static>>| {
         branch.iter().find_map(|error| match error.kind() {
@@ -367,7 +367,7 @@ fn collect_expectations(context: &[Vec<ValidationError<'static>>], here: &Locati
     }
 }
 
-/// What the schema wants, for the errors that are about type or choice.
+/// Returns what the schema wants, for the errors that are about type or choice.
 fn expected(error: &ValidationError<'_>) -> Option<String> {
     match error.kind() {
         Kind::Type { kind: TypeKind::Single(kind) } => Some(type_name(*kind).to_owned()),

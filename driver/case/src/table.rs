@@ -122,7 +122,7 @@ impl Problems {
         }
     }
 
-    /// What was read, if nothing is wrong.
+    /// Returns what was read, if nothing is wrong.
     fn or<T>(mut self, read: T) -> Result<T, Vec<String>> {
         match self.count.saturating_sub(MOST_PROBLEMS) {
             0 if self.count == 0 => return Ok(read),
@@ -136,7 +136,7 @@ impl Problems {
 /// What a table step's file says: columns of known names, with time increments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// For each of the names asked for, its column in [`Self::rows`].
+    /// The column in [`Self::rows`] of each of the names asked for.
     pub columns: Vec<Option<usize>>,
     /// Time increments; 1 each if the file has no column "time".
     pub time_increments: Vec<f64>,

@@ -97,7 +97,7 @@ fn wait(child: &mut Child, stop: &AtomicBool) -> io::Result<ExitStatus> {
     }
 }
 
-/// What the child left.
+/// Returns what the child left.
 fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
     let mut summary = Summary::read(&out.join(summary::FILE))?;
     if source.document.is_some() && source.text().is_some_and(|document| document["title"].is_null()) {

@@ -43,7 +43,7 @@ pub fn follow<'c>(case: &'c Case, record: &mut Record, folder: &Path, checkpoint
     Followed { statistics, result, specimen }
 }
 
-/// How far a run goes.
+/// Returns how far a run goes.
 pub fn extent(case: &Case) -> Extent {
     match case {
         Case::Path(program) => Extent::Increments(path::increments(program)),

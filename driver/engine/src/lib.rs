@@ -81,7 +81,7 @@ pub struct Outcome {
 }
 
 impl Outcome {
-    /// Whether the run came to its end.
+    /// Returns whether the run came to its end.
     pub fn is_done(&self) -> bool {
         self.summary.status == Status::Done
     }
@@ -125,7 +125,7 @@ impl Source {
         }
     }
 
-    /// What the case needs a process of its own for, if it does.
+    /// Returns what the case needs a process of its own for, if it does.
     pub fn need(&self) -> Option<Need> {
         isolation::need(&self.text()?, &self.file, &self.plugin_paths)
     }

@@ -35,7 +35,7 @@ const ON_BOUND: f64 = 1e-6;
 /// A number of a case that is sought.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Free {
-    /// Its place, as `--set` has it.
+    /// Place, as `--set` has it.
     pub path: String,
     /// Where it may be.
     pub bounds: [f64; 2],
@@ -65,7 +65,7 @@ pub struct CaseFit {
     pub starts: Vec<f64>,
     /// The numbers that fit best.
     pub values: Vec<f64>,
-    /// Of the numbers; infinite if nothing is known.
+    /// Standard errors of the numbers; infinite if nothing is known.
     pub standard_errors: Vec<f64>,
     /// Between the numbers.
     pub correlation: DMatrix<f64>,
@@ -509,12 +509,12 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
 }
 
 impl CaseFit {
-    /// Whether the curve tells a number.
+    /// Returns whether the curve tells a number.
     fn is_identifiable(&self, k: usize) -> bool {
         self.standard_errors[k] <= IDENTIFIABLE * self.values[k].abs()
     }
 
-    /// What came out, for a person.
+    /// Returns what came out, for a person.
     pub fn describe(&self) -> String {
         let mut text = String::new();
         for (k, free) in self.free.iter().enumerate() {

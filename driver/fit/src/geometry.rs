@@ -30,7 +30,7 @@ pub struct Fibre {
     pub diameter: f64,
     /// L, mm.
     pub embedded_length: f64,
-    /// From the exit face to the grip, mm.
+    /// Length from the exit face to the grip, mm.
     pub free_length: f64,
     /// E, MPa.
     pub youngs_modulus: f64,

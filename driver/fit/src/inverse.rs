@@ -33,7 +33,7 @@ pub enum Weights {
 }
 
 impl Weights {
-    /// Of each row; their mean is 1.
+    /// Returns the weight of each row; their mean is 1.
     pub fn of(self, curve: &LoadSlipCurve) -> Vec<f64> {
         let peak = curve.peak().slip;
         let rises = |slip: f64| slip <= peak;
@@ -76,7 +76,7 @@ impl Target<'_> {
 pub struct Found {
     /// The law.
     pub law: BondLaw,
-    /// Its curve.
+    /// Curve.
     pub curve: SimulatedCurve,
     /// Derivatives of [`Target::differences`] by the law's coordinates; `None` if there were no runs left for it.
     pub jacobian: Option<DMatrix<f64>>,

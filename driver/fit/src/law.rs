@@ -50,16 +50,16 @@ pub enum BondLaw {
 /// A number of a law as its user knows it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Quantity {
-    /// Its name: that of the plugin's parameter, if it is one.
+    /// Name: that of the plugin's parameter, if it is one.
     pub name: String,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
-    /// Its value.
+    /// Value.
     pub value: f64,
 }
 
 impl BondLaw {
-    /// What messages and files call the form; the plugin's word for it.
+    /// Returns what messages and files call the form; the plugin's word for it.
     pub fn form(&self) -> &'static str {
         match self {
             Self::Powers(_) => "powers",
@@ -67,7 +67,7 @@ impl BondLaw {
         }
     }
 
-    /// Where it is in the space that the fit moves in.
+    /// Returns where it is in the space that the fit moves in.
     pub fn coordinates(&self) -> Vec<f64> {
         let shape = |coordinate: f64| coordinate.clamp(-LARGEST_SHAPE, LARGEST_SHAPE);
         match self {
@@ -122,7 +122,7 @@ impl BondLaw {
         }
     }
 
-    /// Its numbers, the joints included.
+    /// Returns the numbers, the joints included.
     pub fn quantities(&self) -> Vec<Quantity> {
         let quantity = |name: &str, unit, value| Quantity { name: name.to_owned(), unit, value };
         match self {
@@ -156,7 +156,7 @@ impl BondLaw {
         }
     }
 
-    /// Its parameters as the plugin's props name them.
+    /// Returns the parameters as the plugin's props name them.
     pub fn props(&self) -> Map<String, Value> {
         let props = match self {
             Self::Powers(Powers { elastic_stiffness, rise: [a_1, b_1], fall: [a_2, b_2] }) => {

@@ -92,13 +92,13 @@ pub enum FitError {
 /// A law and how well it is known.
 #[derive(Clone, Debug)]
 pub struct FittedLaw {
-    /// By regression alone.
+    /// The law by regression alone.
     pub regression: BondLaw,
-    /// By inverse finite elements.
+    /// The law by inverse finite elements.
     pub law: BondLaw,
-    /// Its numbers with their errors; `None` if there were no runs left for it.
+    /// Numbers with their errors; `None` if there were no runs left for it.
     pub uncertainty: Option<Uncertainty>,
-    /// Its curve.
+    /// Curve.
     pub simulated: SimulatedCurve,
     /// How near its curve is to the measured one.
     pub quality: Quality,
@@ -188,7 +188,7 @@ fn quality(curve: &LoadSlipCurve, rms: f64) -> Quality {
     Quality { rms, r_squared: 1.0 - left / scatter }
 }
 
-/// What the simulations need a process of their own for, if they do: one for the whole fit.
+/// Returns what the simulations need a process of their own for, if they do: one for the whole fit.
 pub fn need(request: &Request) -> Option<Need> {
     match &request.specimen_case {
         Some(file) => pullout_case::need(file, &[], &request.plugin_paths),

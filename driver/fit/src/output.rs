@@ -223,7 +223,7 @@ fn law_line(k: usize, law: &FittedLaw, end: f64) -> Line {
     line(k, law, slips.into_iter().zip(tractions).collect(), ("slip", "tau"))
 }
 
-/// What an error is worth, for readers of the report.
+/// Returns what an error is worth, for readers of the report.
 fn explanation() -> String {
     format!(
         "Errors are standard errors to first order, from the derivatives of the computed curve and the scatter that is \

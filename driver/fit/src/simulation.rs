@@ -49,7 +49,7 @@ pub struct Simulator {
 }
 
 impl Simulator {
-    /// Of a specimen; reads its case once, with a law.
+    /// Makes a simulator of a specimen; reads its case once, with a law.
     ///
     /// # Errors
     /// What is wrong with the case.

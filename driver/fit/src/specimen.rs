@@ -16,7 +16,7 @@ const WIDTH: f64 = 12.0;
 const LEAST_WIDTH: f64 = 25.4;
 const THICKNESS: f64 = 8.0;
 const LEAST_THICKNESS: f64 = 3.26;
-/// Its depth over the embedded length: that of chapters 6 and 7.
+/// Depth over the embedded length: that of chapters 6 and 7.
 const DEPTH: f64 = 12.7 / 12.2;
 /// Elements along the embedded length, and the size of the last over their mean.
 const ELEMENTS: usize = 20;
@@ -25,7 +25,7 @@ const EXIT_SIZE: f64 = 0.5;
 const GROWTH: f64 = 2.0;
 /// The hard normal law's tension cap, MPa: above what any fibre opens (thesis, Fig. 6.19).
 const TENSION_CAP: f64 = 1000.0;
-/// It fades over this part of the diameter.
+/// Part of the diameter over which it fades.
 const OPENING: f64 = 0.01;
 /// Poisson's ratios.
 const FIBRE_POISSON: f64 = 0.3;
@@ -60,7 +60,7 @@ pub enum MatrixLaw {
 pub struct Materials {
     /// What the matrix is made of.
     pub matrix: MatrixLaw,
-    /// Its Young's modulus, MPa.
+    /// Young's modulus, MPa.
     pub matrix_modulus: f64,
     /// First yield of the fibre, MPa; `None`: elastic.
     pub fibre_yield: Option<f64>,
@@ -122,7 +122,7 @@ impl Specimen {
         Ok(Self { document, file: PathBuf::from("bond-law.json"), is_own: false })
     }
 
-    /// What it needs a process of its own for, if it does.
+    /// Returns what it needs a process of its own for, if it does.
     pub fn need(&self, plugin_paths: &[PathBuf]) -> Option<Need> {
         isolation::need(&self.document, &self.file, plugin_paths)
     }

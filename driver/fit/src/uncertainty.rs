@@ -15,12 +15,12 @@ const STEP: f64 = 1e-5;
 pub struct Estimate {
     /// The number.
     pub quantity: Quantity,
-    /// Its standard error in its unit; infinite if nothing is known, 0 if it was given and not sought.
+    /// Standard error in its unit; infinite if nothing is known, 0 if it was given and not sought.
     pub standard_error: f64,
 }
 
 impl Estimate {
-    /// Whether it was given: the last slip of a piecewise law is the curve's.
+    /// Returns whether it was given: the last slip of a piecewise law is the curve's.
     pub fn is_given(&self) -> bool {
         self.standard_error == 0.0
     }
@@ -30,7 +30,7 @@ impl Estimate {
         self.standard_error / self.quantity.value.abs()
     }
 
-    /// Whether the curve tells the number.
+    /// Returns whether the curve tells the number.
     pub fn is_identifiable(&self) -> bool {
         self.relative() <= IDENTIFIABLE
     }
@@ -39,13 +39,13 @@ impl Estimate {
 /// The numbers of a law, and their correlation matrix.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Uncertainty {
-    /// In the order of [`BondLaw::quantities`].
+    /// Estimates in the order of [`BondLaw::quantities`].
     pub estimates: Vec<Estimate>,
     /// Between them.
     pub correlation: DMatrix<f64>,
 }
 
-/// Of a fitted law.
+/// Returns the uncertainty of a fitted law.
 pub fn uncertainty(law: &BondLaw, residuals: &DVector<f64>, jacobian: &DMatrix<f64>, weights: &[f64]) -> Uncertainty {
     let (errors, correlation) = spread(residuals, jacobian, weights, &derivatives(law));
     let quantities = law.quantities().into_iter().zip(errors);

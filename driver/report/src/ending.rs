@@ -33,7 +33,7 @@ pub struct RunEnd {
     pub is_interrupted: bool,
     /// Seconds from start to end.
     pub wall_time_s: f64,
-    /// Not known of a process that was ended.
+    /// Processor time, s; not known of a process that was ended.
     pub cpu_time_s: Option<f64>,
     /// What the run itself found that the user should know.
     pub warnings: Vec<String>,
@@ -63,7 +63,7 @@ impl RunEnd {
         }
     }
 
-    /// Of a run that was ended from outside: its peaks are those of the rows that were written.
+    /// Reads the end of a run that was ended from outside: its peaks are those of the rows that were written.
     ///
     /// # Errors
     /// The history cannot be read.

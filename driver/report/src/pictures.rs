@@ -71,7 +71,7 @@ pub fn draw(
 /// A state with its name.
 struct Moment<'a> {
     state: &'a State<'a>,
-    /// At the end of a file's stem.
+    /// What the stem of a file ends with.
     suffix: &'static str,
     words: &'static str,
     /// Load, N: 0 where only rounding is left of the greatest one.
@@ -185,7 +185,7 @@ impl<'a> Album<'a> {
         Ok(())
     }
 
-    /// What pictures show, by what is added to their names: everything, and around the exit of a fibre.
+    /// Returns what pictures show, by what is added to their names: everything, and around the exit of a fibre.
     fn windows(&self, mesh: &PictureMesh) -> Vec<(&'static str, Option<Window>)> {
         let around_exit = self.fibre.as_ref().and_then(|fibre| {
             let whole = Window::around(&mesh.nodes)?;

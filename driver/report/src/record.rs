@@ -76,7 +76,7 @@ fn time_of(clock: ClockId) -> Duration {
 }
 
 impl Kept {
-    /// Of a checkpoint of a run with these columns; `None`: it holds none.
+    /// Reads what a checkpoint of a run with these columns keeps; `None`: it holds none.
     pub fn of(saved: &Saved, columns: &[String]) -> Option<Self> {
         let kept: Self = postcard::from_bytes(&saved.observer).ok()?;
         let Self { peaks, done, times_s, .. } = &kept;
@@ -107,14 +107,14 @@ impl Record {
         }
     }
 
-    /// Of a run that begins.
+    /// Begins the record of a run.
     pub fn new(history: &Path, columns: &[String], progress: Progress, is_hashed: bool) -> io::Result<Self> {
         let rows = Rows::File(HistoryWriter::create(history, columns, is_hashed)?);
         let record = Self::begin(rows, PeakRecorder::new(columns), progress, ClockId::ProcessCPUTime);
         Ok(Self { states: Some(States::default()), ..record })
     }
 
-    /// Of a run whose rows stay in memory. `stop` ends it; `is_of_thread`: nothing but the present thread works for it, and
+    /// Begins the record of a run whose rows stay in memory. `stop` ends it; `is_of_thread`: nothing but the present thread works for it, and
     /// others may work for other runs.
     pub fn in_memory(columns: Vec<String>, progress: Progress, stop: Arc<AtomicBool>, is_of_thread: bool) -> Self {
         let clock = if is_of_thread { ClockId::ThreadCPUTime } else { ClockId::ProcessCPUTime };
@@ -123,7 +123,7 @@ impl Record {
         Self { stop: Some(stop), ..Self::begin(rows, peaks, progress, clock) }
     }
 
-    /// Of a run that goes on.
+    /// Goes on with the record of a run that goes on.
     pub fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
         let Kept { history_bytes, history_sha256: _, peaks, states, done, times_s: earlier_s } = kept;
         let rows = Rows::File(HistoryWriter::resume(history, columns, history_bytes)?);
@@ -143,12 +143,12 @@ impl Record {
         self.states.take().unwrap_or_default()
     }
 
-    /// Whether a signal or another thread ended the run.
+    /// Returns whether a signal or another thread ended the run.
     pub fn was_ended(&self) -> bool {
         self.ended.get()
     }
 
-    /// Where the run was when the last row was written.
+    /// Returns where the run was when the last row was written.
     pub fn place(&self) -> String {
         let [step, increment] = self.place;
         format!("step {step}, increment {increment}")

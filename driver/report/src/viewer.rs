@@ -122,7 +122,7 @@ impl States {
         }))
     }
 
-    /// What the script reads: the head, and numbers of all kinds one behind the other.
+    /// Returns what the script reads: the head, and numbers of all kinds one behind the other.
     fn encode(&self, program: &Program, curve: [Vec<f64>; 2]) -> Result<(Value, Vec<u8>), FieldsError> {
         let model = &program.model;
         let mesh = &model.mesh;
@@ -304,7 +304,7 @@ impl Shapes {
         self.items.push(Shape { nodes, is_behind, gone });
     }
 
-    /// What lies behind first, and in both layers what stays longest: what is left of one is its beginning.
+    /// Returns what lies behind first, and in both layers what stays longest: what is left of one is its beginning.
     fn ordered(mut self) -> Self {
         self.items.sort_by_key(|shape| (!shape.is_behind, std::cmp::Reverse(shape.gone)));
         self
@@ -314,7 +314,7 @@ impl Shapes {
         self.items.iter().filter(|shape| shape.is_behind).count()
     }
 
-    /// How many are left in a state, behind and in front.
+    /// Returns how many are left in a state, behind and in front.
     fn left(&self, state: usize) -> [usize; 2] {
         [true, false]
             .map(|layer| self.items.iter().filter(|shape| shape.is_behind == layer && shape.gone > state).count())

@@ -90,7 +90,7 @@ pub struct Simulation {
     pub angle_deg: f64,
     /// mm.
     pub embedded: f64,
-    /// As texts of `--set`.
+    /// Overrides as texts of `--set`.
     pub overrides: Vec<String>,
 }
 
@@ -157,7 +157,7 @@ pub struct Results {
     pub scatter: Vec<ScatterRow>,
     /// Curves of runs of a specimen.
     pub curves: Vec<Curve>,
-    /// In a few numbers.
+    /// What was found, in a few numbers.
     pub findings: Findings,
     /// Things the user should know.
     pub warnings: Vec<String>,
@@ -190,15 +190,15 @@ pub struct Findings {
     /// The runs that the curves of fibres are of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulations: Option<SimulationFindings>,
-    /// Of the notched beam by the mean σ(w).
+    /// What was found of the notched beam by the mean σ(w).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beam: Option<BeamFindings>,
-    /// Of the beams made at random.
+    /// What was found of the beams made at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<ScatterFindings>,
 }
 
-/// Of the runs of fibres.
+/// Findings of the runs of fibres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationFindings {
     /// How many curves the table has of them.
@@ -263,7 +263,7 @@ pub struct Spread {
     pub upper: f64,
 }
 
-/// Of beams made at random.
+/// Findings of beams made at random.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ScatterFindings {
     /// How many.

@@ -11,15 +11,15 @@ use pullout_bridging::{Average, Load as BeamLoad, Residual};
 /// A column of histories whose rows are made of an `R`.
 #[derive(Clone, Copy, Debug)]
 pub struct Column<R: 'static> {
-    /// Its name in files and cases.
+    /// Name in files and cases.
     pub name: &'static str,
-    /// Its unit; empty for a pure number.
+    /// Unit; empty for a pure number.
     pub unit: &'static str,
     /// What an axis calls it, in the markup of pictures (`_{11}` is an index).
     pub title: &'static str,
     /// What it belongs to.
     pub group: Group,
-    /// Its value.
+    /// Value.
     pub value: fn(&R) -> f64,
 }
 
@@ -42,7 +42,7 @@ pub enum Group {
     Count,
     /// The deformation gradient: at finite strain alone.
     Gradient,
-    /// Of the second tangential direction, where there is one.
+    /// The second tangential direction, where there is one.
     Second,
     /// Energies of a point: behind its states.
     Density,
@@ -86,7 +86,7 @@ pub struct PointRow {
     pub energies: [f64; 3],
 }
 
-/// Of a material point.
+/// Columns of a material point.
 pub static POINT: [Column<PointRow>; 25] = [
     column("time", "s", "time", Other, |row| row.time),
     column("e11", "", "ε_{11}", Strain, |row| row.strain[0]),
@@ -135,7 +135,7 @@ pub struct ContactRow {
     pub energies: [f64; 5],
 }
 
-/// Of a contact point.
+/// Columns of a contact point.
 pub static CONTACT: [Column<ContactRow>; 12] = [
     column("time", "s", "time", Other, |row| row.time),
     column("slip", "mm", "slip", Other, |row| row.slip[0]),
@@ -154,7 +154,7 @@ pub static CONTACT: [Column<ContactRow>; 12] = [
     column("scd", "N·mm/mm²", "scd", Density, |row| row.energies[4]),
 ];
 
-/// Of a specimen.
+/// Columns of a specimen.
 pub static SPECIMEN: [Column<Record>; 31] = [
     column("time", "s", "time", Other, |record| record.time),
     // displacement of the grip along the pull direction
@@ -216,7 +216,7 @@ pub static SPECIMEN: [Column<Record>; 31] = [
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
 ];
 
-/// Of each of several fibres of a specimen, behind the columns of the specimen: `load.NAME`.
+/// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.
 pub static FIBRE: [Column<FibreRecord>; 7] = [
     // its drive
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
@@ -237,9 +237,9 @@ pub static FIBRE: [Column<FibreRecord>; 7] = [
 /// What a row of bridging is made of.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BridgingRow {
-    /// Of the fibres.
+    /// Average over the fibres.
     pub fibres: Average,
-    /// Of the matrix, MPa.
+    /// Stress of the matrix, MPa.
     pub matrix: f64,
     /// Parts of the fibres' stress by angle, 10° each.
     pub shares: [f64; 9],
@@ -247,7 +247,7 @@ pub struct BridgingRow {
     pub quantiles: [f64; 3],
 }
 
-/// Of bridging: `bridging.csv`.
+/// Columns of `bridging.csv`.
 pub static BRIDGING: [Column<BridgingRow>; 20] = [
     // opening of the crack
     column("w", "mm", "w", Other, |row| row.fibres.opening),
@@ -284,7 +284,7 @@ pub static BRIDGING: [Column<BridgingRow>; 20] = [
 /// What a row of a notched beam is made of.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeamRow {
-    /// By the mean σ(w).
+    /// Load of the beam by the mean σ(w).
     pub load: BeamLoad,
     /// f_R = 3Fl/(2bh_sp²), MPa.
     pub strength: f64,
@@ -292,7 +292,7 @@ pub struct BeamRow {
     pub quantiles: [f64; 3],
 }
 
-/// Of a notched beam: `beam.csv`.
+/// Columns of `beam.csv`, of a notched beam.
 pub static BEAM: [Column<BeamRow>; 8] = [
     // opening at the mouth of the notch
     column("cmod", "mm", "CMOD", Other, |row| row.load.cmod),
@@ -313,15 +313,15 @@ pub static BEAM: [Column<BeamRow>; 8] = [
 /// A beam made at random.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ScatterRow {
-    /// From 1.
+    /// Number of the beam, from 1.
     pub beam: usize,
     /// Fibres across the ligament.
     pub fibres: usize,
-    /// Its strengths.
+    /// Strengths.
     pub residual: Residual,
 }
 
-/// Of beams made at random: `scatter.csv`.
+/// Columns of `scatter.csv`, of beams made at random.
 pub static SCATTER: [Column<ScatterRow>; 7] = [
     column("beam", "", "beam", Other, |row| row.beam as f64),
     // across the ligament
@@ -335,12 +335,12 @@ pub static SCATTER: [Column<ScatterRow>; 7] = [
     column("f_R4", "MPa", "f_{R4}", Other, |row| row.residual.residual[3]),
 ];
 
-/// Whether a table has a column of this name.
+/// Returns whether a table has a column of this name.
 fn is_in<R>(table: &[Column<R>], name: &str) -> bool {
     table.iter().any(|column| column.name == name)
 }
 
-/// Whether of columns that a case of kind "bridging" knows two stand in two files.
+/// Returns whether of columns that a case of kind "bridging" knows two stand in two files.
 pub fn are_of_two_files(known: &[String], one: &str, other: &str) -> bool {
     // a specimen has a load too
     known.iter().any(|name| name == "cmod") && is_in(&BEAM, one) != is_in(&BEAM, other)
@@ -408,7 +408,7 @@ pub fn values_of_specimen(record: &Record) -> Vec<f64> {
     SPECIMEN.iter().map(|column| (column.value)(record)).chain(each).collect()
 }
 
-/// How many values a specimen's rows have.
+/// Returns how many values a specimen's rows have.
 pub fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
     SPECIMEN.len() + FIBRE.len() * fibres.len()
 }
@@ -428,7 +428,7 @@ pub fn fill<R>(
     to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
 }
 
-/// Where the column of this name stands among the values of a specimen's rows.
+/// Returns where the column of this name stands among the values of a specimen's rows.
 pub fn place_in_specimen(name: &str) -> Option<usize> {
     SPECIMEN.iter().position(|column| column.name == name)
 }

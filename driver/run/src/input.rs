@@ -78,7 +78,7 @@ impl Input {
         }
     }
 
-    /// Whether it may come through a pipe. What the program wrote, what is compiled and what is loaded lies in a file.
+    /// Returns whether it may come through a pipe. What the program wrote, what is compiled and what is loaded lies in a file.
     const fn may_stream(self) -> bool {
         matches!(self, Self::Case | Self::Table | Self::Mesh | Self::Job)
     }
@@ -87,7 +87,7 @@ impl Input {
 /// What came out of a pipe, or why nothing did.
 type Stream = Result<Vec<u8>, (io::ErrorKind, String)>;
 
-/// By path.
+/// Streams that were read, by their paths.
 static STREAMS: Mutex<BTreeMap<PathBuf, Stream>> = Mutex::new(BTreeMap::new());
 
 /// Reads a file.
@@ -191,7 +191,7 @@ pub fn without_mark(content: &[u8]) -> io::Result<&[u8]> {
     Ok(content)
 }
 
-/// Whether a path leads to something that can be read once only.
+/// Returns whether a path leads to something that can be read once only.
 pub fn is_stream(path: &Path) -> bool {
     std::fs::metadata(path).is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
@@ -205,7 +205,7 @@ pub fn folder_of(path: &Path) -> &Path {
     path.parent().unwrap_or(Path::new(""))
 }
 
-/// What came out of pipes so far.
+/// Returns what came out of pipes so far.
 pub fn streams() -> Vec<(PathBuf, Vec<u8>)> {
     let streams = STREAMS.lock().unwrap_or_else(PoisonError::into_inner);
     streams.iter().filter_map(|(path, stream)| Some((path.clone(), stream.clone().ok()?))).collect()
@@ -232,7 +232,7 @@ fn check_type(file_type: FileType, input: Input) -> io::Result<()> {
     Ok(())
 }
 
-/// What is in a file or comes out of a pipe.
+/// Returns what is in a file or comes out of a pipe.
 fn bytes(path: &Path, metadata: &Metadata, input: Input) -> io::Result<Vec<u8>> {
     let too_large = || {
         refusal(format!("it has more than {} MB, the most that {} may have", input.limit() / MEGABYTE, input.words()))

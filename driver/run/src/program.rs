@@ -23,7 +23,7 @@ pub const STRESS_NAMES: [&str; 6] = ["s11", "s22", "s33", "s12", "s13", "s23"];
 pub struct Plugin {
     /// The loaded library.
     pub library: Library,
-    /// Its metadata for the law in question; `None` for a plain UMAT.
+    /// Metadata for the law in question; `None` for a plain UMAT.
     pub law: Option<host::Law>,
     /// How messages and results call it: the law's name or the file's stem.
     pub name: String,
@@ -97,7 +97,7 @@ pub enum Mode {
 }
 
 impl Mode {
-    /// As cases have it.
+    /// Returns the name that cases use.
     pub fn name(self) -> &'static str {
         match self {
             Self::ThreeD => "3d",
@@ -243,7 +243,7 @@ pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so th
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
 
 impl PointStep {
-    /// Whether it controls strains of some of these components, and stresses of others.
+    /// Returns whether it controls strains of some of these components, and stresses of others.
     pub fn mixes_strain_and_stress(&self, components: &[usize]) -> bool {
         let (PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. }) = &self.drive else {
             return false;
@@ -272,7 +272,7 @@ pub enum PointDrive {
         increments: usize,
         /// Duration.
         time: f64,
-        /// Of each of the six components; those that the mode fixes are ignored.
+        /// Controls of each of the six components; those that the mode fixes are ignored.
         controls: [Control; 6],
     },
     /// One increment per row.
@@ -305,7 +305,7 @@ pub struct StepFields {
     pub predef: Option<Vec<f64>>,
     /// Column of the temperature at the end of each row.
     pub temperatures: Option<Vec<f64>>,
-    /// Of each field variable, likewise; empty: without a table.
+    /// Field variables, likewise; empty: without a table.
     pub predefs: Vec<Option<Vec<f64>>>,
 }
 
@@ -476,7 +476,7 @@ impl Default for Controls {
 /// A curve from a file to draw and to compare with.
 #[derive(Clone, Debug)]
 pub struct Compare {
-    /// As the case names it.
+    /// File as the case names it.
     pub file: String,
     /// The points of the file (before scaling).
     pub points: Vec<(f64, f64)>,
@@ -508,7 +508,7 @@ impl Program {
 }
 
 impl Until {
-    /// Whether the bound is passed in a row whose columns are `place` (step, increment), `values`, iterations.
+    /// Returns whether the bound is passed in a row whose columns are `place` (step, increment), `values`, iterations.
     pub(crate) fn reached(&self, place: &[f64], values: &[f64], iterations: u32) -> bool {
         let column = self.column;
         let value = if column < place.len() {

@@ -30,7 +30,7 @@ impl Interrupt {
         }
     }
 
-    /// Its name.
+    /// Returns the name.
     pub fn words(self) -> &'static str {
         match self {
             Self::Terminal => "SIGINT (Ctrl-C)",
@@ -57,7 +57,7 @@ pub fn received() -> Option<Interrupt> {
     }
 }
 
-/// From here on signals are noted and not obeyed; `second_ends`: the second one ends the process at once.
+/// Notes signals from here on instead of obeying them; `second_ends`: the second one ends the process at once
 ///
 /// # Errors
 /// The system does not let it.
@@ -86,7 +86,7 @@ pub fn write_beyond_limits_fails() -> io::Result<()> {
     flag::register(SIGXFSZ, Arc::default()).map(|_| ())
 }
 
-/// Whether this process was started with a signal ignored.
+/// Returns whether this process was started with a signal ignored.
 fn is_ignored(signal: i32) -> bool {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let mask = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());

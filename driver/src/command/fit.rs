@@ -138,7 +138,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 impl Fit {
-    /// Where plugins are called.
+    /// Returns where plugins are called.
     pub(super) fn place(&self) -> Place {
         match (&self.law, &self.case) {
             (Some(Law::Bond(bond)), _) => bond.place,

@@ -155,7 +155,7 @@ fn conclude(
     Ok(fail(file, failure, &aftermath.message))
 }
 
-/// What can be said of a run without its case.
+/// Returns what can be said of a run without its case.
 fn summary(file: &Path, failure: &Failure, aftermath: &Aftermath) -> io::Result<Summary> {
     let plugin = failure.report.library().map(|library| PluginFile::identify(library, "")).transpose()?;
     let Statistics { increments, iterations, plugin_calls, cutbacks } = aftermath.statistics;
@@ -203,7 +203,7 @@ fn refuse_to_start(file: &Path, error: &io::Error) -> u8 {
     FAILED
 }
 
-/// What a worker does.
+/// Returns what a worker does.
 pub(super) fn work(task: &Task) -> u8 {
     worker::work(task, || super::act_on(&task.command)).unwrap_or_else(|error| {
         complain(error);

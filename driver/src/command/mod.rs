@@ -113,7 +113,7 @@ struct Reading {
     /// Look for plugins here first (may be repeated).
     #[arg(long = "plugin-path", value_name = "DIR")]
     plugin_paths: Vec<PathBuf>,
-    /// For files that nobody has looked at: plugins of the search path only, no symbol in them, and no reading outside the
+    /// Trust no file: plugins of the search path only, no symbol in them, and no reading outside
     /// file's folder.
     #[arg(long, conflicts_with = "in_process")]
     untrusted: bool,
@@ -130,7 +130,7 @@ struct Place {
 }
 
 impl Reading {
-    /// These arguments, for a worker.
+    /// Returns these arguments as a worker takes them.
     fn command_line(&self) -> Vec<OsString> {
         let overrides = self.overrides.iter().map(|entry| format!("--set={entry}").into());
         let folders = self.plugin_paths.iter().map(|folder| option("--plugin-path", folder));
@@ -144,14 +144,14 @@ impl Reading {
         read(file, &self.overrides, &self.plugin_paths)
     }
 
-    /// What a case needs a process of its own for, if it does.
+    /// Returns what a case needs a process of its own for, if it does.
     fn need(&self, file: &Path) -> Option<isolation::Need> {
         pullout_case::need(file, &self.overrides, &self.plugin_paths)
     }
 }
 
 impl Command {
-    /// Where it calls plugins.
+    /// Returns where it calls plugins.
     fn place(&self) -> Place {
         match self {
             Self::Run(arguments) => arguments.reading.place,
@@ -172,7 +172,7 @@ impl Command {
     }
 }
 
-/// How many threads can run at the same time.
+/// Returns how many threads can run at the same time.
 fn processors() -> NonZeroUsize {
     std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
 }

@@ -33,7 +33,7 @@ pub(super) enum Action {
         /// A law's name, or a shared library.
         #[arg(value_name = "NAME|FILE.so")]
         plugin: String,
-        /// As ABAQUS input: keywords, constants in order, state variables.
+        /// Print as ABAQUS input: keywords, constants in order, state variables.
         #[arg(long)]
         abaqus: bool,
         /// Look here first (may be repeated).
@@ -74,7 +74,7 @@ pub(super) fn act(action: &Action, line: &[OsString]) -> u8 {
 }
 
 impl Action {
-    /// Where plugins are called.
+    /// Returns where plugins are called.
     pub(super) fn place(&self) -> Place {
         match self {
             Self::Info { place, .. } => *place,
@@ -192,7 +192,7 @@ fn info(library: &Library) -> u8 {
     DONE
 }
 
-/// Where cases call it.
+/// Returns where cases call it.
 fn place_of(library: &Library) -> String {
     if isolation::is_shipped(library.path()) {
         "Process: the program's own; the library was built with it\n".into()
@@ -201,7 +201,7 @@ fn place_of(library: &Library) -> String {
     }
 }
 
-/// Whose memory plugins take, where that changes how they are loaded; nothing otherwise.
+/// Says whose memory plugins take, where that changes how they are loaded; nothing otherwise.
 fn memory() -> &'static str {
     if !cfg!(target_os = "linux") || binds_deeply() {
         ""

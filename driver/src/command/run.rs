@@ -86,7 +86,7 @@ impl Arguments {
         line
     }
 
-    /// What the results are part of: a study has something to add to those of its runs.
+    /// Returns what the results are part of: a study has something to add to those of its runs.
     fn kind(&self) -> Kind {
         if self.parent.is_some() { Kind::Member } else { Kind::Run }
     }
@@ -316,7 +316,7 @@ fn tell(case: &Case, folder: &Path, quiet: bool, concluded: io::Result<(Summary,
     }
 }
 
-/// What is said of a run that a signal ended at a place.
+/// Returns what is said of a run that a signal ended at a place.
 pub(super) fn interrupted(place: &str, has_checkpoints: bool) -> String {
     let signal = signals::received().map_or("a signal", signals::Interrupt::words);
     let go_on = if has_checkpoints { "; --restart goes on from its last checkpoint" } else { "" };

@@ -50,7 +50,7 @@ pub(super) enum Action {
         /// The folder of the sweep.
         #[arg(value_name = "DIR")]
         folder: PathBuf,
-        /// For SLURM: hand the script to sbatch.
+        /// Write a script for SLURM and hand it to sbatch.
         #[arg(long, required = true)]
         slurm: bool,
         /// First and last number of the array, e.g. 0-99.
@@ -97,7 +97,7 @@ pub(super) struct Toil {
 }
 
 impl Action {
-    /// Where it calls plugins.
+    /// Returns where it calls plugins.
     pub(super) fn place(&self) -> Place {
         if let Self::Work(toil) = self { toil.place } else { Place::default() }
     }

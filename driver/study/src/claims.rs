@@ -92,7 +92,7 @@ pub enum Verdict {
 }
 
 impl Verdict {
-    /// In words.
+    /// Returns the verdict in words.
     pub fn words(self) -> &'static str {
         match self {
             Self::Found => "found",
@@ -101,7 +101,7 @@ impl Verdict {
         }
     }
 
-    /// Of several answers that all must be yes.
+    /// Joins several answers that all must be yes.
     fn of(answers: impl IntoIterator<Item = Option<bool>>) -> Self {
         answers.into_iter().fold(Self::Found, |verdict, answer| match (verdict, answer) {
             (Self::NotFound, _) | (_, Some(false)) => Self::NotFound,
@@ -114,7 +114,7 @@ impl Verdict {
 /// What came of a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// In words.
+    /// The claim in words.
     pub claim: String,
     /// Whether it was found.
     pub verdict: Verdict,
@@ -235,7 +235,7 @@ impl Tested<'_> {
         }
     }
 
-    /// Whether each other member's number is less (`sign` 1) or greater (−1) than that of `at`.
+    /// Returns whether each other member's number is less (`sign` 1) or greater (−1) than that of `at`.
     fn extreme(&self, series: usize, at: usize, sign: f64) -> Vec<Option<bool>> {
         let best = self.value(series, at);
         let others = self.claim.members.iter().filter(|&&member| member != at);
@@ -277,7 +277,7 @@ impl Tested<'_> {
         share.is_finite().then_some((share, both.last()?[0]))
     }
 
-    /// What is looked for.
+    /// Returns what is looked for.
     fn expected(&self) -> String {
         let what = self.quantity();
         let bounds = |lower: Option<f64>, upper: Option<f64>| {

@@ -53,7 +53,7 @@ pub struct Execution<'a> {
 pub enum State {
     /// It was run; its exit code.
     Ran(u8),
-    /// Its results were there.
+    /// Results were there.
     Kept,
     /// It has no results, because others were asked for.
     NotRun,
@@ -64,12 +64,12 @@ pub enum State {
 struct Mark {
     /// What `pullout run` was called with.
     arguments: Vec<String>,
-    /// Of everything that the results depend on.
+    /// Fingerprint of everything that the results depend on.
     fingerprint: String,
 }
 
 impl Execution<'_> {
-    /// Whether a run is asked for.
+    /// Returns whether a run is asked for.
     pub fn wants(&self, study: &Study, run: &Run) -> bool {
         let (series, member) = (&study.series[run.series].name, &study.members[run.member].label);
         self.only.is_empty()
@@ -79,7 +79,7 @@ impl Execution<'_> {
             })
     }
 
-    /// What becomes of a run if nothing more is run.
+    /// Returns what becomes of a run if nothing more is run.
     fn present(&self, study: &Study, run: &Run) -> Option<State> {
         let folder = self.out.join(&run.folder);
         let is_its_own = input::read(&folder.join(MARK), Input::Result)
@@ -100,7 +100,7 @@ impl Execution<'_> {
         }
     }
 
-    /// Whether a run has to be run.
+    /// Returns whether a run has to be run.
     pub fn is_due(&self, study: &Study, run: &Run) -> bool {
         self.present(study, run).is_none()
     }
@@ -162,7 +162,7 @@ impl Execution<'_> {
     }
 }
 
-/// Whether an exit code says that nothing was run.
+/// Returns whether an exit code says that nothing was run.
 pub(super) fn is_refused(code: u8) -> bool {
     matches!(code, 2 | 3)
 }

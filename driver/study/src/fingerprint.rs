@@ -19,12 +19,12 @@ impl Fingerprints {
         Self { program: isolation::identity().unwrap_or_default() }
     }
 
-    /// Of a run whose case was read.
+    /// Returns the fingerprint of a run whose case was read.
     pub fn of(&self, run: &Run, case: &Case) -> String {
         self.with(run, &case.libraries())
     }
 
-    /// Of a run whose plugins are not loaded here.
+    /// Returns the fingerprint of a run whose plugins are not loaded here.
     pub fn of_isolated(&self, run: &Run, plugin_paths: &[PathBuf]) -> String {
         let need = pullout_case::need(&run.base, &run.overrides, plugin_paths);
         let libraries: Vec<PathBuf> = need.map(|need| need.libraries.into_keys().collect()).unwrap_or_default();

@@ -87,9 +87,9 @@ pub struct Abscissa {
 pub struct Member {
     /// Short name, and name of the result directory.
     pub label: String,
-    /// In legends and tables.
+    /// Title in legends and tables.
     pub title: String,
-    /// Its x.
+    /// X.
     pub x: Option<f64>,
 }
 
@@ -98,7 +98,7 @@ pub struct Member {
 pub struct Series {
     /// Short name, and name of the directory of its runs.
     pub name: String,
-    /// In legends and tables.
+    /// Title in legends and tables.
     pub title: String,
 }
 
@@ -115,7 +115,7 @@ pub struct Run {
     pub overrides: Vec<String>,
     /// Result directory below the study's.
     pub folder: PathBuf,
-    /// Of everything that its results depend on.
+    /// Fingerprint of everything that its results depend on.
     pub fingerprint: String,
     /// Things the user should know of its case although nothing is wrong.
     pub warnings: Vec<String>,
@@ -124,7 +124,7 @@ pub struct Run {
 /// A claim and its test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// In words.
+    /// The claim in words.
     pub claim: String,
     /// Indices of the series in each of which it must be found.
     pub series: Vec<usize>,

@@ -511,7 +511,7 @@ struct Complaint {
     runs: Vec<(usize, usize)>,
 }
 
-/// As `--set` has them.
+/// Returns the texts as `--set` has them.
 fn texts(set: &Map<String, Value>) -> impl Iterator<Item = String> + '_ {
     set.iter().map(|(path, value)| format!("{path}={value}"))
 }

@@ -21,7 +21,7 @@ const END_TOLERANCE: f64 = 1e-9;
 /// What all runs gave.
 #[derive(Clone, Debug)]
 pub struct Results {
-    /// By run, in the study's order.
+    /// Results of the runs, in the study's order.
     pub runs: Vec<RunResult>,
     /// Where the work ends; `None` if no run is done.
     pub work_to: Option<f64>,
@@ -38,7 +38,7 @@ pub struct RunResult {
     pub is_kept: bool,
     /// What was written of it, as far as the study looks at it.
     pub history: History,
-    /// Its summary, if it came so far.
+    /// Summary, if it came so far.
     pub summary: Option<Summary>,
     /// Greatest ordinate of the curve in magnitude, with its sign.
     pub peak: Option<f64>,
@@ -67,7 +67,7 @@ impl Results {
 }
 
 impl RunResult {
-    /// Of a run that has just ended.
+    /// Reads the results of a run that has just ended.
     pub fn of_one(run: &Run, study: &Study, out: &Path, code: u8) -> Self {
         Self::read(run, study, out, State::Ran(code))
     }
@@ -93,7 +93,7 @@ impl RunResult {
         result
     }
 
-    /// Of rows and summary, with the numbers of a curve but the work.
+    /// Makes results of rows and summary, with the numbers of a curve but the work.
     pub fn of(history: History, summary: Option<Summary>, columns: &Columns) -> Self {
         let mut result = Self {
             // without a summary it did not come to an end of its own
@@ -123,7 +123,7 @@ impl RunResult {
         self.work = to.and_then(|end| work(&self.curve(columns), end));
     }
 
-    /// Whether it came to its end.
+    /// Returns whether it came to its end.
     pub fn is_done(&self) -> bool {
         self.status == Some(Status::Done)
     }

@@ -22,7 +22,7 @@ pub(crate) struct Batch {
     pub folder: PathBuf,
     /// The runs alone.
     pub sweep: Sweep,
-    /// It ends behind the run that is over after so many seconds.
+    /// Seconds after which it ends, behind the run that is over.
     pub seconds: f64,
 }
 

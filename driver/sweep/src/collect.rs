@@ -35,7 +35,7 @@ pub(crate) struct KnownRow {
 }
 
 impl Known {
-    /// Of all parts.
+    /// Reads what all parts tell.
     pub fn of(store: &Store) -> io::Result<Self> {
         let wanted = |name: &str| ["key", "status", "attempt", "time"].contains(&name);
         let parts: io::Result<Vec<Table>> = store.parts()?.iter().map(|part| Table::read(part, wanted)).collect();
@@ -84,7 +84,7 @@ pub struct Standing {
 }
 
 impl Standing {
-    /// Of a store.
+    /// Reads how a store stands.
     ///
     /// # Errors
     /// It cannot be read.

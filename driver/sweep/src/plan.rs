@@ -184,7 +184,7 @@ fn keep(reader: &mut Reader<'_>, of_file: &SweepFile, base: &Value) -> Keep {
     }
 }
 
-/// What is varied, in one of three ways.
+/// Returns what is varied, in one of three ways.
 fn design(reader: &mut Reader<'_>, of_file: &SweepFile) -> Option<Design> {
     let root = JsonPlace::root();
     let given = [of_file.parameters.is_some(), of_file.points.is_some(), of_file.design.is_some()];

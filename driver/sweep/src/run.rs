@@ -18,13 +18,13 @@ pub struct Measured {
     pub failed_at: Option<FailedAt>,
     /// Why.
     pub message: Option<String>,
-    /// In the order of the names.
+    /// Quantities in the order of the names.
     pub quantities: Vec<Option<f64>>,
-    /// In the order of [`Keep::curves`].
+    /// Curves in the order of [`Keep::curves`].
     pub curves: Vec<Vec<f64>>,
     /// Increments, iterations, cutbacks.
     pub counts: [u64; 3],
-    /// Of the clock and of the processors, s.
+    /// Times of the clock and of the processors, s.
     pub times: [f64; 2],
     /// The case that repeats a failure.
     pub replay: Option<String>,
@@ -53,7 +53,7 @@ pub fn measure(store: &Store, sweep: &Sweep, run: usize, stop: &Arc<AtomicBool>)
 }
 
 impl Measured {
-    /// Of a run that has none.
+    /// Returns the result of a run that has no numbers.
     pub fn without_numbers(keep: &Keep) -> Self {
         Self {
             quantities: vec![None; keep.quantities.len()],

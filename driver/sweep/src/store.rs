@@ -24,7 +24,7 @@ use umat_abi::host::{self, Found};
 /// What is run and kept.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sweep {
-    /// Of this format.
+    /// Version of this format.
     pub version: u32,
     /// What it is called.
     pub title: String,
@@ -32,7 +32,7 @@ pub struct Sweep {
     pub base: Value,
     /// Dotted paths of what is varied.
     pub parameters: Vec<String>,
-    /// Their values, run by run.
+    /// Values, run by run.
     pub runs: Vec<Vec<Value>>,
     /// Folders below `files`.
     pub bundles: Vec<String>,
@@ -79,7 +79,7 @@ fn put(path: &Path, content: &[u8]) -> io::Result<()> {
 }
 
 impl Store {
-    /// In a folder.
+    /// Makes a store in a folder.
     pub fn new(folder: &Path) -> Self {
         Self { folder: folder.into() }
     }
@@ -89,7 +89,7 @@ impl Store {
         &self.folder
     }
 
-    /// What is run.
+    /// Returns what is run.
     ///
     /// # Errors
     /// There is none, or of another version.
@@ -177,7 +177,7 @@ impl Sweep {
         with(&self.base, &self.parameters, &self.runs[run])
     }
 
-    /// These runs of it alone.
+    /// Returns the sweep of these runs alone.
     pub fn part(&self, runs: &[usize]) -> Self {
         let bundle = |&run: &usize| self.bundle_of.get(run).copied().unwrap_or_default();
         Self {
@@ -192,7 +192,7 @@ impl Sweep {
         }
     }
 
-    /// What watches over calls of the libraries of a run.
+    /// Returns what watches over calls of the libraries of a run.
     pub fn need(&self, store: &Store, run: usize) -> Need {
         let file = store.bundle(self, run).join("case.json");
         let document = self.document(run);
@@ -225,7 +225,7 @@ pub struct Keys<'s> {
 }
 
 impl<'s> Keys<'s> {
-    /// Of a sweep that is run by a program.
+    /// Makes the keys of a sweep that is run by a program.
     pub fn new(sweep: &'s Sweep, engine: [u8; 32]) -> Self {
         let mut common = Sha256::new();
         common.update(engine);
@@ -235,7 +235,7 @@ impl<'s> Keys<'s> {
         Self { sweep, common, libraries: HashMap::new() }
     }
 
-    /// Of a run.
+    /// Returns the key of a run.
     pub fn of(&mut self, run: usize) -> String {
         let mut document = self.sweep.document(run);
         if let Some(members) = document.as_object_mut() {
@@ -298,7 +298,7 @@ fn library(name: &str, folder: &Path, plugin_paths: &[PathBuf]) -> Option<PathBu
 /// The files of a case on their way into a store.
 #[derive(Default)]
 pub struct Bundle {
-    /// By their names in the folder.
+    /// Files by their names in the folder.
     files: BTreeMap<String, PathBuf>,
 }
 

@@ -31,7 +31,7 @@ pub struct Work {
     pub jobs: usize,
     /// Runs of one part of the rows; default: as many as take half a minute.
     pub chunk_runs: Option<usize>,
-    /// In threads of this process: what ends it ends the sweep.
+    /// Whether runs are made in threads of this process: what ends it ends the sweep.
     pub in_process: bool,
     /// Run again what failed, crashed or took too long.
     pub again: bool,
@@ -50,7 +50,7 @@ pub struct Worked {
 
 /// A run that is to be run.
 struct Due {
-    /// Its number.
+    /// Number.
     run: usize,
     key: String,
     /// Which attempt it is.
@@ -164,7 +164,7 @@ impl Office<'_> {
         Ok(())
     }
 
-    /// In this process.
+    /// Runs in this process.
     fn here(&self) -> io::Result<()> {
         let stop = Arc::new(AtomicBool::new(false));
         loop {
@@ -198,7 +198,7 @@ impl Office<'_> {
         }
     }
 
-    /// In children, one after another.
+    /// Runs in children, one after another.
     fn apart(&self) -> io::Result<()> {
         loop {
             let mut block = self.block();
@@ -257,7 +257,7 @@ impl Office<'_> {
         }
     }
 
-    /// How long calls of the libraries of these runs may take.
+    /// Returns how long calls of the libraries of these runs may take.
     fn need(&self, runs: &[usize]) -> Need {
         let vary = |path: &String| path.contains("plugin") || path.contains("material") || path.contains("law");
         let mut need = self.sweep.need(self.store, runs[0]);

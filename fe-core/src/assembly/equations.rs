@@ -73,7 +73,7 @@ pub struct Equations {
 }
 
 impl Equations {
-    /// Of a model's supports and couplings.
+    /// Makes the equations of a model's supports and couplings.
     ///
     /// # Errors
     ///
@@ -141,17 +141,17 @@ impl Equations {
         Ok(Self { expressions, freedoms, shared, drive_count, transfers })
     }
 
-    /// How many equations there are.
+    /// Returns how many equations there are.
     pub fn count(&self) -> usize {
         self.freedoms.len()
     }
 
-    /// How many drives there are.
+    /// Returns how many drives there are.
     pub fn drive_count(&self) -> usize {
         self.drive_count
     }
 
-    /// How many freedoms there are: two per node.
+    /// Returns how many freedoms there are: two per node.
     pub fn freedom_count(&self) -> usize {
         self.expressions.len()
     }
@@ -171,13 +171,13 @@ impl Equations {
         &self.expressions[freedom].drives
     }
 
-    /// Whether the freedom is its own equation and nothing else moves it.
+    /// Returns whether the freedom is its own equation and nothing else moves it.
     pub fn is_independent(&self, freedom: usize) -> bool {
         let Expression { equations, drives } = &self.expressions[freedom];
         drives.is_empty() && matches!(equations[..], [(_, 1.0)])
     }
 
-    /// Whether other freedoms follow this one's equation.
+    /// Returns whether other freedoms follow this one's equation.
     pub fn is_shared(&self, freedom: usize) -> bool {
         self.expressions[freedom].equations.iter().any(|(equation, _)| self.shared[*equation])
     }
@@ -251,7 +251,7 @@ struct Held {
     by: String,
 }
 
-/// Of each node.
+/// Returns the held directions of each node.
 fn held_directions(model: &Model) -> Result<Vec<Vec<Held>>, ConstraintError> {
     let mut held = vec![Vec::new(); model.mesh.nodes().len()];
     for support in &model.supports {

@@ -122,7 +122,7 @@ fn assemble(
     (pattern, values)
 }
 
-/// Which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
+/// Returns which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
 pub fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
     let mut has_load = vec![false; equations.freedom_count()];
     loaded.iter().for_each(|&freedom| has_load[freedom] = true);
@@ -133,7 +133,7 @@ pub fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) ->
     mesh.elements().iter().map(|element| freedoms(element.nodes()).into_iter().all(plain)).collect()
 }
 
-/// Which elements have one of these freedoms.
+/// Returns which elements have one of these freedoms.
 pub fn touching(mesh: &Mesh, of: &[usize]) -> Vec<bool> {
     let mut marked = vec![false; 2 * mesh.nodes().len()];
     of.iter().for_each(|&freedom| marked[freedom] = true);

@@ -180,7 +180,7 @@ impl System {
         &self.equations
     }
 
-    /// How many rows the solver sees.
+    /// Returns how many rows the solver sees.
     pub fn row_count(&self) -> usize {
         self.equation_of_row.len()
     }
@@ -190,7 +190,7 @@ impl System {
         self.equations.freedoms()[self.equation_of_row[row]] / 2
     }
 
-    /// How many freedoms are condensed.
+    /// Returns how many freedoms are condensed.
     pub fn condensed_count(&self) -> usize {
         self.far_field.as_ref().map_or(0, |far| far.interior().len())
     }
@@ -422,7 +422,7 @@ impl Scatter {
         }
     }
 
-    /// From the first place to behind the last.
+    /// Returns the span from the first place to behind the last.
     fn span(&self) -> Range<usize> {
         let span = |places: &mut dyn Iterator<Item = usize>| {
             let [first, behind] =

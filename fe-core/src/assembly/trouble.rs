@@ -11,7 +11,7 @@ pub enum Place {
         element: usize,
         /// Index of the point.
         point: usize,
-        /// Its reference position, mm.
+        /// Reference position, mm.
         position: [f64; 2],
     },
     /// A contact point.
@@ -20,14 +20,14 @@ pub enum Place {
         pair: String,
         /// Index of the point.
         point: usize,
-        /// Its present position, mm.
+        /// Present position, mm.
         position: [f64; 2],
     },
     /// A node.
     Node {
         /// Index of the node.
         node: usize,
-        /// Its reference position, mm.
+        /// Reference position, mm.
         position: [f64; 2],
     },
     /// The system of equations.

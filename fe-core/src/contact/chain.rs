@@ -130,7 +130,7 @@ impl Chain {
         self.length += self.length_within(self.kinds.len() - 1, 1.0);
     }
 
-    /// Whether the next edge turns by an angle in this range in the reference configuration.
+    /// Returns whether the next edge turns by an angle in this range in the reference configuration.
     fn turns_after(&self, edge: i64, range: std::ops::Range<f64>) -> bool {
         if !self.goes_on(edge, 1) {
             return false;
@@ -144,7 +144,7 @@ impl Chain {
         range.contains(&angle)
     }
 
-    /// How many edges there are.
+    /// Returns how many edges there are.
     pub fn len(&self) -> usize {
         self.kinds.len()
     }
@@ -154,7 +154,7 @@ impl Chain {
         self.length
     }
 
-    /// Whether the last edge ends where the first one starts.
+    /// Returns whether the last edge ends where the first one starts.
     pub fn is_closed(&self) -> bool {
         self.closed
     }
@@ -170,18 +170,18 @@ impl Chain {
         &self.nodes[index][..self.kinds[index].node_count()]
     }
 
-    /// Whether another edge comes before (−1) or after (1) this one.
+    /// Returns whether another edge comes before (−1) or after (1) this one.
     pub fn goes_on(&self, edge: i64, side: i64) -> bool {
         self.closed || (0..self.kinds.len() as i64).contains(&(edge + side))
     }
 
-    /// Whether normals are smoothed at the start (−1) or the end (1) of an edge.
+    /// Returns whether normals are smoothed at the start (−1) or the end (1) of an edge.
     pub fn is_smooth_at(&self, edge: i64, side: i64) -> bool {
         let joint = if side < 0 { edge - 1 } else { edge };
         self.goes_on(edge, side) && self.smooth.get(self.index(joint)).is_some_and(|smooth| *smooth)
     }
 
-    /// Where past an end of an open chain ξ lies: how far the straight extension has gone.
+    /// Returns where past an end of an open chain ξ lies: how far the straight extension has gone.
     fn excess(&self, edge: i64, coordinate: f64) -> f64 {
         let side = if coordinate < 0.0 { -1 } else { 1 };
         if coordinate.abs() > 1.0 && !self.goes_on(edge, side) { coordinate - side as f64 } else { 0.0 }

@@ -30,7 +30,7 @@ struct Course {
 }
 
 impl Foretold {
-    /// Where the law of a patch with this gap is to be asked.
+    /// Returns where the law of a patch with this gap is to be asked.
     pub fn gap(&self, patch: usize, gap: f64) -> f64 {
         let Some(Course { start, change, was_open }) = self.patches.get(patch) else { return gap };
         let foretold = start + self.part * change;
@@ -90,7 +90,7 @@ impl Contact {
         self.pairs.iter_mut().for_each(|pair| pair.foretold = Foretold::default());
     }
 
-    /// Whether a law was asked elsewhere than at its gap in the last evaluation.
+    /// Returns whether a law was asked elsewhere than at its gap in the last evaluation.
     pub fn is_elsewhere(&self) -> bool {
         self.pairs.iter().any(|pair| pair.foretold.elsewhere)
     }

@@ -52,7 +52,7 @@ pub(super) struct PointState {
     pub plugin_energies: [f64; 5],
     /// Stored by the host's normal law, N/mm.
     pub normal_energy: f64,
-    /// In N·mm: work on the point, dissipated in the plugin, opening of the host's law, lost by release.
+    /// Work, N·mm: work on the point, dissipated in the plugin, opening of the host's law, lost by release.
     pub work: f64,
     /// Work of the pressure along normals that lean against their edges.
     pub leaning: f64,
@@ -91,7 +91,7 @@ impl PointState {
         }
     }
 
-    /// Whether all are numbers, and the foot is on a master of a size that there is.
+    /// Returns whether all are numbers, and the foot is on a master of a size that there is.
     fn is_sound(&self) -> bool {
         /// Edges of all rounds about a closed master.
         const MOST_EDGES: u64 = 1 << 40;
@@ -158,7 +158,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// Whether another one is of as many points with as many states, and what the host computes with are numbers.
+    /// Returns whether another one is of as many points with as many states, and what the host computes with are numbers.
     pub fn fits(&self, other: &Self) -> bool {
         self.points.len() == other.points.len()
             && self.statev.len() == other.statev.len()

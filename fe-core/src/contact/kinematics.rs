@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 /// Nodes of a contact point: at most three of a slave edge, three of a master edge and two of each of its neighbours.
 pub(super) const MAX_NODES: usize = 3 + MAX_SHAPE_NODES;
-/// Their freedoms.
+/// Freedoms of as many nodes.
 pub(super) const MAX_FREEDOMS: usize = 2 * MAX_NODES;
 /// d shorter than this × |x'| has no direction to be trusted: the edge's normal is the corner's.
 const NO_LENGTH: f64 = 1e-12;
@@ -19,7 +19,7 @@ pub(super) struct SlavePoint {
 }
 
 impl SlavePoint {
-    /// Where it is.
+    /// Returns where it is.
     pub fn position(&self, position: &impl Fn(usize) -> [f64; 2]) -> [f64; 2] {
         let mut sum = [0.0; 2];
         for k in 0..self.count {
@@ -81,9 +81,9 @@ struct Second {
     c: [f64; MAX_FREEDOMS],
     /// ∂ξ/∂x.
     coordinate: [f64; MAX_FREEDOMS],
-    /// Of ∂v: coefficients of a bᵀ, b̄ aᵀ, a aᵀ and b̄ bᵀ.
+    /// Second derivative of ∂v: coefficients of a bᵀ, b̄ aᵀ, a aᵀ and b̄ bᵀ.
     pull: [f64; 4],
-    /// Of ∂²s: coefficients of (A B 1 + c ∂ξᵀ + symmetric) and of ∂ξ ∂ξᵀ.
+    /// Second derivative of the slip, ∂²s: coefficients of (A B 1 + c ∂ξᵀ + symmetric) and of ∂ξ ∂ξᵀ.
     slip: [f64; 2],
 }
 
@@ -120,7 +120,7 @@ fn right_of([x, y]: [f64; 2]) -> [f64; 2] {
 }
 
 impl Kinematics {
-    /// Whether its nodes are among so many, and what the host computes with are numbers.
+    /// Returns whether its nodes are among so many, and what the host computes with are numbers.
     pub fn is_sound(&self, nodes: usize) -> bool {
         let Self { position, foot, tangent, normal, pull, gap_gradient, slip_gradient, second, .. } = self;
         let Second { arm, turn, a, b, b_edge, c, coordinate, pull: of_pull, slip } = second;
@@ -133,7 +133,7 @@ impl Kinematics {
             && vectors.chain(gradients).chain(others).all(|number| number.is_finite())
     }
 
-    /// Of a slave point over its foot.
+    /// Evaluates the kinematics of a slave point over its foot.
     ///
     /// # Errors
     /// The foot gives no gap.

@@ -31,7 +31,7 @@ pub(super) struct Situation<'a> {
     pub tangent: [f64; 2],
     pub area: f64,
     pub length: f64,
-    /// From 1.
+    /// Number of the increment, from 1.
     pub number: i32,
     pub start: &'a PointState,
     pub start_statev: &'a [f64],
@@ -41,7 +41,7 @@ pub(super) struct Situation<'a> {
 /// ∂(p, τ)/∂(penetration, slip), MPa/mm.
 pub(super) type Tangent = [[f64; 2]; 2];
 
-/// Who gives the traction of a pair's points.
+/// The law that gives the traction of a pair's points.
 #[derive(Debug)]
 pub(super) enum PointLaw {
     Uinter {
@@ -168,7 +168,7 @@ impl PointLaw {
         }
     }
 
-    /// Whether a point carries tension or shear while it is open by a little.
+    /// Returns whether a point carries tension or shear while it is open by a little.
     ///
     /// # Errors
     /// As [`Self::advance`].
@@ -276,7 +276,7 @@ fn uinter(
     Ok(tangent)
 }
 
-/// Whether a UINTER's answer is that of a hard, bonded, closed point: p = ε_N · RDISP(1).
+/// Returns whether a UINTER's answer is that of a hard, bonded, closed point: p = ε_N · RDISP(1).
 fn is_held(penalty: f64, gap: f64, end: &PointState) -> bool {
     let elastic = end.normal.multiplier - penalty * gap;
     let scale = end.normal.multiplier.abs().max((penalty * gap).abs()).max(end.pressure.abs());

@@ -192,7 +192,7 @@ impl Contact {
         self.pairs.iter_mut().for_each(|pair| pair.law.set_fields(start, end));
     }
 
-    /// From the committed state to the end displacements (two per node). Adds the internal contact forces to `forces`
+    /// Evaluates from the committed state to the end displacements (two per node). Adds the internal contact forces
     /// and, if a tangent is wanted, one block for each patch of points that transmits anything to `blocks`.
     ///
     /// # Errors
@@ -221,7 +221,7 @@ impl Contact {
         Ok(all)
     }
 
-    /// Whether all blocks of the last evaluation with tangents are symmetric to the last bit.
+    /// Returns whether all blocks of the last evaluation with tangents are symmetric to the last bit.
     pub fn symmetric(&self) -> bool {
         self.pairs.iter().all(|pair| pair.symmetric)
     }
@@ -259,7 +259,7 @@ impl Contact {
         self.foretell_nothing();
     }
 
-    /// How many points do what after the last evaluation.
+    /// Returns how many points do what after the last evaluation.
     pub fn counts(&self) -> Counts {
         let mut counts = Counts::default();
         for state in self.pairs.iter().flat_map(|pair| &pair.trial.points) {
@@ -273,7 +273,7 @@ impl Contact {
         counts
     }
 
-    /// How much of the reference length of these pairs is open after the last evaluation, mm.
+    /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.
     pub fn open_length(&self, pairs: &[usize]) -> f64 {
         let points = pairs.iter().flat_map(|&pair| self.pairs[pair].points.iter().zip(&self.pairs[pair].trial.points));
         let open = points.filter(|(_, state)| state.status == PointStatus::Open);
@@ -340,7 +340,7 @@ impl Contact {
         slips.sum::<f64>() / self.area()
     }
 
-    /// Whether there is such a point.
+    /// Returns whether there is such a point.
     pub fn has(&self, point: PointIndex) -> bool {
         self.pairs.get(point.pair).is_some_and(|pair| point.point < pair.points.len())
     }

@@ -4,7 +4,7 @@ use crate::model::{HardLaw, NormalLaw, SoftLaw};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::E;
 
-/// From this y = 1 − gap/g_0 on the exponential goes on as its tangent.
+/// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
 const LINEAR_FROM: f64 = 7.0;
 
 /// What the host's normal law remembers of a point.
@@ -43,12 +43,12 @@ pub(super) struct HostNormal {
 }
 
 impl HostNormal {
-    /// Whether tension is carried until a latch ends it.
+    /// Returns whether tension is carried until a latch ends it.
     pub fn carries_tension(&self) -> bool {
         matches!(self.law, NormalLaw::Hard(HardLaw { p_0, .. }) if p_0 > 0.0)
     }
 
-    /// How far the tension of a converged bonded point is over the cap, MPa; `None` if it is not.
+    /// Returns how far the tension of a converged bonded point is over the cap, MPa; `None` if it is not.
     pub fn excess(&self, pressure: f64, state: &NormalState) -> Option<f64> {
         match self.law {
             NormalLaw::Hard(law) if law.p_0 > 0.0 && !state.latched && -pressure > law.p_0 => Some(-pressure - law.p_0),

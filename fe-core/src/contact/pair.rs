@@ -58,7 +58,7 @@ pub(super) struct Pair {
     pub critical_slip: f64,
     pub committed: History,
     pub trial: History,
-    /// Of the last evaluation; `None`: never evaluated, or released.
+    /// Kinematics of the last evaluation; `None`: never evaluated, or released.
     pub kinematics: Vec<Option<Kinematics>>,
     /// ∂(p, τ)/∂(u, s) and dw/ds of the points of their last evaluation.
     pub tangents: Vec<Tangent>,
@@ -229,7 +229,7 @@ impl Pair {
 }
 
 impl NoGap {
-    /// In words.
+    /// Returns the reason in words.
     pub fn reason(self) -> &'static str {
         match self {
             Self::Collapsed => "the master edge under it has no length",

@@ -4,10 +4,10 @@ use super::kinematics::Kinematics;
 use super::pair::{Output, Pair};
 use std::ops::Range;
 
-/// Of an edge's length: a point may lie so much deeper than its edge does on the mean. Edges that bend with a fibre stay below
+/// Part of an edge's length by which a point may lie deeper than its edge does on the mean. Edges that bend with a fibre
 /// it, edges of torn matter turn through the surface.
 const DEEPER: f64 = 0.01;
-/// Of the penalty: what presses it out. Torn matter turns easily; 381 increments instead of 539 with all of it at 45°.
+/// Part of the penalty that presses it out. Torn matter turns easily; 381 increments instead of 539 with all of it at 45
 const SOFTER: f64 = 1e-3;
 
 /// What a patch's points have in common; the module's page has the equations.

@@ -12,7 +12,7 @@ const MOST_ITERATIONS: usize = 60;
 /// Places of an edge are within this × the distance of its farthest node from any centre: Σ|N| ≤ 5/4 on a quadratic edge,
 /// and something for rounding.
 const REACH: f64 = 1.26;
-/// So far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
+/// How far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
 const OVERSHOOT: f64 = 1e-3;
 
 /// Newton without a bracket.
@@ -20,7 +20,7 @@ const FEW_ITERATIONS: usize = 5;
 /// Positions are known to a few units of their last place. A foot within it stays where it is: a converged state that is
 /// evaluated again gives the same slip, and its law the tangent of the loading that led there.
 const POSITION_ROUNDING: f64 = 16.0 * f64::EPSILON;
-/// Of ξ: its square is rounding.
+/// Small step of ξ: its square is rounding.
 const SMALL_STEP: f64 = 1e-9;
 
 /// What the nearest place of an edge is.

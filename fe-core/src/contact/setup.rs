@@ -174,7 +174,7 @@ impl Pair {
         Ok(())
     }
 
-    /// Whether the law would carry tension or shear at a small gap and slip.
+    /// Returns whether the law would carry tension or shear at a small gap and slip.
     fn is_bonded(&mut self, index: usize, kinematics: &Kinematics, length: f64) -> Result<bool, ContactError> {
         let start = PointState::new(self.committed.points[index].foot, 1.0);
         let context =

@@ -37,7 +37,7 @@ impl EdgePoint {
 }
 
 impl EdgeKind {
-    /// How many nodes it has.
+    /// Returns how many nodes it has.
     pub const fn node_count(self) -> usize {
         match self {
             Self::Linear => 2,

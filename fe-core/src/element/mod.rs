@@ -38,7 +38,7 @@ pub struct ShapeFunctions {
 }
 
 impl ShapeFunctions {
-    /// Of an element with `count` nodes, all zero.
+    /// Makes functions of an element with `count` nodes, all zero.
     fn zero(count: usize) -> Self {
         Self { count, values: [0.0; MAX_NODES], derivatives: [[0.0; 2]; MAX_NODES] }
     }
@@ -59,7 +59,7 @@ impl ElementKind {
     /// All kinds.
     pub const ALL: [Self; 4] = [Self::T3, Self::T6, Self::Q4, Self::Q8];
 
-    /// How many nodes it has.
+    /// Returns how many nodes it has.
     pub const fn node_count(self) -> usize {
         match self {
             Self::T3 => 3,
@@ -69,7 +69,7 @@ impl ElementKind {
         }
     }
 
-    /// How many corners it has, and edges.
+    /// Returns how many corners it has, and edges.
     pub const fn corner_count(self) -> usize {
         match self {
             Self::T3 | Self::T6 => 3,

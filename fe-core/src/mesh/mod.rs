@@ -78,7 +78,7 @@ impl Part {
 /// An element as somebody wrote it.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ElementDefinition {
-    /// Its kind.
+    /// Kind.
     pub kind: ElementKind,
     /// Index of its part.
     pub part: usize,
@@ -123,7 +123,7 @@ pub struct Element {
 }
 
 impl Element {
-    /// Its kind.
+    /// Returns the kind.
     pub fn kind(&self) -> ElementKind {
         self.kind
     }
@@ -138,7 +138,7 @@ impl Element {
         &self.nodes[..self.kind.node_count()]
     }
 
-    /// Its reference thickness, mm: its own or its part's; unused in axial symmetry.
+    /// Returns the reference thickness, mm: its own or its part's; unused in axial symmetry.
     pub fn thickness(&self) -> f64 {
         self.thickness
     }

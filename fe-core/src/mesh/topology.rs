@@ -5,7 +5,7 @@ use std::collections::hash_map::Entry;
 
 use super::{EdgeNodes, Element, ElementEdge, Mesh, MeshError};
 
-/// For each edge of each element the one on its other side.
+/// The elements on the other side of each edge of each element.
 #[derive(Clone, Debug)]
 pub(super) struct Topology {
     neighbours: Vec<[Option<ElementEdge>; 4]>,

@@ -30,7 +30,7 @@ pub enum TriangulationError {
     /// A point that is no point of the plane.
     #[error("point {} of the outline is ({}, {})", index + 1, position[0], position[1])]
     Point {
-        /// Its index.
+        /// Index.
         index: usize,
         /// Where it is.
         position: [f64; 2],

@@ -31,7 +31,7 @@ pub struct ContactPair {
     pub critical_slip: f64,
 }
 
-/// Whose law a contact pair follows.
+/// The law that a contact pair follows.
 #[derive(Clone, Debug)]
 pub enum ContactLaw {
     /// UINTER: the plugin returns the whole traction.

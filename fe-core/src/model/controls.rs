@@ -85,13 +85,13 @@ pub struct Controls {
 /// not say that an element bears nothing: both conditions must hold at all its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spalling {
-    /// Its crack is open by more: greatest principal strain × CELENT, mm; 10 G_f/f_t is where a falling branch has ended.
+    /// Crack is open by more: greatest principal strain × CELENT, mm; 10 G_f/f_t is where a falling branch has ended.
     pub opening: f64,
     /// No principal stress is greater in magnitude, MPa.
     pub stress: f64,
-    /// For so long: growth of the measured slip, mm.
+    /// Growth of the measured slip for which it waits, mm.
     pub wait: f64,
-    /// Its forces then fade linearly over so much slip, mm.
+    /// Forces then fade linearly over so much slip, mm.
     pub fade: f64,
 }
 

@@ -28,19 +28,19 @@ impl FieldValues {
 /// What laws are told of temperature and field variables: in each step they go linearly to its end values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fields {
-    /// At the start.
+    /// Values at the start.
     pub initial: FieldValues,
-    /// At the end of each step; none: they stay as they are.
+    /// Values at the end of each step; none: they stay as they are.
     pub ends: Vec<FieldValues>,
 }
 
 impl Fields {
-    /// Whether anything changes.
+    /// Returns whether anything changes.
     pub fn change(&self) -> bool {
         self.ends.iter().any(|end| *end != self.initial)
     }
 
-    /// At the start and at the end of an increment of these steps.
+    /// Returns the field values at the start and at the end of an increment of these steps.
     pub fn over(&self, steps: &[Step], context: &IncrementContext) -> [FieldValues; 2] {
         let index = (context.step as usize).saturating_sub(1);
         let before = index.checked_sub(1).and_then(|before| self.ends.get(before)).unwrap_or(&self.initial);

@@ -12,7 +12,7 @@ use umat_abi::metadata::{OVERSTRESS_WORK, flags};
 pub struct PluginLaw {
     /// The loaded library.
     pub library: Library,
-    /// Its metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
+    /// Metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
     pub law: Option<Law>,
     /// What messages call it.
     pub name: String,
@@ -120,29 +120,29 @@ impl PluginLaw {
         initial.of_point(at, element_type).map_err(|message| LawError { name: self.name.clone(), message })
     }
 
-    /// Where the stresses of its points start from in a plane model.
+    /// Returns where the stresses of its points start from in a plane model.
     pub fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
         let components = model.stress_state().components();
         let given = self.stress0.map(|stress| components.iter().map(|&k| stress[k]).collect::<Vec<_>>());
         InitialStresses::new(&self.library, given.as_deref(), components.len())
     }
 
-    /// Where the states of its points start from.
+    /// Returns where the states of its points start from.
     pub fn initial_states(&self) -> InitialStates {
         InitialStates::new(&self.library, self.statev0.as_deref(), self.nstatv)
     }
 
-    /// Whether its tangent is symmetric whatever the parameters and the state.
+    /// Returns whether its tangent is symmetric whatever the parameters and the state.
     pub fn has_symmetric_tangent(&self) -> bool {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
     }
 
-    /// Which of its states is the work of the overstress of a law that extrapolates, if it does.
+    /// Returns which of its states is the work of the overstress of a law that extrapolates, if it does.
     pub fn overstress_work(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(OVERSTRESS_WORK)
     }
 
-    /// Which of its states is the strain 33 of plane stress, if it says so.
+    /// Returns which of its states is the strain 33 of plane stress, if it says so.
     pub fn strain_33(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(c"strain_33")
     }
@@ -190,7 +190,7 @@ impl PluginLaw {
         }
     }
 
-    /// With these values at the end of PROPS: a repeating group.
+    /// Appends values to PROPS: a repeating group.
     pub(crate) fn followed_by(mut self, values: &[f64]) -> Self {
         self.props.extend_from_slice(values);
         self

@@ -32,7 +32,7 @@ pub struct Freedom {
 }
 
 impl Freedom {
-    /// Its place in vectors of displacements and forces: two per node.
+    /// Returns the place in vectors of displacements and forces: two per node.
     pub const fn index(self) -> usize {
         2 * self.node + self.component
     }
@@ -43,7 +43,7 @@ impl Freedom {
 pub struct Support {
     /// What messages and reactions call it.
     pub name: String,
-    /// Its nodes.
+    /// Nodes.
     pub nodes: Vec<usize>,
     /// The direction in which they are held, of any length > 0: not along an axis, a roller in rotated axes.
     pub direction: [f64; 2],
@@ -125,7 +125,7 @@ pub struct Measured {
 /// What is measured of one of several fibres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredFibre {
-    /// Its name.
+    /// Name.
     pub name: String,
     /// The drive that pulls it.
     pub slip: usize,
@@ -137,7 +137,7 @@ pub struct MeasuredFibre {
     pub exit_node: usize,
     /// The node whose displacement along the axis is its `slip_tail`.
     pub tail_node: usize,
-    /// Its lines of bond among [`Measured::interface_lines`].
+    /// Lines of bond among [`Measured::interface_lines`].
     pub lines: Vec<usize>,
 }
 
@@ -216,18 +216,18 @@ pub struct Model {
 }
 
 impl Model {
-    /// Whether any part has large displacements.
+    /// Returns whether any part has large displacements.
     pub fn has_large_displacements(&self) -> bool {
         self.nlgeom.contains(&true)
     }
 
-    /// Whether any part starts from a stress.
+    /// Returns whether any part starts from a stress.
     pub fn has_initial_stress(&self) -> bool {
         let model = |part: usize| self.mesh.parts()[part].model;
         self.laws.iter().enumerate().any(|(part, law)| !law.initial_stresses(model(part)).are_zero())
     }
 
-    /// Whether a law extrapolates: its increments take time, however far they lead.
+    /// Returns whether a law extrapolates: its increments take time, however far they lead.
     pub fn extrapolates(&self) -> bool {
         self.laws.iter().any(|law| law.overstress_work().is_some())
     }

@@ -23,7 +23,7 @@ pub struct Fields<'a> {
     pub strains: Vec<[f64; 4]>,
     /// State variables and derived outputs at the points: as many at each as the element's part has names.
     pub states: Vec<f64>,
-    /// Their names, of each part.
+    /// Names, of each part.
     pub state_names: Vec<Vec<String>>,
     /// What each element does.
     pub activities: Vec<Activity>,
@@ -81,7 +81,7 @@ pub enum FieldsError {
     Length {
         /// What the vector holds.
         what: &'static str,
-        /// Its length.
+        /// Length.
         found: usize,
         /// What it should be.
         expected: usize,

@@ -16,7 +16,7 @@ pub struct Principal {
 }
 
 impl Principal {
-    /// Of a stress 11, 22, 33, 12; all NaN if any component is.
+    /// Finds the principal values of a stress 11, 22, 33, 12; all NaN if any component is.
     pub fn new([s11, s22, s33, s12]: [f64; 4]) -> Self {
         let (mean, half_difference) = (0.5 * (s11 + s22), 0.5 * (s11 - s22));
         let radius = half_difference.hypot(s12);

@@ -127,7 +127,7 @@ impl Recovery {
         Ok(nodal)
     }
 
-    /// As [`Self::recover`], limited in each part to the range of that part's points (see the module's notes).
+    /// Recovers as [`Self::recover`] does, limited in each part to the range of that part's points (see the modul
     ///
     /// # Errors
     ///

@@ -37,7 +37,7 @@ pub struct Series {
 /// The files of a series so far.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SeriesFiles {
-    /// Of each data set: time, part of the series, file.
+    /// Entries of each data set: time, part of the series, file.
     entries: Vec<(f64, usize, String)>,
     written: usize,
 }
@@ -59,7 +59,7 @@ pub enum WriteError {
 }
 
 impl SeriesFiles {
-    /// Whether a series can have come to it: the names of its increments, one after the other.
+    /// Returns whether a series can have come to it: the names of its increments, one after the other.
     pub fn is_sound(&self) -> bool {
         let mut entries = self.entries.iter().peekable();
         let mut is_next = |part: usize, name: &str| {
@@ -74,7 +74,7 @@ impl SeriesFiles {
         are_there && entries.next().is_none()
     }
 
-    /// Their names, in the order in which they were written.
+    /// Returns the names, in the order in which they were written.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.entries.iter().map(|(_, _, name)| name.as_str())
     }
@@ -115,7 +115,7 @@ impl Series {
         &self.files
     }
 
-    /// How fields come to nodes.
+    /// Returns how fields come to nodes.
     pub fn recovery(&self) -> &Recovery {
         &self.recovery
     }

@@ -114,7 +114,7 @@ pub(super) struct Analysis {
 }
 
 impl Analysis {
-    /// Of a pattern to be eliminated in `order`.
+    /// Makes an analysis of a pattern to be eliminated in `order`.
     pub(super) fn new(pattern: &Pattern, order: Vec<usize>) -> Result<Self, SolverError> {
         let places = inverse(&order);
         let scratch = supernodal::factorize_supernodal_symbolic_cholesky_scratch::<usize>(pattern.size());

@@ -72,13 +72,13 @@ impl Panel {
         self.columns + self.below
     }
 
-    /// Its block and the rows below.
+    /// Returns the block and the rows below.
     fn lower<'a>(&self, lower: &'a [f64]) -> MatRef<'a, f64> {
         let values = &lower[self.lower..][..self.height() * self.columns];
         MatRef::from_column_major_slice(values, self.height(), self.columns)
     }
 
-    /// What is right of its block, transposed.
+    /// Returns what is right of its block, transposed.
     fn upper<'a>(&self, upper: &'a [f64]) -> MatRef<'a, f64> {
         MatRef::from_column_major_slice(&upper[self.upper..][..self.below * self.columns], self.below, self.columns)
     }
@@ -140,7 +140,7 @@ impl BlockLu {
         })
     }
 
-    /// How many numbers the factor has.
+    /// Returns how many numbers the factor has.
     pub(super) fn entries(&self) -> usize {
         self.lower.len() + self.upper.len()
     }
@@ -204,7 +204,7 @@ impl BlockLu {
         true
     }
 
-    /// Whether a value of A in a panel is another one than at the last factorisation.
+    /// Returns whether a value of A in a panel is another one than at the last factorisation.
     fn differs(&self, analysis: &Analysis, panel: Panel, values: &[f64]) -> bool {
         let starts = analysis.lower.col_ptr();
         let entries = starts[panel.start]..starts[panel.end()];

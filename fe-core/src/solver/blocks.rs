@@ -30,7 +30,7 @@ impl Blocks {
         self.ends.push((self.rows.len(), self.values.len()));
     }
 
-    /// Whether its parts belong together, all rows are among so many, and all values are numbers.
+    /// Returns whether its parts belong together, all rows are among so many, and all values are numbers.
     pub(crate) fn is_sound(&self, rows: usize) -> bool {
         let mut start = (0, 0);
         let follow = self.ends.iter().all(|&end| {
@@ -45,12 +45,12 @@ impl Blocks {
             && self.values.iter().all(|value| value.is_finite())
     }
 
-    /// How many there are.
+    /// Returns how many there are.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// Whether there is none.
+    /// Returns whether there is none.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }

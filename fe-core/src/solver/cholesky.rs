@@ -86,7 +86,7 @@ impl Cholesky {
         SupernodalLltRef::new(&self.analysis.supernodes, &self.factor)
     }
 
-    /// How many numbers the factor has.
+    /// Returns how many numbers the factor has.
     pub(super) fn entries(&self) -> usize {
         self.factor.len()
     }
@@ -112,7 +112,7 @@ impl Cholesky {
         Ok(())
     }
 
-    /// As many of the last rows and columns of L as `triangle` has; zero above the diagonal.
+    /// Copies as many of the last rows and columns of L as `triangle` has; zero above the diagonal.
     pub(super) fn copy_trailing(&self, triangle: &mut Mat<f64>) {
         let first = self.analysis.order.len() - triangle.nrows();
         triangle.fill(0.0);

@@ -16,7 +16,7 @@ pub(super) struct Cut {
     pub(super) between: Vec<usize>,
 }
 
-/// Where the fewest nodes separate two halves of about equal size; `None` if there are not two. `positions` has the
+/// Returns where the fewest nodes separate two halves of about equal size; `None` if there are not two. `positions` has the
 /// place of each node, mm.
 pub(super) fn cut(graph: &Graph, positions: &[[f64; 2]]) -> Option<Cut> {
     let count = graph.len();
@@ -55,7 +55,7 @@ fn reach(graph: &Graph, ranks: &[usize], node: usize) -> usize {
     graph.neighbours(node).iter().map(|&other| ranks[other]).fold(ranks[node], usize::max)
 }
 
-/// For each number of nodes before a cut: how many of them have a neighbour behind it.
+/// Counts, for each number of nodes before a cut, how many of them have a neighbour behind it.
 fn between(graph: &Graph, ranks: &[usize]) -> Vec<usize> {
     let mut changes = vec![0_isize; ranks.len() + 2];
     for node in 0..ranks.len() {

@@ -2,7 +2,7 @@
 
 use super::Pattern;
 
-/// Not an index.
+/// Marks a place where there is no index.
 pub(super) const NONE: usize = usize::MAX;
 
 /// Which nodes are coupled. Each has its neighbours without itself, in any order.
@@ -12,7 +12,7 @@ pub(super) struct Graph {
 }
 
 impl Graph {
-    /// How many nodes it has.
+    /// Returns how many nodes it has.
     pub(super) fn len(&self) -> usize {
         self.starts.len() - 1
     }
@@ -21,7 +21,7 @@ impl Graph {
         &self.neighbours[self.starts[node]..self.starts[node + 1]]
     }
 
-    /// Where the neighbours of each node start, and one past the last; all neighbours.
+    /// Returns where the neighbours of each node start, and one past the last; all neighbours.
     pub(super) fn raw(&self) -> (&[usize], &[usize]) {
         (&self.starts, &self.neighbours)
     }
@@ -48,7 +48,7 @@ pub(super) struct NodeGraph {
 }
 
 impl NodeGraph {
-    /// Of the equations outside `last`. `nodes` has the node of each equation, by any numbering.
+    /// Makes a node graph of the equations outside `last`. `nodes` has the node of each equation, by any numbering.
     pub(super) fn new(pattern: &Pattern, nodes: &[usize], last: &[usize]) -> Self {
         let mut is_last = vec![false; pattern.size()];
         last.iter().for_each(|&equation| is_last[equation] = true);

@@ -14,7 +14,7 @@ use crate::threads::Threads;
 pub struct LinearSolver {
     pattern: Arc<Pattern>,
     nodes: Vec<usize>,
-    /// Of each equation, if known.
+    /// Positions of each equation, if known.
     positions: Vec<[f64; 2]>,
     threads: Threads,
     options: SolverOptions,
@@ -118,7 +118,7 @@ impl LinearSolver {
         Err(SolverError::Singular { equation: None })
     }
 
-    /// What the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
+    /// Returns what the next factorisation depends on beside its matrix: the symmetry of the solids if there is a factor, and the
     /// pattern of the whole if there is one.
     pub fn memory(&self) -> (Option<Symmetry>, Option<Pattern>) {
         (self.factor.map(|(_, symmetry)| symmetry), self.whole.as_ref().map(|whole| whole.pattern().clone()))
@@ -214,7 +214,7 @@ impl LinearSolver {
     }
 }
 
-/// Whether each block is symmetric but for rounding.
+/// Returns whether each block is symmetric but for rounding.
 fn is_symmetric(contact: &Blocks) -> bool {
     contact.iter().all(|(rows, values)| {
         let accepted = SYMMETRIC_BLOCK * greatest(values);

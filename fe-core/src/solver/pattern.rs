@@ -12,7 +12,7 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// From groups of equations that are coupled with each other, such as those of an element.
+    /// Makes a pattern from groups of equations that are coupled with each other, such as those of an element.
     ///
     /// # Panics
     ///
@@ -37,7 +37,7 @@ impl Pattern {
         })
     }
 
-    /// This pattern with the entries of `blocks`.
+    /// Returns this pattern with the entries of `blocks`.
     pub(super) fn with_blocks(&self, blocks: &Blocks) -> Self {
         let mut groups = vec![Vec::new(); self.size()];
         for (block, _) in blocks.iter() {
@@ -66,7 +66,7 @@ impl Pattern {
         (Self { starts, rows }, from)
     }
 
-    /// From the rows of each column, which `write` gives in any order and as often as it likes.
+    /// Makes a pattern from the rows of each column, which `write` gives in any order and as often as it likes.
     fn from_columns(size: usize, mut write: impl FnMut(usize, &mut Vec<usize>)) -> Self {
         let mut starts = Vec::with_capacity(size + 1);
         let (mut rows, mut column_rows) = (Vec::new(), Vec::new());
@@ -82,7 +82,7 @@ impl Pattern {
         Self { starts, rows }
     }
 
-    /// Whether it is a pattern of its kind, and has all entries of another one.
+    /// Returns whether it is a pattern of its kind, and has all entries of another one.
     pub(super) fn is_superset_of(&self, other: &Self) -> bool {
         let Self { starts, rows } = self;
         let is_of_columns = starts.len() == other.starts.len()
@@ -96,12 +96,12 @@ impl Pattern {
             && columns().all(|(column, _)| other.column(column).iter().all(|&row| self.index(row, column).is_some()))
     }
 
-    /// How many equations.
+    /// Returns how many equations.
     pub fn size(&self) -> usize {
         self.starts.len() - 1
     }
 
-    /// How many entries, both triangles.
+    /// Returns how many entries, both triangles.
     pub fn entries(&self) -> usize {
         self.rows.len()
     }
@@ -114,7 +114,7 @@ impl Pattern {
         self.column(column).binary_search(&row).ok().map(|place| self.starts[column] + place)
     }
 
-    /// Where the entries of each column start among the values, and behind them their number.
+    /// Returns where the entries of each column start among the values, and behind them their number.
     pub fn column_starts(&self) -> &[usize] {
         &self.starts
     }
@@ -180,7 +180,7 @@ impl SystemMatrix {
         Self { values: vec![0.0; pattern.entries()], pattern, contact: Blocks::default() }
     }
 
-    /// Where A has entries.
+    /// Returns where A has entries.
     pub fn pattern(&self) -> &Arc<Pattern> {
         &self.pattern
     }

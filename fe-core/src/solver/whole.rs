@@ -19,7 +19,7 @@ pub(super) struct Whole {
     /// Place of each value of the solids.
     solids: Vec<usize>,
     contact: Vec<Places>,
-    /// Of all; empty if that is what the matrix itself has.
+    /// Values of all; empty if that is what the matrix itself has.
     values: Vec<f64>,
     analysis: Option<Arc<Analysis>>,
     /// Present if it is large enough, once cuts were looked for.
@@ -129,7 +129,7 @@ impl Whole {
         Ok(analysis)
     }
 
-    /// Whether nothing about this method's pattern needs to be found out again.
+    /// Returns whether nothing about this method's pattern needs to be found out again.
     pub(super) fn is_analysed(&self, method: Method) -> bool {
         match method {
             Method::GeneralLu => self.general_lu.is_some(),
@@ -213,7 +213,7 @@ impl Whole {
     }
 }
 
-/// What is in the slot, or what `make` makes for it.
+/// Returns what is in the slot, or what `make` makes for it.
 fn get_or_try_insert<T>(
     slot: &mut Option<T>,
     make: impl FnOnce() -> Result<T, SolverError>,

@@ -56,7 +56,7 @@ impl Zone {
         })
     }
 
-    /// How many equations the zone has.
+    /// Returns how many equations the zone has.
     pub(super) fn len(&self) -> usize {
         self.shift.len()
     }
@@ -71,7 +71,7 @@ impl Zone {
         self.cholesky.analysis.flops + dense_cholesky_flops(self.len())
     }
 
-    /// How many numbers the factor has.
+    /// Returns how many numbers the factor has.
     pub(super) fn entries(&self) -> usize {
         self.cholesky.entries()
     }
@@ -166,7 +166,7 @@ impl Zone {
         to.iter_mut().zip(&self.cholesky.analysis.order).for_each(|(to, &equation)| *to = from[equation]);
     }
 
-    /// And back.
+    /// Scatters a vector of the zone back into one of the system.
     pub(super) fn scatter(&self, from: &[f64], to: &mut [f64]) {
         from.iter().zip(&self.cholesky.analysis.order).for_each(|(from, &equation)| to[equation] = *from);
     }

@@ -25,7 +25,7 @@ pub struct Checkpoint {
 /// Where a run is within its steps.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Position {
-    /// From 1.
+    /// Step from 1.
     pub(super) step: u32,
     pub(super) run: StepRun,
     /// Increments of the step that are done.
@@ -39,7 +39,7 @@ impl Checkpoint {
         [self.position.step, self.position.increment]
     }
 
-    /// Whether a run of this model can have come to it, as far as the model alone tells: its step, the lengths of arrays,
+    /// Returns whether a run of this model can have come to it, as far as the model alone tells: its step, the lengths of arrays,
     /// and that all are numbers. What solids and contact remember, [`Analysis::resume`] compares with theirs.
     pub fn fits(&self, model: &Model) -> bool {
         let Position { step, ref run, increment, step_time } = self.position;
@@ -91,13 +91,13 @@ impl<'m> Analysis<'m> {
         })
     }
 
-    /// Whether a checkpoint is due before the next increment: after the last one there is nothing to go on with.
+    /// Returns whether a checkpoint is due before the next increment: after the last one there is nothing to go on with.
     pub(super) fn is_checkpoint_due(&self) -> bool {
         let done = self.statistics().increments;
         done > self.last_checkpoint && self.checkpoint_every.is_some_and(|every| done.is_multiple_of(every))
     }
 
-    /// What the rest of the run depends on.
+    /// Returns what the rest of the run depends on.
     pub(super) fn checkpoint(&mut self, position: Position) -> Checkpoint {
         self.last_checkpoint = self.statistics().increments;
         Checkpoint { position, present: self.present.clone(), equilibrium: self.equilibrium.state() }

@@ -34,7 +34,7 @@ const CREEPING: f64 = 1e-2;
 const FADING: f64 = 0.8;
 /// The first increment of what leads now, as part of the usual one.
 const FIRST: f64 = 0.5;
-/// Its increments shrink to this part of the first.
+/// Part of the first increment to which increments shrink.
 const LEAST: f64 = 1e-6;
 /// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
 /// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
@@ -168,7 +168,7 @@ impl StepRun {
         }
     }
 
-    /// Whether a run of this step of a model can have come to it.
+    /// Returns whether a run of this step of a model can have come to it.
     pub(super) fn fits(&self, step: &Step, model: &Model) -> bool {
         let Self {
             start,
@@ -221,12 +221,12 @@ impl StepRun {
         self.progress >= 1.0
     }
 
-    /// From 0 to 1.
+    /// Returns the progress of the step, from 0 to 1.
     pub(super) fn progress(&self) -> f64 {
         self.progress
     }
 
-    /// Where the next attempt leads.
+    /// Returns where the next attempt leads.
     pub(super) fn target(&mut self) -> Target {
         match self.lead {
             Lead::Drives => {
@@ -244,7 +244,7 @@ impl StepRun {
         if self.attempted == 1.0 - self.progress { 1.0 } else { self.progress + self.attempted }
     }
 
-    /// Where the present attempt leads; `leading`: the contact point that leads, if one does.
+    /// Returns where the present attempt leads; `leading`: the contact point that leads, if one does.
     pub(super) fn way(&self, leading: Option<[usize; 2]>) -> Way {
         match self.lead {
             Lead::Drives => Way::Drives(self.aim()),
@@ -381,7 +381,7 @@ impl StepRun {
         }
     }
 
-    /// What may lead where the present lead fails: what helped last time first. With stabilisation the drives lead while they
+    /// Returns what may lead where the present lead fails: what helped last time first. With stabilisation the drives lead while they
     /// can, since what would snap back in the solids takes its time instead; the contact of a fibre that leaves has no
     /// viscosity, and then its slip leads. Laws that extrapolate are led by the drives alone.
     fn next_lead(&self) -> Option<Lead> {

@@ -39,7 +39,7 @@ pub struct Energies {
 }
 
 impl Energies {
-    /// What the interfaces have dissipated.
+    /// Returns what the interfaces have dissipated.
     pub fn interface_dissipation(&self) -> f64 {
         self.interface - self.interface_stored
     }
@@ -49,7 +49,7 @@ impl Energies {
         self.external_work - (self.elastic + self.interface_stored) - self.spent()
     }
 
-    /// What cannot be had back.
+    /// Returns what cannot be had back.
     pub(super) fn spent(&self) -> f64 {
         self.plastic
             + self.damage
@@ -58,7 +58,7 @@ impl Energies {
             + (self.interface_dissipation() + self.opening + self.stabilisation)
     }
 
-    /// Whether all are numbers.
+    /// Returns whether all are numbers.
     pub fn is_finite(&self) -> bool {
         let Self { external_work, elastic, plastic, damage, spalled, unaccounted, .. } = *self;
         let Self { interface, interface_stored, opening, stabilisation, .. } = *self;
@@ -66,7 +66,7 @@ impl Energies {
         solids.into_iter().chain([interface, interface_stored, opening, stabilisation]).all(f64::is_finite)
     }
 
-    /// What was added since a datum.
+    /// Returns what was added since a datum.
     pub(super) fn since(&self, datum: &Self) -> Self {
         Self {
             external_work: self.external_work - datum.external_work,

@@ -11,7 +11,7 @@ const LEAST_DISSIPATION: f64 = 1e-2;
 const LEAST_RELATIVE_WORK: f64 = 1e-3;
 
 impl Analysis<'_> {
-    /// What a converged increment is judged by.
+    /// Returns what a converged increment is judged by.
     pub(super) fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
         let trial =
@@ -41,7 +41,7 @@ impl Analysis<'_> {
         }
     }
 
-    /// Whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
+    /// Returns whether an increment gives energy back that it does not take from what fails: elastic unloading. `work`: that of the
     /// increment.
     fn gives_back(&self, work: f64) -> bool {
         // sums over all points
@@ -49,7 +49,7 @@ impl Analysis<'_> {
         work < 0.0 && spent() < LEAST_DISSIPATION * -work
     }
 
-    /// What a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
+    /// Returns what a converged increment is judged by, once laws that report energies which nobody can believe are found. `refused`:
     /// the increment's size if its energies do not balance.
     pub(super) fn believed_findings(
         &mut self,
@@ -97,7 +97,7 @@ impl Analysis<'_> {
         self.present.energies.external_work + Energies::work_between(equations, &self.present.committed, end)
     }
 
-    /// What an imbalance of the energies is compared with, N mm.
+    /// Returns what an imbalance of the energies is compared with, N mm.
     pub(super) fn work_reference(&self, external_work: f64, state: &Committed) -> f64 {
         let rounding = self.equilibrium.memory.rounding * largest(&state.displacements);
         external_work.abs().max(LEAST_RELATIVE_WORK * self.present.greatest_work).max(rounding)

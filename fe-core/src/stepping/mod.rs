@@ -62,7 +62,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Whether a run can have come to it.
+    /// Returns whether a run can have come to it.
     fn is_sound(&self) -> bool {
         let Self { increments, iterations, cutbacks, settlements, expansions, .. } = *self;
         let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
@@ -88,7 +88,7 @@ struct Present {
 }
 
 impl Present {
-    /// Whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
+    /// Returns whether a run of this model can have come to it: lengths of arrays, and all numbers are finite.
     fn fits(&self, model: &Model) -> bool {
         let Self { committed, energies, datum, datum_accounts, total_time, load, greatest_work, spalled } = self;
         committed.fits(model)
@@ -173,7 +173,7 @@ impl<'m> Analysis<'m> {
         self.equilibrium.stop = Some(flag);
     }
 
-    /// Whether the flag of [`Self::stop_at`] is set.
+    /// Returns whether the flag of [`Self::stop_at`] is set.
     pub fn is_stopped(&self) -> bool {
         self.equilibrium.is_stopped()
     }
@@ -266,12 +266,12 @@ impl<'m> Analysis<'m> {
         Position { step: number, run, increment: 0, step_time: 0.0 }
     }
 
-    /// What it has cost so far.
+    /// Returns what it has cost so far.
     pub fn statistics(&self) -> Statistics {
         self.equilibrium.memory.statistics
     }
 
-    /// Where the time went so far.
+    /// Returns where the time went so far.
     pub fn times(&self) -> Times {
         self.equilibrium.times
     }
@@ -417,7 +417,7 @@ impl<'m> Analysis<'m> {
         self.equilibrium.restore();
     }
 
-    /// What users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
+    /// Returns what users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
     pub fn remarks(&self) -> Vec<String> {
         self.equilibrium.solids.remarks()
     }
@@ -451,7 +451,7 @@ impl<'m> Analysis<'m> {
     }
 }
 
-/// What UEXTERNALDB is told of an increment, `passed` after its start.
+/// Returns what UEXTERNALDB is told of an increment, `passed` after its start.
 fn clock(context: &IncrementContext, passed: f64) -> Clock {
     let as_i32 = |n: u32| i32::try_from(n).unwrap_or(i32::MAX);
     Clock {

@@ -44,7 +44,7 @@ pub struct Record {
     pub greatest_bearing_pressure: f64,
     /// Attempts given up before it.
     pub cutbacks: u32,
-    /// Its Newton iterations.
+    /// Newton iterations.
     pub iterations: Vec<Iteration>,
     /// Each of several fibres ([`crate::model::Measured::fibres`]).
     pub fibres: Vec<FibreRecord>,
@@ -57,7 +57,7 @@ pub struct Record {
 pub struct FibreRecord {
     /// Value of its drive, mm.
     pub slip: f64,
-    /// Its reaction in the pull direction, N.
+    /// Reaction in the pull direction, N.
     pub load: f64,
     /// Component of the reaction along its axis, N.
     pub load_axial: f64,
@@ -99,7 +99,7 @@ pub enum Directive {
     EndRun,
 }
 
-/// Who wants to know.
+/// Receives each accepted increment.
 pub trait Observer {
     /// The initial state, then each accepted increment; the snapshot gives fields on demand.
     ///
@@ -119,7 +119,7 @@ pub trait Observer {
 }
 
 impl Analysis<'_> {
-    /// What is told of the present state, the end of an increment.
+    /// Returns what is told of the present state, the end of an increment.
     pub(super) fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
         let snapshot = self.snapshot();
         let measured = &self.model.measured;

@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// By steps and increments; the last attempt at an increment stands. Of points several may: pieces of an increment.
+    /// What was tried, by steps and increments; the last attempt at an increment stands. Of points several may: pieces of an increment.
     pub steps: Vec<Vec<Vec<Tried>>>,
 }
 
@@ -33,7 +33,7 @@ pub struct Tried {
     /// What became of it.
     #[serde(default, skip_serializing_if = "Verdict::stands")]
     pub verdict: Verdict,
-    /// Its size, if its energies did not balance.
+    /// Size, if its energies did not balance.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub imbalanced: Option<f64>,
 }
@@ -46,7 +46,7 @@ pub enum Way {
     Drives(f64),
     /// The slip of a contact point.
     Slip {
-        /// Its growth, mm.
+        /// Growth, mm.
         growth: f64,
         /// Indices of the pair and of the point in it; `None`: there was none.
         point: Option<[usize; 2]>,
@@ -80,7 +80,7 @@ fn is_zero(number: &f64) -> bool {
 }
 
 impl Recorded {
-    /// What no run can have come to, with its place, if anything.
+    /// Returns what no run can have come to, with its place, if anything.
     pub fn mistake(&self) -> Option<(String, &'static str)> {
         for (step, increments) in self.steps.iter().enumerate() {
             for (increment, attempts) in increments.iter().enumerate() {
@@ -116,7 +116,7 @@ impl Recorded {
 }
 
 impl StepRun {
-    /// Where a recorded attempt leads.
+    /// Returns where a recorded attempt leads.
     fn recorded_target(&self, to: Way) -> Target {
         let led = |by, growth, point| Target::Led { by, growth, direction: self.direction(), point };
         match to {
@@ -135,7 +135,7 @@ impl Analysis<'_> {
         self.repeats = Some(recorded);
     }
 
-    /// Where the attempt that was just made leads.
+    /// Returns where the attempt that was just made leads.
     pub(super) fn way(&self, run: &StepRun) -> Way {
         run.way(self.equilibrium.leading_point.map(|(point, _)| [point.pair, point.point]))
     }

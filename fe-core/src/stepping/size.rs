@@ -12,7 +12,7 @@ pub(super) const EASY: usize = 9;
 const HARD: usize = 13;
 /// After as many easy increments in a row the size grows.
 const STREAK: usize = 2;
-/// By this.
+/// Factor by which an increment may grow.
 pub(super) const GROWTH: f64 = 1.5;
 /// A hard increment makes the next smaller by this.
 const SHRINKAGE: f64 = 0.75;
@@ -44,7 +44,7 @@ impl IncrementSize {
         }
     }
 
-    /// Whether a step that began with `first` can have come to it.
+    /// Returns whether a step that began with `first` can have come to it.
     pub(super) fn may_follow(&self, first: &Self) -> bool {
         let Self { size, maximum, minimum, fixed, streak } = *self;
         size > 0.0
@@ -86,7 +86,7 @@ impl IncrementSize {
         self.size = self.size.min(size.max(self.minimum));
     }
 
-    /// Whether sizes are free; equal ones stay as they are asked for.
+    /// Returns whether sizes are free; equal ones stay as they are asked for.
     pub(super) fn is_automatic(&self) -> bool {
         !self.fixed
     }

@@ -21,7 +21,7 @@ pub(super) struct Spalled {
 }
 
 impl Spalled {
-    /// Whether it is of a mesh of so many elements, and all numbers are finite.
+    /// Returns whether it is of a mesh of so many elements, and all numbers are finite.
     pub(super) fn fits(&self, elements: usize) -> bool {
         let Self { torn, fading, slip, volume, depth } = self;
         let mut since = torn.iter().chain(fading);

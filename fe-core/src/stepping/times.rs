@@ -12,7 +12,7 @@ pub struct Times {
     pub contact: Duration,
     /// The system's matrix from stiffnesses and blocks.
     pub assembly: Duration,
-    /// Its factors.
+    /// Factors.
     pub factorisation: Duration,
     /// Solutions with them.
     pub solution: Duration,

@@ -38,19 +38,19 @@ impl Zone {
         zone
     }
 
-    /// Whether a run can have come to it from `first`, the zone that a model begins with: zones grow, or give up.
+    /// Returns whether a run can have come to it from `first`, the zone that a model begins with: zones grow, or give up.
     pub(super) fn may_follow(&self, first: &Self) -> bool {
         let grows = self.active.iter().zip(&first.active).all(|(active, before)| *active || !before);
         let condenses = self.active.contains(&false);
         self.active.len() == first.active.len() && grows && condenses == self.condenses
     }
 
-    /// Whether some elements are condensed.
+    /// Returns whether some elements are condensed.
     pub(super) fn condenses(&self) -> bool {
         self.condenses
     }
 
-    /// Which elements iterate.
+    /// Returns which elements iterate.
     pub(super) fn active(&self) -> &[bool] {
         &self.active
     }

@@ -14,7 +14,7 @@ pub(super) struct EffectiveStress {
     elasticity: Elasticity,
     /// The strain; component 33 is 0 in plane stress until m is known.
     strain: [f64; 6],
-    /// Of the strain, or in plane stress of its in-plane part.
+    /// Principal values of the strain, or in plane stress of its in-plane part.
     pub spectral: Spectral,
     /// Which principal direction is axis 3, in plane stress.
     pub out_of_plane: Option<usize>,

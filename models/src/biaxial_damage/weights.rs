@@ -162,7 +162,7 @@ impl HydrostaticWeight {
         x
     }
 
-    /// Which coincidences kink r_t and β.
+    /// Returns which coincidences kink r_t and β.
     pub(super) fn kinks(&self) -> Kinks {
         match self.mode {
             BetaMode::Uniaxial => Kinks { ties: true, blend_ratio: None },

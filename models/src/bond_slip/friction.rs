@@ -12,9 +12,9 @@ pub(super) const ROUNDING: f64 = 4.0 * f64::EPSILON;
 pub(super) struct Returned {
     /// The nearest vector of the disc.
     pub vector: Vector,
-    /// Its derivative by the trial vector.
+    /// Derivative by the trial vector.
     pub by_trial: Matrix,
-    /// Its derivative by the radius.
+    /// Derivative by the radius.
     pub by_radius: Vector,
     /// Whether the disc's edge is reached.
     pub slides: bool,

@@ -54,7 +54,7 @@ umat_abi::states! {
         );
         /// d.
         pub damage: f64 = StateVariable::new(c"d", c"-", c"law B: damage of the bond");
-        /// By friction, bond and opening.
+        /// Energy dissipated by friction, bond and opening.
         pub dissipated_energy: f64 =
             StateVariable::new(c"dissipated_energy", c"N/mm", c"energy dissipated since the virgin state");
     }

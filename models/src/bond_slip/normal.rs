@@ -53,7 +53,7 @@ impl NormalLaw {
         }
     }
 
-    /// What the largest opening so far has left of the bond: 1 … 0.
+    /// Returns what the largest opening so far has left of the bond: 1 … 0.
     #[inline]
     pub fn bond_fraction(&self, state: &State) -> f64 {
         match self {
@@ -111,7 +111,7 @@ impl Hard {
 
 /// Gap, as a part of g_0, where the bond begins to fade.
 const FADE_START: f64 = 0.8;
-/// From this y = 1 − gap/g_0 on the exponential goes on as its tangent.
+/// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
 const LINEAR_FROM: f64 = 7.0;
 
 impl Soft {

@@ -10,7 +10,7 @@ use crate::damage_law::{ETA_MAX, damage, integrity};
 use umat_abi::law::ConfigurationError;
 
 impl Parameters {
-    /// Whether a fracture energy is given.
+    /// Returns whether a fracture energy is given.
     #[inline(always)]
     pub(super) fn wants_crack_band(&self) -> bool {
         self.fracture_energy > 0.0 || self.crushing_energy > 0.0
@@ -174,7 +174,7 @@ impl CrackBand {
         }
     }
 
-    /// Whether [`Self::check`] lets the length pass, told from its stretch; what is far below the limit is told at once.
+    /// Returns whether [`Self::check`] lets the length pass, told from its stretch; what is far below the limit is told at once.
     pub fn allows(&self, curve: &Uniaxial, stretch: &Stretch) -> bool {
         let bound = curve.slope_bound(&stretch.peak);
         stretch.factor > self.least_factor(curve, bound)

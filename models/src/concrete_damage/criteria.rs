@@ -32,7 +32,7 @@ pub(super) struct Criteria {
 }
 
 impl Criteria {
-    /// At principal strains in descending order.
+    /// Evaluates the criteria at principal strains in descending order.
     #[inline]
     pub fn new(parameters: &Parameters, strain: &[f64; 3]) -> Self {
         let elastic_stress = principal_stress(&parameters.elasticity, strain);
@@ -54,7 +54,7 @@ impl Criteria {
         criteria
     }
 
-    /// What rounding of the strain does to Y_t and Y_c: δY = √(2 Y/E) δs with a few units in the last
+    /// Returns what rounding of the strain does to Y_t and Y_c: δY = √(2 Y/E) δs with a few units in the last
     /// place of the terms of s.
     #[inline]
     pub fn rounding(&self, parameters: &Parameters) -> [f64; 2] {

@@ -26,7 +26,7 @@ pub(super) struct History {
 }
 
 impl History {
-    /// As it stands among the states.
+    /// Reads the history from the states.
     #[inline(always)]
     pub fn of(state: &State) -> Self {
         Self {
@@ -35,7 +35,7 @@ impl History {
         }
     }
 
-    /// Whether nothing is damaged.
+    /// Returns whether nothing is damaged.
     #[inline]
     pub fn is_undamaged(&self) -> bool {
         self.tension.eta == 0.0 && self.compression.eta == 0.0
@@ -45,7 +45,7 @@ impl History {
 /// The response to one principal trial strain from one committed history.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Evolution {
-    /// At the elastic strain of the end.
+    /// Criteria at the elastic strain of the end.
     pub criteria: Criteria,
     /// Inelastic strain of this increment, if there is any.
     pub flow: Option<Flow>,

@@ -31,7 +31,7 @@ umat_abi::states! {
         pub y_c_max: f64 = HISTORY[3];
         /// 1 where the characteristic length was found good.
         pub crack_band: f64 = HISTORY[4];
-        /// Of η_t and η_c, 1/s.
+        /// Rate of η_t and η_c, 1/s.
         pub rate: [f64; 2] =
             StateVariable::new(c"eta_t_rate", c"1/s", c"rate of eta_t in the last increment"),
             StateVariable::new(c"eta_c_rate", c"1/s", c"rate of eta_c in the last increment");
@@ -196,7 +196,7 @@ fn approached(from: f64, to: f64, share: f64) -> f64 {
     (1.0 / (from + share * (to - from)) - 1.0).max(0.0)
 }
 
-/// What resists the strain increment: R D̃_t τ/Δt C.
+/// Returns what resists the strain increment: R D̃_t τ/Δt C.
 #[inline(always)]
 fn resistance(parameters: &Parameters, stress_state: StressState, eta_t: f64, share: f64) -> [[f64; 6]; 6] {
     let is_plane_stress = stress_state == StressState::PlaneStress;

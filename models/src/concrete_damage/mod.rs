@@ -104,7 +104,7 @@ umat_abi::states! {
             StateVariable::new(c"inelastic_strain_23", c"-", c"inelastic strain, engineering shear").strain_component(6);
         /// ε33.
         pub strain_33: f64 = STRAIN_33;
-        /// By damage and inelastic strain.
+        /// Energy dissipated by damage and inelastic strain.
         pub dissipated_energy: f64 = DISSIPATED_ENERGY;
     }
 }

@@ -8,7 +8,7 @@ use crate::tensor::Spectral;
 
 /// Newton takes 3–8 steps, bisection at most about 60 to exhaust the digits.
 const MAX_ITERATIONS: usize = 120;
-/// From here on every second step halves the bracket, and the search for one takes its full reach.
+/// Number of steps from which on every second one halves the bracket, and the search for one takes its full reach.
 const SLOW: usize = 12;
 /// σ33 within so many roundings of its own terms counts as 0. The test is on σ33, not on the step, so
 /// that a solution passes again from the committed state, when damage and the slope no longer grow.

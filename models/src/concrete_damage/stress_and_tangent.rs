@@ -42,7 +42,7 @@ pub(super) struct Degraded {
 }
 
 impl Degraded {
-    /// At principal strains in descending order.
+    /// Degrades the stiffness at principal strains in descending order.
     #[inline]
     pub fn new(parameters: &Parameters, eta_t: f64, eta_c: f64, strain: &[f64; 3]) -> Self {
         let elasticity = degraded_elasticity(parameters, eta_c);

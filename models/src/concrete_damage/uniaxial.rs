@@ -96,7 +96,7 @@ impl Uniaxial {
         self.stiffness_ratio(eta) - 2.0 * energy * rate * self.stiffness_loss(eta, eta)
     }
 
-    /// What σ'/E stays above beyond the peak: f > 0, D(1 − D) ≤ 1/4, Y/(Y − Y₀) falls, and w/[(1 − ρ) + ρw]² ≤ 1/[4ρ(1 − ρ)]
+    /// Returns what σ'/E stays above beyond the peak: f > 0, D(1 − D) ≤ 1/4, Y/(Y − Y₀) falls, and w/[(1 − ρ) + ρw]² ≤ 1/[4ρ(1 − ρ)]
     /// with w = 1 − D, in σ'/E = f − 2B Y/(Y − Y₀) D(1 − D)(−f').
     #[inline]
     pub fn slope_bound(&self, peak: &Point) -> f64 {
@@ -117,7 +117,7 @@ impl Uniaxial {
         (after - before).max(0.0)
     }
 
-    /// Of several η ≥ 0 with `roots` = η^(1/B).
+    /// Returns the dissipations of several η ≥ 0 with `roots` = η^(1/B).
     ///
     /// Partial fractions of f leave ∫ Z dD and ∫ Z/(1 − ρD)² dD, both incomplete beta functions, the second
     /// one of (1 − ρ)η.

@@ -53,7 +53,7 @@ impl Field<4> for Cone {
 }
 
 impl Cone {
-    /// From cohesion (MPa) and angles (degrees).
+    /// Makes a cone from cohesion (MPa) and angles (degrees).
     ///
     /// # Errors
     /// If the dilation angle exceeds the friction angle.

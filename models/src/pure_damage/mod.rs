@@ -121,7 +121,7 @@ impl Undamaged {
         }
     }
 
-    /// With the η of a state, and a tangent that knows nothing of growth.
+    /// Returns the response with the η of a state, and a tangent that knows nothing of growth.
     #[inline(always)]
     fn response(&self, stress_state: StressState, state: &State, request: Request) -> Response {
         let omega = integrity(state.eta);

@@ -28,7 +28,7 @@ impl Field<2> for Elasticity {
 }
 
 impl Elasticity {
-    /// From E and ν.
+    /// Makes isotropic elasticity from E and ν.
     #[inline(always)]
     pub fn new(youngs_modulus: f64, poisson_ratio: f64) -> Self {
         let (e, nu) = (youngs_modulus, poisson_ratio);
@@ -47,7 +47,7 @@ impl Elasticity {
         Self::from_bulk_and_shear(self.bulk_modulus, shear_modulus)
     }
 
-    /// From k and μ: E = 9kμ/(3k + μ), ν = (3k − 2μ)/(2(3k + μ)).
+    /// Makes isotropic elasticity from k and μ: E = 9kμ/(3k + μ), ν = (3k − 2μ)/(2(3k + μ)).
     #[inline(always)]
     pub fn from_bulk_and_shear(bulk_modulus: f64, shear_modulus: f64) -> Self {
         let (k, mu) = (bulk_modulus, shear_modulus);

@@ -67,7 +67,7 @@ pub unsafe fn batch<L: Law>(a: &BatchArguments) {
     }
 }
 
-/// Where an array has a component of a point; NULL if the array is.
+/// Returns where an array has a component of a point; NULL if the array is.
 ///
 /// # Safety
 /// The array is NULL or has more than `row` rows of `n` > `k` values.

@@ -126,7 +126,7 @@ fn report(name: &CStr, refusal: &Refusal) {
 pub trait EntryArguments {
     /// CMNAME or CINAME.
     fn name(&self) -> *const c_char;
-    /// Where a refusal goes.
+    /// Returns where a refusal goes.
     ///
     /// # Safety
     /// The number of components is NULL or valid.
@@ -174,7 +174,7 @@ unsafe fn refuse(name: &CStr, refusal: &Refusal, host: &Answer) {
     }
 }
 
-/// Whether a law's name in an export macro is that of its table.
+/// Returns whether a law's name in an export macro is that of its table.
 pub const fn is_named(info: &LawInfo, name: &str) -> bool {
     let (own, given) = (info.name.to_bytes(), name.as_bytes());
     let mut same = own.len() == given.len();

@@ -80,7 +80,7 @@ impl EntryArguments for UmatArguments {
     }
 }
 
-/// Of the few arguments that it needs: all of them together would have to lie in memory before each call.
+/// Refuses a call. Takes the few arguments that it needs: all of them together would have to lie in memory before each call.
 ///
 /// # Safety
 /// As for [`umat`].
@@ -224,7 +224,7 @@ unsafe fn write_components<const N: usize>(a: &Arguments, response: &Response, c
     }
 }
 
-/// Whether there is a tensor among the states.
+/// Returns whether there is a tensor among the states.
 const fn has_tensor_state<S: States>() -> bool {
     let mut k = 0;
     while k < S::TABLE.len() {

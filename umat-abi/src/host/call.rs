@@ -22,7 +22,7 @@ pub enum CallOutcome {
 }
 
 impl CallOutcome {
-    /// From PNEWDT on return.
+    /// Reads PNEWDT on return.
     #[inline]
     pub(super) fn of(pnewdt: f64) -> Self {
         if pnewdt > 0.0 && pnewdt < 1.0 { Self::CutBack(pnewdt) } else { Self::Done }
@@ -100,7 +100,7 @@ pub struct UmatCall {
     pub energies: [f64; 3],
     /// Field variables at the start. A call makes them at least one, and as many as `dpred`, by zeros.
     pub predef: Vec<f64>,
-    /// Their increments.
+    /// Increments.
     pub dpred: Vec<f64>,
     /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
     /// before a call, that of the end behind it.
@@ -185,7 +185,7 @@ impl UmatCall {
         })
     }
 
-    /// As [`PluginCall::fence`], of the call with six components as well.
+    /// Fences as [`PluginCall::fence`] does, in the call with six components as well.
     pub fn fence(&mut self) {
         self.common.fence();
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid_mut()) {
@@ -242,18 +242,18 @@ impl UmatCall {
         self.common.tangent.as_mut_slice()
     }
 
-    /// As if the last call had asked for a fraction of the increment.
+    /// Behaves as if the last call had asked for a fraction of the increment.
     pub(super) fn cut_back(&mut self, fraction: f64) -> CallOutcome {
         self.common.pnewdt = fraction;
         self.outcome()
     }
 
-    /// As if the last call had asked for nothing.
+    /// Behaves as if the last call had asked for nothing.
     pub(super) fn restore_outcome(&mut self) {
         self.common.pnewdt = PNEWDT_ON_ENTRY;
     }
 
-    /// Whether DDSDDE = NULL is understood.
+    /// Returns whether DDSDDE = NULL is understood.
     pub fn honours_stress_only(&self) -> bool {
         self.honours_stress_only
     }
@@ -270,7 +270,7 @@ impl UmatCall {
         self.call_with_tangent_filled(request, 0.0)
     }
 
-    /// As [`Self::call`], with every entry of DDSDDE set to `filling` before: entries that the plugin leaves unset
+    /// Calls as [`Self::call`] does, with every entry of DDSDDE set to `filling` before: entries that the plugin leaves unset
     /// show.
     ///
     /// # Errors

@@ -12,7 +12,7 @@ pub struct DataSnapshot {
 }
 
 impl DataSnapshot {
-    /// What the library's writable segments hold now; empty where the system does not tell where they are. No call of
+    /// Returns what the library's writable segments hold now; empty where the system does not tell where they are. No call of
     /// the library may be under way.
     pub fn of(library: &Library) -> Self {
         segments::of(library.path())
@@ -30,7 +30,7 @@ impl DataSnapshot {
     }
 }
 
-/// Whether the loader's name of a library is this file.
+/// Returns whether the loader's name of a library is this file.
 fn is_file(name: &CStr, file: &Path) -> bool {
     let name = Path::new(name.to_str().unwrap_or_default());
     name == file || (!name.as_os_str().is_empty() && name.canonicalize().ok() == file.canonicalize().ok())

@@ -83,7 +83,7 @@ impl Parameter {
         self.typical.filter(|range| !is_usual(range))
     }
 
-    /// Whether a value is finite, within the bounds, and listed if there are choices.
+    /// Returns whether a value is finite, within the bounds, and listed if there are choices.
     pub fn admits(&self, value: f64) -> bool {
         let above = if self.lower_open { value > self.lower } else { value >= self.lower };
         let below = if self.upper_open { value < self.upper } else { value <= self.upper };
@@ -97,7 +97,7 @@ impl Parameter {
 pub struct Choice {
     /// The number in PROPS.
     pub value: f64,
-    /// Its name.
+    /// Name.
     pub name: String,
 }
 
@@ -138,7 +138,7 @@ pub struct Derived {
 }
 
 impl Derived {
-    /// Its value.
+    /// Returns the value.
     #[inline]
     pub fn value(&self, states: &[f64]) -> f64 {
         let state = states[self.state];
@@ -158,7 +158,7 @@ pub enum Validation {
 }
 
 impl Law {
-    /// Whether a flag of [`metadata::flags`] is set.
+    /// Returns whether a flag of [`metadata::flags`] is set.
     pub fn has(&self, flag: u32) -> bool {
         self.flags & flag != 0
     }

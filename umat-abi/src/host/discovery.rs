@@ -18,7 +18,7 @@ pub fn library_file_name(name: &str) -> String {
     format!("{}{name}{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX)
 }
 
-/// Whether a plugin is named by its file (a library's suffix, or a folder) rather than by its law.
+/// Returns whether a plugin is named by its file (a library's suffix, or a folder) rather than by its law.
 pub fn names_a_file(plugin: &str) -> bool {
     const SUFFIXES: [&str; 3] = ["so", "dylib", "dll"];
     let suffix = Path::new(plugin).extension();

@@ -165,7 +165,7 @@ fn overrun(is_intact: bool, array: &'static str, length: usize) -> Result<(), Ov
 /// The arguments of a call object that are no arrays of their own.
 #[derive(Debug)]
 pub(super) struct Exchange<I, O> {
-    /// As the host sets them.
+    /// Inputs as the host sets them.
     pub(super) inputs: I,
     shared: Shared<O>,
 }
@@ -199,14 +199,14 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         this
     }
 
-    /// As [`Guarded::fence`].
+    /// Fences as [`Guarded::fence`] does.
     pub(super) fn fence(&mut self) {
         if let Shared::Lent(memory) = &mut self.shared {
             memory.fence();
         }
     }
 
-    /// As the last call left them.
+    /// Returns the outputs as the last call left them.
     #[inline]
     pub(super) fn outputs(&self) -> &O {
         match &self.shared {
@@ -226,7 +226,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         }
     }
 
-    /// What the plugin gets.
+    /// Returns what the plugin gets.
     #[inline]
     pub(super) fn hand_over(&mut self) -> (*const I, *mut O) {
         match &mut self.shared {

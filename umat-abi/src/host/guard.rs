@@ -43,7 +43,7 @@ impl Guard {
         Self { turn: Some(turn_of(path)), traps, changed_modes: Arc::default(), written: Arc::default() }
     }
 
-    /// For a library that is known to be thread-safe.
+    /// Makes a guard for a library that is known to be thread-safe.
     pub(super) fn without_turn() -> Self {
         Self { turn: None, traps: false, changed_modes: Arc::default(), written: Arc::default() }
     }
@@ -67,12 +67,12 @@ impl Guard {
         Self { turn: None, ..self.clone() }
     }
 
-    /// Whether invalid operations, divisions by zero and overflow trap during a call.
+    /// Returns whether invalid operations, divisions by zero and overflow trap during a call.
     pub(super) fn traps(&self) -> bool {
         self.traps
     }
 
-    /// Whether a call came back with other floating-point modes than it started with.
+    /// Returns whether a call came back with other floating-point modes than it started with.
     pub(super) fn changed_modes(&self) -> bool {
         self.changed_modes.load(Ordering::Relaxed)
     }

@@ -143,13 +143,13 @@ impl<F: Copy> Initial<F> {
 }
 
 impl InitialStates {
-    /// Of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
+    /// Returns the initial states of a law with `count` states: those given, NSTATV values; otherwise what SDVINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: a function of this name has the signature of the manual; no check is possible.
         Self(unsafe { Initial::new(library, ("sdvini", "STATEV"), given, count) })
     }
 
-    /// Whether all are 0 at every point, because nobody says otherwise.
+    /// Returns whether all are 0 at every point, because nobody says otherwise.
     pub fn are_zero(&self) -> bool {
         self.0.is_zero()
     }
@@ -169,13 +169,13 @@ impl InitialStates {
 }
 
 impl InitialStresses {
-    /// Of a law with `count` stress components: those given; otherwise what SIGINI of its library sets, or zeros.
+    /// Returns the initial stresses of a law with `count` stress components: those given; otherwise what SIGINI of its library sets, or zeros.
     pub fn new(library: &Library, given: Option<&[f64]>, count: usize) -> Self {
         // SAFETY: as for SDVINI.
         Self(unsafe { Initial::new(library, ("sigini", "SIGMA"), given, count) })
     }
 
-    /// Whether all are 0 at every point, because nobody says otherwise.
+    /// Returns whether all are 0 at every point, because nobody says otherwise.
     pub fn are_zero(&self) -> bool {
         self.0.is_zero()
     }

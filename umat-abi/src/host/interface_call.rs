@@ -139,10 +139,10 @@ outputs! {
 /// DPRED(2,NPRED). There is always one variable that a law may read.
 #[derive(Debug)]
 pub struct SurfaceFields {
-    /// At the end of the increment.
+    /// Temperature at the end of the increment.
     temperature: [f64; 2],
     temperature_increment: [f64; 2],
-    /// At the end of the increment.
+    /// Field variables at the end of the increment.
     variables: Vec<[f64; 2]>,
     variable_increments: Vec<[f64; 2]>,
     /// NPRED.
@@ -446,7 +446,7 @@ pub enum FricAnswer {
 pub struct FricCall {
     contact: Contact<FricInputs, FricOutputs>,
     function: FricFunction,
-    /// On entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
+    /// LM: on entry 0 slipping, 1 sticking, 2 open; on return see [`FricCall::answer`].
     pub lm: i32,
     /// DSLIP of the last call, mm.
     pub dslip: [f64; 2],
@@ -550,7 +550,7 @@ impl FricCall {
         NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice()), ("DDTDDP", by_pressure)]))
     }
 
-    /// These results if the answer says that they are given.
+    /// Returns these results if the answer says that they are given.
     fn given<R, const N: usize>(&self, results: [R; N]) -> impl Iterator<Item = R> {
         let is_given = self.answer() == Ok(FricAnswer::Tractions);
         results.into_iter().filter(move |_| is_given)
@@ -595,7 +595,7 @@ impl FricCall {
         result.map(|()| self.contact.outcome())
     }
 
-    /// As [`UinterCall`]'s.
+    /// Notes the call, as [`UinterCall`] does.
     fn note(&mut self) {
         if let Some(mut slot) = self.contact.common.slot.take() {
             slot.enter(|to| {

@@ -39,7 +39,7 @@ pub enum LoadError {
         /// The symbol.
         symbol: String,
     },
-    /// Its metadata is of another version or inconsistent.
+    /// Metadata is of another version or inconsistent.
     Metadata {
         /// The file.
         path: PathBuf,
@@ -70,7 +70,7 @@ impl std::error::Error for LoadError {}
 /// A user subroutine beside UMAT, UINTER and FRIC that a library may have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Routine {
-    /// Its plain symbol.
+    /// Plain symbol.
     pub symbol: &'static str,
     /// Whether hosts call it.
     pub is_called: bool,
@@ -155,7 +155,7 @@ impl Library {
         Ok(Self { path: path.into(), laws: laws.into(), changes_floating_point: changed, guard, handle })
     }
 
-    /// Whether calls trap invalid operations, because the library is made to be debugged.
+    /// Returns whether calls trap invalid operations, because the library is made to be debugged.
     pub fn traps(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::traps)
     }
@@ -170,7 +170,7 @@ impl Library {
         &self.laws
     }
 
-    /// What messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
+    /// Returns what messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
     pub(super) fn name_of_law(&self, cmname: &str) -> String {
         let law = match &*self.laws {
             [law] => Some(law),
@@ -180,7 +180,7 @@ impl Library {
         law.map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone())
     }
 
-    /// Whether loading it switched floating-point modes (flush-to-zero); they were restored.
+    /// Returns whether loading it switched floating-point modes (flush-to-zero); they were restored.
     pub fn changes_floating_point(&self) -> bool {
         self.changes_floating_point
     }
@@ -191,7 +191,7 @@ impl Library {
         self.guard.as_ref().map(Guard::written).unwrap_or_default()
     }
 
-    /// Whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata
+    /// Returns whether a call so far switched floating-point modes; they were restored behind it. Not looked for where metadata
     /// vouch for the library.
     pub fn calls_change_floating_point(&self) -> bool {
         self.guard.as_ref().is_some_and(Guard::changed_modes)
@@ -207,7 +207,7 @@ impl Library {
         self
     }
 
-    /// How it is called; `None`: its metadata vouch for it.
+    /// Returns how it is called; `None`: its metadata vouch for it.
     pub(super) fn guard(&self) -> Option<Guard> {
         self.guard.clone()
     }
@@ -282,7 +282,7 @@ impl Library {
         found.ok_or_else(|| LoadError::Symbol { path: self.path.clone(), tried })
     }
 
-    /// Which of UMAT, UINTER and FRIC it has, under any of their usual names. One that is called like the library may be
+    /// Returns which of UMAT, UINTER and FRIC it has, under any of their usual names. One that is called like the library may be
     /// any of them.
     pub fn entry_points(&self) -> Vec<&'static str> {
         let has = |name: &&str| spellings(name).iter().any(|symbol| self.umat(Some(symbol)).is_ok());
@@ -293,7 +293,7 @@ impl Library {
         found
     }
 
-    /// Which of the routines around the laws it has.
+    /// Returns which of the routines around the laws it has.
     pub fn routines(&self) -> Vec<Routine> {
         // SAFETY: only their presence is asked for.
         Routine::ALL.into_iter().filter(|routine| unsafe { self.find::<*const ()>(routine.symbol) }.is_some()).collect()
@@ -351,14 +351,14 @@ fn is_own(_path: &Path, _address: *const c_void) -> bool {
     true
 }
 
-/// Why the loader refused a file; without the file's name, which the reader knows.
+/// Returns why the loader refused a file; without the file's name, which the reader knows.
 pub(super) fn loaders_words(path: &Path, error: &libloading::Error) -> String {
     // the error itself only tells which call failed
     let words = std::error::Error::source(error).map_or_else(|| error.to_string(), ToString::to_string);
     words.strip_prefix(&format!("{}: ", path.display())).map_or_else(|| words.clone(), str::to_owned)
 }
 
-/// As gfortran, C and upper-casing compilers spell a routine.
+/// Returns the names of a routine as gfortran, C and upper-casing compilers spell it.
 fn spellings(name: &str) -> [String; 3] {
     [format!("{name}_"), name.to_owned(), name.to_ascii_uppercase()]
 }

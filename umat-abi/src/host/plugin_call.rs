@@ -127,7 +127,7 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
 }
 
 impl<I, O> PluginCall<I, O> {
-    /// What messages call the plugin.
+    /// Returns what messages call the plugin.
     pub fn plugin(&self) -> &str {
         &self.plugin
     }
@@ -153,7 +153,7 @@ impl<I, O> PluginCall<I, O> {
         self.tangent.as_slice()[column * self.stress.as_slice().len() + row]
     }
 
-    /// What the last call came back with, also if it wrote outside an array.
+    /// Returns what the last call came back with, also if it wrote outside an array.
     #[inline]
     pub fn outcome(&self) -> CallOutcome {
         CallOutcome::of(self.pnewdt)

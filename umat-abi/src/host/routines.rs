@@ -9,7 +9,7 @@ use std::path::Path;
 type ExternalDatabaseFunction =
     unsafe extern "C" fn(*const i32, *const i32, *const f64, *const f64, *const i32, *const i32);
 
-/// As [`super::Routine::ALL`] has it.
+/// The symbol, as [`super::Routine::ALL`] has it.
 const SYMBOL: &str = "uexternaldb";
 
 /// LOP: why UEXTERNALDB is called.
@@ -79,7 +79,7 @@ impl ExternalDatabases {
         this
     }
 
-    /// Whether one of these libraries has a UEXTERNALDB: it may prepare what its laws need.
+    /// Returns whether one of these libraries has a UEXTERNALDB: it may prepare what its laws need.
     pub fn is_in<'l>(libraries: impl IntoIterator<Item = &'l Library>) -> bool {
         libraries.into_iter().any(|library| library.routines().iter().any(|routine| routine.symbol == SYMBOL))
     }

@@ -15,7 +15,7 @@ type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, fol
 /// Why SINV, ROTSIG, XIT and the like are not there for plugins that call them.
 #[derive(Clone, Debug)]
 pub enum UnavailableUtilities {
-    /// Their library is not there.
+    /// Library is not there.
     Missing {
         /// The folders where it was looked for.
         searched: Vec<PathBuf>,

@@ -51,7 +51,7 @@ thread_local! {
     static LOCAL: RefCell<Arrays> = const { RefCell::new(BTreeMap::new()) };
 }
 
-/// Whose an array is.
+/// Says whose an array is.
 #[derive(Clone, Copy)]
 enum Scope {
     Global,

@@ -35,7 +35,7 @@ fn number() -> i32 {
     NUMBER.try_with(|number| number.0).unwrap_or_default()
 }
 
-/// As many as the host takes, or as have asked.
+/// Returns the number of threads that the host takes, or that have asked.
 fn count() -> i32 {
     let processors = available_parallelism().map_or(1, |count| i32::try_from(count.get()).unwrap_or(i32::MAX));
     TAKEN.lock().unwrap_or_else(PoisonError::into_inner).1.max(processors)

@@ -45,7 +45,7 @@ pub struct Closed {
     /// What happens up to the end of debonding.
     #[serde(default)]
     pub debonding: Debonding,
-    /// And after it.
+    /// Branch after debonding: sliding.
     #[serde(default)]
     pub sliding: Sliding,
 }

@@ -235,7 +235,7 @@ impl ShearLagSide {
         if self.lines[0].traction > 0.0 { slip } else { slip * (1.0 - STUCK_TAIL) }
     }
 
-    /// Whether the tail is at rest: at no slip the bond resists, and the length that the slip takes is there.
+    /// Returns whether the tail is at rest: at no slip the bond resists, and the length that the slip takes is there.
     fn is_anchored(&self, slip: f64, embedded: f64) -> bool {
         let line = &self.lines[self.line(slip)];
         let [strain, length] = line.anchored;
@@ -304,7 +304,7 @@ impl Side for ShearLagSide {
         monotone(embedded, &self.lengths, &self.peak_slips.0, &self.peak_slips.1)
     }
 
-    /// With the slip of the tail the load gives that of the exit, ∫τ ds = P²/(2κ(EA)²), and these the length: one
+    /// Returns the slip of the tail at a load. With it the load gives the slip of the exit, ∫τ ds = P²/(2κ(EA)²), and these the length: one
     /// unknown.
     fn loading_slip(&self, load: f64, embedded: f64) -> f64 {
         if load <= 0.0 {

@@ -4,7 +4,7 @@ use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
 use crate::composite::Matrix;
 use crate::{Bond, BridgingFibre, Closed, Composite, Fibre, Inclination, Invalid, Orientation, Sides};
 
-/// With a greater correlation of τ and f only g(f) τ is told; a search along what nothing tells takes a minute.
+/// The largest correlation of τ and f with which both are told. Beyond it only g(f) τ is; a search along what nothing tells takes a minute.
 const LARGEST_CORRELATION: f64 = 0.9999;
 
 /// Friction τ and, as far as it is told, snubbing f whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: the logarithms are sought,

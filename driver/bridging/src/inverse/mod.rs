@@ -34,14 +34,14 @@ pub struct LeastSquares<'f> {
 /// A quantity with its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// Its value.
+    /// Value.
     pub value: f64,
-    /// Its standard error; infinite if nothing is known.
+    /// Standard error; infinite if nothing is known.
     pub standard_error: f64,
 }
 
 impl Estimate {
-    /// Whether the data tell it.
+    /// Returns whether the data tell it.
     pub fn is_identifiable(&self) -> bool {
         self.standard_error <= IDENTIFIABLE * self.value.abs()
     }
@@ -70,7 +70,7 @@ pub fn least_squares(problem: &LeastSquares<'_>, start: &[f64]) -> Fitted {
     assess(problem, search.parameters.as_slice().to_vec())
 }
 
-/// What is known at parameters.
+/// Returns what is known at parameters.
 fn assess(problem: &LeastSquares<'_>, parameters: Vec<f64>) -> Fitted {
     let residuals = (problem.residuals)(&parameters);
     let (data, penalties) = residuals.split_at(problem.data.min(residuals.len()));

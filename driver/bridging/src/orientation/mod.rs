@@ -136,7 +136,7 @@ pub struct Directions {
     single: Option<f64>,
     /// Ends of the panels on which p is smooth.
     panels: Vec<f64>,
-    /// By degree of the rule and panel: (θ, weight).
+    /// Nodes by degree of the rule and panel: (θ, weight).
     nodes: Vec<Vec<Vec<(f64, f64)>>>,
     /// η = ∫ p cos θ dθ.
     pub efficiency: f64,
@@ -302,7 +302,7 @@ impl Directions {
         value
     }
 
-    /// Whether all fibres are at one angle.
+    /// Returns whether all fibres are at one angle.
     pub(crate) fn is_single(&self) -> bool {
         self.single.is_some()
     }

@@ -87,14 +87,14 @@ pub enum PulloutKind {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spalling {
-    /// At all its points the crack is open by more, mm: greatest principal strain times the element's length. 10 G_f/f_t is
+    /// Opening, mm, beyond which a crack releases its element, at all its points: greatest principal strain times the element's length. 10 G_f/f_t is
     /// where the falling branch has ended.
     pub opening: Positive,
-    /// And at all its points no principal stress is greater in magnitude, MPa: 1 % of f_t.
+    /// Stress, MPa, that no principal stress may exceed in magnitude at any of its points: 1 % of f_t.
     pub stress: Positive,
     /// While the slip grows by so much, mm (default 0.02).
     pub wait: Option<Positive>,
-    /// Its forces fade over so much slip, mm (default 0.02).
+    /// Slip over which its forces fade, mm (default 0.02).
     pub fade: Option<Positive>,
 }
 

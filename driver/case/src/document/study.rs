@@ -69,9 +69,9 @@ pub struct MemberOfFile {
     /// Short name, and name of the result directory.
     #[schemars(length(min = 1))]
     pub label: String,
-    /// In legends and tables; default: the label, or x with its unit.
+    /// Title in legends and tables; default: the label, or x with its unit.
     pub title: Option<String>,
-    /// Its x, such as an angle in degrees; all members have one or none has.
+    /// X, such as an angle in degrees; all members have one or none has.
     pub x: Option<f64>,
     /// Overrides: dotted path and value, as `--set` has them. They come after those of the series.
     pub set: Option<Map<String, Value>>,
@@ -84,7 +84,7 @@ pub struct SeriesOfFile {
     /// Short name, and name of the directory of its runs.
     #[schemars(length(min = 1))]
     pub name: String,
-    /// In legends and tables; default: the name.
+    /// Title in legends and tables; default: the name.
     pub title: Option<String>,
     /// Another case file than the study's, relative to the study file.
     #[schemars(length(min = 1))]
@@ -107,7 +107,7 @@ pub struct Columns {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct ClaimOfFile {
-    /// In words.
+    /// The claim in words.
     #[schemars(length(min = 1))]
     pub claim: String,
     /// Name of a series, or names; default: all. It is found if it is found in each.
@@ -134,9 +134,9 @@ pub enum OneOrMany {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MemberName {
-    /// Its x.
+    /// X.
     X(f64),
-    /// Its label.
+    /// Label.
     Label(String),
 }
 
@@ -238,7 +238,7 @@ pub enum ExpectationOfFile {
     Bounds(BoundsOfFile),
 }
 
-/// From member to member, in the order of their x (or of the list).
+/// A trend from member to member, in the order of their x (or of the list).
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrendOfFile {

@@ -17,7 +17,7 @@ pub(super) struct Shape {
 }
 
 impl Shape {
-    /// By the element's type, with whatever says how it is integrated.
+    /// Returns the shape of an element's type, with whatever says how it is integrated.
     pub(super) fn of(kind: &str) -> Option<Self> {
         let kind = kind.to_ascii_uppercase();
         let shape = |mode, dimensions, corners, nodes| Some(Self { mode, dimensions, corners, nodes });
@@ -65,12 +65,12 @@ pub(super) struct Brick {
     pub(super) origin: [f64; 3],
     /// Where each node is, in edge lengths.
     pub(super) nodes: Vec<[f64; 3]>,
-    /// Of plane elements, mm.
+    /// Thickness of plane elements, mm.
     thickness: f64,
 }
 
 impl Brick {
-    /// From the nodes of an element; `None` if these do not make a box.
+    /// Makes a brick from the nodes of an element; `None` if these do not make a box.
     pub(super) fn new(shape: Shape, coordinates: &[[f64; 3]], thickness: f64) -> Option<Self> {
         let corners = coordinates.get(..shape.corners)?;
         let mut origin = [0.0; 3];
@@ -116,7 +116,7 @@ impl Brick {
         if self.shape.dimensions == 3 { area } else { area * self.thickness }
     }
 
-    /// Whether it is axisymmetric.
+    /// Returns whether it is axisymmetric.
     pub(super) fn is_axisymmetric(&self) -> bool {
         self.shape.mode == "axisymmetric"
     }
@@ -174,7 +174,7 @@ impl Brick {
     }
 }
 
-/// In how many coordinates two places differ.
+/// Counts the coordinates in which two places differ.
 fn differing(a: &[f64; 3], b: &[f64; 3]) -> usize {
     a.iter().zip(b).filter(|(a, b)| a != b).count()
 }

@@ -30,7 +30,7 @@ struct Course {
 type Values<'c> = BTreeMap<Quantity, (f64, &'c Change)>;
 
 impl Evolution {
-    /// From all steps. `has_thickness`: whether nominal stresses can be known.
+    /// Makes an evolution from all steps. `has_thickness`: whether nominal stresses can be known.
     ///
     /// # Errors
     /// Displacements or loads that are not those of a uniform state, with the place of one of them.
@@ -267,7 +267,7 @@ fn first_place(values: &Values<'_>) -> Option<String> {
     values.values().next().map(|(_, change)| change.place.to_string())
 }
 
-/// What the displacements along an axis say of their gradient.
+/// Returns what the displacements along an axis say of their gradient.
 fn displacement_gradient(
     values: &Values<'_>,
     brick: &Brick,

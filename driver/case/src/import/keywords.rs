@@ -58,7 +58,7 @@ impl Data {
 #[derive(Clone, Debug)]
 pub(super) struct Keyword {
     pub(super) place: Place,
-    /// In capitals, without the star.
+    /// Name in capitals, without the star.
     pub(super) name: String,
     /// Names in capitals, and values.
     parameters: Vec<(String, String)>,

@@ -152,7 +152,7 @@ fn law_of_role(
     law(reader, &changed, place)
 }
 
-/// Whether a law has a parameter that takes the value.
+/// Returns whether a law has a parameter that takes the value.
 fn has_default(law: &ContactLaw, (name, value): &(&str, PropValue)) -> bool {
     let (ContactLaw::Uinter(plugin) | ContactLaw::Fric { law: plugin, .. }) = law;
     let parameters = plugin.law.iter().flat_map(|law| &law.parameters);

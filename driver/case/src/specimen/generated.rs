@@ -20,7 +20,7 @@ use pullout_run::number::rounded;
 const X: &[[f64; 2]] = &[[1.0, 0.0]];
 const Y: &[[f64; 2]] = &[[0.0, 1.0]];
 
-/// Of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
+/// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
 /// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
 const SLOPE: f64 = 1.0;
 
@@ -264,7 +264,7 @@ fn segment(given: &document::PathPiece) -> Option<Segment> {
     }
 }
 
-/// What slides out is meshed finely: coarse elements that bend over the exit's edge make the load a saw.
+/// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw.
 fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_length: f64) -> Option<f64> {
     let slides_out = (slip > FINE_DIAMETERS * diameter).then(|| slip.min(embedded_length));
     given.map(|length| length.0).or(slides_out)

@@ -164,7 +164,7 @@ struct Given {
     integration: Option<Integration>,
 }
 
-/// What the case says of the parts, by name; `None` if it says nothing readable.
+/// Returns what the case says of the parts, by name; `None` if it says nothing readable.
 fn given_parts(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeMap<String, Given>> {
     let root = Place::root().key("parts");
     // unreadable parts are told where their laws are resolved
@@ -228,7 +228,7 @@ fn file_properties(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<BTreeM
     Some(properties)
 }
 
-/// What the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.
+/// Returns what the case calls a part of a specimen: by its name, or else the cover as the matrix and fibre.NAME as all fibres.
 pub fn called(part: &str, is_listed: impl Fn(&str) -> bool) -> &str {
     match part {
         part if is_listed(part) => part,

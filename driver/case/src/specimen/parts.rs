@@ -83,7 +83,7 @@ fn law(
     Some(PluginLaw { statev0: material.statev0.clone(), stress0: stress, ..plugin_law(plugin) })
 }
 
-/// As the FE core has it.
+/// Returns a plugin as the FE core takes it.
 pub fn plugin_law(plugin: Plugin) -> PluginLaw {
     let Plugin { library, law, name, symbol, cmname, props, nstatv, manner } = plugin;
     PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None, manner }

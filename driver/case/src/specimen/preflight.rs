@@ -47,7 +47,7 @@ pub fn check(reader: &mut Reader<'_>, model: &Model) {
     }
 }
 
-/// Whether a node hangs where the end of a cover meets the end of its hole, not joined to it: the slot there is as short as
+/// Returns whether a node hangs where the end of a cover meets the end of its hole, not joined to it: the slot there is as short as
 /// the fibre is thick, and the walls hold both.
 fn is_end_of_cover(mesh: &Mesh, behind: &[usize], finding: &Finding) -> bool {
     let Finding::HangingNode { node, element, .. } = *finding else { return false };

@@ -22,9 +22,9 @@ const MINIMUM: f64 = 1e-8;
 pub struct ResolvedStep {
     pub step: Step,
     pub until: Option<Until>,
-    /// At its end; `None`: as before.
+    /// Temperature at its end; `None`: as before.
     pub temperature: Option<f64>,
-    /// At its end; `None`: as before.
+    /// Field variables at its end; `None`: as before.
     pub predef: Option<Vec<f64>>,
 }
 
@@ -65,7 +65,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase, boundary: &mut Bound
     steps
 }
 
-/// How far the grip is pulled, mm, as far as steps can be read.
+/// Returns how far the grip is pulled, mm, as far as steps can be read.
 pub fn greatest_slip(case: &PulloutCase) -> f64 {
     fn of(steps: &[Piece<StepDocument>]) -> f64 {
         let slips = steps.iter().filter_map(|step| step.0.as_ref().ok()).map(|step| match step {

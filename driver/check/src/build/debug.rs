@@ -73,7 +73,7 @@ __attribute__((constructor)) static void begin(void)
 }
 "#;
 
-/// What a compiler gets in place of optimisation.
+/// Returns what a compiler gets in place of optimisation.
 pub(super) fn flags(language: Language) -> &'static [&'static str] {
     match language {
         Language::Fortran(_) => &[

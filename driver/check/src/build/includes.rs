@@ -46,7 +46,7 @@ fn text_of(name: &str) -> Option<&'static str> {
     OURS.iter().find(|(known, _)| name.eq_ignore_ascii_case(known)).map(|(_, text)| *text)
 }
 
-/// Whether a Fortran source that includes a file of this name gets ours.
+/// Returns whether a Fortran source that includes a file of this name gets ours.
 pub(super) fn is_ours(name: &str) -> bool {
     text_of(name).is_some()
 }

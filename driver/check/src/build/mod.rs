@@ -66,7 +66,7 @@ pub enum Refusal {
     },
     /// A compiler is not installed.
     NoCompiler {
-        /// Its program.
+        /// Program.
         program: &'static str,
         /// What it is needed for.
         file: PathBuf,
@@ -111,7 +111,7 @@ impl From<io::Error> for Refusal {
 }
 
 impl Refusal {
-    /// Whether the request itself was wrong, and nothing was run.
+    /// Returns whether the request itself was wrong, and nothing was run.
     pub fn is_bad_input(&self) -> bool {
         matches!(self, Self::File { .. })
     }
@@ -192,7 +192,7 @@ pub fn build(request: &Request) -> Result<Built, Refusal> {
     Ok(Built { library: output, entry_points, not_offered })
 }
 
-/// Whether a library defines a symbol; it is not loaded.
+/// Returns whether a library defines a symbol; it is not loaded.
 ///
 /// # Errors
 /// The file cannot be read, or is no whole library.
@@ -224,7 +224,7 @@ fn put(made: &Path, output: &Path) -> io::Result<()> {
     beside.persist(output).map_err(|error| error.error).map(drop)
 }
 
-/// What the objects call and no one defines: the utility routines are at hand for this question, but are not linked in.
+/// Returns what the objects call and no one defines: the utility routines are at hand for this question, but are not linked in.
 ///
 /// # Errors
 /// [`Refusal::Undefined`] if there is anything but further routines of ABAQUS.

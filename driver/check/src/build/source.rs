@@ -42,7 +42,7 @@ pub(super) enum Language {
 }
 
 impl Language {
-    /// By the file's suffix.
+    /// Returns the language that a file's suffix tells.
     fn of(suffix: &str) -> Option<Self> {
         Some(match suffix {
             // capital C is C++, as compilers have it
@@ -68,7 +68,7 @@ impl Language {
         }
     }
 
-    /// What sources of this kind need.
+    /// Returns what sources of this kind need.
     pub(super) fn flags(self) -> Vec<&'static str> {
         let form: &[&str] = match self {
             Self::Fortran(Form::Fixed) => &["-ffixed-form", "-ffixed-line-length-132", "-fd-lines-as-comments"],

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-/// Their names in small letters, with those of MPI, which its programs load.
+/// Names in small letters, with those of MPI, which its programs load.
 const KNOWN: [&str; 57] = [
     "dbfile",
     "dbfilw",
@@ -63,7 +63,7 @@ const KNOWN: [&str; 57] = [
     "xplb_exit",
 ];
 
-/// Whether a symbol is a utility routine of ABAQUS.
+/// Returns whether a symbol is a utility routine of ABAQUS.
 pub(super) fn is_utility(symbol: &str) -> bool {
     KNOWN.contains(&symbol.trim_end_matches('_').to_ascii_lowercase().as_str())
 }

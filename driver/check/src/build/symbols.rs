@@ -24,7 +24,7 @@ impl Symbols {
         Ok(Self(defined.filter_map(|symbol| symbol.name().ok().map(str::to_owned)).collect()))
     }
 
-    /// Whether it is among them.
+    /// Returns whether it is among them.
     pub(super) fn defines(&self, symbol: &str) -> bool {
         self.0.contains(symbol)
     }
@@ -44,14 +44,14 @@ impl Symbols {
         self.0.iter().filter_map(|symbol| symbol.strip_suffix('_')).map(str::to_ascii_uppercase).collect()
     }
 
-    /// Whether the loader finds a UMAT, UINTER or FRIC, or a routine of the library's own name.
+    /// Returns whether the loader finds a UMAT, UINTER or FRIC, or a routine of the library's own name.
     pub(super) fn has_law(&self, library: &Path) -> bool {
         let stem = library.file_stem().unwrap_or_default().to_string_lossy();
         let own = format!("{}_", stem.strip_prefix("lib").unwrap_or(&stem));
         self.0.contains(&own) || ROUTINES[..LAWS].iter().any(|routine| self.spelling_of(routine).is_some())
     }
 
-    /// Why a law that its author sees in the source is not found.
+    /// Returns why a law that its author sees in the source is not found.
     pub(super) fn hint(&self) -> String {
         let ours = |name: &&String| {
             let lower = name.to_ascii_lowercase();

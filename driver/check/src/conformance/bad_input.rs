@@ -75,7 +75,7 @@ pub(super) fn not_finite(subject: &mut Subject<'_>, sample: &[State], ledger: &m
     }
 }
 
-/// What a plugin did instead of refusing.
+/// Returns what a plugin did instead of refusing.
 fn words(from: &Committed, answer: &Answer) -> String {
     let mut words = vec![match answer.outcome {
         CallOutcome::Done => "no cut-back asked for".to_owned(),

@@ -97,7 +97,7 @@ struct Keeper {
     increments: Vec<Increment>,
     stride: usize,
     count: usize,
-    /// By [`super::processor_time`].
+    /// Processor time ([`super::processor_time`]) at which it ends.
     end: Duration,
     longest: u64,
 }

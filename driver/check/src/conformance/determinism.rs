@@ -17,7 +17,7 @@ fn answer(subject: &mut Subject<'_>, state: &State) -> Answer {
     subject.call(&state.from, &state.step, 0.0, Alteration::None)
 }
 
-/// How two answers that should be the same differ.
+/// Returns how two answers that should be the same differ.
 fn difference(a: &Answer, b: &Answer) -> String {
     let relative = |x: &[f64], y: &[f64]| distance(x, y) / largest(x).max(f64::MIN_POSITIVE);
     format!(

@@ -29,7 +29,7 @@ pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64], 
     (call.dfgrd0, call.dfgrd1) = (columns(&from.gradient), columns(end));
 }
 
-/// In an instant nothing grows warmer, not even by rounding.
+/// Returns the share of the fields' increments. In an instant nothing grows warmer, not even by rounding.
 fn share_of_fields(share: f64) -> f64 {
     if share > INSTANT { share } else { 0.0 }
 }

@@ -14,7 +14,7 @@ pub(super) struct Capture {
 }
 
 impl Capture {
-    /// Not of a library that is made to be debugged: what it says of a trap is said while the process ends, to whoever
+    /// Starts to listen, but not to a library that is made to be debugged: what it says of a trap is said while the process ends, to whoever
     /// started it.
     pub(super) fn start(library: &Library) -> Self {
         if library.traps() {

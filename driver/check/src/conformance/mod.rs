@@ -52,7 +52,7 @@ pub struct Options {
     pub props: Option<Vec<f64>>,
     /// CELENT, mm; `None`: one that the law accepts.
     pub characteristic_length: Option<f64>,
-    /// Of the random histories.
+    /// Seed of the random histories.
     pub seed: u64,
     /// Number of random histories per stress state.
     pub states: usize,
@@ -72,7 +72,7 @@ pub struct Options {
     pub longest_path: Option<u64>,
     /// Time for everything, s: a law whose calls take long is looked at in fewer states.
     pub seconds: Option<f64>,
-    /// Of the laws of a library with metadata, without a case: the one stress state that is checked.
+    /// The one stress state that is checked of the laws of a library with metadata, without a case.
     pub stress_state: Option<StressState>,
     /// Told of what happens as it happens: a plugin may end the process before the end.
     pub listener: Option<fn(Event<'_>)>,
@@ -115,7 +115,7 @@ pub enum Group {
 }
 
 impl Group {
-    /// What it looks at.
+    /// Returns what it looks at.
     pub fn words(self) -> &'static str {
         match self {
             Self::States => "what a sample of states shows",
@@ -135,13 +135,13 @@ fn processor_time() -> Duration {
 }
 
 impl Options {
-    /// What may be spent on one of the things that every group does before its checks.
+    /// Returns what may be spent on one of the things that every group does before its checks.
     fn share_of_time(&self) -> Duration {
         const SHARE: f64 = 0.2;
         self.seconds.map_or(Duration::MAX, |seconds| Duration::from_secs_f64(SHARE * seconds))
     }
 
-    /// Whether the rows of a group are wanted.
+    /// Returns whether the rows of a group are wanted.
     fn wants(&self, group: Group) -> bool {
         self.group.is_none_or(|wanted| wanted == group)
     }

@@ -13,7 +13,7 @@ const ASKED: usize = 4;
 /// Values given to state variables: damage, plastic strains, equivalent stresses.
 const VALUES: [f64; 7] = [1e-4, 1e-3, 1e-2, 0.5, 1.0, 10.0, 1e3];
 
-/// Whether the stress that a step raises differs from the one that the same step raises at the start, made small there and
+/// Returns whether the stress that a step raises differs from the one that the same step raises at the start, made small there and
 /// enlarged; `None` if a call gives no stress.
 pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[f64]) -> Option<bool> {
     const SMALL: f64 = 1e-3;
@@ -40,7 +40,7 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     Some(distance(&raised, &elastic) > NONLINEAR * largest(&elastic).max(largest(&raised)) + rounding)
 }
 
-/// Whether a law that is led along a step and back does not come back: its stress or a state variable keeps a part of what
+/// Returns whether a law that is led along a step and back does not come back: its stress or a state variable keeps a part of what
 /// it changed by, and as much in increments half as long, which an explicit integration of elasticity does not.
 fn is_irreversible(subject: &mut Subject<'_>, from: &Committed, step: &[f64]) -> bool {
     const KEPT: f64 = 1e-3;
@@ -52,7 +52,7 @@ fn is_irreversible(subject: &mut Subject<'_>, from: &Committed, step: &[f64]) ->
     once.iter().zip(twice).any(|(once, twice)| *once > KEPT && twice > STAYS * once)
 }
 
-/// Which parts of their changes along a step the stress and the state variables keep after the way back, each way in so many
+/// Returns which parts of their changes along a step the stress and the state variables keep after the way back, each way in so many
 /// increments, at the same temperature and field variables; `None` if a call gives no answer.
 fn kept(subject: &mut Subject<'_>, from: &Committed, step: &[f64], increments: u32) -> Option<Vec<f64>> {
     const ROUNDING: f64 = 1e-9;
@@ -150,7 +150,7 @@ pub(super) fn check(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Le
     ledger.add(CHECK, Verdict::NotTested, figure, format!("not tested: {why}; {words}; {advice}"));
 }
 
-/// How many times farther than the sample a first step finds the law nonlinear, or ended by what it cannot answer. Asked
+/// Returns how many times farther than the sample a first step finds the law nonlinear, or ended by what it cannot answer. Asked
 /// in a process of its own first.
 fn nonlinear_beyond(subject: &mut Subject<'_>, sample: &[State]) -> Option<f64> {
     const FACTORS: [f64; 5] = [3.0, 10.0, 100.0, 1e3, 1e4];

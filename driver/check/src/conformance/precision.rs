@@ -18,7 +18,7 @@ const NOISE: f64 = 5e-9;
 const SHARE: f64 = 0.5;
 /// Bits of a double's mantissa that REAL*4 has not.
 const LOST_BITS: u64 = (1 << 29) - 1;
-/// Of the bits that REAL*4 has, the last: numbers like 0.5 or 31800 have none of them.
+/// The last of the bits that REAL*4 has: numbers like 0.5 or 31800 have none of them.
 const LAST_BITS: u64 = 0xff << 29;
 
 /// The row "double precision" of a plain UMAT.

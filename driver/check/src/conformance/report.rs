@@ -65,7 +65,7 @@ impl fmt::Display for Row {
 pub enum Event<'a> {
     /// A check of an entry point begins.
     Begins(&'static str, &'static str),
-    /// This state of the sample is drawn; whether it is a long step away from the case's path.
+    /// A state of the sample is drawn; whether it is a long step away from the case's path.
     Draws(usize, bool),
     /// A check has ended.
     Ends(&'a Row),
@@ -74,7 +74,7 @@ pub enum Event<'a> {
 /// All rows.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// In the order of the checks.
+    /// Rows in the order of the checks.
     pub rows: Vec<Row>,
     /// Told of what happens.
     pub(super) listener: Option<fn(Event<'_>)>,
@@ -86,7 +86,7 @@ impl Report {
         self.failures().next().is_none() && !self.is_vacuous()
     }
 
-    /// Whether what was looked at says nothing of the law.
+    /// Returns whether what was looked at says nothing of the law.
     pub fn is_vacuous(&self) -> bool {
         self.rows.iter().any(|row| row.verdict == Verdict::NotTested)
     }
@@ -96,7 +96,7 @@ impl Report {
         self.rows.iter().filter(|row| row.verdict == Verdict::Fail)
     }
 
-    /// How many checks failed, in words.
+    /// Returns how many checks failed, in words.
     pub fn conclusion(&self) -> String {
         match self.failures().count() {
             0 if self.is_vacuous() => {

@@ -126,7 +126,7 @@ pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut L
     ledger.add(CHECK, verdict, format!("{worst:.1e}"), detail);
 }
 
-/// How far a small first step and the same rotated differ, relative to the stress that it adds.
+/// Returns how far a small first step and the same rotated differ, relative to the stress that it adds.
 fn elastic_anisotropy(subject: &mut Subject<'_>, start: &Committed, step: &[f64], rotation: &Rotation) -> Option<f64> {
     const SMALL: f64 = 1e-4;
     let step: Vec<f64> = step.iter().map(|d| SMALL * d).collect();

@@ -11,7 +11,7 @@ use umat_abi::host::CallFailure;
 /// One state of the sample.
 #[derive(Clone, Debug)]
 pub(super) struct State {
-    /// Its number: with the seed, its name.
+    /// Number: with the seed, its name.
     pub(super) number: usize,
     origin: Origin,
     pub(super) from: Committed,
@@ -138,7 +138,7 @@ pub(super) fn draw(subject: &mut Subject<'_>, options: &Options, ledger: &mut Le
     sample
 }
 
-/// Where state `number` comes from, the point to begin with, and the increment of the case whose like are made there.
+/// Returns where state `number` comes from, the point to begin with, and the increment of the case whose like are made there.
 fn origin<'p>(
     subject: &Subject<'_>,
     path: Option<&'p CasePath>,

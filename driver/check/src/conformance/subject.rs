@@ -57,7 +57,7 @@ impl Entry {
         }
     }
 
-    /// What output number `k` is called.
+    /// Returns what output number `k` is called.
     pub(super) fn output_name(self, k: usize) -> String {
         const STRESSES: [&str; 6] = pullout_run::program::STRESS_NAMES;
         match self {
@@ -76,7 +76,7 @@ impl Entry {
         }
     }
 
-    /// What input number `k` is called.
+    /// Returns what input number `k` is called.
     pub(super) fn input_name(self, k: usize) -> String {
         const STRAINS: [&str; 6] = pullout_run::program::STRAIN_NAMES;
         match self {
@@ -101,7 +101,7 @@ pub(super) struct Setting {
 }
 
 impl Setting {
-    /// Of a call of a contact law, which is told both at the end of the increment.
+    /// Reads the setting of a call of a contact law, which is told both at the end of the increment.
     pub(super) fn of_contact(call: &SurfaceFields, time_increment: f64) -> Self {
         let [end, increment] = call.temperature();
         let [ends, increments] = call.predef().map(|pairs| pairs.iter().copied().step_by(2).collect::<Vec<f64>>());
@@ -141,7 +141,7 @@ pub(super) struct Committed {
     pub(super) counters: [i32; 2],
     /// F.
     pub(super) gradient: Matrix3<f64>,
-    /// Of the next increment.
+    /// Setting of the next increment.
     pub(super) setting: Setting,
 }
 
@@ -394,12 +394,12 @@ impl<'p> Subject<'p> {
         })
     }
 
-    /// Whether the metadata claims a flag.
+    /// Returns whether the metadata claims a flag.
     pub(super) fn claims(&self, flag: u32) -> bool {
         self.plugin.law.as_ref().is_some_and(|law| law.has(flag))
     }
 
-    /// Whether the plugin has metadata: then the contract binds it.
+    /// Returns whether the plugin has metadata: then the contract binds it.
     pub(super) fn described(&self) -> bool {
         self.plugin.law.is_some()
     }
@@ -420,7 +420,7 @@ impl<'p> Subject<'p> {
         virgin
     }
 
-    /// How many of `wanted` things, each of so many calls, can be afforded in a time, s; at least a few.
+    /// Returns how many of `wanted` things, each of so many calls, can be afforded in a time, s; at least a few.
     pub(super) fn affordable(&self, wanted: usize, calls_each: usize, seconds: f64) -> usize {
         const FEW: usize = 2;
         let affordable = seconds / (self.call_time * calls_each as f64).max(f64::MIN_POSITIVE);
@@ -433,7 +433,7 @@ impl<'p> Subject<'p> {
         Committed { setting, time, counters, ..Committed::zero(self.entry, self.nstatv) }
     }
 
-    /// How many of the case's DTIME its path takes; 1 without a case.
+    /// Returns how many of the case's DTIME its path takes; 1 without a case.
     pub(super) fn path_length(&self) -> f64 {
         self.path.as_ref().map_or(1.0, |path| path.taken.max(1) as f64)
     }
@@ -526,7 +526,7 @@ impl<'p> Subject<'p> {
         named.map_or_else(|| format!("sdv{}", k + 1), |state| state.name.clone())
     }
 
-    /// Whether state variable `k` may tell a history: the last two of a UMAT with metadata tell the strain and an energy.
+    /// Returns whether state variable `k` may tell a history: the last two of a UMAT with metadata tell the strain and an energy.
     pub(super) fn is_history(&self, k: usize) -> bool {
         let told = ["strain_33", "dissipated_energy"];
         let law = self.plugin.law.as_ref();

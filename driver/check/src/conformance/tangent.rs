@@ -191,7 +191,7 @@ enum Measure {
 }
 
 impl Measure {
-    /// What DDSDDE is the derivative of. A law that takes its strain from DSTRAN alone does not see the changes of F₁.
+    /// Returns what DDSDDE is the derivative of. A law that takes its strain from DSTRAN alone does not see the changes of F₁.
     fn of(subject: &Subject<'_>) -> Self {
         if subject.finite && subject.reads_gradient { Self::Kirchhoff } else { Self::Output }
     }
@@ -269,7 +269,7 @@ fn examine(subject: &mut Subject<'_>, state: &State) -> Finding {
     Finding::Wrong(Mismatch { error, row, column, expected, found, differences })
 }
 
-/// Whether one-sided differences disagree, or the tangent itself jumps, within the reach of the differences.
+/// Returns whether one-sided differences disagree, or the tangent itself jumps, within the reach of the differences.
 fn near_kink(subject: &mut Subject<'_>, state: &State, here: &Answer, sizes: &[f64], scale: &Scale) -> bool {
     let columns = scale.columns;
     for j in 0..columns {
@@ -293,7 +293,7 @@ fn near_kink(subject: &mut Subject<'_>, state: &State, here: &Answer, sizes: &[f
     false
 }
 
-/// What a wrong tangent is.
+/// Returns what a wrong tangent is.
 fn classify(subject: &mut Subject<'_>, state: &State, mismatch: &Mismatch) -> Kind {
     const SAME: f64 = 1e-6;
     /// The virgin stiffness by differences over a ten-thousandth of the strain, where a smooth law is not quite linear.

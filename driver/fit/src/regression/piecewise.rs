@@ -69,7 +69,7 @@ fn stretches(points: &[BondPoint], count: usize) -> Option<Vec<usize>> {
     })
 }
 
-/// Where neighbouring lines meet, but not outside the gap between their points.
+/// Returns where neighbouring lines meet, but not outside the gap between their points.
 fn joints(points: &[BondPoint], ends: &[usize]) -> Vec<f64> {
     let line = |from: usize, to: usize| -> Option<Line> {
         Sums::of(points[from..=to].iter().map(|point| [point.slip, point.traction, 1.0])).line(0, to + 1 - from)

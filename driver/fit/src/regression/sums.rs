@@ -16,7 +16,7 @@ pub struct Line {
 pub struct Sums(Vec<[f64; 6]>);
 
 impl Sums {
-    /// Of (x, y, w).
+    /// Sums over points (x, y, w).
     pub fn of(points: impl IntoIterator<Item = [f64; 3]>) -> Self {
         let mut sums = vec![[0.0; 6]];
         let mut total = [0.0; 6];

@@ -20,7 +20,7 @@ const NOISE: f64 = 1e-9;
 /// What came out for one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
-    /// As the case names it.
+    /// File as the case names it.
     pub file: String,
     /// Root mean square of the differences, in y's unit; `None` if nothing could be compared.
     pub rms: Option<f64>,

@@ -105,7 +105,7 @@ fn holder(text: &str) -> Option<(u32, &str)> {
     Some((pid.parse().ok()?, host))
 }
 
-/// Whether the file names a process of this host that lives.
+/// Returns whether the file names a process of this host that lives.
 fn is_alive(text: &str) -> bool {
     let [own, this_host] = this_process();
     holder(text).is_some_and(|(pid, host)| {

@@ -32,7 +32,7 @@ pub(super) struct Manifest {
 #[serde(deny_unknown_fields)]
 pub(super) struct Content {
     bytes: u64,
-    /// Of the last change, s and ns.
+    /// Time of the last change, s and ns.
     modified: (i64, i64),
     /// Hexadecimal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -46,7 +46,7 @@ impl Content {
         Ok(Self { bytes: file.len(), modified: (file.mtime(), file.mtime_nsec()), sha256 })
     }
 
-    /// Whether a file has it. A copy of the file has another time, and so has one that was changed: its hash decides.
+    /// Returns whether a file has it. A copy of the file has another time, and so has one that was changed: its hash decides.
     fn is_in(&self, path: &Path) -> bool {
         let Ok(file) = fs::metadata(path) else { return false };
         let same_hash = || self.sha256.is_some() && hash(path).ok() == self.sha256;
@@ -65,7 +65,7 @@ impl Manifest {
         Self { pullout, kind, files: BTreeMap::new(), earlier: BTreeMap::new() }
     }
 
-    /// Of a directory; `None`: nothing there is ours. An older version's results have none, but are known.
+    /// Reads the manifest of a directory; `None`: nothing there is ours. An older version's results have none, but are known.
     pub(super) fn read(directory: &Path, kind: Kind) -> io::Result<Option<Self>> {
         let path = directory.join(MANIFEST);
         match input::read(&path, Input::Result) {
@@ -91,7 +91,7 @@ impl Manifest {
         write_whole(&path, format!("{}\n", serde_json::to_string_pretty(self)?).as_bytes())
     }
 
-    /// Whether everything that it names is called as results are: files, and folders of earlier results with theirs.
+    /// Returns whether everything that it names is called as results are: files, and folders of earlier results with theirs.
     fn names_results(&self) -> bool {
         let mut names = self.files.keys().chain(self.earlier.values().flatten());
         names.all(|name| names::lies_within(name) && names::is_of_results(name))
@@ -108,7 +108,7 @@ impl Manifest {
         folders
     }
 
-    /// Whether it lists nothing.
+    /// Returns whether it lists nothing.
     pub(super) fn is_empty(&self) -> bool {
         self.files.is_empty() && self.earlier.is_empty()
     }
@@ -118,7 +118,7 @@ impl Manifest {
         self.files.keys().flat_map(|pattern| names::present(pattern, directory)).collect()
     }
 
-    /// Whether the program wrote what has this name.
+    /// Returns whether the program wrote what has this name.
     pub(super) fn owns(&self, name: &str, directory: &Path) -> bool {
         match self.files.get(name) {
             Some(Some(content)) => content.is_in(&directory.join(name)),
@@ -127,7 +127,7 @@ impl Manifest {
         }
     }
 
-    /// Whether a name is being written.
+    /// Returns whether a name is being written.
     pub(super) fn is_claimed(&self, name: &str) -> bool {
         self.files.iter().any(|(pattern, content)| content.is_none() && names::fits(pattern, name))
     }

@@ -143,12 +143,12 @@ impl ResultDirectory {
         Ok(())
     }
 
-    /// Where it is.
+    /// Returns where it is.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// What the user should know.
+    /// Returns what the user should know.
     pub fn notes(&self) -> &[String] {
         &self.notes
     }
@@ -346,7 +346,7 @@ fn make(path: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(missing.into_iter().rev().collect())
 }
 
-/// Whether two names are of one file.
+/// Returns whether two names are of one file.
 fn is_same(one: &Path, other: &Path) -> bool {
     let identity = |path: &Path| fs::metadata(path).ok().map(|file| (file.dev(), file.ino()));
     identity(one).is_some_and(|one| identity(other) == Some(one))

@@ -75,7 +75,7 @@ const FIT: [&str; 14] = [
 /// What pictures leave, beside results or in a directory of their own.
 const PICTURES: [&str; 5] = ["*.svg", "*.png", "plots/*.svg", "plots/*.png", "spec.json"];
 
-/// Whether results of any kind may have this name, or are claimed by it as a pattern.
+/// Returns whether results of any kind may have this name, or are claimed by it as a pattern.
 pub(super) fn is_of_results(name: &str) -> bool {
     let patterns = [&GROWING[..], &RUN, &MEMBER, &STUDY, &FIT, &PICTURES, &[super::MANIFEST]].concat();
     patterns.into_iter().any(|pattern| pattern == name || fits(pattern, name))
@@ -90,7 +90,7 @@ pub(super) fn is_aside(folder: &str) -> bool {
 pub(super) const ASIDE: &str = "previous";
 
 impl Kind {
-    /// What is claimed when results begin; other files when they are written.
+    /// Returns what is claimed when results begin; other files when they are written.
     pub(super) fn claims(self) -> &'static [&'static str] {
         match self {
             Self::Run | Self::Member => &GROWING,
@@ -135,7 +135,7 @@ impl Kind {
         }
     }
 
-    /// Whether results of one kind may take the place of those of the other unasked.
+    /// Returns whether results of one kind may take the place of those of the other unasked.
     pub(super) fn agrees_with(self, other: Self) -> bool {
         self.words() == other.words()
     }
@@ -172,12 +172,12 @@ fn is_file(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|entry| !entry.is_dir())
 }
 
-/// Whether a name leads nowhere but into a directory, as text: no `..`, not absolute.
+/// Returns whether a name leads nowhere but into a directory, as text: no `..`, not absolute.
 pub(super) fn lies_within(name: &str) -> bool {
     !name.is_empty() && Path::new(name).components().all(|part| matches!(part, Component::Normal(_)))
 }
 
-/// Whether a name fits a pattern: `#` stands for digits, `*` for anything but `/`.
+/// Returns whether a name fits a pattern: `#` stands for digits, `*` for anything but `/`.
 pub(super) fn fits(pattern: &str, name: &str) -> bool {
     let Some(wild) = pattern.find(['*', '#']) else { return pattern == name };
     let (before, rest) = pattern.split_at(wild);

@@ -26,7 +26,7 @@ pub struct HistoryWriter {
     values: usize,
     /// Length of the file.
     bytes: u64,
-    /// Of the file so far, if checkpoints shall know it.
+    /// Digest of the file so far, if checkpoints shall know it.
     digest: Option<Sha256>,
 }
 
@@ -157,7 +157,7 @@ impl History {
         self.columns.into_iter().zip(self.data)
     }
 
-    /// What a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
+    /// Returns what a run left in its folder, each table read by `read`: `history.csv`, or else the tables of a case of kind
     /// "bridging", whose columns stand beside each other and are of different lengths.
     ///
     /// # Errors
@@ -214,7 +214,7 @@ pub struct HistoryFile {
 }
 
 impl HistoryFile {
-    /// Of a file that is there.
+    /// Opens a file that is there.
     ///
     /// # Errors
     /// It cannot be read.
@@ -292,7 +292,7 @@ impl HistoryFile {
         Ok(History { columns: wanted.into_iter().map(|k| self.columns[k].clone()).collect(), data })
     }
 
-    /// What pictures need of it: all rows of a history of usual length; of a longer one, of each of many stretches the
+    /// Returns what pictures need of it: all rows of a history of usual length; of a longer one, of each of many stretches the
     /// first and last row and those where a column is greatest, least, or no number. Peaks, loops and gaps stay.
     ///
     /// # Errors

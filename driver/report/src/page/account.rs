@@ -46,9 +46,9 @@ pub struct Account {
 pub struct LawAccount {
     /// What it is of: "part fibre".
     pub subject: String,
-    /// Its name.
+    /// Name.
     pub law: String,
-    /// Its description.
+    /// Description.
     pub description: String,
     /// PROPS.
     pub parameters: Vec<Parameter>,
@@ -68,7 +68,7 @@ pub struct Parameter {
 }
 
 impl Account {
-    /// Of a case.
+    /// Makes an account of a case.
     pub fn of(case: &Case) -> Self {
         match case {
             Case::Path(program) => Self::of_point(program),
@@ -77,7 +77,7 @@ impl Account {
         }
     }
 
-    /// Of fibres across a crack: the parts of the case as it has them.
+    /// Makes an account of fibres across a crack: the parts of the case as it has them.
     fn of_bridging(program: &bridging::Program) -> Self {
         let json = |value: serde_json::Result<String>| value.unwrap_or_default();
         let mut settings = vec![("Fibre".to_owned(), json(serde_json::to_string(&program.fibre)))];
@@ -120,7 +120,7 @@ impl Account {
         }
     }
 
-    /// Of a material or contact point.
+    /// Makes an account of a material or contact point.
     pub(super) fn of_point(program: &Program) -> Self {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
@@ -186,7 +186,7 @@ fn exact(value: f64) -> String {
     signed(String::from_utf8_lossy(&text).into_owned())
 }
 
-/// How a UMAT is called, where the case says so.
+/// Returns how a UMAT is called, where the case says so.
 fn called(manner: Manner) -> Option<String> {
     let components = match manner.as_three_d {
         Some(true) => Some("called with NTENS = 6"),
@@ -271,7 +271,7 @@ fn point_step(step: &PointStep, columns: &[String]) -> String {
     text + &fields(&step.fields)
 }
 
-/// Where temperature and field variables go.
+/// Returns where temperature and field variables go.
 fn fields(fields: &StepFields) -> String {
     let mut text = String::new();
     if let Some(temperature) = fields.temperature {
@@ -284,7 +284,7 @@ fn fields(fields: &StepFields) -> String {
     text
 }
 
-/// What happens to a component; nothing of those that are simply stress-free.
+/// Returns what happens to a component; nothing of those that are simply stress-free.
 fn target(component: usize, control: Control) -> Option<String> {
     let (strain, stress) = (STRAIN_NAMES[component], STRESS_NAMES[component]);
     match control {

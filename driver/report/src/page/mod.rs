@@ -152,7 +152,7 @@ fn table_of(parameters: &[Parameter]) -> Markup {
     }
 }
 
-/// With a capital letter, as a row begins.
+/// Returns a text with a capital letter, as a row begins.
 fn capital(text: &str) -> String {
     let mut letters = text.chars();
     letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())

@@ -4,7 +4,7 @@ use maud::{Markup, html};
 use pullout_run::number::{rounded, significant};
 use pullout_run::pullout::{Findings, Overlap, PeakLoad};
 
-/// What came out, in a line.
+/// Returns what came out, in a line.
 pub fn load(findings: &Findings) -> Markup {
     html! {
         p {

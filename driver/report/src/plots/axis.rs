@@ -32,7 +32,7 @@ enum Kind {
 }
 
 impl Axis {
-    /// For data between `least` and `greatest`; `least_span` widens a narrower range about its middle.
+    /// Makes an axis for data between `least` and `greatest`; `least_span` widens a narrower range about its middle.
     pub fn new(quantity: &Quantity, (least, greatest): (f64, f64), least_span: f64, ticks: usize) -> Self {
         let (start, end) = widened(least, greatest, least_span);
         let exponent = exponent(start.abs().max(end.abs()));
@@ -59,7 +59,7 @@ impl Axis {
         Self { label, range, scale: 1.0, decimals: 0, ticks: names.len() + 1, kind: Kind::Names(names.to_vec()) }
     }
 
-    /// For just this range, in the quantity's unit.
+    /// Makes an axis for just this range, in the quantity's unit.
     pub fn exact(quantity: &Quantity, range: Range<f64>, ticks: usize) -> Self {
         let exponent = exponent(range.start.abs().max(range.end.abs()));
         let scale = 10f64.powi(exponent);
@@ -68,7 +68,7 @@ impl Axis {
         Self { label: quantity.label(exponent), range, scale, decimals, ticks, kind: Kind::Numbers }
     }
 
-    /// Where ticks are.
+    /// Returns where ticks are.
     pub fn ticks(&self) -> Vec<f64> {
         RangedCoordf64::from(self.range.clone()).key_points(BoldPoints(self.ticks))
     }
@@ -90,7 +90,7 @@ impl Axis {
         format!("{value:.*}", self.decimals).replace('-', "−")
     }
 
-    /// Whether 0 is a number as any other on this axis.
+    /// Returns whether 0 is a number as any other on this axis.
     pub fn has_zero(&self) -> bool {
         matches!(self.kind, Kind::Numbers) && self.range.start < 0.0 && self.range.end > 0.0
     }
@@ -139,7 +139,7 @@ pub(super) fn exponent(largest: f64) -> i32 {
     }
 }
 
-/// Whether a number can be drawn: sums and differences of such numbers are finite.
+/// Returns whether a number can be drawn: sums and differences of such numbers are finite.
 pub(super) fn drawable(value: f64) -> bool {
     value.abs() <= 1e290
 }

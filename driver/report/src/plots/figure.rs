@@ -64,9 +64,9 @@ pub struct Figure {
 /// A computed curve. Points that are no numbers interrupt it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Line {
-    /// In the legend.
+    /// Label in the legend.
     pub label: String,
-    /// In the quantities' units.
+    /// Points in the quantities' units.
     pub points: Vec<(f64, f64)>,
     /// The history's columns it comes from.
     pub columns: (String, String),
@@ -110,9 +110,9 @@ pub struct Style {
 /// Measured points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marks {
-    /// In the legend.
+    /// Label in the legend.
     pub label: String,
-    /// In the quantities' units.
+    /// Points in the quantities' units.
     pub points: Vec<(f64, f64)>,
     /// Index of the line that they are to be compared with.
     pub line: Option<usize>,
@@ -283,7 +283,7 @@ pub(super) fn wrapped(title: &str, width: i32) -> Vec<String> {
     lines
 }
 
-/// Where x or y is zero inside the frame.
+/// Returns where x or y is zero inside the frame.
 fn zero_lines(x: &Axis, y: &Axis) -> Vec<((f64, f64), (f64, f64))> {
     let horizontal = y.has_zero().then_some(((x.range.start, 0.0), (x.range.end, 0.0)));
     let vertical = x.has_zero().then_some(((0.0, y.range.start), (0.0, y.range.end)));

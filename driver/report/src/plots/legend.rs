@@ -71,7 +71,7 @@ impl Legend {
         legend
     }
 
-    /// What it needs below the picture, px.
+    /// Returns what it needs below the picture, px.
     pub fn height_below(&self) -> i32 {
         if self.place == Place::Below && !self.entries.is_empty() { self.size().1 } else { 0 }
     }

@@ -80,7 +80,7 @@ pub struct Curve {
 /// A run to draw.
 #[derive(Clone, Copy, Debug)]
 pub struct Run<'a> {
-    /// Its history.
+    /// History.
     pub history: &'a History,
     /// What the history means.
     pub spec: &'a Spec,
@@ -91,7 +91,7 @@ pub struct Run<'a> {
 pub struct Picture {
     /// The file.
     pub path: PathBuf,
-    /// Its content.
+    /// Content.
     pub svg: String,
 }
 
@@ -129,7 +129,7 @@ pub fn within(folder: &str, file: &str) -> String {
 }
 
 impl Spec {
-    /// Of a case.
+    /// Says what pictures a case has.
     pub fn of(case: &Case) -> Self {
         let columns = case.columns();
         let curves = case.about().compare.iter().filter_map(|compare| Curve::of(compare, &columns)).collect();

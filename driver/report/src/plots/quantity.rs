@@ -12,7 +12,7 @@ pub struct Quantity {
     pub unit: String,
 }
 
-/// What a column belongs to on axes; states of any law are damage by their names, or stand alone.
+/// Returns what a column belongs to on axes; states of any law are damage by their names, or stand alone.
 pub fn group_of(column: &str) -> Group {
     match columns::shown(column) {
         Some((.., group)) if group.common().is_some() => group,
@@ -26,7 +26,7 @@ fn is_damage(column: &str) -> bool {
 }
 
 impl Quantity {
-    /// Of a column; `units` are those of the state variables.
+    /// Returns the quantity of a column; `units` are those of the state variables.
     pub fn of(column: &str, units: &BTreeMap<String, String>) -> Self {
         let (name, unit) = match columns::shown(column) {
             Some((title, unit, _)) => match column.split_once('.') {
@@ -38,7 +38,7 @@ impl Quantity {
         Self { name, unit: if matches!(unit, "-" | "–" | "1") { String::new() } else { unit.into() } }
     }
 
-    /// Of an axis that holds several columns of a group.
+    /// Returns the quantity of an axis that holds several columns of a group.
     pub fn common(group: Group) -> Option<Self> {
         group.common().map(|[name, unit]| Self { name: name.into(), unit: unit.into() })
     }

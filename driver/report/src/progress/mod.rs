@@ -13,7 +13,7 @@ mod test;
 
 /// The bar is redrawn, and the clock read, about this often.
 const REFRESH: Duration = Duration::from_millis(50);
-/// At most so many times a second.
+/// Times a second that the line is written anew at most.
 const REFRESHES: u8 = 20;
 /// Lines are at least so far apart.
 const LEAST_PAUSE: Duration = Duration::from_secs(2);
@@ -33,7 +33,7 @@ pub enum Extent {
 const PARTS: f64 = 1000.0;
 
 impl Extent {
-    /// What is done of what: increments, or parts of the time.
+    /// Returns what is done of what: increments, or parts of the time.
     fn share(self, done: u64, time: f64) -> (u64, u64) {
         match self {
             Self::Increments(total) => (done, total),
@@ -63,7 +63,7 @@ enum Display {
 pub type Listener = Box<dyn FnMut(f64, &Row<'_>) + Send>;
 
 impl Progress {
-    /// For a run of some extent. `shown`: what to tell of the present state, as (name, index among the
+    /// Shows the progress of a run of some extent. `shown`: what to tell of the present state, as (name, index among the
     /// values of a row), for example `("s11", 7)`.
     pub fn new(title: &str, extent: Extent, shown: Vec<(String, usize)>, quiet: bool) -> Self {
         let display = if quiet {
@@ -187,7 +187,7 @@ pub struct Schedule {
 }
 
 impl Schedule {
-    /// Whether a line is due now; if so, it is the last one.
+    /// Returns whether a line is due now; if so, it is the last one.
     pub fn due(&mut self, done: u64, total: u64, now: Duration) -> bool {
         let tenths = 10 * done / total.max(1);
         let pause = now.saturating_sub(self.last);

@@ -48,7 +48,7 @@ pub struct Summary {
     /// The plugins of a specimen's parts and contact pairs; empty for a point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plugins: Vec<PluginOf>,
-    /// Of each column from the fourth on, over all increments (written to the history or not).
+    /// Extremes of each column from the fourth on, over all increments (written to the history or not).
     pub peaks: IndexMap<String, Peak>,
     /// Increments done.
     pub increments: u64,
@@ -96,9 +96,9 @@ impl Summary {
 pub struct PluginFile {
     /// Where it was loaded from.
     pub path: String,
-    /// As its metadata say; empty for a plain UMAT.
+    /// Version as the metadata have it; empty for a plain UMAT.
     pub version: String,
-    /// Of the file's bytes, hexadecimal.
+    /// SHA-256 of the file's bytes, hexadecimal.
     pub sha256: String,
 }
 
@@ -164,7 +164,7 @@ struct Extremes {
 }
 
 impl PeakRecorder {
-    /// For a history with these columns.
+    /// Makes a peak recorder for a history with these columns.
     pub fn new(columns: &[String]) -> Self {
         let last = columns.len().saturating_sub(1).max(3.min(columns.len()));
         let names = columns.get(3..last).unwrap_or_default().to_vec();
@@ -173,7 +173,7 @@ impl PeakRecorder {
         Self { extremes: vec![none; names.len()], names }
     }
 
-    /// Whether it is of a history with these columns.
+    /// Returns whether it is of a history with these columns.
     pub fn fits(&self, columns: &[String]) -> bool {
         let virgin = Self::new(columns);
         let times = self.extremes.iter().flat_map(|extremes| [extremes.max_at.time, extremes.min_at.time]);

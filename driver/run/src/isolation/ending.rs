@@ -50,7 +50,7 @@ pub struct Aftermath {
 }
 
 impl Report {
-    /// From what the worker left.
+    /// Reads what the worker left.
     pub(super) fn new(cause: Cause, recording: &Recording, need: &Need, last_words: &str) -> Self {
         let is_timeout = matches!(cause, Cause::TimeLimit(_));
         if let Some(library) = recording.loading() {
@@ -90,7 +90,7 @@ impl Report {
         Self { message, at_loading: false, call, is_timeout }
     }
 
-    /// How and where it ended the run.
+    /// Returns how and where it ended the run.
     pub fn failed_at(&self) -> FailedAt {
         let kind = if self.is_timeout { FailureKind::Timeout } else { FailureKind::Crashed };
         let [step, increment] = self.call.as_ref().map(|call| call.arguments.place()).unwrap_or_default();
@@ -103,7 +103,7 @@ impl Report {
     }
 }
 
-/// What a library is called that describes nothing.
+/// Returns what a library is called that describes nothing.
 fn name_of_file(library: &Path) -> String {
     let stem = library.file_stem().unwrap_or_default().to_string_lossy();
     stem.strip_prefix("lib").unwrap_or(&stem).to_owned()
@@ -152,7 +152,7 @@ fn contact_point(node: &[f64]) -> String {
     node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
-/// What is told of an end behind the done-mark, `None` if it was the usual one: the results are complete.
+/// Returns what is told of an end behind the done-mark, `None` if it was the usual one: the results are complete.
 pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
     if cause == Cause::Exit(code.into()) {
         return None;

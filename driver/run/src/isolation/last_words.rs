@@ -42,14 +42,14 @@ impl LastWords {
         Self { kept, end }
     }
 
-    /// What was kept, once all is passed on.
+    /// Returns what was kept, once all is passed on.
     pub(super) fn heard(self) -> String {
         let _ = self.end.recv_timeout(PATIENCE);
         String::from_utf8_lossy(&self.kept.lock().unwrap_or_else(PoisonError::into_inner)).into_owned()
     }
 }
 
-/// What the last words say of the end: the runtime's error, the line of the source, what was written over, and where the
+/// Returns what the last words say of the end: the runtime's error, the line of the source, what was written over, and where the
 /// worker ended by `exit`, the error that it told before.
 pub(super) fn explanation(words: &str, is_exit: bool) -> Option<String> {
     let found = runtime_error(words).or_else(|| line_of_signal(words)).or_else(|| destroyed_heap(words));

@@ -22,7 +22,7 @@ pub struct Need {
 }
 
 impl Need {
-    /// For a library alone.
+    /// Says what a library alone needs.
     pub fn of_library(library: &Path, time_limit: f64) -> Option<Self> {
         let need = || Self { libraries: [(absolute(library), time_limit)].into(), ..Self::default() };
         (!trust::may_run_here(library)).then(need)

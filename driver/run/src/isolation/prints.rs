@@ -61,7 +61,7 @@ pub(super) fn restore_mode_of_files() {
 }
 
 impl Surroundings {
-    /// As they are.
+    /// Keeps the surroundings as they are.
     fn keep() -> Self {
         MODE_OF_FILES.get_or_init(|| {
             // it is told only when it is set
@@ -181,7 +181,7 @@ pub struct Echo {
 }
 
 impl Echo {
-    /// Of a run into this folder.
+    /// Makes an echo of a run into this folder.
     pub fn of(folder: &Path) -> Self {
         Self { files: FILES.map(|name| folder.join(name)), told: [0; FILES.len()] }
     }

@@ -56,7 +56,7 @@ pub fn entitle(replay: &mut Value, title: &str, job_folder: &Path) {
     replay["job_folder"] = json!(job_folder.to_string_lossy());
 }
 
-/// Whether a number is missing: NaN and infinity become null.
+/// Returns whether a number is missing: NaN and infinity become null.
 fn has_null(value: &Value) -> bool {
     match value {
         Value::Null => true,
@@ -93,7 +93,7 @@ fn duration(time_increment: f64) -> f64 {
     if time_increment > 0.0 { time_increment } else { 1.0 }
 }
 
-/// What a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
+/// Returns what a case of kind "point" says of the arguments that its path leaves open, and of the increments, which its ends tell
 /// but for rounding.
 fn umat_arguments(call: &UmatRecord, wants_tangent: bool) -> Value {
     let mut arguments = json!({
@@ -165,7 +165,7 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
     case
 }
 
-/// Whether these are the host's one variable of 0, that of a case without any.
+/// Returns whether these are the host's one variable of 0, that of a case without any.
 fn is_no_variable(variables: [&[f64]; 2]) -> bool {
     variables == [[0.0], [0.0]]
 }

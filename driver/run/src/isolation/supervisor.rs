@@ -117,7 +117,7 @@ pub fn supervise(job: &Job<'_>, need: &Need) -> io::Result<End> {
     })))
 }
 
-/// What this process read from pipes, each in a file that a child can open while it lives.
+/// Returns what this process read from pipes, each in a file that a child can open while it lives.
 fn streams() -> io::Result<Vec<(PathBuf, File, PathBuf)>> {
     let handed_on = input::streams().into_iter().map(|(stream, content)| {
         let (mut file, path) = system::shared_file()?;
@@ -191,7 +191,7 @@ fn watch(
     }
 }
 
-/// For how long each pending call has been pending.
+/// Tells how long each pending call has been pending.
 #[derive(Default)]
 struct Heartbeat {
     pending: Vec<(Beat, Duration)>,

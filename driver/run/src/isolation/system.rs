@@ -51,7 +51,7 @@ pub fn program() -> io::Result<&'static Path> {
     PROGRAM.get().map(PathBuf::as_path).ok_or_else(unknown)
 }
 
-/// What results depend on besides the case: SHA-256 of the program's file.
+/// Returns what results depend on besides the case: SHA-256 of the program's file.
 ///
 /// # Errors
 /// As of [`program`]; it cannot be read.
@@ -99,7 +99,7 @@ pub fn die_with(_parent: u32) -> io::Result<bool> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Whether the standard output and the standard error are open: one system call.
+/// Returns whether the standard output and the standard error are open: one system call.
 pub fn standard_streams_are_open() -> bool {
     let mut streams = [rustix::stdio::stdout(), rustix::stdio::stderr()]
         .map(|stream| PollFd::from_borrowed_fd(stream, PollFlags::empty()));

@@ -22,7 +22,7 @@ pub fn let_all_in() {
     ALL_ARE_LET_IN.store(true, Ordering::Relaxed);
 }
 
-/// Whether the user has said so.
+/// Returns whether the user has said so.
 pub fn all_are_let_in() -> bool {
     ALL_ARE_LET_IN.load(Ordering::Relaxed)
 }
@@ -35,7 +35,7 @@ pub fn let_in(library: &Path) {
     LET_IN.lock().unwrap_or_else(PoisonError::into_inner).insert(real(library));
 }
 
-/// Whether the user answers for a library.
+/// Returns whether the user answers for a library.
 pub(super) fn is_let_in(library: &Path) -> bool {
     all_are_let_in() || LET_IN.lock().unwrap_or_else(PoisonError::into_inner).contains(&real(library))
 }
@@ -44,7 +44,7 @@ fn real(library: &Path) -> PathBuf {
     library.canonicalize().unwrap_or_else(|_| library.to_owned())
 }
 
-/// Whether a library was built with this program.
+/// Returns whether a library was built with this program.
 pub fn is_shipped(library: &Path) -> bool {
     // the length spares reading files that are large, or none
     let length = fs::metadata(library).ok().filter(Metadata::is_file).map(|file| file.len());
@@ -68,7 +68,7 @@ pub fn look_where_it_was_built() {
     }
 }
 
-/// Whether a library may be loaded into this process.
+/// Returns whether a library may be loaded into this process.
 pub fn may_run_here(library: &Path) -> bool {
     !system::IS_SUPPORTED || is_let_in(library) || worker::is_this_process() || is_shipped(library)
 }

@@ -66,7 +66,7 @@ pub fn note_call() {
     }
 }
 
-/// Whether this process is a worker: what it does needs no other one.
+/// Returns whether this process is a worker: what it does needs no other one.
 pub fn is_this_process() -> bool {
     recorder::installed().is_some()
 }

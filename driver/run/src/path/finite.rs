@@ -19,7 +19,7 @@ pub(super) struct Finite {
     pub(super) measure: Measure,
     /// DDSDDE is ∂σ/∂DSTRAN, as laws for small strains give it; else that of Jaumann's rate of J σ, over J.
     incremental_tangent: bool,
-    /// In plane stress F₃₃ is 1 here: the thickness is the law's.
+    /// Whether it is plane stress: F₃₃ is 1 then, the thickness is the law's.
     plane_stress: bool,
     /// STATEV that is the law's ln F₃₃ of plane stress.
     strain_33: Option<usize>,
@@ -88,7 +88,7 @@ impl Finite {
         &self.stress
     }
 
-    /// Whether R is not 1.
+    /// Returns whether R is not 1.
     pub(super) fn is_turned(&self) -> bool {
         turns(&self.rotation)
     }

@@ -35,7 +35,7 @@ pub struct Row<'a> {
     pub iterations: u32,
 }
 
-/// Who wants to know.
+/// Receives each accepted increment, and what else happens on a path.
 pub trait Observer {
     /// A row to be written: the initial state, every n-th increment, the last of each step.
     ///
@@ -55,7 +55,7 @@ pub trait Observer {
     /// A specimen has reached a state with this slip and load; `is_last`: it is the last of the run, told before or not.
     fn state_reached(&mut self, _slip: f64, _load: f64, _snapshot: &Snapshot<'_>, _is_last: bool) {}
 
-    /// Whether the run shall end with the present increment.
+    /// Returns whether the run shall end with the present increment.
     fn ends_here(&self) -> bool {
         false
     }
@@ -68,7 +68,7 @@ pub trait Observer {
     /// Something that the user should know although nothing is wrong.
     fn warn(&mut self, _message: String) {}
 
-    /// What it needs to go on in another process, with a run that is resumed from here.
+    /// Returns what it needs to go on in another process, with a run that is resumed from here.
     fn state(&self) -> Vec<u8> {
         Vec::new()
     }
@@ -77,11 +77,11 @@ pub trait Observer {
 /// An increment that a plugin has answered: the point before it, and the last call with its arguments and its answer.
 #[derive(Clone, Copy, Debug)]
 pub enum Accepted<'a> {
-    /// Of a material point.
+    /// A material point.
     Umat(&'a MaterialPoint, &'a UmatCall),
-    /// Of a contact point.
+    /// A contact point.
     Uinter(&'a ContactPoint, &'a UinterCall),
-    /// Of a contact point under a prescribed pressure.
+    /// A contact point under a prescribed pressure.
     Fric(&'a ContactPoint, &'a FricCall),
 }
 
@@ -99,7 +99,7 @@ pub struct Statistics {
 }
 
 impl Statistics {
-    /// Whether a run can count on from there.
+    /// Returns whether a run can count on from there.
     pub fn counts_on(&self) -> bool {
         let Self { increments, iterations, plugin_calls, cutbacks } = *self;
         [increments, iterations, plugin_calls, cutbacks].into_iter().all(|count| count < GREATEST_COUNT)
@@ -159,7 +159,7 @@ impl Stop {
 }
 
 impl Failure {
-    /// Where it is.
+    /// Returns where it is.
     pub fn place(&self) -> FailedAt {
         FailedAt { kind: FailureKind::Failed, step: self.step, increment: self.increment }
     }
@@ -180,7 +180,7 @@ pub fn run(program: &Program, observer: &mut dyn Observer) -> (Statistics, Resul
     run_within(program, &mut databases, observer)
 }
 
-/// As [`run`], within an analysis that goes on afterwards.
+/// Runs as [`run`] does, within an analysis that goes on afterwards.
 pub fn run_within(
     program: &Program,
     databases: &mut ExternalDatabases,
@@ -292,6 +292,6 @@ impl<'a> Recorder<'a> {
 struct Place {
     step: u32,
     increment: u32,
-    /// It is the step's last one.
+    /// Whether it is the step's last one.
     last: bool,
 }

@@ -106,12 +106,12 @@ pub(super) struct Goal {
     /// Total time at the start of the step.
     time_of_step: f64,
     pub(super) deformation_gradient: Option<(Matrix3<f64>, Matrix3<f64>)>,
-    /// At the start and at the end of the increment.
+    /// Temperature and field variables at the start and at the end of the increment.
     pub(super) fields: [FieldValues; 2],
 }
 
 impl Goal {
-    /// Whether any component is not given by its strain.
+    /// Returns whether any component is not given by its strain.
     fn controls_stress(&self, components: &[usize]) -> bool {
         components.iter().any(|&i| !matches!(self.controls[i], Control::Strain(_)))
     }
@@ -371,7 +371,7 @@ impl<'p> Runner<'p> {
         }
     }
 
-    /// What the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
+    /// Returns what the increment must satisfy at a fraction of it, and the strain increment that an attempt begins with.
     fn first_increment<'r>(&self, to: f64, relations: &'r mut Vec<Constraint>) -> (Targets<'r>, [f64; 6]) {
         let controls = self.targets_at(to, relations);
         let targets = Targets { components: self.components, controls, constraints: relations, strain: *self.strain() };
@@ -434,7 +434,7 @@ fn initial_stress(program: &Program, point: &PointProgram, call: &UmatCall) -> R
     Ok(stress)
 }
 
-/// What UEXTERNALDB is told of the increment of a call.
+/// Returns what UEXTERNALDB is told of the increment of a call.
 fn clock(call: &UmatCall, time: [f64; 2]) -> Clock {
     Clock { time, time_increment: call.dtime, step: call.jstep[0], increment: call.kinc }
 }

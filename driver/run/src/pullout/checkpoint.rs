@@ -21,10 +21,10 @@ use std::path::Path;
 
 /// Name of the file in the result directory.
 pub const FILE: &str = "checkpoint.bin";
-/// And while it is written.
+/// Name of a checkpoint while it is written.
 pub const PARTIAL: &str = "checkpoint.partial";
 const MAGIC: &[u8] = b"pullout checkpoint\n";
-/// Of the file's layout; a program of another version does not read it either.
+/// Version of the file's layout; a program of another version does not read it either.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 9");
 
 /// What a run does with checkpoints.
@@ -55,7 +55,7 @@ struct Header {
 }
 
 impl Checkpoints {
-    /// Of a program that is run from its start.
+    /// Makes checkpoints of a program that is run from its start.
     ///
     /// # Errors
     /// A plugin's file that cannot be read.
@@ -64,7 +64,7 @@ impl Checkpoints {
         Ok(Self { every, from: None, fingerprint })
     }
 
-    /// Of a program that goes on from the checkpoint in a result directory; `every`: `None` is as before.
+    /// Makes checkpoints of a program that goes on from the one in a result directory; `every`: `None` is as before.
     ///
     /// # Errors
     /// Why it cannot.

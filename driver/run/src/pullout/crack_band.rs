@@ -59,7 +59,7 @@ pub fn warnings(model: &Model, solids: &Solids) -> Vec<String> {
     across.into_iter().chain(in_part).collect()
 }
 
-/// Whether a law asks for the width of a band.
+/// Returns whether a law asks for the width of a band.
 fn has_band(law: &PluginLaw) -> bool {
     let validation = law.law.as_ref().map(|description| description.validate(&law.props, None));
     matches!(validation, Some(Validation::NeedsCharacteristicLength(_)))

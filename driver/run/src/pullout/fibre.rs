@@ -13,7 +13,7 @@ pub struct Fibre {
     pub part: usize,
     /// Polyline from the tail over the exit to the grip, reference positions, mm.
     pub axis: Vec<[f64; 2]>,
-    /// Its node where it leaves the matrix.
+    /// Node where it leaves the matrix.
     pub exit_node: usize,
     /// Distance of the hole's wall from the exit node, mm.
     pub radius: f64,
@@ -74,7 +74,7 @@ pub struct Wall {
 }
 
 impl Wall {
-    /// Of the slave surface of a contact pair.
+    /// Finds the wall of a fibre on the slave surface of a contact pair.
     pub fn of(fibre: &Fibre, mesh: &Mesh, slave: &[ElementEdge]) -> Option<Self> {
         let end = |edge: &ElementEdge, k: usize| fibre.arc(mesh.nodes()[mesh.edge_nodes(*edge).nodes()[k]]);
         let (start, end) = (end(slave.first()?, 0), end(slave.last()?, 1));

@@ -31,7 +31,7 @@ pub struct WrittenFields {
 }
 
 impl WrittenFields {
-    /// Whether a run can have written it.
+    /// Returns whether a run can have written it.
     pub(super) fn is_sound(&self) -> bool {
         self.files.is_sound() && self.files.names().count() == self.sha256.len() && self.last.is_none_or(f64::is_finite)
     }
@@ -59,7 +59,7 @@ impl FieldWriter {
         Ok(Self { series, last: written.last, spent: Duration::ZERO, hashed })
     }
 
-    /// What was written so far.
+    /// Returns what was written so far.
     pub fn written(&self) -> WrittenFields {
         let sha256 = self.hashed.as_ref().map(|(_, sha256)| sha256.clone()).unwrap_or_default();
         WrittenFields { files: self.series.files().clone(), sha256, last: self.last }
@@ -101,7 +101,7 @@ impl FieldWriter {
         if self.last == Some(snapshot.time()) { Ok(()) } else { self.write(snapshot) }
     }
 
-    /// How long it took to write.
+    /// Returns how long it took to write.
     pub fn spent(&self) -> Duration {
         self.spent
     }

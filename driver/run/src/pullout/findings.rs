@@ -119,7 +119,7 @@ pub fn energies(values: &[f64], unaccounted: f64) -> IndexMap<String, f64> {
     named.chain(unaccounted).map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
-/// Where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.
+/// Returns where the time went, s: of the analysis also to its parts, which do not add up to the whole of it.
 pub fn times(set_up: Duration, analysis: Duration, parts: &Times, fields: Duration) -> IndexMap<String, f64> {
     let named = [
         ("set_up", set_up),
@@ -134,7 +134,7 @@ pub fn times(set_up: Duration, analysis: Duration, parts: &Times, fields: Durati
     named.into_iter().map(|(name, time)| (name.to_owned(), time.as_secs_f64())).collect()
 }
 
-/// What was done how often.
+/// Returns what was done how often.
 pub fn statistics(analysis: &Analysis<'_>) -> IndexMap<String, u64> {
     let done = analysis.statistics();
     let snapshot = analysis.snapshot();

@@ -23,7 +23,7 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// Of a model whose nodes have these displacements, without what was released; `None` where nothing overlaps.
+    /// Measures the overlap of a model whose nodes have these displacements, without what was released; `None` where nothing overlaps
     fn of(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Self> {
         let mesh = &model.mesh;
         let behind = model.parts_behind();

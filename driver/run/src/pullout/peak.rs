@@ -77,7 +77,7 @@ impl KeptFields {
 }
 
 impl KeptPeak {
-    /// Whether a run on this mesh can have come to it.
+    /// Returns whether a run on this mesh can have come to it.
     pub fn fits(&self, mesh: &Mesh) -> bool {
         let count = if self.peak.is_some() { 2 * mesh.nodes().len() } else { 0 };
         self.peak.is_none_or(|peak| [peak.load, peak.slip, peak.time].into_iter().all(f64::is_finite))
@@ -114,7 +114,7 @@ impl<'p> PeakKeeper<'p> {
         KeptPeak { peak: self.peak, displacements: self.displacements.clone(), spalled: self.spalled.clone(), fields }
     }
 
-    /// With a mesh, fields are kept as well.
+    /// Keeps what is drawn of the peak: with a mesh fields as well.
     pub fn new(mesh: Option<&'p Mesh>) -> Self {
         Self { mesh, peak: None, displacements: Vec::new(), spalled: Vec::new(), fields: None }
     }
@@ -129,7 +129,7 @@ impl<'p> PeakKeeper<'p> {
         }
     }
 
-    /// Whether the load is greater than ever; then it is the peak from now on.
+    /// Returns whether the load is greater than ever; then it is the peak from now on.
     fn rises(&mut self, record: &Record) -> bool {
         let greatest = self.peak.map_or(0.0, |peak| peak.load.abs());
         // before the first step there is no load but rounding

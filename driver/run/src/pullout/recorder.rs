@@ -167,7 +167,7 @@ pub fn run<'p>(
     }
 }
 
-/// What users should know of energies that miss the work by more than increments are chosen for.
+/// Returns what users should know of energies that miss the work by more than increments are chosen for.
 fn imbalance(model: &Model, error: f64) -> Option<String> {
     // what temperature and fields do is no work of the drives
     if error <= ENERGY_BUDGET || model.fields.change() {
@@ -219,7 +219,7 @@ struct Recorder<'p, 'o> {
     so_far: Statistics,
     /// The greatest energy error so far.
     energy_error: f64,
-    /// By how much an initial stress moved the specimen, mm.
+    /// Displacement that an initial stress gave the specimen, mm.
     initial_displacement: Option<f64>,
     /// Total time at the start of the present step.
     step_start: f64,
@@ -240,7 +240,7 @@ pub(super) struct RecorderState {
 }
 
 impl RecorderState {
-    /// Whether a run of this program can have come to it.
+    /// Returns whether a run of this program can have come to it.
     pub(super) fn fits(&self, program: &Program) -> bool {
         let Self { fields, peak, present, energies, so_far, energy_error, step_start } = self;
         present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
@@ -259,7 +259,7 @@ impl RecorderState {
 struct Present {
     step: u32,
     increment: u32,
-    /// As [`columns::values_of_specimen`] makes them.
+    /// Values of the columns, as [`columns::values_of_specimen`] makes them.
     values: Vec<f64>,
     iterations: u32,
     written: bool,
@@ -353,7 +353,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
         }
     }
 
-    /// Whether the present step ends with the present row.
+    /// Returns whether the present step ends with the present row.
     fn is_at_end_of_step(&self) -> bool {
         if let Some(recorded) = &self.program.about.recorded {
             return recorded.of_step(self.present.step).len() == self.present.increment as usize;
@@ -362,7 +362,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
         step.is_some_and(|step| self.present.time() >= self.step_start + step.time * (1.0 - END_TOLERANCE))
     }
 
-    /// Whether the present row is the last of its step or run, or its turn has come.
+    /// Returns whether the present row is the last of its step or run, or its turn has come.
     fn is_due(&self, directive: Directive, every: usize) -> bool {
         directive != Directive::GoOn
             || self.is_at_end_of_step()

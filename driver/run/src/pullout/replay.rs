@@ -11,7 +11,7 @@ use serde_json::{Value, json};
 use umat_abi::host::TangentSource;
 use umat_abi::host::recorder::{Arguments, CallRecord};
 
-/// Of a material or contact point whose law was called last and stopped the run; null where there is none. What large
+/// Returns the case of a material or contact point whose law was called last and stopped the run; null where there is none. What large
 /// displacements turn is given as turned.
 pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Value {
     let case = match &trouble.place {

@@ -23,7 +23,7 @@ pub(in crate::command) struct Interruption {
 }
 
 impl Interruption {
-    /// Whether anything of it was asked for.
+    /// Returns whether anything of it was asked for.
     fn is_asked_for(&self) -> bool {
         self.checkpoint_every.is_some() || self.restart.is_some()
     }
@@ -51,7 +51,7 @@ impl Interruption {
         }));
     }
 
-    /// What a case's run does with checkpoints.
+    /// Returns what a case's run does with checkpoints.
     pub(super) fn checkpoints(&self, case: &Case) -> Result<Checkpoints, String> {
         let Case::Pullout(program) = case else {
             return self.suits(false).map(|()| Checkpoints::default());

@@ -78,7 +78,7 @@ struct LoadedEdge {
 }
 
 impl LoadedEdge {
-    /// At its reference position, or displaced.
+    /// Makes a loaded edge at its reference position, or displaced.
     fn new(mesh: &Mesh, edge: ElementEdge, displacements: Option<&[f64]>) -> Self {
         let element = mesh.elements()[edge.element];
         let model = mesh.parts()[element.part()].model;

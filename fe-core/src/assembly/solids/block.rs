@@ -28,7 +28,7 @@ pub(super) struct Evaluation<'a> {
     pub(super) request: Request,
     pub(super) tangent_form: TangentForm,
     pub(super) skip_unchanged: bool,
-    /// Of stiffnesses that are built.
+    /// Version of stiffnesses that are built.
     pub(super) version: u64,
 }
 

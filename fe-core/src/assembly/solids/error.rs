@@ -30,7 +30,7 @@ pub enum SolidsError {
         /// Choices given.
         choices: usize,
     },
-    /// Its UMAT cannot be called.
+    /// UMAT cannot be called.
     #[error("part '{part}': {source}")]
     Umat {
         /// Name of the part.

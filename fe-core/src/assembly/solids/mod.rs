@@ -85,7 +85,7 @@ pub enum TangentChoice {
 /// Indices of elements and points that the model does not have panic like those of a slice.
 #[derive(Debug)]
 pub struct Solids {
-    /// Of the stabilisation, s.
+    /// Relaxation time of the stabilisation, s.
     relaxation_time: f64,
     skip_unchanged: bool,
     tangent_form: TangentForm,
@@ -93,7 +93,7 @@ pub struct Solids {
     may_share_threads: bool,
     threads: Threads,
     blocks: Vec<Block>,
-    /// Of each element.
+    /// Places of each element.
     places: Vec<BlockPlace>,
     active: Vec<bool>,
     version: u64,
@@ -144,7 +144,7 @@ impl Solids {
         }
     }
 
-    /// How many threads evaluate blocks.
+    /// Returns how many threads evaluate blocks.
     #[cfg(test)]
     pub(crate) fn thread_count(&self) -> usize {
         self.threads.count()
@@ -159,7 +159,7 @@ impl Solids {
         self.active.copy_from_slice(active);
     }
 
-    /// Which elements are evaluated.
+    /// Returns which elements are evaluated.
     pub fn active(&self) -> &[bool] {
         &self.active
     }
@@ -173,7 +173,7 @@ impl Solids {
         &self.block(element).records[self.places[element].local]
     }
 
-    /// Whether the tangent of an element may be negative: its law damages, or does not say.
+    /// Returns whether the tangent of an element may be negative: its law damages, or does not say.
     pub fn softens(&self, element: usize) -> bool {
         self.block(element).body.part.softens
     }
@@ -250,7 +250,7 @@ impl Solids {
         Ok(())
     }
 
-    /// As [`Self::evaluate`], without the stabilisation: of elements that are condensed as elastic ones.
+    /// Evaluates as [`Self::evaluate`] does, without the stabilisation: of elements that are condensed as el
     ///
     /// # Errors
     ///
@@ -317,7 +317,7 @@ impl Solids {
         (0..self.places.len()).filter(move |&element| self.stiffness_version(element) > version)
     }
 
-    /// Whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small or the
+    /// Returns whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small or the
     /// tangent's form is [`TangentForm::Spatial`].
     pub fn symmetric(&self) -> bool {
         self.blocks.iter().all(|block| block.unsymmetric == 0)

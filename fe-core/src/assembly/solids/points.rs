@@ -35,7 +35,7 @@ pub(super) struct States {
     pub(super) energies: Vec<[f64; 3]>,
     /// The same per reference volume: ∫J dSSE of laws for small strains, J SSE of others; ∫J dSPD, ∫J dSCD.
     pub(super) reference_energies: Vec<[f64; 3]>,
-    /// Of the stabilisation.
+    /// Viscous part of the stress.
     viscous_stress: Vec<Components>,
     /// Dissipated by the viscous stress, N·mm/mm³: trapezoidal, like the external work that it is compared with.
     pub(super) viscous: Vec<f64>,
@@ -60,7 +60,7 @@ impl States {
 }
 
 impl States {
-    /// Whether it is of as many points with as many states, and what the host computes with are numbers; what state
+    /// Returns whether it is of as many points with as many states, and what the host computes with are numbers; what state
     /// variables are is the law's.
     pub(super) fn fits(&self, other: &Self) -> bool {
         let Self { stress, strain, statev: _, energies, reference_energies, viscous_stress, viscous, work } = self;
@@ -113,7 +113,7 @@ pub(super) struct Points {
     /// A law for small strains, whose SSE grows by σ : Δε per present volume, as its metadata let us know. What others say is
     /// stored is a potential.
     is_incremental: bool,
-    /// Of each point in plane stress; others have none.
+    /// Thickness of each point in plane stress; others have none.
     thickness: Vec<Thickness>,
     pub(super) committed: States,
     pub(super) trial: States,
@@ -318,12 +318,12 @@ impl Points {
         Ok(changed)
     }
 
-    /// Whether somebody knows the strain 33 of plane stress.
+    /// Returns whether somebody knows the strain 33 of plane stress.
     pub(super) fn knows_thickness(&self) -> bool {
         self.strain_33.is_some() || self.call.is_through_solid()
     }
 
-    /// Whether the thickness changes over an increment.
+    /// Returns whether the thickness changes over an increment.
     fn follows_thickness(&self, increment: &PointIncrement<'_>) -> bool {
         increment.motion.is_some() && !self.thickness.is_empty() && self.knows_thickness()
     }
@@ -506,12 +506,12 @@ fn dot(a: &Components, b: &Components) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
-/// Whether numbers are the same to the last bit.
+/// Returns whether numbers are the same to the last bit.
 pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.iter().zip(b).all(|(a, b)| a.to_bits() == b.to_bits())
 }
 
-/// Whether DDSDDE is symmetric to the last bit.
+/// Returns whether DDSDDE is symmetric to the last bit.
 pub(super) fn is_symmetric(moduli: &Moduli) -> bool {
     (1..MAX_COMPONENTS).all(|row| (0..row).all(|column| moduli[row][column] == moduli[column][row]))
 }

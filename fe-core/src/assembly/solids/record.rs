@@ -22,23 +22,23 @@ const ELEMENTS_PER_BLOCK: usize = 16;
 /// An element, and what is known of its last evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
-    /// Its index in the mesh.
+    /// Index in the mesh.
     pub(super) element: usize,
     pub(super) kind: ElementKind,
     nodes: [usize; MAX_NODES],
     pub(super) characteristic_length: f64,
-    /// Its points among those of the block.
+    /// Points among those of the block.
     pub(super) points: Range<usize>,
-    /// Its gradients among those of the block: one per point and node.
+    /// Gradients among those of the block: one per point and node.
     gradients: Range<usize>,
-    /// Its nodal values in arrays over the block.
+    /// Nodal values in arrays over the block.
     pub(super) nodal: Range<usize>,
-    /// Its stiffness among those of the block.
+    /// Stiffness among those of the block.
     pub(super) stiffness: Range<usize>,
     pub(super) choice: TangentChoice,
     /// The trial state is that of the evaluated displacements, from the committed state.
     pub(super) is_evaluated: bool,
-    /// And so is the stiffness.
+    /// Whether the stiffness is there too.
     pub(super) has_tangent: bool,
     /// A DDSDDE is another one than that of the stiffness.
     pub(super) moduli_changed: bool,
@@ -51,22 +51,22 @@ pub(super) struct Record {
 /// What is left of a released element: nodal forces that fade, a soft spring while they do, and where its energy went.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spalled {
-    /// Its nodal forces when it was released, N, and the displacements of its nodes, mm.
+    /// Nodal forces when it was released, N, and the displacements of its nodes, mm.
     forces: Vec<[f64; 2]>,
     displacements: Vec<[f64; 2]>,
     /// What part of them acts.
     share: f64,
-    /// Its nodal forces at the start of the increment, and of the last evaluation.
+    /// Nodal forces at the start of the increment, and of the last evaluation.
     start: Vec<[f64; 2]>,
     end: Vec<[f64; 2]>,
     /// Stored when it was released, and the work of its forces since, N mm: trapezoidal, like the external work.
     pub(super) energy: f64,
-    /// Their work in the increment of the last evaluation.
+    /// Work in the increment of the last evaluation.
     pub(super) work: f64,
 }
 
 impl Spalled {
-    /// Its stiffness while its forces fade, of its virgin one: cracked neighbours bear no force that stays as it is.
+    /// Stiffness while its forces fade, of its virgin one: cracked neighbours bear no force that stays as it is.
     const SOFT: f64 = 1e-5;
     /// What Newton's method takes for its stiffness when it has none: nodes that only torn matter holds stay where their
     /// neighbours lead them.
@@ -113,7 +113,7 @@ impl Spalled {
         self.start.copy_from_slice(&self.end);
     }
 
-    /// Whether it can be an element's of so many nodes.
+    /// Returns whether it can be an element's of so many nodes.
     pub(super) fn fits(&self, nodes: usize) -> bool {
         let nodal = [&self.forces, &self.displacements, &self.start, &self.end];
         let scalars = [self.share, self.energy, self.work];
@@ -148,12 +148,12 @@ pub(super) struct Part {
     damage: Vec<usize>,
     /// The state of its law that is the work of the overstress: it extrapolates.
     pub(super) overstress_work: Option<usize>,
-    /// Its tangent may be negative: the law damages, or does not say; not if it extrapolates.
+    /// Whether its tangent may be negative: the law damages, or does not say; not if it extrapolates.
     pub(super) softens: bool,
     /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
     /// while it still hardens (Rudnicki and Rice 1975).
     pub(super) may_lose_stability: bool,
-    /// It has large displacements.
+    /// Whether it has large displacements.
     pub(super) nlgeom: bool,
     /// Shape functions at the points of each kind of element.
     values: [Vec<[f64; MAX_NODES]>; ElementKind::ALL.len()],
@@ -193,7 +193,7 @@ impl Body {
         (shape, &mut self.points)
     }
 
-    /// Whether a point's law has a damage that has grown, or has none and has dissipated.
+    /// Returns whether a point's law has a damage that has grown, or has none and has dissipated.
     pub(super) fn has_failed(&self, point: usize) -> bool {
         let states = &self.points.committed;
         if self.part.damages {
@@ -287,7 +287,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
     Ok(Divided { blocks, places, notes })
 }
 
-/// Whether UMATs may be called from several threads: all say so, and none is watched.
+/// Returns whether UMATs may be called from several threads: all say so, and none is watched.
 pub(super) fn may_share_threads(laws: &[PluginLaw]) -> bool {
     let is_safe = |law: &PluginLaw| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0);
     laws.iter().all(is_safe) && recorder::installed().is_none()
@@ -411,7 +411,7 @@ fn set_initial_stresses(
     Ok(())
 }
 
-/// What ABAQUS calls an element.
+/// Returns what ABAQUS calls an element.
 fn element_type(model: PlaneModel, kind: ElementKind) -> String {
     let family = match model {
         PlaneModel::PlaneStress => "CPS",

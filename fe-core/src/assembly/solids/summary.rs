@@ -65,7 +65,7 @@ pub struct Counters {
 }
 
 impl Counters {
-    /// Whether a run can count on from there.
+    /// Returns whether a run can count on from there.
     pub(super) fn counts_on(&self) -> bool {
         let Self { umat_calls, evaluations, skipped_evaluations, stiffness_builds } = *self;
         [umat_calls, evaluations, skipped_evaluations, stiffness_builds].into_iter().all(|count| count < GREATEST_COUNT)
@@ -102,7 +102,7 @@ pub struct PointView<'a> {
 /// The last call of a point's UMAT.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCall {
-    /// Its arguments, with what the UMAT changes as it was at the start: turned with the body, as the UMAT got it.
+    /// Arguments, with what the UMAT changes as it was at the start: turned with the body, as the UMAT got it.
     pub arguments: UmatRecord,
     /// ε33 at the start, if the UMAT was called with six components.
     pub strain_33: Option<f64>,
@@ -191,7 +191,7 @@ impl Solids {
         sum(self.part_energies())
     }
 
-    /// What all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
+    /// Returns what all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
     pub fn trial_dissipation(&self) -> f64 {
         let mut parts = vec![0.0; self.part_count()];
         for body in self.bodies() {
@@ -202,7 +202,7 @@ impl Solids {
         parts.into_iter().sum()
     }
 
-    /// How many points have failed: their damage has grown, or, of laws without one, they have dissipated.
+    /// Returns how many points have failed: their damage has grown, or, of laws without one, they have dissipated.
     pub fn counts(&self) -> PointCounts {
         let mut counts = PointCounts::default();
         for body in self.bodies() {
@@ -223,13 +223,13 @@ impl Solids {
         volumes.fold(0.0, |sum, volume| sum + volume)
     }
 
-    /// Whether the damage of any point of an element has grown, or, of a law without one, any has dissipated.
+    /// Returns whether the damage of any point of an element has grown, or, of a law without one, any has dissipated.
     pub fn has_failed(&self, element: usize) -> bool {
         let (block, record) = (self.block(element), self.record(element));
         record.points.clone().any(|point| block.body.has_failed(point))
     }
 
-    /// Whether an element is torn matter that was released.
+    /// Returns whether an element is torn matter that was released.
     pub fn is_spalled(&self, element: usize) -> bool {
         self.record(element).spalled.is_some()
     }
@@ -239,7 +239,7 @@ impl Solids {
         (0..self.places.len()).filter(|&element| self.is_spalled(element)).collect()
     }
 
-    /// Whether an element's crack is open by more than one length (greatest principal strain × CELENT, mm) at all its points,
+    /// Returns whether an element's crack is open by more than one length (greatest principal strain × CELENT, mm) at all its points,
     /// and none bears a principal stress that is greater in magnitude than the other number, MPa.
     pub fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
         let (block, record) = (self.block(element), self.record(element));
@@ -257,12 +257,12 @@ impl Solids {
         })
     }
 
-    /// Whether what an element's law dissipates is damage.
+    /// Returns whether what an element's law dissipates is damage.
     pub fn damages(&self, element: usize) -> bool {
         self.block(element).body.part.damages
     }
 
-    /// How many integration points an element has.
+    /// Returns how many integration points an element has.
     pub fn point_count(&self, element: usize) -> usize {
         self.record(element).points.len()
     }
@@ -298,7 +298,7 @@ impl Solids {
         moduli
     }
 
-    /// What was done since the start.
+    /// Returns what was done since the start.
     pub fn counters(&self) -> Counters {
         let mut sum = self.earlier;
         self.blocks.iter().for_each(|block| sum += Counters { umat_calls: block.body.points.calls, ..block.counters });

@@ -98,7 +98,7 @@ impl Trust {
         }
     }
 
-    /// Whether a run can have come from `virgin` to it.
+    /// Returns whether a run can have come from `virgin` to it.
     pub(super) fn may_follow(&self, virgin: &Self) -> bool {
         let Self { reports, missed, judges_tangent, pause, tangent_deviation, compared } = self;
         (*reports == virgin.reports || virgin.reports == Reports::Believed)
@@ -109,7 +109,7 @@ impl Trust {
             && compared.is_none_or(|compared| compared.deviation.is_finite())
     }
 
-    /// Whether reported energies count.
+    /// Returns whether reported energies count.
     pub(super) fn believes(&self) -> bool {
         matches!(self.reports, Reports::Vouched | Reports::Believed)
     }
@@ -143,12 +143,12 @@ pub struct PartAccount {
 }
 
 impl PartAccount {
-    /// Whether all are numbers.
+    /// Returns whether all are numbers.
     pub fn is_finite(&self) -> bool {
         [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
     }
 
-    /// What it has reported, as sums have it.
+    /// Returns what it has reported, as sums have it.
     pub fn reported(&self) -> SolidEnergies {
         let Self { stored, dissipated, damages, .. } = *self;
         if damages {
@@ -169,7 +169,7 @@ pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
 }
 
 impl Solids {
-    /// What each part's law has reported of the committed state, and the work of its stresses.
+    /// Returns what each part's law has reported of the committed state, and the work of its stresses.
     pub fn accounts(&self) -> Vec<PartAccount> {
         self.accounts_of(|body| &body.points.committed)
     }
@@ -188,7 +188,7 @@ impl Solids {
         accounts
     }
 
-    /// Whether some energies are taken as reported though nobody vouches for them.
+    /// Returns whether some energies are taken as reported though nobody vouches for them.
     pub fn has_unproven_energies(&self) -> bool {
         self.trust.iter().any(|trust| trust.reports == Reports::Believed)
     }
@@ -229,7 +229,7 @@ impl Solids {
         }
     }
 
-    /// Whether slow iterations are a reason to compare a part's tangents with differences.
+    /// Returns whether slow iterations are a reason to compare a part's tangents with differences.
     pub fn doubts_tangents(&self) -> bool {
         self.trust.iter().any(Self::is_due)
     }
@@ -281,7 +281,7 @@ impl Solids {
         }
     }
 
-    /// Whether another run of these solids can have come to believe this.
+    /// Returns whether another run of these solids can have come to believe this.
     pub(super) fn may_trust(&self, trust: &[Trust]) -> bool {
         trust.len() == self.trust.len() && trust.iter().zip(&self.trust).all(|(trust, virgin)| trust.may_follow(virgin))
     }
@@ -293,7 +293,7 @@ impl Solids {
         self.set_tangent_sources(|part| replaced[part].then_some(TangentSource::Numerical));
     }
 
-    /// What users should know of the laws, after a run.
+    /// Returns what users should know of the laws, after a run.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = self.notes.clone();
         let accounts = self.accounts();
@@ -336,7 +336,7 @@ impl Solids {
         remarks
     }
 
-    /// How far the laws are believed, with all that comparisons came to.
+    /// Returns how far the laws are believed, with all that comparisons came to.
     pub(super) fn present_trust(&self) -> Vec<Trust> {
         let mut trust = self.trust.clone();
         for body in self.bodies() {

@@ -125,7 +125,7 @@ impl<'a> Conversion<'a> {
         }
     }
 
-    /// In the order of their names.
+    /// Adds the parts, in the order of their names.
     fn add_parts(&mut self, properties: &BTreeMap<String, PartProperties>) {
         self.definition.parts = properties
             .iter()

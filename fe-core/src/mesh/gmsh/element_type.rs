@@ -13,7 +13,7 @@ pub(super) enum ElementType {
 }
 
 impl ElementType {
-    /// By Gmsh's number. Gmsh numbers the nodes of all types below as [`crate::element`] does: corners
+    /// Reads Gmsh's number of a type. Gmsh numbers the nodes of all types below as [`crate::element`] does: corners
     /// counter-clockwise, then the middles of the edges, the first one between corners 1 and 2.
     pub(super) fn new(number: i64) -> Result<Self, GmshFault> {
         const INCOMPLETE: &str =

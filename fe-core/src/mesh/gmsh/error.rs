@@ -129,7 +129,7 @@ pub enum GmshFault {
     Shape { element: u64, source: MappingError },
 }
 
-/// How many there are, if more than one.
+/// Returns how many there are, if more than one.
 fn one_of(count: usize) -> String {
     if count > 1 { format!(" (the first of {count})") } else { String::new() }
 }

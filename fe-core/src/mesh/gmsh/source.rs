@@ -26,7 +26,7 @@ impl<'a> Source<'a> {
         Self { bytes, position: 0, encoding: Encoding::Text }
     }
 
-    /// Where the next thing starts.
+    /// Returns where the next thing starts.
     pub(super) fn position(&mut self) -> usize {
         if self.encoding == Encoding::Text {
             self.skip_blanks();
@@ -45,7 +45,7 @@ impl<'a> Source<'a> {
         }
     }
 
-    /// Whether only blanks are left.
+    /// Returns whether only blanks are left.
     pub(super) fn is_at_end(&mut self) -> bool {
         self.skip_blanks();
         self.position == self.bytes.len()

@@ -20,9 +20,9 @@ use crate::element::EdgeKind;
 #[cfg(test)]
 mod test;
 
-/// Of the length of an edge: depths below it are rounding of positions.
+/// Part of an edge's length below which a depth is rounding of positions.
 const ROUNDING: f64 = 1e-9;
-/// Of the length of an edge: so far outside a point is tested against its own body.
+/// Part of an edge's length: so far outside a point is tested against its own body.
 const OUTSIDE: f64 = 1e-6;
 /// Where the boundary of a body turns a corner, its edges are tested against that body this far before their ends: outside
 /// of an edge's very end may be inside of the next one.
@@ -232,7 +232,7 @@ impl Outline {
         self.edges.push(edge);
     }
 
-    /// Whether an edge reaches into the box.
+    /// Returns whether an edge reaches into the box.
     fn may_have(&self, edge: &Edge) -> bool {
         let [least, most] = edge.bounds();
         (0..2).all(|k| most[k] >= self.bounds[0][k] && least[k] <= self.bounds[1][k])
@@ -242,13 +242,13 @@ impl Outline {
         self.edges.iter().map(|edge| edge.crossings(point)).sum::<i32>() > 0
     }
 
-    /// How deep a point of another body's edge lies in this one.
+    /// Returns how deep a point of another body's edge lies in this one.
     fn depth_of(&self, edge: &Edge, s: f64) -> Option<Overlap> {
         let position = edge.at(s);
         self.has(position).then(|| nearest(self.edges.iter(), edge, position)).flatten()
     }
 
-    /// How deep a point of its own edge lies in what has come from elsewhere.
+    /// Returns how deep a point of its own edge lies in what has come from elsewhere.
     fn fold(&self, edge: &Edge, s: f64, length: f64) -> Option<Overlap> {
         let s = s * (1.0 - BEFORE_CORNER);
         let (position, [n_x, n_y]) = (edge.at(s), edge.outward(s)?);

@@ -35,7 +35,7 @@ pub(super) fn hanging_nodes(mesh: &Mesh, bodies: &[Body], exempt: &[usize]) -> V
     findings
 }
 
-/// Whether a part with a node on an edge lies on the same side of it as the edge's own element: then it passes in front of
+/// Returns whether a part with a node on an edge lies on the same side of it as the edge's own element: then it passes in front of
 /// that element, as a fibre does before its cover, and does not end there.
 fn lies_upon(mesh: &Mesh, part: usize, node: usize, line: &EdgeLine) -> bool {
     let [start, end, _] = line.nodes;
@@ -114,7 +114,7 @@ impl EdgeLine {
         [low - self.tolerance, high + self.tolerance]
     }
 
-    /// Whether a point lies on the edge, but on none of its nodes: a node there could be merged, and belongs to
+    /// Returns whether a point lies on the edge, but on none of its nodes: a node there could be merged, and belongs to
     /// another piece if it was not.
     fn has_inside(&self, point: [f64; 2]) -> bool {
         let nodes = &self.nodes[..self.kind.node_count()];

@@ -24,7 +24,7 @@ pub enum Finding {
     HangingNode {
         /// The node.
         node: usize,
-        /// Its position, mm.
+        /// Position, mm.
         position: [f64; 2],
         /// The element on whose edge it lies.
         element: usize,
@@ -39,7 +39,7 @@ pub enum Finding {
     TJunction {
         /// The node.
         node: usize,
-        /// Its position, mm.
+        /// Position, mm.
         position: [f64; 2],
         /// The element whose edge has the node in its middle.
         element: usize,
@@ -62,7 +62,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// Whether it makes results wrong for certain; pieces may be meant.
+    /// Returns whether it makes results wrong for certain; pieces may be meant.
     pub fn is_fault(&self) -> bool {
         !matches!(self, Self::Pieces { .. })
     }
@@ -71,9 +71,9 @@ impl Finding {
 /// Elements that hang together by shared nodes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Body {
-    /// Its nodes, ascending.
+    /// Nodes, ascending.
     pub nodes: Vec<usize>,
-    /// Its elements, ascending.
+    /// Elements, ascending.
     pub elements: Vec<usize>,
 }
 

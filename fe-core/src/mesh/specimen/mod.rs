@@ -88,15 +88,15 @@ pub struct Specimen {
 /// A fibre of a specimen.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PulledFibre {
-    /// Its name; `None` of a fibre that is alone.
+    /// Name; `None` of a fibre that is alone.
     pub name: Option<String>,
     /// Diameter, mm.
     pub diameter: f64,
     /// The direction of its axis where it leaves the block, unit length.
     pub direction: [f64; 2],
-    /// Its node on its axis at the exit face, before loading.
+    /// Node on its axis at the exit face, before loading.
     pub exit_node: usize,
-    /// Its node on its axis at its embedded end.
+    /// Node on its axis at its embedded end.
     pub tail_node: usize,
 }
 
@@ -119,7 +119,7 @@ pub struct BodyChoice {
 }
 
 impl BodyChoice {
-    /// With the kind's default integration.
+    /// Makes a body choice with the kind's default integration.
     pub fn new(kind: ElementKind, model: PlaneModel, thickness: f64) -> Self {
         Self { kind, model, thickness, integration: None }
     }

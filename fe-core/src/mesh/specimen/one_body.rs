@@ -121,7 +121,7 @@ pub struct ThickCylinder {
     pub grading: f64,
     /// What is meshed.
     pub section: CylinderSection,
-    /// Its elements.
+    /// Elements.
     pub kind: ElementKind,
 }
 

@@ -37,7 +37,7 @@ pub enum SpecimenError {
     /// A fibre so near the direction of the exit face that its hole has no edge there.
     #[error("no rounded edge touches both the exit face and the hole of {}", fibre.as_ref().map_or_else(|| "the fibre".to_owned(), |name| format!("the fibre '{name}'")))]
     Exit {
-        /// Its name.
+        /// Name.
         fibre: Option<String>,
     },
     /// A block that cannot be built.

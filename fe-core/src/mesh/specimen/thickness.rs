@@ -76,12 +76,12 @@ impl Thickness {
         Part { name: "cover".to_owned(), thickness: self.of_cover(self.exits[0]), ..matrix }
     }
 
-    /// Of the cover of a fibre where nothing is graded, mm.
+    /// Returns the thickness of the cover of a fibre where nothing is graded, mm.
     fn of_cover(&self, exit: Exit) -> f64 {
         self.full - exit.diameter
     }
 
-    /// How far the graded thickness reaches from an axis along the face, mm.
+    /// Returns how far the graded thickness reaches from an axis along the face, mm.
     pub(super) fn extent(&self, exit: Exit) -> Option<f64> {
         let GradedThickness { slope, extent } = self.graded?;
         Some(extent.unwrap_or(2.0 * exit.diameter + 0.5 * self.of_cover(exit) * (1.0 + exit.angle.tan() / slope)))
@@ -92,7 +92,7 @@ impl Thickness {
         Some(0.5 * self.of_cover(exit) / self.graded?.slope)
     }
 
-    /// Of the block at a place, mm: the least that the exits give.
+    /// Returns the thickness of the block at a place, mm: the least that the exits give.
     fn at(&self, [x, y]: [f64; 2]) -> f64 {
         let near = self.exits.iter().filter(|exit| {
             let extent = self.extent(**exit);
@@ -114,7 +114,7 @@ impl Thickness {
         if area > 0.0 { volume / area } else { self.full }
     }
 
-    /// Whether the cover of a fibre of this diameter is left out where the block has this thickness.
+    /// Returns whether the cover of a fibre of this diameter is left out where the block has this thickness.
     pub(super) fn is_bare(&self, thickness: f64, diameter: f64) -> bool {
         thickness - diameter < THINNEST * self.full
     }
@@ -136,7 +136,7 @@ impl Thickness {
         }
     }
 
-    /// What a report must say.
+    /// Returns what a report must say.
     pub(super) fn notes(&self, has_cover: bool) -> Vec<String> {
         let mut notes = Vec::new();
         for &exit in &self.exits {

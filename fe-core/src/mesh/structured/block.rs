@@ -52,7 +52,7 @@ impl<'a> Block<'a> {
         Self { keep, ..self }
     }
 
-    /// How each cell (column, row) is cut into triangles.
+    /// Returns how each cell (column, row) is cut into triangles.
     pub fn cut(self, diagonal: &'a dyn Fn(usize, usize) -> Diagonal) -> Self {
         Self { diagonal, ..self }
     }
@@ -108,12 +108,12 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// How many cells lie side by side.
+    /// Returns how many cells lie side by side.
     pub fn columns(&self) -> usize {
         self.columns
     }
 
-    /// How many cells lie upon each other.
+    /// Returns how many cells lie upon each other.
     pub fn rows(&self) -> usize {
         self.rows
     }

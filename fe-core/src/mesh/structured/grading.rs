@@ -71,7 +71,7 @@ pub enum GradingError {
     NotPositive {
         /// What it is.
         name: &'static str,
-        /// Its value.
+        /// Value.
         value: f64,
     },
     /// A size that does not fit onto the line.
@@ -79,7 +79,7 @@ pub enum GradingError {
     TooLarge {
         /// What it is.
         name: &'static str,
-        /// Its value.
+        /// Value.
         value: f64,
         /// The length.
         length: f64,
@@ -212,7 +212,7 @@ fn powers(count: usize, growth: f64) -> Vec<f64> {
     (0..count).map(|index| growth.powf(index as f64)).collect()
 }
 
-/// How many sizes from `first` on, growing by `growth`, fill the length; shrinking ones may never do.
+/// Returns how many sizes from `first` on, growing by `growth`, fill the length; shrinking ones may never do.
 fn growth_count(length: f64, first: f64, growth: f64) -> f64 {
     if growth == 1.0 {
         return length / first;

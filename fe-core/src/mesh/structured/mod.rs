@@ -171,7 +171,7 @@ impl StructuredMesh {
         self.definition.edge_sets.insert(name.to_owned(), edges);
     }
 
-    /// How many elements there are so far.
+    /// Returns how many elements there are so far.
     pub fn element_count(&self) -> usize {
         self.definition.elements.len()
     }

@@ -48,7 +48,7 @@ impl Places {
 
 /// An entry of A between equations of a front.
 struct Own {
-    /// Its place in the pattern.
+    /// Place in the pattern.
     from: usize,
     row: usize,
     column: usize,
@@ -191,7 +191,7 @@ impl Front {
         self.matrix.as_ref().submatrix(self.cut, self.cut, border, border)
     }
 
-    /// Of the elimination of the cut.
+    /// Returns the flops of the elimination of the cut.
     fn flops(&self) -> f64 {
         let (cut, border) = (self.cut as f64, self.border().len() as f64);
         dense_cholesky_flops(self.cut) + cut * border * (cut + border)

@@ -7,7 +7,7 @@ use crate::solver::zone::Zone;
 use crate::solver::{Pattern, SolverError};
 
 pub(super) struct Leaf {
-    /// Its equations in the system and those of its border, ascending.
+    /// Equations in the system and those of its border, ascending.
     equations: Vec<usize>,
     /// Where the values of its matrix are among those of the system.
     from: Vec<usize>,

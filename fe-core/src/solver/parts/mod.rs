@@ -33,14 +33,14 @@ const LEAST_EQUATIONS: usize = 10_000;
 /// the number of threads nor what could stay changes a bit.
 pub(super) struct Parts {
     root: Front,
-    /// Of the last factorisation: what was done, not what could stay.
+    /// Flops of the last factorisation: what was done, not what could stay.
     flops: f64,
 }
 
 /// What came of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Elimination {
-    /// Its values are those of the last time.
+    /// Values are those of the last time.
     Unchanged,
     /// It took so many multiplications and additions.
     Done(f64),
@@ -49,7 +49,7 @@ enum Elimination {
 }
 
 impl Elimination {
-    /// Of two parts.
+    /// Joins what was done in two parts.
     fn and(self, other: Self) -> Self {
         match (self, other) {
             (Self::Refused, _) | (_, Self::Refused) => Self::Refused,
@@ -66,7 +66,7 @@ enum Part {
 }
 
 impl Part {
-    /// Its border in the system, ascending.
+    /// Returns the border in the system, ascending.
     fn border(&self) -> &[usize] {
         match self {
             Self::Leaf(leaf) => leaf.border(),
@@ -183,7 +183,7 @@ impl Parts {
         self.flops
     }
 
-    /// How many numbers the factors have.
+    /// Returns how many numbers the factors have.
     pub(super) fn entries(&self) -> usize {
         self.root.entries()
     }

@@ -11,7 +11,7 @@ const ENERGY_TOLERANCE: f64 = 3e-4;
 pub const ENERGY_BUDGET: f64 = 1e-3;
 /// but not less than this part of its usual share.
 const LEAST_SHARE: f64 = 0.05;
-/// It is repeated with the root of what is left of its error, not more than this part of it, so many times.
+/// Part of the error's limit that a repeated increment aims at, by the root of what is left, and how often it is repeated.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
 /// What trapezoids miss falls with the square of an increment at least. Where a smaller one misses more than this power of its
@@ -58,7 +58,7 @@ pub(in crate::stepping) struct Findings {
 }
 
 impl Findings {
-    /// How much the increment adds to the imbalance of the energies, as a multiple of what it may.
+    /// Returns how much the increment adds to the imbalance of the energies, as a multiple of what it may.
     fn imbalance_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
         self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
@@ -144,12 +144,12 @@ impl StepRun {
         refuses.then_some(self.attempted)
     }
 
-    /// Whether an increment under the drives adds more to the imbalance of the energies than it may.
+    /// Returns whether an increment under the drives adds more to the imbalance of the energies than it may.
     fn misses_energies(&self, findings: &Findings) -> bool {
         matches!(self.lead, Lead::Drives) && self.energy_excess(findings) > 1.0
     }
 
-    /// How much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
+    /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
     /// What snaps back costs its overstress in increments of any size: it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
@@ -181,7 +181,7 @@ impl StepRun {
         vec![part(1), part(2)]
     }
 
-    /// Whether a smaller increment is not allowed.
+    /// Returns whether a smaller increment is not allowed.
     pub(super) fn is_least(&self) -> bool {
         match self.lead {
             Lead::Drives => self.attempted * 0.5 < self.size.minimum(),

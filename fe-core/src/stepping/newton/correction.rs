@@ -100,7 +100,7 @@ impl Equilibrium<'_> {
         timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
     }
 
-    /// How far the leading point has slid; chosen where the increment starts.
+    /// Returns how far the leading point has slid; chosen where the increment starts.
     fn slip_progress(
         &mut self,
         from_residual: &Direction,

@@ -48,7 +48,7 @@ pub(super) struct Committed {
 }
 
 impl Committed {
-    /// Whether it is of this model: lengths of arrays, and all numbers are finite.
+    /// Returns whether it is of this model: lengths of arrays, and all numbers are finite.
     pub(super) fn fits(&self, model: &Model) -> bool {
         let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
         let freedoms = 2 * model.mesh.nodes().len();
@@ -115,12 +115,12 @@ impl<'a> Attempt<'a> {
         &self.iterations[self.before..]
     }
 
-    /// Whether the next correction predicts: it takes the drives to where they shall be.
+    /// Returns whether the next correction predicts: it takes the drives to where they shall be.
     fn predicts(&self) -> bool {
         self.iterations.is_empty()
     }
 
-    /// What laws are told in the next iteration.
+    /// Returns what laws are told in the next iteration.
     fn context(&self) -> IncrementContext {
         IncrementContext { iteration: u32::try_from(self.iterations.len() + 1).unwrap_or(u32::MAX), ..self.context }
     }
@@ -192,7 +192,7 @@ impl<'m> Equilibrium<'m> {
         })
     }
 
-    /// Whether another thread wants the end.
+    /// Returns whether another thread wants the end.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
@@ -329,7 +329,7 @@ impl<'m> Equilibrium<'m> {
         }
     }
 
-    /// What the residual is compared with: the largest of reactions, loads and contact forces.
+    /// Returns what the residual is compared with: the largest of reactions, loads and contact forces.
     fn force_scale(&mut self) -> f64 {
         let equations = self.system.equations();
         let held = |freedom: usize| equations.equations_of(freedom).is_empty();

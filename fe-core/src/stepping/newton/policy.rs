@@ -79,7 +79,7 @@ impl Equilibrium<'_> {
         }
     }
 
-    /// Where the last increment was hard an old factor makes the next one harder: cracks turn the stiffness over. One of
+    /// Returns whether an old factor may serve. Where the last increment was hard it makes the next one harder: cracks turn the stiffness over. One of
     /// contact laws that were asked elsewhere than at their gaps serves once.
     fn may_reuse_factor(&self) -> bool {
         let was_easy = self.memory.last_iterations <= EASY_WITH_OLD_FACTORS;

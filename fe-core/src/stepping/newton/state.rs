@@ -28,7 +28,7 @@ pub(in crate::stepping) struct Memory {
     pub(super) assembled_version: u64,
     /// Whether the tangents of the last evaluation may serve.
     pub(super) has_tangents: bool,
-    /// By which the last correction multiplied the residual.
+    /// Factor by which the last correction multiplied the residual.
     pub(super) last_reduction: f64,
     /// Iterations of the last increment.
     pub(super) last_iterations: usize,
@@ -62,7 +62,7 @@ impl Memory {
         self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
 
-    /// Whether what it has of freedoms, rows and elements is of this equilibrium.
+    /// Returns whether what it has of freedoms, rows and elements is of this equilibrium.
     fn fits(&self, made: &Equilibrium<'_>) -> bool {
         let freedoms = made.memory.internal.len();
         [&self.internal, &self.contact_forces, &self.external].into_iter().all(|forces| forces.len() == freedoms)
@@ -84,7 +84,7 @@ pub struct EquilibriumState {
 }
 
 impl EquilibriumState {
-    /// Whether a run can have come to its forces, scales and counts.
+    /// Returns whether a run can have come to its forces, scales and counts.
     pub(in crate::stepping) fn is_sound(&self) -> bool {
         let Memory { internal, contact_forces, external, residual, greatest_scale, rounding, last_move, .. } =
             &self.memory;
@@ -95,7 +95,7 @@ impl EquilibriumState {
 }
 
 impl<'m> Equilibrium<'m> {
-    /// What it remembers at the end of an increment.
+    /// Returns what it remembers at the end of an increment.
     pub(in crate::stepping) fn state(&self) -> EquilibriumState {
         EquilibriumState {
             solids: self.solids.state(),

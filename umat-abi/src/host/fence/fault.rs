@@ -25,7 +25,7 @@ impl Access {
         }
     }
 
-    /// From its number.
+    /// Reads an access from its number.
     pub(in crate::host) fn of(number: u8) -> Self {
         match number {
             0 => Self::Read,

@@ -32,15 +32,15 @@ pub(super) struct Extent {
     argument: &'static str,
     mapping: usize,
     mapped: usize,
-    /// Of the array.
+    /// Start of the array.
     start: usize,
     length: usize,
-    /// Of an element, bytes.
+    /// Size of an element, bytes.
     size: usize,
 }
 
 impl Extent {
-    /// What an access to an address is, if that lies within this mapping.
+    /// Returns what an access to an address is, if that lies within this mapping.
     pub(super) fn trespass(&self, address: usize, access: Access) -> Option<Trespass> {
         let element = self.element_at(address)?;
         let argument = Cow::Borrowed(self.argument);

@@ -36,7 +36,7 @@ impl Column {
         }
     }
 
-    /// Where nothing grows: of the two sides the stiffer one, to which the point unloads.
+    /// Returns where nothing grows: of the two sides the stiffer one, to which the point unloads.
     fn of_rest(&self, diagonal: usize) -> Option<[f64; 6]> {
         match (self.below, self.above) {
             (Some(below), Some(above)) => Some(if below[diagonal] > above[diagonal] { below } else { above }),
@@ -133,7 +133,7 @@ impl UmatCall {
         }
     }
 
-    /// How far DDSDDE is from the differences. At a kink it may be that of either side. With large displacements it may be
+    /// Returns how far DDSDDE is from the differences. At a kink it may be that of either side. With large displacements it may be
     /// ∂σ/∂ε or, as ABAQUS defines it, (1/J) ∂(Jσ)/∂ε = ∂σ/∂ε + σ ⊗ 1.
     fn deviation(&self, found: &[Option<Column>]) -> f64 {
         let ntens = self.ntens();

@@ -27,7 +27,7 @@ pub enum TangentSource {
 /// How a UMAT is called, as far as its user says.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Manner {
-    /// With NTENS 6 also in a plane; `None`: where the plugin needs it.
+    /// Whether it is called with NTENS 6 in a plane too; `None`: where the plugin needs it.
     pub as_three_d: Option<bool>,
     /// Where DDSDDE comes from; `None`: the plugin, as long as that serves.
     pub tangent: Option<TangentSource>,
@@ -117,7 +117,7 @@ impl UmatCall {
         }
     }
 
-    /// Where DDSDDE comes from.
+    /// Returns where DDSDDE comes from.
     pub fn tangent_source(&self) -> TangentSource {
         let Some(detour) = &self.detour else { return TangentSource::Reported };
         detour.solid.as_ref().map_or(detour.tangent, |solid| solid.tangent_source())
@@ -135,7 +135,7 @@ impl UmatCall {
         self.set_tangent_source(tangent);
     }
 
-    /// Whether calls go through one with six components.
+    /// Returns whether calls go through one with six components.
     pub fn is_through_solid(&self) -> bool {
         self.detour.as_ref().is_some_and(|detour| detour.solid.is_some())
     }

@@ -10,7 +10,7 @@ use crate::metadata::stress_states;
 
 /// The largest strain of the calls: everything is elastic.
 const STRAIN: f64 = 1e-6;
-/// Its components in a plane: 11, 22, 33, 12.
+/// Components in a plane: 11, 22, 33, 12.
 const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
 /// Stresses of both calls that differ by less than this part of the largest are the same.
 const SAME: f64 = 1e-3;
@@ -37,7 +37,7 @@ impl Manner {
         Ok(call)
     }
 
-    /// Whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
+    /// Returns whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
     pub fn has_six(self, law: &Law, stress_state: StressState) -> bool {
         let has = |bits: u32| law.stress_states & bits != 0;
         self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
@@ -79,7 +79,7 @@ impl UmatCall {
 
 #[cfg(unix)]
 impl UmatCall {
-    /// Why the plugin is better called with six components: it fails with those of the plane, or gives another stress, and
+    /// Returns why the plugin is better called with six components: it fails with those of the plane, or gives another stress, and
     /// six serve.
     fn why_not_plane(&mut self, solid: &mut Self) -> Option<String> {
         let mut start = super::Point::default();
@@ -107,7 +107,7 @@ impl UmatCall {
         reason.map(|reason| format!("with NTENS = {} it {reason}", self.ntens()))
     }
 
-    /// What goes wrong in a child process.
+    /// Returns what goes wrong in a child process.
     fn fault(&mut self) -> Option<String> {
         for alignment in [Alignment::End, Alignment::Start] {
             match self.probe(alignment).ok()? {
@@ -125,7 +125,7 @@ impl UmatCall {
         done.then(|| self.stress().to_vec())
     }
 
-    /// Whether each strain of six alone changes its stress.
+    /// Returns whether each strain of six alone changes its stress.
     fn resists(&mut self) -> bool {
         let mut start = super::Point::default();
         self.keep(&mut start);
@@ -141,7 +141,7 @@ impl UmatCall {
         all
     }
 
-    /// How the stress through six components differs.
+    /// Returns how the stress through six components differs.
     fn differs(&mut self, solid: &mut Self, start: &super::Point, plane: &[f64]) -> Option<String> {
         let strain_33 = self.strain_33;
         self.put_back(start);

@@ -57,7 +57,7 @@ fn pipe() -> io::Result<(OwnedFd, OwnedFd)> {
     }
 }
 
-/// In the child: a handler for forbidden accesses on a stack of its own, a time limit, no output.
+/// Prepares the child: a handler for forbidden accesses on a stack of its own, a time limit, no output.
 fn prepare() {
     // SAFETY: plain system calls with memory that lives as long as the child.
     unsafe {
@@ -85,7 +85,7 @@ fn tell(address: usize, access: u8) {
     unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
 }
 
-/// What the child's message and status say.
+/// Returns what the child's message and status say.
 fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
     let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, access)| (*address, *access));
     match told {

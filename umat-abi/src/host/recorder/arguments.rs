@@ -61,7 +61,7 @@ record! {
     energies to.put(&call.energies);
     /// Field variables at the start.
     predef to.put(&call.predef);
-    /// Their increments.
+    /// Increments.
     dpred to.put(&call.dpred);
     /// PROPS.
     props to.put(call.props());
@@ -113,7 +113,7 @@ record! {
     temp to.put(&call.temperature());
     /// Field variables at the end, each at slave and master.
     predef to.put(call.predef()[0]);
-    /// Their increments.
+    /// Increments.
     dpred to.put(call.predef()[1]);
     /// PROPS.
     props to.put(call.props());
@@ -157,7 +157,7 @@ record! {
     temp to.put(&call.temperature());
     /// Field variables at the end, each at slave and master.
     predef to.put(call.predef()[0]);
-    /// Their increments.
+    /// Increments.
     dpred to.put(call.predef()[1]);
     /// PROPS.
     props to.put(call.props());
@@ -247,7 +247,7 @@ impl Arguments {
         }
     }
 
-    /// Whether this is a routine beside the entry points, which a replay of one call does not have.
+    /// Returns whether this is a routine beside the entry points, which a replay of one call does not have.
     pub fn is_routine(&self) -> bool {
         matches!(self, Self::ExternalDatabase(_) | Self::InitialState(_) | Self::InitialStress(_))
     }

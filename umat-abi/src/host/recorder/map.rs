@@ -90,7 +90,7 @@ impl Map {
         Some(bytes)
     }
 
-    /// Where doubles may be written: the address of a word, and how many words follow before `end`.
+    /// Returns where doubles may be written: the address of a word, and how many words follow before `end`.
     pub(super) fn doubles(&self, offset: usize, end: usize) -> (*mut f64, usize) {
         assert!(offset.is_multiple_of(WORD) && offset <= end && end <= self.capacity(), "no room at {offset}");
         // SAFETY: within the mapping or one behind its end.

@@ -87,7 +87,7 @@ pub fn installed() -> Option<&'static Recorder> {
     RECORDER.get()
 }
 
-/// Whether arrays of calls end at pages that cannot be written.
+/// Returns whether arrays of calls end at pages that cannot be written.
 pub(super) fn fences_arrays() -> bool {
     installed().is_some_and(|recorder| recorder.fences_arrays.load(Ordering::Relaxed))
 }

@@ -75,7 +75,7 @@ impl Recording {
         if index < NOTES { self.map.word(word::NOTES + WORD * index).load(Ordering::Acquire) } else { 0 }
     }
 
-    /// What the call that ended the process touched outside its arrays.
+    /// Returns what the call that ended the process touched outside its arrays.
     pub fn trespass(&self) -> Option<Trespass> {
         let number = |k: usize| self.map.word(word::TRESPASS + WORD * k).load(Ordering::Acquire);
         let length = usize::try_from(number(0).checked_sub(1)?).ok()?.min(word::LONGEST_ARGUMENT);
@@ -93,7 +93,7 @@ impl Recording {
         self.slots().filter(|(slot, _)| !is_routine(*slot)).map(|(_, sequence)| sequence.div_ceil(2)).sum()
     }
 
-    /// What has not come back as yet.
+    /// Returns what has not come back as yet.
     pub fn pending(&self) -> impl Iterator<Item = Beat> {
         let loading = Beat { slot: None, sequence: self.map.word(word::LOADING).load(Ordering::Acquire) };
         let calls = self.slots().map(|(slot, sequence)| Beat { slot: Some(slot), sequence });

@@ -21,7 +21,7 @@ pub(in crate::host) struct Slot {
     texts: Vec<u8>,
     place: Option<Place>,
     sequence: u64,
-    /// Its calls are those of a routine beside the entry points.
+    /// Calls are those of a routine beside the entry points.
     is_routine: bool,
 }
 
@@ -34,14 +34,14 @@ struct Place {
 }
 
 impl Slot {
-    /// For calls of a library, if this process records its calls.
+    /// Makes a slot for calls of a library, if this process records its calls.
     pub(in crate::host) fn new(library: &Library, symbol: Option<&str>, cmname: &str) -> Option<Self> {
         let recorder = installed()?;
         let path = std::path::absolute(library.path()).unwrap_or_else(|_| library.path().to_owned());
         Some(Self::of(recorder, &library.name_of_law(cmname), &path, symbol, cmname))
     }
 
-    /// For calls of a routine beside the entry points.
+    /// Makes a slot for calls of a routine beside the entry points.
     pub(in crate::host) fn of_routine(library: &Library) -> Option<Self> {
         Self::new(library, None, "").map(|slot| Self { is_routine: true, ..slot })
     }
@@ -123,7 +123,7 @@ pub(in crate::host) struct Writer {
     wanted: usize,
 }
 
-/// What `write` writes.
+/// Returns what `write` writes.
 pub(super) fn written(write: impl Fn(&mut Writer)) -> Vec<u8> {
     let mut counter = Writer { next: std::ptr::null_mut(), room: 0, wanted: 0 };
     write(&mut counter);

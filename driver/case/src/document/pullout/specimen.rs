@@ -18,7 +18,7 @@ pub enum MeshSource {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SpecimenSource {
-    /// Its type and parameters; lengths in mm.
+    /// Type and parameters; lengths in mm.
     pub specimen: Piece<Specimen>,
 }
 
@@ -82,7 +82,7 @@ pub enum ElementName {
 pub struct PerpendicularFibre {
     /// A body of revolution about the fibre instead of a plane slice (default false).
     pub axisymmetric: Option<bool>,
-    /// Its outer radius (default √(width · matrix_thickness/π)).
+    /// Outer radius (default √(width · matrix_thickness/π)).
     pub outer_radius: Option<Positive>,
     /// Width of the block (default 25.4).
     pub width: Option<Positive>,
@@ -111,7 +111,7 @@ pub struct PerpendicularFibre {
     pub matrix_element: Option<ElementName>,
     /// Elements of the fibre along its embedded length (default 40).
     pub embedded_elements: Option<Elements>,
-    /// Their size at the exit face (default 0.15).
+    /// Size at the exit face (default 0.15).
     pub exit_size: Option<Positive>,
     /// Make them all equal instead (default false).
     pub equal_sizes: Option<bool>,
@@ -172,11 +172,11 @@ pub struct InclinedFibre {
     pub elements_across: Option<Elements>,
     /// Size along the fibre where it crosses the exit (default a quarter of the diameter).
     pub exit_size: Option<Positive>,
-    /// So much of the embedded fibre has this size (default 5 diameters, or what the steps pull out if that is more).
+    /// Length of the embedded fibre that has this size (default 5 diameters, or what the steps pull out if that is more).
     pub fine_length: Option<Positive>,
     /// Largest size along the fibre (default 0.5).
     pub largest_fibre_size: Option<Positive>,
-    /// By how much sizes grow per length (default 0.3).
+    /// Growth of the elements' size per length (default 0.3).
     pub growth_rate: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
@@ -216,7 +216,7 @@ pub struct Fibres {
     pub exit_size: Option<Positive>,
     /// Largest size along the fibres (default 0.5).
     pub largest_fibre_size: Option<Positive>,
-    /// By how much sizes grow per length (default 0.3).
+    /// Growth of the elements' size per length (default 0.3).
     pub growth_rate: Option<Positive>,
     /// Largest size (default 2).
     pub largest_size: Option<Positive>,
@@ -258,7 +258,7 @@ pub struct Fibre {
     /// Length over which fibre and matrix separate at the exit (default 0).
     #[schemars(range(min = 0.0))]
     pub separation_length: Option<f64>,
-    /// So much of the embedded fibre has the size of the exit (default 5 diameters, or what the steps pull out if that is
+    /// Length of the embedded fibre that has the size of the exit (default 5 diameters, or what the steps pull out if that is
     /// more).
     pub fine_length: Option<Positive>,
 }

@@ -9,7 +9,7 @@ use pullout_run::number::rounded;
 use pullout_run::program::Until;
 use pullout_run::pullout::Program;
 
-/// Of a specimen.
+/// Returns the account of a specimen.
 pub fn account(program: &Program) -> Account {
     let columns = program.columns();
     let model = &program.model;

@@ -80,7 +80,7 @@ pub fn crosses(
 /// Where a cross may stand.
 struct Place {
     part: usize,
-    /// As drawn, mm.
+    /// Position as it is drawn, mm.
     position: [f64; 2],
     principal: Principal,
 }

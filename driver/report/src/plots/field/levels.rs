@@ -21,7 +21,7 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// For values between two finite numbers, the second not less than the first.
+    /// Makes levels for values between two finite numbers, the second not less than the first.
     pub fn new(quantity: &Quantity, (least, greatest): (f64, f64)) -> Self {
         let largest = least.abs().max(greatest.abs());
         let exponent = if largest > 1e-290 { exponent(largest) } else { 0 };
@@ -46,7 +46,7 @@ impl Levels {
         Self { range: (least, greatest), between, label: quantity.label(exponent), scale, decimals }
     }
 
-    /// How many bands.
+    /// Returns how many bands.
     pub fn count(&self) -> usize {
         self.between.len() + 1
     }

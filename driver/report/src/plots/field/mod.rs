@@ -72,7 +72,7 @@ pub struct PictureMesh {
 /// An element.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PictureElement {
-    /// Its kind.
+    /// Kind.
     pub kind: ElementKind,
     /// Index of its part.
     pub part: usize,
@@ -83,9 +83,9 @@ pub struct PictureElement {
 /// A part of the plane, in deformed positions as drawn, mm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Window {
-    /// From left to right.
+    /// Range of x from left to right.
     pub x: Range<f64>,
-    /// From below to above.
+    /// Range of y from below to above.
     pub y: Range<f64>,
 }
 
@@ -120,7 +120,7 @@ pub enum PictureError {
     /// An element with wrong nodes or a part that does not exist.
     #[error("element {} of the picture's mesh does not fit its nodes and parts", element + 1)]
     Element {
-        /// Its index.
+        /// Index.
         element: usize,
     },
     /// No element inside the window, or no finite position.
@@ -129,9 +129,9 @@ pub enum PictureError {
     /// The window has no area.
     #[error("the window {x:?} × {y:?} has no area")]
     Window {
-        /// From left to right.
+        /// Range of x from left to right.
         x: Range<f64>,
-        /// From below to above.
+        /// Range of y from below to above.
         y: Range<f64>,
     },
     /// The drawing library failed.
@@ -140,7 +140,7 @@ pub enum PictureError {
 }
 
 impl PictureMesh {
-    /// Of computed fields, without what was released: a node for each place that the recovery has values at.
+    /// Makes a picture mesh of computed fields, without what was released: a node for each place that the recovery has values at.
     pub fn new(fields: &Fields<'_>, recovery: &Recovery) -> Self {
         let places = recovery.nodes();
         let elements = fields.mesh.elements().iter().enumerate();
@@ -200,7 +200,7 @@ impl<'a> FieldPicture<'a> {
         Self { title: title.into(), mesh, magnification: 1.0, window: None, axes }
     }
 
-    /// Where nodes are drawn, mm.
+    /// Returns where nodes are drawn, mm.
     fn positions(&self, magnification: f64) -> Vec<[f64; 2]> {
         let moved = |(node, u): (&[f64; 2], &[f64; 2])| [0, 1].map(|k| node[k] + magnification * u[k]);
         self.mesh.nodes.iter().zip(&self.mesh.displacements).map(moved).collect()
@@ -221,7 +221,7 @@ impl<'a> FieldPicture<'a> {
         self.magnification != 0.0 && self.mesh.displacements.iter().flatten().any(|&u| u != 0.0)
     }
 
-    /// What the picture says about displacements.
+    /// Returns what the picture says about displacements.
     fn note(&self) -> String {
         match self.magnification {
             _ if !self.is_deformed() => String::new(),

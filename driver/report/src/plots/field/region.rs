@@ -33,7 +33,7 @@ impl Region {
         }
     }
 
-    /// Its outlines and holes, simplified; empty where nothing can be seen.
+    /// Returns the outlines and holes, simplified; empty where nothing can be seen.
     pub fn path(self) -> String {
         let mut path = String::new();
         for outline in self.loops() {
@@ -45,7 +45,7 @@ impl Region {
         path
     }
 
-    /// As many edges end at a place as start there, so a walk can only end where it began.
+    /// Joins edges to loops. As many edges end at a place as start there, so a walk can only end where it began.
     fn loops(self) -> Vec<Vec<Place>> {
         let mut edges: Vec<(Place, Place)> =
             self.edges.into_iter().flat_map(|(edge, count)| std::iter::repeat_n(edge, count as usize)).collect();

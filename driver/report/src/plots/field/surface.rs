@@ -79,7 +79,7 @@ impl<'a> Surface<'a> {
         self.patches.iter().map(|&(index, _)| &self.mesh.elements[index])
     }
 
-    /// Their indices.
+    /// Returns the indices.
     pub fn indices(&self) -> impl Iterator<Item = usize> {
         self.patches.iter().map(|(index, _)| *index)
     }
@@ -94,7 +94,7 @@ impl<'a> Surface<'a> {
         region.path()
     }
 
-    /// Where a field that is interpolated like the positions is not less than a level. Elements with a value that is
+    /// Returns where a field that is interpolated like the positions is not less than a level. Elements with a value that is
     /// no number are left out.
     pub fn area_above(&self, values: &[f64], level: f64) -> String {
         let mut region = Region::default();

@@ -51,14 +51,14 @@ impl View {
         length * self.scale / f64::from(UNIT)
     }
 
-    /// Where a position is drawn; what is far outside stays far outside.
+    /// Returns where a position is drawn; what is far outside stays far outside.
     pub fn place(&self, [x, y]: [f64; 2]) -> Place {
         const FAR: f64 = 1e8;
         let unit = |value: f64| (value * self.scale).clamp(-FAR, FAR).round() as i32;
         (self.corner.0 + unit(x - self.x.start), self.corner.1 + unit(self.y.end - y))
     }
 
-    /// Whether the box around positions, all finite, overlaps the window.
+    /// Returns whether the box around positions, all finite, overlaps the window.
     pub fn shows(&self, positions: impl Iterator<Item = [f64; 2]> + Clone) -> bool {
         let overlaps = |k: usize, range: &Range<f64>| {
             let values = || positions.clone().map(|position| position[k]);
@@ -82,7 +82,7 @@ impl Window {
         (side > 0.0 && side < 1e290).then_some(window)
     }
 
-    /// Whether it has a width and a height.
+    /// Returns whether it has a width and a height.
     pub(super) fn is_proper(&self) -> bool {
         let proper = |range: &Range<f64>| {
             let span = range.end - range.start;

@@ -97,7 +97,7 @@ pub(super) fn run(arguments: &Arguments, library: &Path, mut need: Need) -> u8 {
 }
 
 impl Told {
-    /// Whether all groups would end here.
+    /// Returns whether all groups would end here.
     fn is_in_the_sample(&self) -> bool {
         self.begun
             .as_ref()
@@ -241,7 +241,7 @@ impl Tally<'_> {
     }
 }
 
-/// Where a replay case goes: the current folder.
+/// Returns where a replay case goes: the current folder.
 fn replay_path(number: usize) -> PathBuf {
     match number {
         0 => "plugin-check-replay.json".into(),

@@ -154,7 +154,7 @@ impl Fibres {
 }
 
 impl Fibre {
-    /// What a parameter is called in a specimen of one fibre, and among several.
+    /// Returns what a parameter is called in a specimen of one fibre, and among several.
     fn key(&self, alone: &'static str, among: &'static str) -> &'static str {
         if self.name.is_none() { alone } else { among }
     }

@@ -16,14 +16,14 @@ const EXIT_REACH: f64 = 30.0;
 pub(super) struct ExitEdge {
     /// Arc length of the axis where the wall ends and the edge begins, mm.
     pub(super) start: f64,
-    /// Its radius, mm.
+    /// Radius, mm.
     pub(super) radius: f64,
 }
 
 /// The divisions of fibre and hole, as arc lengths of the axis from the exit.
 #[derive(Debug)]
 pub(super) struct Divisions {
-    /// From the tail to the grip.
+    /// Places along the fibre, from the tail to the grip.
     pub(super) along: Vec<f64>,
     /// Across the fibre, as shares of its width from its right to its left side.
     pub(super) across: Vec<f64>,

@@ -23,7 +23,7 @@ use path::Path;
 
 pub use path::Segment;
 
-/// So much of an embedded fibre is meshed finely at its exit unless a length is given, in diameters.
+/// Length of an embedded fibre that is meshed finely at its exit unless one is given, in diameters.
 pub const FINE_DIAMETERS: f64 = 5.0;
 /// An element turns by no more than this on a curve inside the block, rad: five elements to a right angle.
 const TURN: f64 = 0.35;
@@ -60,7 +60,7 @@ pub struct Fibres {
 /// A fibre by the line of its axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fibre {
-    /// Its name; `None` of a fibre that is alone.
+    /// Name; `None` of a fibre that is alone.
     pub name: Option<String>,
     /// Diameter φ, mm.
     pub diameter: f64,
@@ -84,7 +84,7 @@ pub struct Fibre {
     pub exit_radius: Option<f64>,
     /// Length over which the fibre separates from the matrix at its exit (6.27), mm; 0: none.
     pub separation_length: f64,
-    /// So much of the fibre inside the block has the size of the exit, mm; `None`: [`FINE_DIAMETERS`] φ.
+    /// Length of the fibre inside the block that has the size of the exit, mm; `None`: [`FINE_DIAMETERS`] φ.
     pub fine_length: Option<f64>,
 }
 
@@ -99,7 +99,7 @@ pub struct FibresMesh {
     pub exit_size: Option<f64>,
     /// Largest size along a fibre, 0.5 mm.
     pub largest_fibre_size: f64,
-    /// By how much sizes grow per length along a fibre and away from it, 0.3.
+    /// Growth of the elements' size per length along a fibre and away from it, 0.3.
     pub growth_rate: f64,
     /// Largest size, 2 mm.
     pub largest_size: f64,
@@ -223,7 +223,7 @@ struct Laid<'a> {
 }
 
 impl Laid<'_> {
-    /// Whether the fibre ends at the exit face, where its end may turn.
+    /// Returns whether the fibre ends at the exit face, where its end may turn.
     fn hangs(&self) -> bool {
         self.path.end() <= check::SHORTEST * self.fibre.diameter
     }

@@ -316,7 +316,7 @@ impl Outline {
 struct Arc {
     centre: [f64; 2],
     radius: f64,
-    /// From where to where it turns, counter-clockwise, rad.
+    /// Angles between which it turns, counter-clockwise, rad.
     angles: [f64; 2],
 }
 

@@ -239,7 +239,7 @@ const STEPS: u32 = 200;
 const BISECTIONS: usize = 60;
 
 impl Place {
-    /// So far along the direction.
+    /// Returns the place so far along the direction.
     fn on(self, distance: f64) -> Self {
         let (sine, cosine) = self.lean.sin_cos();
         Self { point: moved(self.point, [sine, cosine], distance), ..self }
@@ -272,7 +272,7 @@ impl Piece {
         Place { point: moved(self.place.point, [from_cosine - cosine, sine - from_sine], radius), lean }
     }
 
-    /// Where it ends, the angle without rounding.
+    /// Returns where it ends, the angle without rounding.
     fn end(&self) -> Place {
         match self.shape {
             Shape::Arc(radius) => self.turned(radius, self.end_lean),

@@ -8,7 +8,7 @@ use crate::mesh::specimen::{ContactSurfaces, NodeCoupling, SurfaceRole, contact_
 use crate::mesh::structured::{Grid, Side, StructuredMesh};
 use crate::mesh::{ElementEdge, MeshDefinition};
 
-/// Where supports (b) and (c) begin on the left and on the right of the holes, x in mm: those that the block has room for.
+/// Returns where supports (b) and (c) begin on the left and on the right of the holes, x in mm: those that the block has room for.
 pub(super) fn support_limits(parameters: &Fibres, laid: &[Laid<'_>]) -> [[f64; 2]; 2] {
     [-1.0, 1.0].map(|side| {
         let near = laid.iter().map(|Laid { fibre, path, .. }| {

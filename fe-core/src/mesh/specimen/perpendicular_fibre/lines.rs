@@ -7,10 +7,10 @@ use crate::mesh::structured::{Grading, capped_through};
 /// The divisions of all lines.
 pub(super) struct Lines {
     pub(super) fibre_x: Vec<f64>,
-    /// From the tail to the grip.
+    /// Fibre y from the tail to the grip.
     pub(super) fibre_y: Vec<f64>,
     pub(super) matrix_x: Vec<f64>,
-    /// From the bottom to the exit face.
+    /// Matrix y from the bottom to the exit face.
     pub(super) matrix_y: Vec<f64>,
     /// Columns of the matrix below the fibre.
     pub(super) middle_columns: std::ops::Range<usize>,

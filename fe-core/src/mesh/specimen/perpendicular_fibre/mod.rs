@@ -66,7 +66,7 @@ pub enum Configuration {
     },
     /// A body of revolution about the fibre's axis.
     Axisymmetric {
-        /// Its radius, mm; `None`: √(width · matrix_thickness/π), the same area.
+        /// Radius, mm; `None`: √(width · matrix_thickness/π), the same area.
         outer_radius: Option<f64>,
     },
 }
@@ -105,9 +105,9 @@ impl FibreSection {
 /// The elements of a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct PartMesh {
-    /// Their kind, Q8 by default.
+    /// Kind, Q8 by default.
     pub kind: ElementKind,
-    /// Their integration; `None`: the kind's default.
+    /// Integration; `None`: the kind's default.
     pub integration: Option<Integration>,
 }
 
@@ -122,7 +122,7 @@ impl Default for PartMesh {
 pub struct FibreMesh {
     /// Elements of the fibre along its embedded length, 40.
     pub embedded_elements: usize,
-    /// Their size at the exit face, 0.15 mm; `None`: all equal.
+    /// Size at the exit face, 0.15 mm; `None`: all equal.
     pub exit_size: Option<f64>,
     /// Elements across the fibre (across its radius in axial symmetry), 2.
     pub elements_across: usize,
@@ -234,7 +234,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     })
 }
 
-/// What a report must say about a round fibre in the plane.
+/// Returns what a report must say about a round fibre in the plane.
 pub(super) fn section_notes(section: FibreSection, phi: f64, matrix_thickness: f64) -> Vec<String> {
     let thickness = section.thickness(phi);
     let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
@@ -320,14 +320,14 @@ impl PerpendicularFibre {
         }
     }
 
-    /// Where supports (b) and (c) begin, if the block is wide enough for them.
+    /// Returns where supports (b) and (c) begin, if the block is wide enough for them.
     fn support_limits(&self) -> [Option<f64>; 2] {
         let (radius, half) = (0.5 * self.fibre_diameter, self.half_width());
         [radius + NEAR_CLEARANCE * self.fibre_diameter, half - AWAY_LENGTH]
             .map(|limit| (limit > radius && limit < half).then_some(limit))
     }
 
-    /// Where the divisions across the block stop: the hole, the supports' limits, the end of a graded thickness, the side.
+    /// Returns where the divisions across the block stop: the hole, the supports' limits, the end of a graded thickness, the side.
     fn stops(&self) -> Vec<f64> {
         /// Limits closer to each other than this fraction of the half width are one: cells would be slivers.
         const MERGED: f64 = 1e-4;
