@@ -37,7 +37,7 @@ pub struct Matrix {
     pub modulus: f64,
     /// Tensile strength, MPa.
     pub ft: f64,
-    /// Softening.
+    /// Softening beyond the tensile strength.
     #[serde(default)]
     pub softening: Softening,
     /// Fracture energy, N/mm.

@@ -89,7 +89,7 @@ pub struct Member {
     pub label: String,
     /// Title in legends and tables.
     pub title: String,
-    /// X.
+    /// Value of x.
     pub x: Option<f64>,
 }
 

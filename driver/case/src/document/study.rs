@@ -71,7 +71,7 @@ pub struct MemberOfFile {
     pub label: String,
     /// Title in legends and tables; default: the label, or x with its unit.
     pub title: Option<String>,
-    /// X, such as an angle in degrees; all members have one or none has.
+    /// Value of x, such as an angle in degrees; all members have one or none has.
     pub x: Option<f64>,
     /// Overrides: dotted path and value, as `--set` has them. They come after those of the series.
     pub set: Option<Map<String, Value>>,
@@ -134,7 +134,7 @@ pub enum OneOrMany {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MemberName {
-    /// X.
+    /// Value of x.
     X(f64),
     /// Label.
     Label(String),
