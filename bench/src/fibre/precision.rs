@@ -215,6 +215,7 @@ fn figure(name: &str, title: &str, rows: &[Level], quantity: usize) -> Figure {
         lines: series.map(|(angle, varied)| line(angle, varied)).filter(|line| !line.points.is_empty()).collect(),
         marks: Vec::new(),
         scale: Scale::BothDecades,
+        key: None,
         equal_units: false,
     }
 }

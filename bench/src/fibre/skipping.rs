@@ -223,6 +223,7 @@ fn figure(ways: &[Measured]) -> Figure {
         }],
         marks: Vec::new(),
         scale: Scale::Names(names.collect()),
+        key: None,
         equal_units: false,
     }
 }

@@ -86,6 +86,7 @@ fn figure(name: String, title: String, lines: Vec<Line>) -> Figure {
         lines,
         marks: Vec::new(),
         scale: Scale::BothDecades,
+        key: None,
         equal_units: false,
     }
 }

@@ -249,6 +249,7 @@ fn figure(specimens: &[specimens::Compared], points: &[points::Compared]) -> Opt
         }],
         marks: Vec::new(),
         scale: Scale::Names(names),
+        key: None,
         equal_units: false,
     })
 }

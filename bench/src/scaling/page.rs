@@ -256,6 +256,7 @@ fn figure(measured: &[Measured]) -> Figure {
         lines,
         marks: Vec::new(),
         scale: Scale::BothDecades,
+        key: None,
         equal_units: false,
     }
 }

@@ -131,6 +131,7 @@ fn figure(solids: &[Solid], rows: &[Row]) -> Figure {
         lines: Situation::ALL.into_iter().enumerate().map(line).collect(),
         marks: Vec::new(),
         scale: Scale::Names(solids.iter().map(|solid| solid.law.split('_').next().unwrap_or("").to_owned()).collect()),
+        key: None,
         equal_units: false,
     }
 }

@@ -179,6 +179,7 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
         }],
         equal_units: false,
         scale: Scale::Linear,
+        key: None,
     };
     let end = curve.largest_slip();
     let near = curve.slips.iter().filter(|&&slip| slip <= peak_end).count().div_ceil(MOST_MARKS).max(1);
@@ -202,6 +203,7 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
             }],
             equal_units: false,
             scale: Scale::Linear,
+            key: None,
         },
     ]
 }

@@ -166,6 +166,7 @@ fn family(program: &Program, composite: &Composite) -> Figure {
         marks: Vec::new(),
         equal_units: false,
         scale: Scale::Linear,
+        key: None,
     }
 }
 
@@ -193,5 +194,6 @@ fn directions(composite: &Composite) -> Figure {
         marks: Vec::new(),
         equal_units: true,
         scale: Scale::Linear,
+        key: None,
     }
 }

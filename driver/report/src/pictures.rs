@@ -225,6 +225,7 @@ impl<'a> Album<'a> {
             marks: Vec::new(),
             equal_units: false,
             scale: Scale::Linear,
+            key: None,
         })
     }
 

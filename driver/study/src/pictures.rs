@@ -4,7 +4,7 @@ use super::claims::work_unit;
 use super::results::{Results, RunResult};
 use super::{Columns, Study};
 use pullout_report::directory::ResultDirectory;
-use pullout_report::plots::figure::{Figure, Line, Scale, Style};
+use pullout_report::plots::figure::{Figure, Key, Line, Scale, Style};
 use pullout_report::plots::png;
 use pullout_report::plots::quantity::Quantity;
 use pullout_report::plots::{self, Picture};
@@ -74,28 +74,41 @@ fn first_member(study: &Study) -> Option<usize> {
     (0..study.members.len()).min_by(|a, b| x(a).total_cmp(&x(b)))
 }
 
-/// The curves of some series: a colour for each member, a dash for each series, and others where colours come again.
+/// The curves of some series: a colour for each member (a shade where there are more than colours, and they have an x), a
+/// dash for each series, and others where colours come again.
 fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: Vec<usize>) -> Figure {
+    let mut order: Vec<usize> = (0..study.members.len()).collect();
+    let x = |member: usize| study.members[member].x;
+    let shaded = order.len() > PALETTE && order.iter().all(|&member| x(member).is_some());
+    if shaded {
+        order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(std::cmp::Ordering::Equal));
+    }
     let mut lines = Vec::new();
+    let mut titles: Vec<String> = order.iter().map(|&member| study.members[member].title.clone()).collect();
     for (dash, &series) in of.iter().enumerate() {
-        for (color, member) in study.members.iter().enumerate() {
-            let result = &results.runs[study.run_of(series, color)];
-            let mut label = member.title.clone();
+        for (color, &member) in order.iter().enumerate() {
+            let result = &results.runs[study.run_of(series, member)];
+            let mut label = study.members[member].title.clone();
             if of.len() > 1 {
                 label = format!("{}, {label}", study.series[series].title);
             }
             if result.status.is_some() && !result.is_done() {
                 label += " (failed)";
+                titles[color] = format!("{} (failed)", study.members[member].title);
             }
+            let again = if shaded { 0 } else { of.len() * (color / PALETTE) };
             lines.push(Line {
                 label,
                 points: result.curve(columns),
                 columns: (columns.x.clone(), columns.y.clone()),
-                style: Style { color, dash: dash + of.len() * (color / PALETTE) },
+                style: Style { color, dash: dash + again },
                 marked: false,
             });
         }
     }
+    let dashes = of.iter().map(|&series| study.series[series].title.clone()).collect();
+    let apart = of.len() > 1 && order.len() > 1 && order.len() <= PALETTE;
+    let key = (shaded || apart).then_some(Key { colors: titles, dashes, shaded });
     lines.retain(|line| !line.points.is_empty());
     let title = match of.as_slice() {
         [one] if !study.series[*one].title.is_empty() => format!("{}: {}", study.title, study.series[*one].title),
@@ -111,6 +124,7 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
         marks: Vec::new(),
         equal_units: false,
         scale: Scale::Linear,
+        key,
     }
 }
 
@@ -175,6 +189,7 @@ fn along_x(
         marks: Vec::new(),
         equal_units: false,
         scale,
+        key: None,
         name: name.clone(),
     }
 }

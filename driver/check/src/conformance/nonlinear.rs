@@ -4,7 +4,7 @@
 use super::report::{Ledger, Verdict};
 use super::sample::State;
 use super::subject::{Committed, Entry, Subject, distance, largest};
-use super::tolerances::NONLINEAR;
+use super::tolerances::{NONLINEAR, ROUNDING_OF_F};
 use umat_abi::host::{Alignment, Alteration, CallOutcome, Probed};
 
 const CHECK: &str = "nonlinear states";
@@ -36,7 +36,10 @@ pub(super) fn is_nonlinear(subject: &mut Subject<'_>, from: &Committed, step: &[
     let probe = stress(&virgin, &small)?;
     let raised: Vec<f64> = end.iter().zip(&from.output).map(|(end, start)| end - start).collect();
     let elastic: Vec<f64> = (0..end.len()).map(|k| base[k] - virgin.output[k] + (probe[k] - base[k]) / SMALL).collect();
-    let rounding = 1e-9 * largest(&end).max(largest(&virgin.output));
+    // what rounding makes of F, seen through the small step
+    let of_gradient = if subject.finite { ROUNDING_OF_F / SMALL } else { 0.0 };
+    let stiffness = largest(&subject.output_size) / largest(&subject.size);
+    let rounding = 1e-9 * largest(&end).max(largest(&virgin.output)) + of_gradient * stiffness;
     Some(distance(&raised, &elastic) > NONLINEAR * largest(&elastic).max(largest(&raised)) + rounding)
 }
 

@@ -150,6 +150,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
         marks,
         equal_units: false,
         scale: Scale::Linear,
+        key: None,
     };
     [
         figure(

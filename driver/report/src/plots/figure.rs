@@ -59,6 +59,19 @@ pub struct Figure {
     pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
+    /// What colours and dashes mean, instead of a row of the legend for each line.
+    pub key: Option<Key>,
+}
+
+/// What colours and dashes mean, by their numbers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Key {
+    /// The meaning of each colour.
+    pub colors: Vec<String>,
+    /// The meaning of each dash; of one it need not be told.
+    pub dashes: Vec<String>,
+    /// Whether the colours are shades from the first to the last: a bar instead of rows.
+    pub shaded: bool,
 }
 
 /// A computed curve. Points that are no numbers interrupt it.
@@ -182,18 +195,26 @@ impl Figure {
         let sample = |line: &Line| {
             if line.marked { Sample::MarkedLine(line.style) } else { Sample::Line(line.style) }
         };
-        let lines = self.lines.iter().map(|line| (sample(line), line.style.color(), &line.label));
-        let marks =
-            self.marks.iter().enumerate().map(|(k, marks)| (Sample::Mark(k), self.mark_color(marks), &marks.label));
-        let entries: Vec<Entry> =
-            lines.chain(marks).map(|(sample, color, label)| Entry { sample, color, label: label.clone() }).collect();
-        if entries.len() > 1 { entries } else { Vec::new() }
+        let entry = |sample, color, label: &str| Entry { sample, color, label: label.to_owned() };
+        let mut entries: Vec<Entry> = match &self.key {
+            None => self.lines.iter().map(|line| entry(sample(line), self.color(line.style), &line.label)).collect(),
+            Some(key) => key.entries(|style| self.color(style)),
+        };
+        let marks = self.marks.iter().enumerate();
+        entries.extend(marks.map(|(k, marks)| entry(Sample::Mark(k), self.mark_color(marks), &marks.label)));
+        if entries.len() > 1 || self.key.is_some() { entries } else { Vec::new() }
+    }
+
+    /// Returns the colour of a line.
+    fn color(&self, style: Style) -> RGBColor {
+        let shades = self.key.as_ref().filter(|key| key.shaded).map(|key| key.colors.len());
+        shades.map_or(PALETTE[style.color % PALETTE.len()], |count| shade(style.color, count))
     }
 
     /// Measured points are as dark as text beside a single line; among several they take their line's colour.
     fn mark_color(&self, marks: &Marks) -> RGBColor {
         let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
-        owner.map_or(INK, |line| line.style.color())
+        owner.map_or(INK, |line| self.color(line.style))
     }
 
     fn draw<'a>(
@@ -241,13 +262,13 @@ impl Figure {
         }
         for (line, stretches) in self.lines.iter().zip(self.scaled_lines(x, y)) {
             for points in stretches {
-                area.draw(&PathElement::new(points, line.style.pen()))?;
+                area.draw(&PathElement::new(points, line.style.pen(self.color(line.style))))?;
             }
         }
         for line in self.lines.iter().filter(|line| line.marked) {
             for &(across, up) in drawable_stretches(&line.points).flatten() {
                 let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
-                draw_mark(root, line.style.color, place, line.style.color())?;
+                draw_mark(root, line.style.color, place, self.color(line.style))?;
             }
         }
         for (k, marks) in self.marks.iter().enumerate() {
@@ -265,6 +286,34 @@ impl Figure {
         legend.draw(root, (corner((0, 0)), corner((1, 1))))?;
         Ok(())
     }
+}
+
+impl Key {
+    /// Rows of colours (or their bar), then rows of dashes.
+    fn entries(&self, color: impl Fn(Style) -> RGBColor) -> Vec<Entry> {
+        let style = |color, dash| Style { color, dash };
+        let colors = || {
+            let rows = self.colors.iter().enumerate();
+            rows.map(|(k, label)| (Sample::Line(style(k, 0)), color(style(k, 0)), label.clone())).collect::<Vec<_>>()
+        };
+        let mut rows = match self.colors.as_slice() {
+            [first, .., last] if self.shaded => vec![(Sample::Shades, INK, format!("{first} … {last}"))],
+            _ => colors(),
+        };
+        if self.dashes.len() > 1 {
+            let dashes = self.dashes.iter().enumerate();
+            rows.extend(dashes.map(|(k, label)| (Sample::Line(style(0, k)), INK, label.clone())));
+        }
+        rows.into_iter().map(|(sample, color, label)| Entry { sample, color, label }).collect()
+    }
+}
+
+/// The colour of number `number` of `count` shades; the lightest are left out.
+pub(super) fn shade(number: usize, count: usize) -> RGBColor {
+    const LIGHTEST: f64 = 0.92;
+    let share = LIGHTEST * number as f64 / (count.max(2) - 1) as f64;
+    let colorous::Color { r, g, b } = colorous::VIRIDIS.eval_continuous(share);
+    RGBColor(r, g, b)
 }
 
 /// A title as lines that fit a picture of this width in px.
@@ -328,13 +377,9 @@ pub(super) fn draw_mark<'a>(
 }
 
 impl Style {
-    pub(super) fn color(self) -> RGBColor {
-        PALETTE[self.color % PALETTE.len()]
-    }
-
     /// Two px wide; the few units more stand for the dash.
-    pub(super) fn pen(self) -> ShapeStyle {
-        self.color().stroke_width((2 * UNIT) as u32 + (self.dash % (DASHES.len() + 1)) as u32)
+    pub(super) fn pen(self, color: RGBColor) -> ShapeStyle {
+        color.stroke_width((2 * UNIT) as u32 + (self.dash % (DASHES.len() + 1)) as u32)
     }
 }
 

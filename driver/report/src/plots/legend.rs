@@ -1,7 +1,7 @@
 //! The legend: in a corner where nothing is drawn, else below the picture.
 
 use super::axis::Axis;
-use super::figure::{CHARACTER, Style, UNIT, draw_mark, font};
+use super::figure::{CHARACTER, Style, UNIT, WIDTH, draw_mark, font, shade};
 use super::markup;
 use plotters::prelude::*;
 use plotters::style::text_anchor::{HPos, Pos, VPos};
@@ -15,6 +15,8 @@ const PADDING: i32 = 8;
 const OFFSET: i32 = 10;
 /// About what remains of the picture's width and height for the plot, px: decides whether a corner is free.
 const PLOT: (f64, f64) = (540.0, 370.0);
+/// Width for a legend below, px.
+const BELOW: i32 = WIDTH - 80;
 
 /// What stands in front of a label.
 #[derive(Clone, Copy, Debug)]
@@ -25,6 +27,8 @@ pub(super) enum Sample {
     MarkedLine(Style),
     /// The mark of this number.
     Mark(usize),
+    /// Shades from the first to the last.
+    Shades,
 }
 
 #[derive(Clone, Debug)]
@@ -73,13 +77,23 @@ impl Legend {
 
     /// Returns what it needs below the picture, px.
     pub fn height_below(&self) -> i32 {
-        if self.place == Place::Below && !self.entries.is_empty() { self.size().1 } else { 0 }
+        if self.place == Place::Below && !self.entries.is_empty() { Self::height(self.rows()) } else { 0 }
+    }
+
+    /// Returns the rows of a column: all in a corner, as few as there is room for below.
+    fn rows(&self) -> usize {
+        let columns = if self.place == Place::Below { (BELOW / self.size().0).max(1) as usize } else { 1 };
+        self.entries.len().div_ceil(columns)
+    }
+
+    fn height(rows: usize) -> i32 {
+        2 * PADDING + LINE_HEIGHT * rows as i32 - 4
     }
 
     fn size(&self) -> (i32, i32) {
         let longest = self.entries.iter().map(|entry| markup::length(&entry.label)).max().unwrap_or(0);
         let text = (longest as f64 * CHARACTER * f64::from(TEXT_SIZE)) as i32;
-        (2 * PADDING + SAMPLE + 8 + text, 2 * PADDING + LINE_HEIGHT * self.entries.len() as i32 - 4)
+        (2 * PADDING + SAMPLE + 8 + text, Self::height(self.entries.len()))
     }
 
     /// Draws it; `frame`: upper left and lower right corner of the plot.
@@ -105,16 +119,25 @@ impl Legend {
             let opposite = (corner.0 + width, corner.1 + height);
             root.draw(&Rectangle::new([corner, opposite], WHITE.mix(0.85).filled()))?;
         }
+        let rows = self.rows();
         for (k, entry) in self.entries.iter().enumerate() {
-            let y = corner.1 + (PADDING + LINE_HEIGHT * k as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
-            let x = corner.0 + PADDING * UNIT;
+            let y = corner.1 + (PADDING + LINE_HEIGHT * (k % rows) as i32 + LINE_HEIGHT / 2 - 2) * UNIT;
+            let x = corner.0 + PADDING * UNIT + (k / rows) as i32 * width;
             match entry.sample {
                 Sample::Line(style) => {
-                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen()))?;
+                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
                 }
                 Sample::MarkedLine(style) => {
-                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen()))?;
+                    root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
                     draw_mark(root, style.color, (x + SAMPLE * UNIT / 2, y), entry.color)?;
+                }
+                Sample::Shades => {
+                    let half = LINE_HEIGHT / 3 * UNIT;
+                    for k in 0..SAMPLE {
+                        let (left, right) = (x + k * UNIT, x + (k + 1) * UNIT);
+                        let color = shade(k as usize, SAMPLE as usize).filled();
+                        root.draw(&Rectangle::new([(left, y - half), (right, y + half)], color))?;
+                    }
                 }
                 Sample::Mark(shape) => draw_mark(root, shape, (x + SAMPLE * UNIT / 2, y), entry.color)?,
             }

@@ -79,6 +79,7 @@ impl Layout {
             marks,
             equal_units: self.equal_units,
             scale: Scale::Linear,
+            key: None,
         };
         (!figure.lines.is_empty()).then_some(figure)
     }

@@ -22,6 +22,7 @@ fn figure(lines: Vec<Line>, marks: Vec<Marks>) -> Figure {
         marks,
         equal_units: false,
         scale: Scale::Linear,
+        key: None,
     }
 }
 

@@ -90,6 +90,7 @@ fn what_stays_elastic_is_not_tested() {
     untested(&cases::MAZARS, towards(json!({ "e11": 1e-5 })));
     untested(&cases::HASHIN, towards(json!({ "e11": 0.0, "e22": 1e-4, "g12": 0.0 })));
     untested(&cases::ARMSTRONG_FREDERICK, towards(json!({ "e11": 1e-4 })));
-    untested(&cases::FRICTION, towards(json!({ "slip": 1e-3, "p": 10.0 })));
+    // far from sliding, also where the pressure of a sampled state is small
+    untested(&cases::FRICTION, towards(json!({ "slip": 1e-4, "p": 10.0 })));
     untested(&cases::COHESIVE, towards(json!({ "slip": 1e-3, "gap": 1e-3 })));
 }

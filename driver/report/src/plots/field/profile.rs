@@ -26,6 +26,7 @@ pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
         marks: Vec::new(),
         equal_units: false,
         scale: Scale::Linear,
+        key: None,
     };
     if fields.contact.is_empty() { Vec::new() } else { quantities.into_iter().map(figure).collect() }
 }
