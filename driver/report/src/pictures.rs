@@ -12,7 +12,7 @@ use crate::plots::field::{
     interface_profiles, zones,
 };
 use crate::plots::figure::{Figure, Line, Scale, Style};
-use crate::plots::quantity::{Quantity, group_of};
+use crate::plots::quantity::{Quantity, capital, group_of};
 use crate::plots::{self, Picture};
 use fe_core::mesh::Mesh;
 use fe_core::model::Model;
@@ -173,8 +173,11 @@ impl<'a> Album<'a> {
                 let drawn = crosses(&picture, &stresses, in_scale);
                 self.keep(&name("principal_directions"), drawn)?;
             }
-            // a zoom on nothing says no more than the whole
-            let is_worth_it = |shown: &&Contour| place.is_empty() || !shown.is_constant();
+            // a zoom on nothing says no more than the whole, and a field of zeros nothing
+            let is_worth_it = |shown: &&Contour| match place {
+                "" => shown.values.iter().any(|value| *value != 0.0),
+                _ => !shown.is_constant(),
+            };
             for shown in contours.iter().filter(is_worth_it) {
                 let mut picture = FieldPicture::new(moment.title(&shown.what), &mesh);
                 picture.window = window.clone();
@@ -349,11 +352,6 @@ pub(crate) fn walls(model: &Model) -> (Option<Fibre>, Vec<Option<Wall>>) {
 pub(crate) fn matrix(model: &Model) -> BTreeSet<usize> {
     let slaves = model.contacts.iter().flat_map(|pair| &pair.slave);
     slaves.map(|edge| model.mesh.elements()[edge.element].part()).chain(model.parts_behind()).collect()
-}
-
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn unfit(error: FieldsError) -> io::Error {

@@ -2,6 +2,7 @@
 
 use super::directory::ResultDirectory;
 use super::plots::Picture;
+use super::plots::quantity::capital;
 use super::summary::{Peak, Place, Status, Summary};
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use pullout_run::number::{rounded, significant};
@@ -150,12 +151,6 @@ fn table_of(parameters: &[Parameter]) -> Markup {
             }
         } }
     }
-}
-
-/// Returns a text with a capital letter, as a row begins.
-fn capital(text: &str) -> String {
-    let mut letters = text.chars();
-    letters.next().map_or(String::new(), |first| first.to_uppercase().chain(letters).collect())
 }
 
 fn comparison(summary: &Summary) -> Markup {

@@ -80,7 +80,7 @@ const OF_THE_INTERFACE: [&str; 2] = ["interface_stored_energy", "interface_dissi
 
 /// `damage_energy` → Damage energy.
 fn words(name: &str) -> String {
-    super::capital(&name.replace('_', " "))
+    crate::plots::quantity::capital(&name.replace('_', " "))
 }
 
 #[cfg(test)]

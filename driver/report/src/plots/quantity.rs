@@ -79,3 +79,9 @@ fn symbol(column: &str) -> String {
         column.replace('_', " ")
     }
 }
+
+/// Returns a text with a capital letter, as a row or a title begins.
+pub(crate) fn capital(text: &str) -> String {
+    let mut letters = text.chars();
+    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+}

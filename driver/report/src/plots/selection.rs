@@ -1,7 +1,7 @@
 //! Which pictures a run gets, and what is in them.
 
 use super::figure::{Figure, Line, Marks, PALETTE, Scale, Style};
-use super::quantity::{Quantity, group_of};
+use super::quantity::{Quantity, capital, group_of};
 use super::{Curve, Run, Subject};
 use pullout_run::columns::Group;
 use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES};
@@ -19,7 +19,11 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
         Subject::Bridging => bridging(first),
     };
     place_curves(&mut layouts, runs);
-    layouts.iter().filter_map(|layout| layout.figure(runs)).collect()
+    let mut figures: Vec<Figure> = layouts.iter().filter_map(|layout| layout.figure(runs)).collect();
+    for figure in figures.iter_mut().skip(1).filter(|figure| !figure.title.is_empty()) {
+        figure.title = capital(&figure.name.replace('_', " "));
+    }
+    figures
 }
 
 /// A picture as a list of column pairs.
@@ -53,7 +57,7 @@ impl Layout {
             for (pair, (x, y)) in self.pairs.iter().enumerate() {
                 let (Some(xs), Some(ys)) = (run.history.column(x), run.history.column(y)) else { continue };
                 let points: Vec<_> = xs.iter().copied().zip(ys.iter().copied()).collect();
-                if points.iter().any(|(x, y)| x.is_finite() && y.is_finite()) {
+                if points.iter().any(|(x, y)| x.is_finite() && y.is_finite() && (*x != 0.0 || *y != 0.0)) {
                     let label = self.label(run, several.then_some(k), x, y);
                     // one run: a colour a column, and dashes where colours come again; several: a colour a run, a dash a column
                     let (color, dash) = if several { (k, pair) } else { (pair, pair / PALETTE.len()) };
