@@ -461,6 +461,65 @@ fn figures_of_concrete_damage() {
     check(CONCRETE_DAMAGE);
 }
 
+/// What the studies of points tell of their claims, one letter each: found, not found, cannot be told.
+#[test]
+fn studies_of_points_find_what_their_descriptions_tell() {
+    let desk = Desk::new();
+    let envelope = "fffffffffffnnnnffffffff";
+    for (study, only, claims) in [
+        // of the envelope the production law alone: the others are told by the study itself
+        ("chapter-5/kupfer-envelope", Some("concrete_damage/*"), format!("{envelope}{}n", "?".repeat(25))),
+        ("chapter-5/residual-strains", None, "fnnnnnfnnnnnfnnnn".to_owned()),
+        ("chapter-4/4.4-lateral-strain", None, "nffnfn".to_owned()),
+    ] {
+        let file = cases().join(format!("{study}.json"));
+        let mut arguments = vec!["study", "--quiet", "--out", study, file.to_str().expect("UTF-8")];
+        arguments.extend(only.iter().flat_map(|only| ["--only", only]));
+        desk.pullout(arguments).expect(0);
+        let results = json(&desk.path(&format!("{study}/study.json")));
+        let letter = |claim: &serde_json::Value| match claim["verdict"].as_str() {
+            Some("found") => 'f',
+            Some("not found") => 'n',
+            _ => '?',
+        };
+        let told: String = results["claims"].as_array().expect("claims").iter().map(letter).collect();
+        assert_eq!(told, claims, "{study}");
+    }
+}
+
+/// Thesis section 4.5: one and four elements, and one of eight nodes, do what a point does.
+#[test]
+fn elements_under_a_uniform_strain_do_what_a_point_does() {
+    let desk = Desk::new();
+    let case = cases().join("chapter-4/4.5-elements.json");
+    let document = json(&case);
+    for mode in ["plane_stress", "plane_strain"] {
+        let material = &document["parts"]["beam"]["material"];
+        let steps = document["steps"].as_array().expect("steps").iter();
+        let step = |step: &serde_json::Value| serde_json::json!({ "increments": step["increments"], "target": { "e11": step["slip"] } });
+        let steps: Vec<_> = steps.map(step).collect();
+        desk.case(
+            "point.json",
+            &serde_json::json!({ "kind": "point", "material": material, "mode": mode, "steps": steps }),
+        );
+        let point = desk.run(&desk.path("point.json"), &[], mode, 0).history.column("s11");
+        for (cells, element) in [("[1,1]", "Q4"), ("[2,2]", "Q4"), ("[1,1]", "Q8")] {
+            let set = [
+                format!("parts.beam.model={mode}"),
+                format!("mesh.specimen.cells={cells}"),
+                format!("mesh.specimen.element={element}"),
+            ];
+            let set: Vec<&str> = set.iter().map(String::as_str).collect();
+            let name = format!("{mode}-{element}-{}", &cells[1..2]);
+            let load = desk.run(&case, &set, &name, 0).history.column("load");
+            assert_eq!(load.len(), point.len(), "{name}");
+            let greatest = point.iter().fold(0.0, |a: f64, b| a.max(b.abs()));
+            let apart = load.iter().zip(&point).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart <= 1e-10 * greatest, "{name}: {apart} MPa");
+        }
+    }
+}
+
 /// p and q in compression, the strain of the volume and of the shear.
 fn triaxial(history: &Table, row: usize) -> [f64; 4] {
     let [axial, radial, other] = ["s11", "s22", "s33"].map(|name| history.column(name)[row]);
