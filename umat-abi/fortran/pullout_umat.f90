@@ -73,7 +73,7 @@ module pullout_umat
          integer(c_int32_t), intent(in) :: mcrd  ! number of coordinates.
          integer(c_int32_t), intent(in) :: nstatv  ! number of state variables.
          integer(c_int32_t), intent(in) :: nprops  ! number of parameters.
-         integer(c_int32_t), intent(inout) :: lm  ! On entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
+         integer(c_int32_t), intent(inout) :: lm  ! LM: on entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
          real(c_double), intent(inout) :: tau(nfdir)  ! shear traction.
          real(c_double), intent(inout) :: ddtddg(nfdir, nfdir)  ! out: d tau / d slip.
          real(c_double), intent(inout) :: ddtddp(nfdir)  ! out: d tau / d pressure.

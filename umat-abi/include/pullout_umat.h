@@ -140,7 +140,7 @@
 #define PULLOUT_VALIDATION_NEEDS_LENGTH 2
 
 /*
- Its arrays hold the new values.
+ Arrays hold the new values.
  */
 #define PULLOUT_BATCH_RESULT_DONE 0
 
@@ -564,7 +564,7 @@ void umat_(double *stress,
  `fric_` as gfortran compiles it on Linux.
  The arguments of FRIC in order.
 
- - lm: On entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
+ - lm: LM: on entry 0 slipping, 1 sticking, 2 open; on return 0: TAU, DDTDDG, DDTDDP, DSLIP are given.
  - tau(nfdir): shear traction.
  - ddtddg(nfdir,nfdir): out: d tau / d slip.
  - ddtddp(nfdir): out: d tau / d pressure.
