@@ -12,7 +12,7 @@ ROOT = Path(__file__).resolve().parents[2]
 PIECE = re.compile(r"<!-- copy: (?P<copy>\S+) -->|(?:<!-- file: (?P<file>\S+) -->\n)?```(?P<language>\w+)\n(?P<text>.*?)```", re.S)
 
 
-@pytest.mark.parametrize("page", ["README.md", "python/README.md", "docs/using/python.md"])
+@pytest.mark.parametrize("page", ["README.md", "python/README.md", pytest.param("docs/using/python.md", marks=pytest.mark.slow)])
 def test_a_page(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     names: dict[str, object] = {}

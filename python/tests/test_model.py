@@ -49,6 +49,7 @@ def test_derivatives() -> None:
     assert np.allclose(found[:, 1], GRID * young * by_nu, rtol=1e-4)
 
 
+@pytest.mark.slow
 def test_derivatives_are_of_the_increments_of_one_run() -> None:
     """A specimen that chooses its increments; and they are repeated to the bit."""
     fibre = po.Case(FIBRE).with_({"steps[0].slip": 0.03, "output.vtu": False})
@@ -77,6 +78,7 @@ def test_a_fit_finds_what_was_put_in_and_says_what_it_cannot_know() -> None:
     assert set(model().fit(target, sigma=0.01).not_identifiable) == {"E", "nu"}
 
 
+@pytest.mark.slow
 def test_the_program_fits_to_the_same_values(tmp_path: Path) -> None:
     pytest.importorskip("scipy")
     props = {"law": "A", "k_e": 700.0, "a_1": 8.0, "b_1": 0.4}

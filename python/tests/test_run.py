@@ -181,6 +181,7 @@ def test_other_tables() -> None:
 FIBRE = Path(__file__).resolve().parents[2] / "cases/chapter-6/6.14-plane.json"
 
 
+@pytest.mark.slow
 def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
     case = po.Case(FIBRE).with_({"steps.0.slip": 0.1})
     run = po.run(case.with_({"output.vtu": True, "output.plots": False}), out=tmp_path / "out")
@@ -199,6 +200,7 @@ def test_a_fibre_with_its_fields(tmp_path: Path) -> None:
         memory.mesh()
 
 
+@pytest.mark.slow
 def test_fibres_across_a_crack(tmp_path: Path) -> None:
     case = FIBRE.parents[1] / "bridging/beam.json"
     run, kept = po.run(case), po.run(case, out=tmp_path / "out")

@@ -26,6 +26,7 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
         assert peak == alone.history["s11"].max()
 
 
+@pytest.mark.slow
 def test_executors_give_the_same_rows(tmp_path: Path) -> None:
     points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 11)]
     tables = []

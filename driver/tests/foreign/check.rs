@@ -103,7 +103,7 @@ fn contact_checked(
     outcome
 }
 
-/// Of both contact laws: error number and words, with one and with two tangential directions.
+/// Of both contact laws: error number and words; those of arrays whose lengths follow the tangential directions with one and with two.
 #[test]
 fn contact_laws_that_leave_their_arrays_are_told() {
     let desk = Desk::new();
@@ -115,14 +115,15 @@ fn contact_laws_that_leave_their_arrays_are_told() {
         let sound = contact_checked(&desk, &library, entry, slips, 0, 0);
         assert!(row(&sound, "outside arrays").starts_with("pass"), "{}", row(&sound, "outside arrays"));
         assert!(row(&sound, "consistent tangent").contains("consistent;"), "{}", row(&sound, "consistent tangent"));
-        for (error, words) in [
+        let errors = [
             (1, "reads PROPS(4), which has 3 elements".to_owned()),
             (2, "writes STATEV(2), which has 1 elements".to_owned()),
             (3, "reads STATEV(0), which has 1 elements".to_owned()),
             (4, format!("reads {slip}({next}), which has {directions} elements")),
             (5, format!("writes {tangent}({}), which has {entries} elements", entries + 1)),
             (6, "reads PREDEF(3), which has 2 elements".to_owned()),
-        ] {
+        ];
+        for (error, words) in errors.into_iter().filter(|(error, _)| slips == 2 || [4, 5].contains(error)) {
             let outcome = contact_checked(&desk, &library, entry, slips, error, 1);
             let row = row(&outcome, "outside arrays");
             assert!(row.starts_with("FAIL") && row.contains(&words), "{entry}, error {error}: {row}");

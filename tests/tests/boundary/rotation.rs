@@ -1,6 +1,7 @@
 //! DROT: a host under NLGEOM rotates STRESS and STRAN; the boundary rotates tensors in STATEV.
 
 use crate::Loaded;
+use battery::rotated;
 use end_to_end_tests::{LAWS, PointMemory, difference, strain_path};
 use umat_abi::law::StressState;
 
@@ -19,23 +20,6 @@ fn rotation() -> Matrix {
     })
 }
 
-/// R a Rᵀ of six components whose shears are `shear` times the tensor's.
-fn rotated(components: &[f64], shear: f64, r: &Matrix) -> [f64; 6] {
-    let half = |x: f64| x / shear;
-    let [xx, yy, zz, xy, xz, yz] = std::array::from_fn(|i| components[i]);
-    let a = [[xx, half(xy), half(xz)], [half(xy), yy, half(yz)], [half(xz), half(yz), zz]];
-    let entry = |i: usize, j: usize| {
-        let mut sum = 0.0;
-        for k in 0..3 {
-            for l in 0..3 {
-                sum += r[i][k] * a[k][l] * r[j][l];
-            }
-        }
-        sum
-    };
-    [entry(0, 0), entry(1, 1), entry(2, 2), shear * entry(0, 1), shear * entry(0, 2), shear * entry(1, 2)]
-}
-
 /// Where the plastic strain begins in STATEV, if the law has one.
 fn plastic_strain(loaded: &Loaded) -> Option<usize> {
     loaded.library.laws()[0].states.iter().position(|state| state.tensor_component == 1)
@@ -49,8 +33,8 @@ fn a_turned_point_answers_as_the_resting_one() {
         let loaded = Loaded::new(law);
         let (resting, path) = loaded.loaded_point(StressState::ThreeD);
         let mut turned = resting.clone();
-        turned.stress = rotated(&resting.stress, 1.0, &r);
-        turned.stran = rotated(&resting.stran, 2.0, &r);
+        turned.stress = rotated(&resting.stress, &r, 1.0);
+        turned.stran = rotated(&resting.stran, &r, 2.0);
         for column in 0..3 {
             for row in 0..3 {
                 turned.drot[3 * column + row] = r[row][column];
@@ -60,7 +44,7 @@ fn a_turned_point_answers_as_the_resting_one() {
         let identity = resting.drot;
         for (k, increment) in path[8..].iter().enumerate() {
             expected.advance(loaded.umat, increment);
-            turned.advance(loaded.umat, &rotated(increment, 2.0, &r));
+            turned.advance(loaded.umat, &rotated(increment, &r, 2.0));
             turned.drot = identity; // it is turned once, then only strained
             compare(&loaded, &turned, &expected, &r, k);
         }
@@ -70,12 +54,12 @@ fn a_turned_point_answers_as_the_resting_one() {
 
 fn compare(loaded: &Loaded, turned: &PointMemory, expected: &PointMemory, r: &Matrix, increment: usize) {
     let name = loaded.law.name;
-    let apart = difference(&turned.stress, &rotated(&expected.stress, 1.0, r));
+    let apart = difference(&turned.stress, &rotated(&expected.stress, r, 1.0));
     assert!(apart < 1e-12, "{name}, increment {increment}: stresses {apart:e} apart");
     if let Some(start) = plastic_strain(loaded) {
         let components = |point: &PointMemory| point.statev[start..start + 6].to_vec();
         assert!(components(expected).iter().any(|x| x.abs() > 1e-5), "{name} did not flow");
-        let apart = difference(&components(turned), &rotated(&components(expected), 2.0, r));
+        let apart = difference(&components(turned), &rotated(&components(expected).try_into().expect("six"), r, 2.0));
         assert!(apart < 1e-12, "{name}, increment {increment}: plastic strains {apart:e} apart");
     }
 }

@@ -6,31 +6,12 @@ use super::sample::{State, step_to, target};
 use super::subject::{Committed, Entry, INSTANT, Subject, distance, largest};
 use super::{Options, tolerances};
 use nalgebra::Matrix3;
+use pullout_run::deformation;
 use umat_abi::host::Alteration;
 use umat_abi::law::StressState;
 use umat_abi::metadata::flags;
 
 type Rotation = [[f64; 3]; 3];
-/// Pairs of indices of the six components.
-const PAIRS: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
-
-/// R T Rᵀ of six components; `shear` 2 for strains, 1 for stresses.
-fn rotated_tensor(values: &[f64; 6], rotation: &Rotation, shear: f64) -> [f64; 6] {
-    let mut tensor = [[0.0; 3]; 3];
-    for (value, (i, j)) in values.iter().zip(PAIRS) {
-        let value = if i == j { *value } else { value / shear };
-        (tensor[i][j], tensor[j][i]) = (value, value);
-    }
-    PAIRS.map(|(i, j)| {
-        let mut sum = 0.0;
-        for k in 0..3 {
-            for l in 0..3 {
-                sum += rotation[i][k] * tensor[k][l] * rotation[j][l];
-            }
-        }
-        if i == j { sum } else { shear * sum }
-    })
-}
 
 /// Inputs (or outputs) in the rotated frame. Slips turn in the plane of the interface; a single one changes sign.
 fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec<f64> {
@@ -53,7 +34,7 @@ fn rotated(entry: Entry, values: &[f64], rotation: &Rotation, shear: f64) -> Vec
             for (value, &i) in values.iter().zip(components) {
                 six[i] = *value;
             }
-            let six = rotated_tensor(&six, rotation, shear);
+            let six = deformation::rotated(&six, &deformation::matrix(rotation), shear);
             components.iter().map(|&i| six[i]).collect()
         }
         Entry::Uinter(3) => turn(1),
@@ -250,7 +231,7 @@ fn rotated_states(subject: &Subject<'_>, statev: &[f64], rotation: &Rotation) ->
     for start in (0..table.len()).filter(|&k| table[k].tensor_component == 1) {
         if let Some(six) = states.get_mut(start..start + 6) {
             let tensor: [f64; 6] = std::array::from_fn(|i| six[i]);
-            six.copy_from_slice(&rotated_tensor(&tensor, rotation, 2.0));
+            six.copy_from_slice(&deformation::rotated(&tensor, &deformation::matrix(rotation), 2.0));
         }
     }
     states
