@@ -461,9 +461,9 @@ fn figures_of_concrete_damage() {
     check(CONCRETE_DAMAGE);
 }
 
-/// What the studies of points tell of their claims, one letter each: found, not found, cannot be told.
+/// What the studies of points and of a few elements tell of their claims, one letter each: found, not found, cannot be told.
 #[test]
-fn studies_of_points_find_what_their_descriptions_tell() {
+fn studies_that_take_seconds_find_what_their_descriptions_tell() {
     let desk = Desk::new();
     let envelope = "fffffffffffnnnnffffffff";
     for (study, only, claims) in [
@@ -471,6 +471,8 @@ fn studies_of_points_find_what_their_descriptions_tell() {
         ("chapter-5/kupfer-envelope", Some("concrete_damage/*"), format!("{envelope}{}n", "?".repeat(25))),
         ("chapter-5/residual-strains", None, "fnnnnnfnnnnnfnnnn".to_owned()),
         ("chapter-4/4.4-lateral-strain", None, "nffnfn".to_owned()),
+        ("chapter-4/weak-element-mesh", None, "ffffnf".to_owned()),
+        ("chapter-6/6.9-gap", None, "fffffffff".to_owned()),
     ] {
         let file = cases().join(format!("{study}.json"));
         let mut arguments = vec!["study", "--quiet", "--out", study, file.to_str().expect("UTF-8")];
