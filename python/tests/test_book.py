@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import re
 import shutil
 from pathlib import Path
@@ -28,3 +29,22 @@ def test_a_page(page: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> N
                 continue
             exec(compile(piece["text"], f"{page}, block {blocks}", "exec"), names)
     assert blocks > 0
+
+
+RECIPES = re.split(r"^## (.+)$", (ROOT / "docs/using/recipes.md").read_text(encoding="utf-8"), flags=re.M)[1:]
+#: a recipe of the book, and what it imports
+PACKAGES = {"scipy": "scipy", "lmfit": "lmfit", "SALib": "SALib", "emcee": "emcee", "Optuna": "optuna", "UM-Bridge": "umbridge"}
+
+
+def _blocks(title: str) -> str:
+    text = RECIPES[RECIPES.index(title) + 1]
+    return "\n".join(piece["text"] for piece in PIECE.finditer(text) if piece["language"] == "python")
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("title", RECIPES[2::2])
+def test_a_recipe(title: str) -> None:
+    """Each stands alone behind the first block; where packages of others are wanted all must be there."""
+    if not os.environ.get("PULLOUT_REQUIRE_RECIPES"):
+        pytest.importorskip(PACKAGES[title])
+    exec(compile(_blocks("The model") + _blocks(title), title, "exec"), {})
