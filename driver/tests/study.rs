@@ -71,6 +71,10 @@ fn a_family_of_points_has_its_peaks_works_tables_and_claims() {
     // the pictures of a run and an overlay of runs come as PNG on demand
     let arguments = ["plot", "out/soft/300", "out/stiff/300", "--out", "overlay", "--png"];
     assert_eq!(desk.pullout(arguments).code, 2, "this case draws no pictures");
+    // those of a study as PDF
+    assert_eq!(desk.pullout(["plot", "out"]).code, 2, "no format is named");
+    desk.pullout(["plot", "out", "--pdf"]).expect(0);
+    assert!(std::fs::read(desk.path("out/plots/peak.pdf")).expect("a PDF").starts_with(b"%PDF-"));
     let report = std::fs::read_to_string(desk.path("out/report.html")).expect("report.html");
     assert!(report.contains("not found") && report.contains("<svg") && !report.contains("<img"));
     assert_eq!(Table::read(&desk.path("out/soft/300/history.csv")).rows.len(), 101);

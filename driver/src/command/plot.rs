@@ -3,7 +3,8 @@
 use super::{BAD_INPUT, DONE, FAILED, complain, run, say};
 use pullout_report::directory::{Kind, ResultDirectory};
 use pullout_report::history::History;
-use pullout_report::plots::{self, Run, SPEC_FILE, Spec, png, selection, within};
+use pullout_report::plots::export::{self, Export};
+use pullout_report::plots::{self, Run, SPEC_FILE, Spec, selection, within};
 use pullout_run::input::{self, Input};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -11,7 +12,7 @@ use std::path::{Path, PathBuf};
 /// How pictures are drawn again.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// Result directories.
+    /// Result directories of runs; or that of one study, with --png or --pdf.
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
     /// Where to; default: plots/ of the first.
@@ -20,6 +21,9 @@ pub(super) struct Arguments {
     /// Make a PNG of every picture there as well, those of a specimen's fields among them.
     #[arg(long)]
     png: bool,
+    /// Make a PDF of every picture there as well.
+    #[arg(long)]
+    pdf: bool,
     /// Replace pictures there that this program did not write, or that were changed since.
     #[arg(long)]
     overwrite: bool,
@@ -27,7 +31,13 @@ pub(super) struct Arguments {
 
 pub(super) fn plot(arguments: &Arguments) -> u8 {
     let mut runs = Vec::new();
-    for folder in &arguments.results {
+    let first = &arguments.results[0];
+    let is_study = arguments.results.len() == 1 && arguments.out.is_none() && first.join("study.json").is_file();
+    if is_study && !arguments.png && !arguments.pdf {
+        complain(format!("{}: `pullout study` draws the pictures of a study: --png or --pdf?", first.display()));
+        return BAD_INPUT;
+    }
+    for folder in arguments.results.iter().filter(|_| !is_study) {
         match read(folder) {
             Ok(run) => runs.push(run),
             Err(error) => {
@@ -38,7 +48,7 @@ pub(super) fn plot(arguments: &Arguments) -> u8 {
     }
     let (root, kind, folder) = match &arguments.out {
         Some(out) => (out, Kind::Pictures, ""),
-        None => (&arguments.results[0], Kind::Run, "plots"),
+        None => (first, if is_study { Kind::Study } else { Kind::Run }, "plots"),
     };
     let directory = match ResultDirectory::open_to_add(root, kind) {
         Ok(directory) => directory,
@@ -75,15 +85,22 @@ fn draw(
     let runs: Vec<_> = runs.iter().map(|(history, spec)| Run { history, spec }).collect();
     let figures = selection::figures(&runs);
     let drawn: Vec<String> = figures.iter().map(|figure| within(folder, &format!("{}.svg", figure.name))).collect();
+    let formats: [(bool, &str, Export); 2] = [(arguments.png, "png", export::png), (arguments.pdf, "pdf", export::pdf)];
+    let formats: Vec<_> = formats.into_iter().filter(|(is_wanted, ..)| *is_wanted).collect();
     let mut drawings = drawn.clone();
-    if arguments.png {
+    if !formats.is_empty() {
         drawings.extend(present(&directory.path().join(folder)).into_iter().map(|name| within(folder, &name)));
         drawings.sort();
         drawings.dedup();
     }
-    let png_of = |drawing: &String| Path::new(drawing).with_extension("png").to_string_lossy().into_owned();
-    let pngs: Vec<String> = if arguments.png { drawings.iter().map(png_of).collect() } else { Vec::new() };
-    let foreign = directory.foreign(drawn.iter().chain(&pngs).map(String::as_str));
+    let named =
+        |drawing: &String, extension: &str| Path::new(drawing).with_extension(extension).to_string_lossy().into_owned();
+    let exports: Vec<(&String, String, Export)> = drawings
+        .iter()
+        .flat_map(|drawing| formats.iter().map(move |&(_, name, export)| (drawing, named(drawing, name), export)))
+        .collect();
+    let names = drawn.iter().chain(exports.iter().map(|(_, name, _)| name));
+    let foreign = directory.foreign(names.map(String::as_str));
     if !foreign.is_empty() && !arguments.overwrite {
         return Ok(Err(foreign));
     }
@@ -92,9 +109,9 @@ fn draw(
     }
     let pictures = plots::write_all(&mut directory, folder, &figures)?;
     let mut paths: Vec<PathBuf> = pictures.into_iter().map(|picture| picture.path).collect();
-    for (drawing, name) in drawings.iter().zip(&pngs) {
+    for (drawing, name, export) in &exports {
         let svg = input::text(&directory.path().join(drawing), Input::Result)?;
-        paths.push(directory.write(name, png::of(&svg)?)?);
+        paths.push(directory.write(name, export(&svg)?)?);
     }
     directory.finish()?;
     Ok(Ok(paths))

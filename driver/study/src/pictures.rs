@@ -4,8 +4,8 @@ use super::claims::work_unit;
 use super::results::{Results, RunResult};
 use super::{Columns, Study};
 use pullout_report::directory::ResultDirectory;
+use pullout_report::plots::export;
 use pullout_report::plots::figure::{Figure, Key, Line, Scale, Style};
-use pullout_report::plots::png;
 use pullout_report::plots::quantity::Quantity;
 use pullout_report::plots::{self, Picture};
 use pullout_run::number::significant;
@@ -19,7 +19,7 @@ pub fn draw(directory: &mut ResultDirectory, study: &Study, results: &Results) -
     let pictures = plots::write_all(directory, "plots", &figures(study, results))?;
     for picture in &pictures {
         let name = picture.path.file_stem().unwrap_or_default().to_string_lossy();
-        directory.write(&format!("plots/{name}.png"), png::of(&picture.svg)?)?;
+        directory.write(&format!("plots/{name}.png"), export::png(&picture.svg)?)?;
     }
     Ok(pictures)
 }

@@ -73,7 +73,7 @@ const FIT: [&str; 14] = [
 ];
 
 /// What pictures leave, beside results or in a directory of their own.
-const PICTURES: [&str; 5] = ["*.svg", "*.png", "plots/*.svg", "plots/*.png", "spec.json"];
+const PICTURES: [&str; 7] = ["*.svg", "*.png", "*.pdf", "plots/*.svg", "plots/*.png", "plots/*.pdf", "spec.json"];
 
 /// Returns whether results of any kind may have this name, or are claimed by it as a pattern.
 pub(super) fn is_of_results(name: &str) -> bool {

@@ -2,6 +2,7 @@
 
 use super::axis::{Axis, drawable};
 use super::decimation::{MOST_POINTS, decimate, drawable_stretches};
+use super::inset::Inset;
 use super::legend::{Entry, Legend, Sample};
 use super::markup;
 use super::quantity::Quantity;
@@ -24,10 +25,12 @@ pub(super) const CHARACTER: f64 = 0.56;
 const DASHES: [&[i32]; 4] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[12, 4]];
 
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Width of all bars of one name, in distances of names.
+const BARS: f64 = 0.8;
 /// The least range of ordinates of marked lines, relative to the greatest one.
 const LEAST_SHARE: f64 = 0.1;
-const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
-const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
+pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
+pub(super) const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 
 /// Okabe & Ito's colours that the colour-blind tell apart, yellow left out (too light for a line).
 pub(super) const PALETTE: [RGBColor; 7] = [
@@ -107,7 +110,7 @@ pub enum Scale {
     Decades,
     /// Powers of ten along x and y; numbers must be > 0.
     BothDecades,
-    /// Names at x = 0, 1, 2…
+    /// Names at x = 0, 1, 2…: marked lines are bars from 0.
     Names(Vec<String>),
 }
 
@@ -135,14 +138,17 @@ impl Figure {
     /// The picture as SVG.
     pub fn svg(&self) -> io::Result<String> {
         let (x, y) = self.axes();
-        let legend = Legend::place(self.legend_entries(), &self.occupied(&x, &y), &x, &y);
+        let mut occupied = self.occupied(&x, &y);
+        let inset = (self.scale == Scale::Linear).then(|| Inset::place(self, &occupied, (&x, &y))).flatten();
+        occupied.extend(inset.as_ref().map(|inset| inset.outline(&x, &y)));
+        let legend = Legend::place(self.legend_entries(), &occupied, &x, &y);
         let title = wrapped(&self.title, WIDTH);
         let title_height = if title.is_empty() { 8 } else { 14 + 20 * title.len() as i32 };
         let size = (WIDTH, HEIGHT + title_height + legend.height_below());
         let mut svg = String::new();
         {
             let root = SVGBackend::with_string(&mut svg, pixels(size)).into_drawing_area();
-            self.draw(&root, &x, &y, &title, title_height, &legend)
+            self.draw(&root, (&x, &y), (&title, title_height), inset.as_ref(), &legend)
                 .map_err(|error| io::Error::other(error.to_string()))?;
             root.present().map_err(|error| io::Error::other(error.to_string()))?;
         }
@@ -162,6 +168,7 @@ impl Figure {
             return (x, Axis::logarithmic(&self.y, up));
         }
         // what is nearly the same for all of a few results shall look so
+        let up = if self.has_bars() { (up.0.min(0.0), up.1.max(0.0)) } else { up };
         let least_up = match self.lines.iter().any(|line| line.marked) {
             true => LEAST_SHARE * up.0.abs().max(up.1.abs()),
             false => least(across),
@@ -169,9 +176,30 @@ impl Figure {
         (x, Axis::new(&self.y, up, least_up, 8))
     }
 
+    /// Returns whether marked lines are bars.
+    fn has_bars(&self) -> bool {
+        matches!(self.scale, Scale::Names(_))
+    }
+
+    /// Opposite corners of the bars of each marked line, in the axes' numbers: those of one name side by side.
+    fn bars(&self, x: &Axis, y: &Axis) -> Vec<(Style, Vec<[(f64, f64); 2]>)> {
+        let lines: Vec<&Line> = self.lines.iter().filter(|line| self.has_bars() && line.marked).collect();
+        let width = BARS / lines.len().max(1) as f64;
+        let of_line = |(k, line): (usize, &&Line)| {
+            let start = |across: f64| x.scaled(across) + k as f64 * width - 0.5 * BARS;
+            let points = drawable_stretches(&line.points).flatten();
+            let corners = points.map(|&(across, up)| [(start(across), 0.0), (start(across) + width, y.scaled(up))]);
+            (line.style, corners.collect())
+        };
+        lines.iter().enumerate().map(of_line).collect()
+    }
+
     /// The drawn points of each line, in the axes' numbers, by uninterrupted stretches.
     fn scaled_lines(&self, x: &Axis, y: &Axis) -> Vec<Vec<Vec<(f64, f64)>>> {
         let scaled = |line: &Line| {
+            if self.has_bars() && line.marked {
+                return Vec::new();
+            }
             let all: usize = drawable_stretches(&line.points).map(<[_]>::len).sum();
             drawable_stretches(&line.points)
                 .map(|stretch| {
@@ -188,12 +216,17 @@ impl Figure {
     fn occupied(&self, x: &Axis, y: &Axis) -> Vec<Vec<(f64, f64)>> {
         let points = self.marks.iter().flat_map(|marks| drawable_stretches(&marks.points).flatten());
         let points = points.map(|&(across, up)| vec![(x.scaled(across), y.scaled(up))]);
-        self.scaled_lines(x, y).into_iter().flatten().chain(points).collect()
+        let bars = self.bars(x, y).into_iter().flat_map(|(_, bars)| bars);
+        let outlines =
+            bars.map(|[(left, foot), (right, top)]| vec![(left, foot), (left, top), (right, top), (right, foot)]);
+        self.scaled_lines(x, y).into_iter().flatten().chain(points).chain(outlines).collect()
     }
 
     fn legend_entries(&self) -> Vec<Entry> {
-        let sample = |line: &Line| {
-            if line.marked { Sample::MarkedLine(line.style) } else { Sample::Line(line.style) }
+        let sample = |line: &Line| match line.marked {
+            true if self.has_bars() => Sample::Bar,
+            true => Sample::MarkedLine(line.style),
+            false => Sample::Line(line.style),
         };
         let entry = |sample, color, label: &str| Entry { sample, color, label: label.to_owned() };
         let mut entries: Vec<Entry> = match &self.key {
@@ -206,13 +239,14 @@ impl Figure {
     }
 
     /// Returns the colour of a line.
-    fn color(&self, style: Style) -> RGBColor {
-        let shades = self.key.as_ref().filter(|key| key.shaded).map(|key| key.colors.len());
+    pub(super) fn color(&self, style: Style) -> RGBColor {
+        let of_bars = (self.has_bars() && self.lines.len() > PALETTE.len()).then_some(self.lines.len());
+        let shades = self.key.as_ref().filter(|key| key.shaded).map(|key| key.colors.len()).or(of_bars);
         shades.map_or(PALETTE[style.color % PALETTE.len()], |count| shade(style.color, count))
     }
 
     /// Measured points are as dark as text beside a single line; among several they take their line's colour.
-    fn mark_color(&self, marks: &Marks) -> RGBColor {
+    pub(super) fn mark_color(&self, marks: &Marks) -> RGBColor {
         let owner = marks.line.filter(|_| self.lines.len() > 1).and_then(|line| self.lines.get(line));
         owner.map_or(INK, |line| self.color(line.style))
     }
@@ -220,10 +254,9 @@ impl Figure {
     fn draw<'a>(
         &self,
         root: &DrawingArea<SVGBackend<'a>, plotters::coord::Shift>,
-        x: &Axis,
-        y: &Axis,
-        title: &[String],
-        title_height: i32,
+        (x, y): (&Axis, &Axis),
+        (title, title_height): (&[String], i32),
+        inset: Option<&Inset>,
         legend: &Legend,
     ) -> Result<(), Box<dyn std::error::Error + 'a>> {
         root.fill(&WHITE)?;
@@ -265,7 +298,12 @@ impl Figure {
                 area.draw(&PathElement::new(points, line.style.pen(self.color(line.style))))?;
             }
         }
-        for line in self.lines.iter().filter(|line| line.marked) {
+        for (style, bars) in self.bars(x, y) {
+            for bar in bars {
+                area.draw(&Rectangle::new(bar, self.color(style).filled()))?;
+            }
+        }
+        for line in self.lines.iter().filter(|line| line.marked && !self.has_bars()) {
             for &(across, up) in drawable_stretches(&line.points).flatten() {
                 let place = area.map_coordinate(&(x.scaled(across), y.scaled(up)));
                 draw_mark(root, line.style.color, place, self.color(line.style))?;
@@ -283,6 +321,10 @@ impl Figure {
             (if right == 1 { across.end } else { across.start }, if lower == 1 { up.end } else { up.start })
         };
         root.draw(&PathElement::new(corners.map(corner).to_vec(), INK.stroke_width(UNIT as u32)))?;
+        if let Some(inset) = inset {
+            let ((left, top), (right, bottom)) = (corner((0, 0)), corner((1, 1)));
+            inset.draw(self, root, (left, top, right, bottom), (x, y))?;
+        }
         legend.draw(root, (corner((0, 0)), corner((1, 1))))?;
         Ok(())
     }
@@ -407,7 +449,7 @@ pub(super) fn pixels((width, height): (i32, i32)) -> (u32, u32) {
 }
 
 /// Least and greatest drawable value, or zeros.
-fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
+pub(super) fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let finite = values.filter(|&value| drawable(value));
     let (least, greatest) = finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
     if least <= greatest { (least, greatest) } else { (0.0, 0.0) }

@@ -12,9 +12,9 @@ const LINE_HEIGHT: i32 = 19;
 const SAMPLE: i32 = 30;
 const PADDING: i32 = 8;
 /// Distance from the frame, px.
-const OFFSET: i32 = 10;
+pub(super) const OFFSET: i32 = 10;
 /// About what remains of the picture's width and height for the plot, px: decides whether a corner is free.
-const PLOT: (f64, f64) = (540.0, 370.0);
+pub(super) const PLOT: (f64, f64) = (540.0, 370.0);
 /// Width for a legend below, px.
 const BELOW: i32 = WIDTH - 80;
 
@@ -27,6 +27,8 @@ pub(super) enum Sample {
     MarkedLine(Style),
     /// The mark of this number.
     Mark(usize),
+    /// A bar.
+    Bar,
     /// Shades from the first to the last.
     Shades,
 }
@@ -55,21 +57,7 @@ impl Legend {
     /// Looks for a corner that is free of lines and points.
     pub fn place(entries: Vec<Entry>, drawn: &[Vec<(f64, f64)>], x: &Axis, y: &Axis) -> Self {
         let mut legend = Self { entries, place: Place::Below };
-        let (width, height) = legend.size();
-        let part = (f64::from(width + 2 * OFFSET) / PLOT.0, f64::from(height + 2 * OFFSET) / PLOT.1);
-        let free = |&(right, lower): &(bool, bool)| {
-            let inside = |(across, up): (f64, f64)| {
-                (if right { across > 1.0 - part.0 } else { across < part.0 })
-                    && (if lower { up < part.1 } else { up > 1.0 - part.1 })
-            };
-            let passes = |stretch: &Vec<(f64, f64)>| {
-                let places: Vec<_> = stretch.iter().map(|&(a, b)| (x.position(a), y.position(b))).collect();
-                places.windows(2).any(|ends| along(ends[0], ends[1]).any(inside)) || places.iter().any(|&p| inside(p))
-            };
-            part.0 < 0.9 && part.1 < 0.6 && !drawn.iter().any(passes)
-        };
-        let corners = [(true, false), (false, false), (true, true), (false, true)];
-        if let Some(&(right, lower)) = corners.iter().find(|corner| free(corner)) {
+        if let Some((right, lower)) = free_corner(legend.size(), drawn, x, y) {
             legend.place = Place::Corner(right, lower);
         }
         legend
@@ -131,6 +119,11 @@ impl Legend {
                     root.draw(&PathElement::new(vec![(x, y), (x + SAMPLE * UNIT, y)], style.pen(entry.color)))?;
                     draw_mark(root, style.color, (x + SAMPLE * UNIT / 2, y), entry.color)?;
                 }
+                Sample::Bar => {
+                    let half = LINE_HEIGHT / 3 * UNIT;
+                    let corners = [(x, y - half), (x + SAMPLE * UNIT, y + half)];
+                    root.draw(&Rectangle::new(corners, entry.color.filled()))?;
+                }
                 Sample::Shades => {
                     let half = LINE_HEIGHT / 3 * UNIT;
                     for k in 0..SAMPLE {
@@ -146,6 +139,28 @@ impl Legend {
         }
         Ok(())
     }
+}
+
+/// Looks for a corner (right side, lower side) with room for so many px, free of what is drawn.
+pub(super) fn free_corner(
+    (width, height): (i32, i32),
+    drawn: &[Vec<(f64, f64)>],
+    x: &Axis,
+    y: &Axis,
+) -> Option<(bool, bool)> {
+    let part = (f64::from(width + 2 * OFFSET) / PLOT.0, f64::from(height + 2 * OFFSET) / PLOT.1);
+    let free = |&(right, lower): &(bool, bool)| {
+        let inside = |(across, up): (f64, f64)| {
+            (if right { across > 1.0 - part.0 } else { across < part.0 })
+                && (if lower { up < part.1 } else { up > 1.0 - part.1 })
+        };
+        let passes = |stretch: &Vec<(f64, f64)>| {
+            let places: Vec<_> = stretch.iter().map(|&(a, b)| (x.position(a), y.position(b))).collect();
+            places.windows(2).any(|ends| along(ends[0], ends[1]).any(inside)) || places.iter().any(|&p| inside(p))
+        };
+        part.0 < 0.9 && part.1 < 0.6 && !drawn.iter().any(passes)
+    };
+    [(true, false), (false, false), (true, true), (false, true)].into_iter().find(free)
 }
 
 /// Places along a straight stretch, one about every hundredth of the picture.

@@ -18,11 +18,12 @@ use std::path::{Path, PathBuf};
 
 mod axis;
 mod decimation;
+pub mod export;
 pub mod field;
 pub mod figure;
+mod inset;
 mod legend;
 mod markup;
-pub mod png;
 pub mod quantity;
 pub mod selection;
 

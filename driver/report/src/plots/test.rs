@@ -187,3 +187,57 @@ fn the_spec_survives_its_file_and_errors_name_theirs() {
     let error = draw(&mut directory, "file/plots", &history, &spec).unwrap_err().to_string();
     assert!(error.contains("file/plots"), "{error}");
 }
+
+/// The bars of one name stand side by side on zero; what is no number has none.
+#[test]
+fn categories_have_bars_from_zero() {
+    let marked = |label: &str, color, points: &[f64]| Line {
+        marked: true,
+        style: Style { color, dash: color },
+        ..line(label, points.iter().enumerate().map(|(k, &y)| (k as f64, y)).collect())
+    };
+    let names = ["one", "two", "three"].map(String::from).to_vec();
+    let lines = vec![marked("first", 0, &[1.0, 2.0, 4.0]), marked("second", 1, &[-1.0, f64::NAN, 1.0])];
+    let svg = Figure { scale: Scale::Names(names), ..figure(lines, vec![]) }.svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    assert_eq!(data_lines(&document).len(), 0);
+    let rectangles = |fill: &str| -> Vec<[f64; 4]> {
+        let filled =
+            document.descendants().filter(|node| node.has_tag_name("rect") && node.attribute("fill") == Some(fill));
+        let number = |node: &roxmltree::Node<'_, '_>, name| node.attribute(name).unwrap().parse::<f64>().unwrap();
+        filled.map(|node| ["x", "y", "width", "height"].map(|name| number(&node, name))).collect()
+    };
+    let (first, second) = (rectangles("#0072B2"), rectangles("#D55E00"));
+    assert_eq!((first.len(), second.len()), (3 + 1, 2 + 1), "with those of the legend");
+    let [x, y, width, height] = first[0];
+    assert!((first[1][3] / height - 2.0).abs() < 0.01 && (first[2][3] / height - 4.0).abs() < 0.01, "{first:?}");
+    assert!((second[0][0] - (x + width)).abs() <= 2.0, "side by side");
+    assert!((second[0][1] - (y + height)).abs() <= 2.0, "what is negative hangs from zero");
+    assert!(texts(&document).iter().any(|text| text == "0"));
+}
+
+/// A peak too narrow to be seen is drawn again, larger; the legend makes room for it.
+#[test]
+fn a_spike_has_an_inset() {
+    let load = |slip: f64| if slip < 0.02 { 500.0 * slip } else { 10.0 * (-(slip - 0.02) / 0.02).exp() + 0.2 };
+    let points: Vec<(f64, f64)> = (0..2000).map(|k| f64::from(k) * 1e-3).map(|slip| (slip, load(slip))).collect();
+    let shallow = points.iter().map(|&(x, y)| (x, 0.5 * y)).collect();
+    let second = Line { style: Style { color: 1, dash: 0 }, ..line("two", shallow) };
+    let svg = figure(vec![line("one", points.clone()), second], vec![]).svg().unwrap();
+    let document = roxmltree::Document::parse(&svg).unwrap();
+    assert_eq!(data_lines(&document).len(), 6, "two lines, in the picture, the inset and the legend");
+    // the inset's lines are wider than the spike in the picture by far
+    let across = |node: &roxmltree::Node<'_, '_>| {
+        let xs = node
+            .attribute("points")
+            .unwrap()
+            .split_whitespace()
+            .map(|p| p.split(',').next().unwrap().parse::<f64>().unwrap());
+        xs.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)))
+    };
+    let inset = across(&data_lines(&document)[2]);
+    assert!(inset.1 - inset.0 > f64::from(150 * UNIT), "{inset:?}");
+    let wide = points.iter().map(|&(x, _)| (x, x * (2.0 - x))).collect();
+    let svg = figure(vec![line("hill", wide)], vec![]).svg().unwrap();
+    assert_eq!(data_lines(&roxmltree::Document::parse(&svg).unwrap()).len(), 1, "no inset");
+}

@@ -1,31 +1,52 @@
-//! Pictures as PNG: the SVG, rasterised by resvg with the fonts of the system.
+//! Pictures as PNG and as PDF: the SVG, with the fonts of the system, by resvg and svg2pdf.
 
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::fontdb::{Database, Family, Query};
 use resvg::usvg::{Options, Tree};
 use std::io;
 use std::sync::{Arc, OnceLock};
+use svg2pdf::{ConversionOptions, PageOptions};
 
 /// Pixels of the file per px of the picture: 640 px become 300 dots per inch at a width of 16 cm.
 const DENSITY: f32 = 3.0;
 /// What "sans-serif" is, the first that is there; the pictures' texts were measured with fonts of this width.
 const SANS_SERIF: [&str; 5] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica"];
 
-/// A picture as PNG.
+/// px per inch, as browsers have it.
+const PX_PER_INCH: f32 = 96.0;
+
+/// A picture in another format.
+pub type Export = fn(&str) -> io::Result<Vec<u8>>;
+
+/// Returns a picture as PNG.
 ///
 /// # Errors
 /// No valid SVG, or no font.
-pub fn of(svg: &str) -> io::Result<Vec<u8>> {
+pub fn png(svg: &str) -> io::Result<Vec<u8>> {
     rasterised(svg).map_err(io::Error::other)
 }
 
-fn rasterised(svg: &str) -> Result<Vec<u8>, String> {
+/// Returns a picture as PDF: one page of its size, lines and text as such.
+///
+/// # Errors
+/// No valid SVG, or no font.
+pub fn pdf(svg: &str) -> io::Result<Vec<u8>> {
+    let tree = tree(svg).map_err(io::Error::other)?;
+    let page = PageOptions { dpi: PX_PER_INCH };
+    svg2pdf::to_pdf(&tree, ConversionOptions::default(), page).map_err(|error| io::Error::other(error.to_string()))
+}
+
+fn tree(svg: &str) -> Result<Tree, String> {
     let fonts = fonts();
     if fonts.is_empty() {
         return Err("no font is installed: a picture would have no text".into());
     }
     let options = Options { fontdb: fonts, ..Options::default() };
-    let tree = Tree::from_str(svg, &options).map_err(|error| error.to_string())?;
+    Tree::from_str(svg, &options).map_err(|error| error.to_string())
+}
+
+fn rasterised(svg: &str) -> Result<Vec<u8>, String> {
+    let tree = tree(svg)?;
     let size = tree.size().to_int_size().scale_by(DENSITY).ok_or("the picture has no size")?;
     let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the picture is too large")?;
     resvg::render(&tree, Transform::from_scale(DENSITY, DENSITY), &mut pixels.as_mut());
