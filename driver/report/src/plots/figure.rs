@@ -134,6 +134,9 @@ pub struct Marks {
     pub line: Option<usize>,
 }
 
+/// Two opposite corners of a bar.
+type Corners = [(f64, f64); 2];
+
 impl Figure {
     /// The picture as SVG.
     pub fn svg(&self) -> io::Result<String> {
@@ -182,7 +185,7 @@ impl Figure {
     }
 
     /// Opposite corners of the bars of each marked line, in the axes' numbers: those of one name side by side.
-    fn bars(&self, x: &Axis, y: &Axis) -> Vec<(Style, Vec<[(f64, f64); 2]>)> {
+    fn bars(&self, x: &Axis, y: &Axis) -> Vec<(Style, Vec<Corners>)> {
         let lines: Vec<&Line> = self.lines.iter().filter(|line| self.has_bars() && line.marked).collect();
         let width = BARS / lines.len().max(1) as f64;
         let of_line = |(k, line): (usize, &&Line)| {
