@@ -11,9 +11,9 @@ use std::ops::RangeInclusive;
 const SIZE: (i32, i32) = (250, 180);
 const TEXT_SIZE: i32 = 11;
 const TICKS: usize = 4;
-/// A spike stands above half its height along less than this part of what the picture shows along x.
+/// A spike stands above three quarters of its height along less than this part of what the picture shows along x.
 const NARROW: f64 = 0.03;
-/// Fewer points above half the height are no spike to look at.
+/// Fewer points up there are no spike to look at.
 const FEWEST: usize = 6;
 /// What is shown before and after, in widths of the spike.
 const AROUND: (f64, f64) = (1.5, 3.0);
@@ -73,7 +73,7 @@ impl Inset {
         let up = |value| bottom - (enlarged(y, &self.y, value) * f64::from(bottom - top)) as i32;
         let corners =
             [(across(self.x.range.start), up(self.y.range.end)), (across(self.x.range.end), up(self.y.range.start))];
-        root.draw(&Rectangle::new(corners, thin(ZERO)))?;
+        root.draw(&frame(corners, thin(ZERO)))?;
         let (width, height, offset) = (SIZE.0 * UNIT, SIZE.1 * UNIT, OFFSET * UNIT);
         let place = (
             if self.corner.0 { right - offset - width } else { left + offset },
@@ -120,17 +120,21 @@ impl Inset {
                 draw_mark(root, k, plot.map_coordinate(&point), figure.mark_color(marks))?;
             }
         }
-        let frame = [place, (place.0 + width, place.1 + height)];
-        root.draw(&Rectangle::new(frame, thin(ZERO)))?;
+        root.draw(&frame([place, (place.0 + width, place.1 + height)], thin(ZERO)))?;
         Ok(())
     }
+}
+
+/// The outline of a rectangle. (The SVG of plotters' own has no stroke width.)
+fn frame([(left, top), (right, bottom)]: [(i32, i32); 2], style: ShapeStyle) -> PathElement<(i32, i32)> {
+    PathElement::new([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], style)
 }
 
 /// What is to be shown of a curve's greatest ordinate, if that is a spike narrower than `width`.
 fn spike(points: &[(f64, f64)], width: f64) -> Option<(f64, f64)> {
     let points: Vec<(f64, f64)> = drawable_stretches(points).flatten().copied().collect();
     let peak = (0..points.len()).max_by(|&a, &b| points[a].1.abs().total_cmp(&points[b].1.abs()))?;
-    let is_high = |k: &usize| points[*k].1.abs() >= 0.5 * points[peak].1.abs();
+    let is_high = |k: &usize| points[*k].1.abs() >= 0.75 * points[peak].1.abs();
     let first = (0..=peak).rev().take_while(is_high).last()?;
     let last = (peak..points.len()).take_while(is_high).last()?;
     let (start, end) = bounds(points[first..=last].iter().map(|point| point.0));
