@@ -20,7 +20,7 @@ fn specimen(props: &Value, steps: &Value) -> Value {
     json!({
         "kind": "pullout",
         "mesh": { "specimen": {
-            "type": "perpendicular_fibre", "embedded_elements": 12, "exit_size": 0.5,
+            "type": "perpendicular_fibre", "embedded_elements": 7, "exit_size": 0.5,
             "interface_size": 0.4, "growth": 3, "largest_size": 6
         } },
         "parts": {

@@ -9,6 +9,7 @@ mod environment;
 mod finite_strain;
 mod habits;
 mod import;
+mod kept;
 mod parts;
 mod prints;
 #[path = "../program/mod.rs"]

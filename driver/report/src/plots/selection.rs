@@ -21,9 +21,24 @@ pub fn figures(runs: &[Run<'_>]) -> Vec<Figure> {
     place_curves(&mut layouts, runs);
     let mut figures: Vec<Figure> = layouts.iter().filter_map(|layout| layout.figure(runs)).collect();
     for figure in figures.iter_mut().skip(1).filter(|figure| !figure.title.is_empty()) {
-        figure.title = capital(&figure.name.replace('_', " "));
+        figure.title = title(&figure.name);
     }
     figures
+}
+
+/// `load_local_slip` → Load against local slip.
+fn title(name: &str) -> String {
+    const AGAINST: [(&str, &str); 6] = [
+        ("_local_slip", "local slip"),
+        ("_slip", "slip"),
+        ("_strain", "strain"),
+        ("_gap", "gap"),
+        ("_cmod", "CMOD"),
+        ("_w", "crack opening"),
+    ];
+    let of = AGAINST.iter().find_map(|&(end, x)| Some((name.strip_suffix(end)?, x)));
+    let words = of.map_or_else(|| name.replace('_', " "), |(y, x)| format!("{} against {x}", y.replace('_', " ")));
+    capital(&words)
 }
 
 /// A picture as a list of column pairs.
