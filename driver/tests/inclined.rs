@@ -2,6 +2,8 @@
 
 #[path = "inclined/cover.rs"]
 mod cover;
+#[path = "inclined/mirrored.rs"]
+mod mirrored;
 mod program;
 
 use program::{Desk, Run};
@@ -46,9 +48,13 @@ fn without_inclination_it_is_the_perpendicular_fibre() {
     let desk = Desk::new();
     let straight = run(&desk, "perpendicular", &fibre(json!({ "type": "perpendicular_fibre" }), 0.3));
     let bent = run(&desk, "inclined", &fibre(json!({ "type": "inclined_fibre", "angle_deg": 0, "cover": false }), 0.3));
+    let path = json!([{ "name": "alone", "exit": 0, "path": [{ "straight": 15.2 }] }]);
+    let vertical = run(&desk, "fibres", &fibre(json!({ "type": "fibres", "fibres": path, "cover": false }), 0.3));
     let bonded = (12.2 - 0.1015) / 12.2;
-    for (expected, found) in std::iter::zip(peak_and_work(&straight), peak_and_work(&bent)) {
-        assert!((found / (expected * bonded) - 1.0).abs() < 5e-3, "{found} instead of {expected} × {bonded}");
+    for run in [&bent, &vertical] {
+        for (expected, found) in std::iter::zip(peak_and_work(&straight), peak_and_work(run)) {
+            assert!((found / (expected * bonded) - 1.0).abs() < 5e-3, "{found} instead of {expected} × {bonded}");
+        }
     }
     let lateral = bent.history.column("load_lateral");
     assert!(lateral.iter().all(|force| force.abs() < 0.02 * peak_and_work(&bent)[0]), "{lateral:?}");

@@ -61,6 +61,45 @@ fn exists(run: &Run, names: &[&str]) {
     }
 }
 
+/// What a fibre bears in its free length is the load over its section, and its plastic strain what that leaves beyond first yield over
+/// the hardening.
+#[test]
+fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for() {
+    const YIELD: f64 = 150.0;
+    const HARDENING: f64 = 2100.0;
+    let desk = Desk::new();
+    let mut case = fibre();
+    case["parts"]["fibre"]["material"] = json!({
+        "plugin": "j2_plasticity",
+        "props": { "E": 210e3, "nu": 0.3, "hardening": [[YIELD, 0], [YIELD + HARDENING, 1]] },
+    });
+    case["output"] = json!({ "vtu": 1000, "pictures_at": [0.05, 5.0], "rupture_strain": 0.004 });
+    let run = desk.run(&desk.case("case.json", &case), &[], "out", 0);
+    let [slip, load, strain, stress] =
+        ["slip", "load", "plastic_strain_max", "stress_max"].map(|name| run.history.column(name));
+    let section = std::f64::consts::FRAC_PI_4 * 0.406 * 0.406;
+    let mut greatest = 0.0_f64;
+    for row in 1..slip.len() {
+        let mean = load[row] / section;
+        greatest = greatest.max(mean);
+        // beside the exit the bond stresses the edges of the fibre more than its middle, until they yield
+        let most = if mean > YIELD { 1.06 } else { 1.25 };
+        assert!((0.999..most).contains(&(stress[row] / mean)), "{} MPa, {mean} on the mean", stress[row]);
+        let flow = (greatest - YIELD).max(0.0) / HARDENING;
+        assert!(strain[row] >= 0.999 * flow && strain[row] < 1.06 * flow + 0.002, "{} of {flow}", strain[row]);
+    }
+    let row = strain.iter().position(|strain| *strain > 0.004).expect("it is strained beyond that");
+    let rupture = &run.summary["ruptures"]["fibre"];
+    assert_eq!([&rupture["slip"], &rupture["load"]].map(Value::as_f64), [Some(slip[row]), Some(load[row])]);
+    exists(&run, &["deformed_mesh_at_1", "principal_stress_max_at_1", "deformed_mesh_peak", "deformed_mesh"]);
+    assert!(!run.folder.join("plots/deformed_mesh_at_2.svg").exists(), "the slip did not reach 5 mm");
+    let first = slip.iter().position(|slip| *slip >= 0.05).expect("a row");
+    let time = run.history.column("time")[first];
+    assert!(series(&run.folder).iter().any(|(other, _)| (other - time).abs() < 1e-12), "no fields at {time}");
+    let picture = std::fs::read_to_string(run.folder.join("plots/deformed_mesh_at_1.svg")).expect("a picture");
+    assert!(picture.contains("at 0.05 mm"));
+}
+
 #[test]
 fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     let desk = Desk::new();

@@ -280,9 +280,10 @@ typedef struct pullout_repeating_group {
    */
   int32_t count_parameter;
   /*
-   Unused, 0.
+   How many parameters, the last before the group, the law got later: PROPS without them are read as well, with their defaults.
+   0 unless occurrences are counted, since the count and NPROPS tell.
    */
-  uint32_t reserved;
+  uint32_t added;
 } pullout_repeating_group;
 
 /*

@@ -522,8 +522,8 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
         None if props.len() == table.len() => (table.len(), 0, 0),
         None => return Err(count_error(table.len())),
         Some(group) => {
-            let fixed = table.len() - group.size as usize;
             let size = group.size as usize;
+            let fixed = group.given(props, table.len() - size);
             let least = fixed + size * group.minimum as usize;
             if props.len() < least {
                 return Err(count_error(least));
@@ -551,7 +551,7 @@ pub fn check_properties(info: &LawInfo, props: &[f64]) -> Result<(), Configurati
         check_value(parameter, value)?;
     }
     for group in props[fixed..].chunks_exact(group_size.max(1)).take(occurrences) {
-        for (parameter, &value) in table[fixed..].iter().zip(group) {
+        for (parameter, &value) in table[table.len() - group_size..].iter().zip(group) {
             check_value(parameter, value)?;
         }
     }

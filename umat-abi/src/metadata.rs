@@ -60,6 +60,9 @@ pub mod flags {
 /// implicit law by, N·mm/mm³, its amount. Hosts choose their increments by it.
 pub const OVERSTRESS_WORK: &CStr = c"overstress_work";
 
+/// The state variable that is the equivalent plastic strain of a law, ∫√(2/3 dεᵖ:dεᵖ). Hosts tell by it how far a fibre has been strained.
+pub const EQUIVALENT_PLASTIC_STRAIN: &CStr = c"peeq";
+
 /// A C string that lives as long as the library: never NULL when made by a const builder.
 #[repr(transparent)]
 #[derive(Clone, Copy)]
@@ -298,14 +301,29 @@ pub struct RepeatingGroup {
     pub minimum: u32,
     /// Index of the parameter that holds the number of occurrences, or −1 if NPROPS tells.
     pub count_parameter: i32,
-    /// Unused, 0.
-    pub reserved: u32,
+    /// How many parameters, the last before the group, the law got later: PROPS without them are read as well, with their defaults.
+    /// 0 unless occurrences are counted, since the count and NPROPS tell.
+    pub added: u32,
 }
 
 impl RepeatingGroup {
     /// A group.
     pub const fn new(name: &'static CStr, size: u32, minimum: u32, count_parameter: i32) -> Self {
-        Self { name: Text::new(name), size, minimum, count_parameter, reserved: 0 }
+        Self { name: Text::new(name), size, minimum, count_parameter, added: 0 }
+    }
+
+    /// Returns the group of a law that got so many parameters later, the last before the group.
+    pub const fn with_added(mut self, added: u32) -> Self {
+        assert!(self.count_parameter >= 0, "the count of the occurrences tells which parameters are given");
+        self.added = added;
+        self
+    }
+
+    /// Returns how many of the `fixed` parameters before the group PROPS give: all of them, or all but those that were added.
+    #[inline(always)]
+    pub fn given(&self, props: &[f64], fixed: usize) -> usize {
+        let count = usize::try_from(self.count_parameter).ok().and_then(|place| props.get(place));
+        given(self.added as usize, self.size as usize, count, props.len(), fixed)
     }
 
     /// Returns whether there may be so many of them behind the other parameters.
@@ -319,6 +337,15 @@ impl RepeatingGroup {
     pub fn name(&self) -> &'static str {
         self.name.as_str()
     }
+}
+
+/// How many of the `fixed` parameters before a group of `size` so many PROPS give, of which `added` may be missing and `count`
+/// holds the number of occurrences.
+#[inline(always)]
+pub(crate) fn given(added: usize, size: usize, count: Option<&f64>, length: usize, fixed: usize) -> usize {
+    let earlier = fixed - added;
+    let is_earlier = added > 0 && count.is_some_and(|count| earlier as f64 + size as f64 * count == length as f64);
+    if is_earlier { earlier } else { fixed }
 }
 
 /// One entry of STATEV.

@@ -262,6 +262,20 @@ impl<const N: usize> Check<N> {
     }
 }
 
+/// Splits PROPS before the group that may follow: the parameters that stand there, with the defaults of those that were added later and
+/// are not given, and the rest.
+#[doc(hidden)]
+#[inline(always)]
+pub fn split<'p, const N: usize>(
+    group: &Option<RepeatingGroup>,
+    rows: &[Parameter; N],
+    props: &'p [f64],
+) -> Option<([f64; N], &'p [f64])> {
+    let given = group.as_ref().map_or(N, |group| group.given(props, N));
+    let (before, rest) = props.split_at_checked(given)?;
+    Some((std::array::from_fn(|k| if k < given { before[k] } else { rows[k].default_value }), rest))
+}
+
 /// Takes the next N values.
 #[doc(hidden)]
 #[inline(always)]
@@ -340,16 +354,16 @@ macro_rules! parameters {
             fn admits(props: &[f64]) -> bool {
                 const ROWS: [$crate::metadata::Parameter; 0 $(+ [$($row),+].len())+] = [$($($row),+),+];
                 const CHECK: $crate::table::Check<{ ROWS.len() }> = $crate::table::Check::new(&ROWS);
-                let Some((once, groups)) = props.split_first_chunk() else { return false };
+                let Some((once, groups)) = $crate::table::split(&Self::REPEATING, &ROWS, props) else { return false };
                 #[allow(unused_mut, reason = "for a repeating group")]
-                let mut admitted = CHECK.admits(once);
+                let mut admitted = CHECK.admits(&once);
                 $(
                     const GROUP: $crate::metadata::RepeatingGroup = $repeating;
                     const GROUP_ROWS: [$crate::metadata::Parameter; [$($group_row),+].len()] = [$($group_row),+];
                     const GROUP_CHECK: $crate::table::Check<{ GROUP_ROWS.len() }> =
                         $crate::table::Check::new(&GROUP_ROWS);
                     let (occurrences, groups) = groups.as_chunks();
-                    admitted &= GROUP.admits(occurrences.len(), once);
+                    admitted &= GROUP.admits(occurrences.len(), &once);
                     for group in occurrences {
                         admitted &= GROUP_CHECK.admits(group);
                     }
@@ -359,13 +373,18 @@ macro_rules! parameters {
 
             #[inline(always)]
             fn read(props: &$life [f64]) -> Result<Self, $crate::table::ConfigurationError> {
+                const ROWS: [$crate::metadata::Parameter; 0 $(+ [$($row),+].len())+] = [$($($row),+),+];
+                let Some((once, rest)) = $crate::table::split(&Self::REPEATING, &ROWS, props) else {
+                    let [given, expected] = [props.len(), ROWS.len()];
+                    return Err($crate::table::ConfigurationError::ParameterCount { given, expected });
+                };
                 let mut at = 0;
                 $(
-                    let values = $crate::table::take(props, &mut at);
+                    let values = $crate::table::take(&once, &mut at);
                     let $field = <$type as $crate::table::Field<{ [$($row),+].len() }>>::read(values)?;
                 )+
-                $(let $group = <$group_type>::from(props[at..].as_chunks::<{ [$($group_row),+].len() }>().0);)?
-                let _ = at;
+                $(let $group = <$group_type>::from(rest.as_chunks::<{ [$($group_row),+].len() }>().0);)?
+                let _ = (at, rest);
                 Ok(Self { $($field,)+ $($group)? })
             }
         }

@@ -26,8 +26,9 @@ pub(super) fn resolve(law: &Law, props: Option<&Props>, place: &Place) -> Result
     let mut problems = Vec::new();
     let values = match props {
         Some(Props::List(values)) => {
-            check_list(law, values, place, &mut problems);
-            values.clone()
+            let values = law.completed(values);
+            check_list(law, &values, place, &mut problems);
+            values
         }
         Some(Props::Named(named)) => by_name(law, named, place, &mut problems),
         None => by_name(law, &BTreeMap::new(), place, &mut problems),

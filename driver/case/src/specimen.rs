@@ -6,14 +6,14 @@ use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use crate::{history, increments};
 use boundary::Boundary;
-use fe_core::mesh::Mesh;
+use fe_core::mesh::{Element, Mesh};
 use fe_core::model::{Controls, Model, Skipping, Spalling};
 use fe_core::stepping::Analysis;
 use fe_core::threads::Threads;
 use mesh::Ground;
 use pullout_run::columns;
 use pullout_run::program::About;
-use pullout_run::pullout::Program;
+use pullout_run::pullout::{PictureAt, Program};
 use std::path::Path;
 use umat_abi::host::ExternalDatabases;
 
@@ -29,6 +29,8 @@ mod steps;
 
 /// Increments between two written fields, unless the case says otherwise.
 const FIELDS_EVERY: usize = 10;
+/// Plastic strain beyond which a steel fibre counts as ruptured, unless the case says otherwise (an assumption).
+const RUPTURE_STRAIN: f64 = 0.03;
 /// Slip over which torn matter bears nothing before it is released, and over which its forces fade, where a case does not
 /// say, mm.
 const USUAL_SLIP: f64 = 0.02;
@@ -57,7 +59,11 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let (mesh, parts, mut contacts) = (checked?, parts?, contacts?);
     let ground = ground?;
     let lines = contact::interface_lines(&contacts, &ground.defaults.pairs);
+    let part_at =
+        |node: usize| mesh.elements().iter().find(|element| element.nodes().contains(&node)).map(Element::part);
+    measured.part = measured.tail_node.and_then(part_at);
     for fibre in &mut measured.fibres {
+        fibre.part = part_at(fibre.tail_node);
         let prefix = format!("fibre.{}.", fibre.name);
         let own = lines.keys().enumerate().filter(|(_, master)| master.starts_with(&prefix));
         fibre.lines = own.map(|(line, _)| line).collect();
@@ -113,6 +119,14 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
             Some(document::Vtu::Switch(false)) => None,
             Some(document::Vtu::Every(n)) => Some(number(n)),
         },
+        pictures_at: match &output.pictures_at {
+            None => Vec::new(),
+            Some(document::PicturesAt::Slips(slips)) => slips.iter().map(|slip| PictureAt::Slip(slip.0)).collect(),
+            Some(document::PicturesAt::Increments(numbers)) => {
+                numbers.increments.iter().map(|number| PictureAt::Increment(number.0)).collect()
+            }
+        },
+        rupture_strain: output.rupture_strain.map_or(RUPTURE_STRAIN, |strain| strain.0),
         mesh: ground.words,
         fibre_diameter: ground.diameter,
         model,

@@ -1,10 +1,10 @@
-//! The pictures of a specimen's fields, at the greatest load and at the end of the run.
+//! The pictures of a specimen's fields, at the greatest load, at the end of the run, and when the case asks for them.
 //!
 //! `deformed_mesh`, `principal_stress_max`, `principal_stress_min` and the damages of the laws show the whole specimen;
 //! `principal_directions` are crosses along the principal stresses, `active_zone` tells which elements are condensed,
 //! computed, damaged, yielded;
-//! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load. `axial_stress`,
-//! `interface_shear` and `interface_pressure` show both states.
+//! with `_exit` in their name what is around the fibre's exit, with `_peak` the greatest load, with `_at_1` the first moment of
+//! `output.pictures_at`. `axial_stress`, `interface_shear` and `interface_pressure` show all of them.
 
 use crate::directory::ResultDirectory;
 use crate::plots::field::{
@@ -21,7 +21,7 @@ use plotters::style::RGBColor;
 use pullout_run::columns::Group;
 use pullout_run::number::significant;
 use pullout_run::pullout::fibre::{Fibre, Wall};
-use pullout_run::pullout::{Outcome, Program, State};
+use pullout_run::pullout::{Outcome, PictureAt, Program, State};
 use std::collections::BTreeSet;
 use std::io;
 
@@ -52,14 +52,23 @@ pub fn draw(
     outcome: &Outcome<'_>,
 ) -> io::Result<Vec<Picture>> {
     let mut album = Album::new(directory, folder, program);
-    let states = || outcome.peak.iter().chain(&outcome.end);
+    let asked = || outcome.moments.iter().map(|(_, state)| state);
+    let states = || outcome.peak.iter().chain(&outcome.end).chain(asked());
     let greatest = states().map(|state| state.load.abs()).fold(0.0, f64::max);
     let load = |state: &State<'_>| without_rounding(state.load, greatest);
     let peak = outcome.peak.as_ref();
-    let peak = peak.map(|state| Moment { state, suffix: "_peak", words: "greatest load", load: load(state) });
+    let moment = |state, suffix: String, words: String| Moment { state, suffix, words, load: load(state) };
+    let peak = peak.map(|state| moment(state, "_peak".into(), "greatest load".into()));
     let end = outcome.end.as_ref();
-    let end = end.map(|state| Moment { state, suffix: "", words: "end of the run", load: load(state) });
-    let moments: Vec<Moment<'_>> = peak.into_iter().chain(end).collect();
+    let end = end.map(|state| moment(state, String::new(), "end of the run".into()));
+    let asked = outcome.moments.iter().enumerate().map(|(index, (at, state))| {
+        let words = match at {
+            PictureAt::Slip(slip) => format!("at {slip} mm"),
+            PictureAt::Increment(number) => format!("increment {number}"),
+        };
+        moment(state, format!("_at_{}", index + 1), words)
+    });
+    let moments: Vec<Moment<'_>> = asked.chain(peak).chain(end).collect();
     for moment in &moments {
         album.contours(moment)?;
     }
@@ -72,15 +81,15 @@ pub fn draw(
 struct Moment<'a> {
     state: &'a State<'a>,
     /// What the stem of a file ends with.
-    suffix: &'static str,
-    words: &'static str,
+    suffix: String,
+    words: String,
     /// Load, N: 0 where only rounding is left of the greatest one.
     load: f64,
 }
 
 impl Moment<'_> {
     fn title(&self, what: &str) -> String {
-        let words = self.words;
+        let words = &self.words;
         format!("{what}, {words}: slip {} mm, load {} N", significant(self.state.slip, 4), significant(self.load, 4))
     }
 }
@@ -210,7 +219,7 @@ impl<'a> Album<'a> {
         for (k, moment) in moments.iter().enumerate() {
             let sections = elements.min(MOST_SECTIONS);
             let points = axial_stress(&moment.state.fields, fibre.part, &fibre.axis, sections).map_err(unfit)?;
-            let columns = ("arc".to_owned(), moment.suffix.to_owned());
+            let columns = ("arc".to_owned(), moment.suffix.clone());
             lines.push(Line {
                 label: moment.title("").trim_start_matches(", ").into(),
                 points,

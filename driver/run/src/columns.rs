@@ -155,7 +155,7 @@ pub static CONTACT: [Column<ContactRow>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub static SPECIMEN: [Column<Record>; 31] = [
+pub static SPECIMEN: [Column<Record>; 33] = [
     column("time", "s", "time", Other, |record| record.time),
     // displacement of the grip along the pull direction
     column("slip", "mm", "slip", Other, |record| record.slip),
@@ -214,10 +214,14 @@ pub static SPECIMEN: [Column<Record>; 31] = [
     column("bearing_pressure_max", "MPa", "greatest bearing pressure", Other, |r| r.greatest_bearing_pressure),
     // attempts given up before the increment
     column("cutbacks", "", "cutbacks", Other, |record| f64::from(record.cutbacks)),
+    // greatest equivalent plastic strain of the fibre, if its law's metadata have that state (`peeq`)
+    column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |record| record.plastic_strain),
+    // greatest principal stress of the fibre: along it, by tension and bending
+    column("stress_max", "MPa", "greatest stress of the fibre", Other, |record| record.principal_stress),
 ];
 
 /// Columns of each of several fibres of a specimen, behind those of the specimen: `load.NAME`.
-pub static FIBRE: [Column<FibreRecord>; 7] = [
+pub static FIBRE: [Column<FibreRecord>; 9] = [
     // its drive
     column("slip", "mm", "slip", Other, |fibre| fibre.slip),
     // its reaction along the pull direction
@@ -232,6 +236,10 @@ pub static FIBRE: [Column<FibreRecord>; 7] = [
     column("slip_tail", "mm", "slip of the tail", Slip, |fibre| fibre.slip_tail),
     // how much of its side that opened most is open
     column("separation_length", "mm", "open length of the interface", Other, |fibre| fibre.separation_length),
+    // greatest equivalent plastic strain of its points
+    column("plastic_strain_max", "", "greatest plastic strain of the fibre", Other, |fibre| fibre.plastic_strain),
+    // greatest principal stress of its points
+    column("stress_max", "MPa", "greatest stress of the fibre", Other, |fibre| fibre.principal_stress),
 ];
 
 /// What a row of bridging is made of.

@@ -27,7 +27,7 @@ fn perpendicular(cover: bool) -> PerpendicularFibre {
 }
 
 /// A Gmsh file of a mesh: each part and edge set a physical group; curves go as their elements have them, or `turned`.
-fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
+pub(super) fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
     let node_sets = ["grip", "sides", "exit", "tail"].map(|name| (name, &definition.node_sets[name]));
     let names = definition.parts.iter().map(|part| (2, part.name.as_str()));
     let names = names.chain(definition.edge_sets.keys().map(|name| (1, name.as_str())));
@@ -74,7 +74,7 @@ fn gmsh(definition: &MeshDefinition, turned: bool) -> String {
 }
 
 /// The same fibre as a file.
-fn from_file(mut case: Value) -> Value {
+pub(super) fn from_file(mut case: Value) -> Value {
     case["mesh"] = json!({ "file": "fibre.msh" });
     case["parts"]["fibre"]["model"] = json!("plane_stress");
     case["parts"]["fibre"]["thickness"] = json!(std::f64::consts::FRAC_PI_4 * 0.406);

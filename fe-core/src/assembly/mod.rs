@@ -11,7 +11,7 @@ mod trouble;
 pub use equations::{ConstraintError, Equations};
 pub use far_field::{may_be_condensed, touching};
 pub use loads::loaded_freedoms;
-pub use solids::{Solids, SolidsError};
+pub use solids::{GreatestInPart, Solids, SolidsError};
 pub use system::{Condensation, ElementStiffness, System, SystemState};
 pub use trouble::{Place, Trouble};
 

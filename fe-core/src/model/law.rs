@@ -5,7 +5,7 @@ use umat_abi::host::{
     FricCall, InitialPoint, InitialStates, InitialStresses, Law, Library, LoadError, Manner, UinterCall, UmatCall,
 };
 use umat_abi::law::StressState;
-use umat_abi::metadata::{OVERSTRESS_WORK, flags};
+use umat_abi::metadata::{EQUIVALENT_PLASTIC_STRAIN, OVERSTRESS_WORK, flags};
 
 /// The plugin of a part or of a contact pair. Which law it is nobody here knows.
 #[derive(Clone, Debug)]
@@ -140,6 +140,11 @@ impl PluginLaw {
     /// Returns which of its states is the work of the overstress of a law that extrapolates, if it does.
     pub fn overstress_work(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(OVERSTRESS_WORK)
+    }
+
+    /// Returns which of its states is the equivalent plastic strain, if it has one.
+    pub fn equivalent_plastic_strain(&self) -> Option<usize> {
+        self.law.as_ref()?.state_index(EQUIVALENT_PLASTIC_STRAIN)
     }
 
     /// Returns which of its states is the strain 33 of plane stress, if it says so.

@@ -113,6 +113,8 @@ pub struct Measured {
     pub exit_node: Option<usize>,
     /// The node whose displacement along the axis is `slip_tail`.
     pub tail_node: Option<usize>,
+    /// Index of the fibre's part.
+    pub part: Option<usize>,
     /// The lines along which fibres are bonded: indices of the contact pairs that each consists of.
     pub interface_lines: Vec<Vec<usize>>,
     /// Each of several fibres; empty for one that is alone, of which the fields above tell.
@@ -137,6 +139,8 @@ pub struct MeasuredFibre {
     pub exit_node: usize,
     /// The node whose displacement along the axis is its `slip_tail`.
     pub tail_node: usize,
+    /// Index of its part.
+    pub part: Option<usize>,
     /// Lines of bond among [`Measured::interface_lines`].
     pub lines: Vec<usize>,
 }
@@ -174,6 +178,7 @@ impl Default for Measured {
             axis: None,
             exit_node: None,
             tail_node: None,
+            part: None,
             interface_lines: Vec::new(),
             fibres: Vec::new(),
             bearing_factor: 1.0,

@@ -1,6 +1,7 @@
 //! What is told of each increment.
 
 use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot, Tried};
+use crate::assembly::GreatestInPart;
 use std::io;
 
 /// One accepted increment, or the initial state (step 0, increment 0).
@@ -42,6 +43,10 @@ pub struct Record {
     pub separation_length: f64,
     /// The greatest bearing pressure of a contact point, MPa ([`crate::model::Measured::bearing_factor`]).
     pub greatest_bearing_pressure: f64,
+    /// The greatest equivalent plastic strain of fibres ([`crate::model::Measured::part`]); NaN where there is none.
+    pub plastic_strain: f64,
+    /// The greatest principal stress of fibres, MPa; NaN without one.
+    pub principal_stress: f64,
     /// Attempts given up before it.
     pub cutbacks: u32,
     /// Newton iterations.
@@ -69,6 +74,10 @@ pub struct FibreRecord {
     pub slip_tail: f64,
     /// How much of the line along which most has opened is open, mm.
     pub separation_length: f64,
+    /// The greatest equivalent plastic strain of its points; NaN where its law has none.
+    pub plastic_strain: f64,
+    /// The greatest principal stress of its points, MPa.
+    pub principal_stress: f64,
 }
 
 /// Points by what they do.
@@ -130,7 +139,12 @@ impl Analysis<'_> {
         let along = |node: Option<usize>| node.map_or(f64::NAN, |node| snapshot.displacement_of(node, axis));
         let open = measured.interface_lines.iter().map(|line| snapshot.contact().open_length(line));
         let open: Vec<f64> = open.collect();
+        let strained = |part: Option<usize>| {
+            let none = GreatestInPart { plastic_strain: f64::NAN, principal_stress: f64::NAN };
+            part.map_or(none, |part| snapshot.solids().greatest_in_part(part))
+        };
         let fibres = measured.fibres.iter().map(|fibre| {
+            let GreatestInPart { plastic_strain, principal_stress } = strained(fibre.part);
             let along = |node: usize| snapshot.displacement_of(node, fibre.axis);
             let [load_axial, load_shear] =
                 measured.components_along(fibre.axis).map(|direction| snapshot.reaction_of(fibre.support, direction));
@@ -142,6 +156,8 @@ impl Analysis<'_> {
                 slip_exit: along(fibre.exit_node),
                 slip_tail: along(fibre.tail_node),
                 separation_length: fibre.lines.iter().map(|&line| open[line]).fold(0.0, f64::max),
+                plastic_strain,
+                principal_stress,
             }
         });
         let reference = self.work_reference(self.present.energies.external_work, &self.present.committed);
@@ -152,6 +168,8 @@ impl Analysis<'_> {
             false => fibres.iter().map(of).sum(),
         };
         let mean = |of: fn(&FibreRecord) -> f64, node| sum(of, along(node)) / fibres.len().max(1) as f64;
+        let alone = strained(measured.part.filter(|_| fibres.is_empty()));
+        let greatest = |of: fn(&FibreRecord) -> f64, alone: f64| fibres.iter().map(of).fold(alone, f64::max);
         Record {
             step,
             increment,
@@ -171,6 +189,8 @@ impl Analysis<'_> {
             spalled_depth: self.present.spalled.depth,
             separation_length: open.iter().copied().fold(0.0, f64::max),
             greatest_bearing_pressure: measured.bearing_factor * snapshot.greatest_pressure(),
+            plastic_strain: greatest(|fibre| fibre.plastic_strain, alone.plastic_strain),
+            principal_stress: greatest(|fibre| fibre.principal_stress, alone.principal_stress),
             cutbacks,
             iterations,
             fibres,

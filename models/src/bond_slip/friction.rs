@@ -76,9 +76,9 @@ impl Friction {
             traction: returned.vector,
             slip_tangent: returned.by_trial.map(|row| scaled(row, k)),
             pressure_tangent: scaled(returned.by_radius, limit_slope),
-            bond_fraction_tangent: [0.0; 2],
             stored_energy: 0.5 * dot(returned.vector, returned.vector) / k,
             dissipation: dot(mean, difference(*slider, before)).max(0.0),
+            ..Contribution::default()
         }
     }
 }

@@ -97,10 +97,10 @@ impl LawA<'_> {
         Contribution {
             traction: pulled.traction,
             slip_tangent: pulled.by_slip,
-            pressure_tangent: [0.0; 2],
             bond_fraction_tangent: pulled.by_fraction,
             stored_energy,
             dissipation: if dissipation > rounding { dissipation } else { 0.0 },
+            ..Contribution::default()
         }
     }
 

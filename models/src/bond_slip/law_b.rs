@@ -4,37 +4,44 @@ use super::State;
 use super::envelope::Envelope;
 use super::friction::{Friction, ROUNDING, return_to_disc};
 use super::tangential::{
-    BondFraction, Contribution, Slip, Vector, difference, dot, norm, outer, product, scaled, scaled_identity, sum,
+    BondFraction, Contribution, Integrity, Slip, Vector, difference, dot, norm, outer, product, scaled,
+    scaled_identity, sum,
 };
 
 /// Parameters of law B.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LawB<'p> {
     pub envelope: Envelope<'p>,
+    /// c_N: weight of the gap beside the slip; 0: slips alone damage.
+    pub gap_weight: f64,
 }
 
 impl LawB<'_> {
-    /// Advances damage and friction: t = (1 − d) k g + d k (g − g_s).
+    /// Advances damage and friction: t = (1 − d) k g + d k (g − g_s); `gap`: ⟨gap⟩ ≥ 0.
     #[inline]
     pub fn advance(
         &self,
         friction: &Friction,
         slip: &Slip,
+        gap: f64,
         pressure: f64,
         fraction: BondFraction,
         state: &mut State,
     ) -> Contribution {
         let k = self.envelope.elastic_stiffness;
         let before = self.energy_and_traction(slip.start, fraction.start, state);
+        let start = fraction.start * self.envelope.integrity(state.largest_slip).0;
         let g = slip.end;
-        let r = norm(g);
+        let weighted_gap = self.gap_weight * gap;
+        let r = norm([norm(g), weighted_gap]);
         let loading = r >= state.largest_slip * (1.0 - ROUNDING);
         state.largest_slip = state.largest_slip.max(r);
         let (unopened, unopened_slope) = self.envelope.integrity(state.largest_slip);
         let integrity = fraction.end * unopened;
         let damage = state.damage.max(1.0 - integrity);
-        let integrity_by_slip =
-            if loading && r > 0.0 { scaled(g, fraction.end * unopened_slope / r) } else { [0.0; 2] };
+        let integrity_by_square = if loading && r > 0.0 { fraction.end * unopened_slope / r } else { 0.0 };
+        let integrity_by_slip = scaled(g, integrity_by_square);
+        let integrity_by_gap = integrity_by_square * self.gap_weight * weighted_gap;
 
         // newly damaged area has not slid yet: it dilutes the friction slip, so that damage never stores energy
         let share = if damage > 0.0 { state.damage / damage } else { 0.0 };
@@ -74,6 +81,8 @@ impl LawB<'_> {
             ),
             pressure_tangent: scaled(returned.by_radius, damage * rubbing_slope),
             bond_fraction_tangent: scaled(by_integrity, unopened),
+            gap_tangent: scaled(by_integrity, integrity_by_gap),
+            integrity: Integrity { start, end: integrity, by_slip: integrity_by_slip, by_gap: integrity_by_gap },
             stored_energy,
             dissipation: if dissipation > rounding { dissipation } else { 0.0 },
         }

@@ -84,11 +84,21 @@ impl InterfaceLaw for BondSlip {
         }
         // directions that the host does not have may hold anything
         let present = |i: usize| if i < increment.directions { increment.relative_displacement[i] } else { 0.0 };
-        let start = parameters.normal.bond_fraction(state);
-        let normal = parameters.normal.advance(present(0), state);
         let slip = Slip { start: state.slip, end: [present(1), present(2)] };
-        let fraction = BondFraction { start, end: normal.bond_fraction };
-        let tangential = parameters.tangential.advance(&parameters.friction, &slip, normal.pressure, fraction, state);
+        let BondSlipParameters { tangential, friction, normal } = parameters;
+        let (normal, tangential) = if let Some(hard) = parameters.mixed_mode() {
+            // the damage first: slip and gap drive it, and it takes shear and tension
+            let penetration = [present(0) - increment.increment[0], present(0)];
+            let (gap, pressed) = ((-penetration[1]).max(0.0), hard.stiffness * penetration[1].max(0.0));
+            let whole = BondFraction { start: 1.0, end: 1.0 };
+            let bond = tangential.advance(friction, &slip, gap, pressed, whole, state);
+            (hard.damaged(penetration, &bond.integrity, state), bond)
+        } else {
+            let start = normal.bond_fraction(state);
+            let normal = normal.advance(present(0), state);
+            let fraction = BondFraction { start, end: normal.bond_fraction };
+            (normal, tangential.advance(friction, &slip, 0.0, normal.pressure, fraction, state))
+        };
         state.dissipated_energy += normal.dissipation + tangential.dissipation;
 
         let mut response = InterfaceResponse {
@@ -100,9 +110,11 @@ impl InterfaceLaw for BondSlip {
         response.tangent[0][0] = normal.stiffness;
         for i in 0..increment.directions.clamp(1, 3) - 1 {
             response.traction[1 + i] = tangential.traction[i];
-            // the pressure and the fade of the bond both follow the penetration
+            response.tangent[0][1 + i] = normal.by_slip[i];
+            // the pressure and the fade of the bond, or its damage, follow the penetration
             response.tangent[1 + i][0] = tangential.pressure_tangent[i] * normal.stiffness
-                + tangential.bond_fraction_tangent[i] * normal.bond_fraction_slope;
+                + tangential.bond_fraction_tangent[i] * normal.bond_fraction_slope
+                - tangential.gap_tangent[i];
             for j in 0..increment.directions.clamp(1, 3) - 1 {
                 response.tangent[1 + i][1 + j] = tangential.slip_tangent[i][j];
             }
@@ -119,11 +131,11 @@ impl InterfaceLaw for BondSlip {
     ) -> Result<TangentialResponse, Failure> {
         let present = |i: usize| if i < increment.directions { increment.slip_increment[i] } else { 0.0 };
         let slip = Slip { start: state.slip, end: [0, 1].map(|i| state.slip[i] + present(i)) };
-        let fraction = parameters.normal.bond_fraction(state);
+        let fraction = parameters.bond_fraction(state);
         let fraction = BondFraction { start: fraction, end: fraction };
         let before = parameters.tangential.inelastic_slip(state);
         let Contribution { traction, slip_tangent, pressure_tangent, stored_energy, dissipation, .. } =
-            parameters.tangential.advance(&parameters.friction, &slip, increment.pressure, fraction, state);
+            parameters.tangential.advance(&parameters.friction, &slip, 0.0, increment.pressure, fraction, state);
         state.dissipated_energy += dissipation;
         let after = parameters.tangential.inelastic_slip(state);
         let mut response =

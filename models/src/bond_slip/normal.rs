@@ -2,6 +2,7 @@
 //! (doc.md; thesis 6.19, 6.20 corrected), and what an opening leaves of the bond.
 
 use super::State;
+use super::tangential::{Integrity, Vector, scaled};
 use std::f64::consts::E;
 
 /// The normal law that the parameter `normal_law` selects.
@@ -38,6 +39,8 @@ pub(super) struct NormalResponse {
     pub stiffness: f64,
     pub bond_fraction: f64,
     pub bond_fraction_slope: f64,
+    /// ∂pressure/∂slip: mixed mode.
+    pub by_slip: Vector,
     pub stored_energy: f64,
     /// Energy of opening in this increment, ≥ 0.
     pub dissipation: f64,
@@ -65,6 +68,30 @@ impl NormalLaw {
 }
 
 impl Hard {
+    /// Mixed mode: the tension is that of what the damage of law B has left, (1 − d) ε_N u.
+    pub fn damaged(&self, penetration: [f64; 2], integrity: &Integrity, state: &mut State) -> NormalResponse {
+        let [gap_before, gap] = penetration.map(|penetration| (-penetration).max(0.0));
+        let [_, penetration] = penetration;
+        state.opening = state.opening.max(gap);
+        if integrity.end == 0.0 {
+            state.open = 1.0;
+        }
+        let elastic = self.stiffness * penetration;
+        let (left, by_slip, by_gap) =
+            if gap > 0.0 { (integrity.end, integrity.by_slip, integrity.by_gap) } else { (1.0, [0.0; 2], 0.0) };
+        let pressure = left * elastic;
+        NormalResponse {
+            pressure,
+            stiffness: left * self.stiffness - by_gap * elastic,
+            bond_fraction: 1.0,
+            by_slip: scaled(by_slip, elastic),
+            stored_energy: 0.5 * pressure * penetration,
+            // the trapezoid's work less what is stored: ½ ε_N gap gap_before Δd
+            dissipation: 0.5 * self.stiffness * gap * gap_before * (integrity.start - integrity.end).max(0.0),
+            ..NormalResponse::default()
+        }
+    }
+
     /// 1 − o/δ_N ≥ 0: what is left of the tension cap at the opening o beyond it.
     fn remaining(&self, opening: f64) -> f64 {
         if opening <= 0.0 {
@@ -105,6 +132,7 @@ impl Hard {
             stored_energy: 0.5 * pressure * penetration,
             // the triangle under the cap, in proportion: ½ p_0 (g_cap + δ_N)(1 − left)
             dissipation: 0.5 * self.tension * (cap_gap + self.fade) * (left_before - left),
+            ..NormalResponse::default()
         }
     }
 }
@@ -139,7 +167,7 @@ impl Soft {
             bond_fraction: left,
             bond_fraction_slope: if opens && left > 0.0 { -slope } else { 0.0 },
             stored_energy,
-            dissipation: 0.0,
+            ..NormalResponse::default()
         }
     }
 

@@ -1,5 +1,6 @@
 //! PROPS of the law: the table that hosts see, and its reading.
 
+use super::State;
 use super::envelope::{Envelope, require};
 use super::friction::Friction;
 use super::law_a::LawA;
@@ -89,7 +90,11 @@ umat_abi::parameters! {
             c"k_f", c"MPa/mm", 0.0, c"stiffness of the friction spring; 0: 10 k_e, law none: the host may fill it",
         ).at_least(0.0).with_role(c"tangential_penalty");
         n_points: f64 = Parameter::new(c"n_points", c"-", 0.0, c"number of points of the piecewise form").at_least(0.0);
-        ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT) =>
+        /// c_N.
+        c_n: f64 = Parameter::new(
+            c"c_N", c"-", 0.0, c"law B, hard: weight of the gap beside the slip in the damage; 0: p_0 opens",
+        ).at_least(0.0);
+        ..RepeatingGroup::new(c"points", 2, 0, POINT_COUNT).with_added(1) =>
         points: &'p [[f64; 2]] =
             Parameter::new(c"slip", c"mm", 0.0, c"slip of a point of the piecewise form").at_least(0.0),
             Parameter::new(c"traction", c"MPa", 0.0, c"bond traction of that point").at_least(0.0);
@@ -104,6 +109,21 @@ pub struct BondSlipParameters<'p> {
     pub(super) normal: NormalLaw,
 }
 
+impl BondSlipParameters<'_> {
+    /// The hard contact of mixed mode, whose tension law B's damage takes.
+    pub(super) fn mixed_mode(&self) -> Option<&Hard> {
+        match (&self.tangential, &self.normal) {
+            (TangentialLaw::B(law), NormalLaw::Hard(hard)) if law.gap_weight > 0.0 => Some(hard),
+            _ => None,
+        }
+    }
+
+    /// Returns what openings so far have left of the bond; all of it in mixed mode, where damage tells.
+    pub(super) fn bond_fraction(&self, state: &State) -> f64 {
+        if self.mixed_mode().is_some() { 1.0 } else { self.normal.bond_fraction(state) }
+    }
+}
+
 impl<'p> Parameters<'p> for BondSlipParameters<'p> {
     const TABLE: &'static [Parameter] = Properties::TABLE;
     const REPEATING: Option<RepeatingGroup> = Properties::REPEATING;
@@ -115,7 +135,9 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
     fn read(props: &'p [f64]) -> Result<Self, ConfigurationError> {
         let properties = Properties::read(props)?;
         let Properties { law, form, normal_law, normal_stiffness, p_0, delta_n, g_0, .. } = properties;
-        let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, points, .. } = properties;
+        let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, c_n, points, .. } = properties;
+        let is_mixed = law == Tangential::B && normal_law == Normal::Hard;
+        require(c_n == 0.0 || is_mixed, "mixed mode (c_N > 0) needs law B and the hard normal law", c_n)?;
         let envelope = || match form {
             Form::Powers => Envelope::powers(k_e, rise, fall, tau_res),
             Form::Piecewise => Envelope::piecewise(k_e, points, tau_res),
@@ -128,7 +150,7 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
             Tangential::B => {
                 let envelope = envelope()?;
                 envelope.check_damage()?;
-                TangentialLaw::B(LawB { envelope })
+                TangentialLaw::B(LawB { envelope, gap_weight: c_n })
             }
             Tangential::None => TangentialLaw::None,
         };

@@ -74,6 +74,15 @@ pub(super) struct BondFraction {
     pub end: f64,
 }
 
+/// What is left of law B's bond, 1 − d, before and after the increment.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Integrity {
+    pub start: f64,
+    pub end: f64,
+    pub by_slip: Vector,
+    pub by_gap: f64,
+}
+
 /// What a mechanism adds to the response.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contribution {
@@ -84,6 +93,10 @@ pub(super) struct Contribution {
     pub pressure_tangent: Vector,
     /// ∂traction/∂bond fraction.
     pub bond_fraction_tangent: Vector,
+    /// ∂traction/∂gap at fixed pressure: mixed mode of law B.
+    pub gap_tangent: Vector,
+    /// Of law B.
+    pub integrity: Integrity,
     pub stored_energy: f64,
     /// Energy dissipated in this increment, ≥ 0.
     pub dissipation: f64,
@@ -101,12 +114,13 @@ pub(super) enum TangentialLaw<'p> {
 }
 
 impl TangentialLaw<'_> {
-    /// Advances bond and friction from the committed `state`.
+    /// Advances bond and friction from the committed `state`; `gap`: ⟨gap⟩ of mixed mode.
     #[inline]
     pub fn advance(
         &self,
         friction: &Friction,
         slip: &Slip,
+        gap: f64,
         pressure: f64,
         fraction: BondFraction,
         state: &mut State,
@@ -124,7 +138,7 @@ impl TangentialLaw<'_> {
                     ..bond
                 }
             }
-            Self::B(law) => law.advance(friction, slip, pressure, fraction, state),
+            Self::B(law) => law.advance(friction, slip, gap, pressure, fraction, state),
             Self::None => {
                 state.largest_slip = state.largest_slip.max(norm(slip.end));
                 friction.advance(slip, pressure, &mut state.friction_slip)

@@ -27,6 +27,7 @@ const K_U: usize = 13;
 const MU: usize = 14;
 const K_F: usize = 15;
 const POINT_COUNT: usize = 16;
+const C_N: usize = 17;
 
 /// The defaults (chapter 8) with some parameters set.
 fn props(set: &[(usize, f64)]) -> Vec<f64> {
@@ -35,6 +36,12 @@ fn props(set: &[(usize, f64)]) -> Vec<f64> {
         props[index] = value;
     }
     props
+}
+
+/// Law B in mixed mode: hard contact of 1e4 MPa/mm, and PROPS that reach to c_N.
+fn mixed(weight: f64, set: &[(usize, f64)]) -> Vec<f64> {
+    let mixed = [(LAW, 1.0), (NORMAL_LAW, 0.0), (NORMAL_STIFFNESS, 1e4)];
+    [&props(&[&mixed, set].concat())[..], &[weight]].concat()
 }
 
 /// The same with the piecewise form through these points.
@@ -68,6 +75,12 @@ fn variants() -> Vec<Vec<f64>> {
                 all.push(piecewise(&set, &[[0.02, 1.0], [0.1, 1.4], [0.4, 1.3], [2.0, 0.3]]));
             }
         }
+    }
+    for weight in [1.0, 5.0] {
+        all.push(mixed(weight, &[]));
+        let mut points = mixed(weight, &[(TAU_RES, 0.2), (FORM, 1.0), (POINT_COUNT, POINTS.len() as f64)]);
+        points.extend(POINTS.iter().flatten());
+        all.push(points);
     }
     all
 }

@@ -1,7 +1,7 @@
 //! The state variables that the two plasticity laws share.
 
 use crate::linear_elastic::{DISSIPATED_ENERGY, STRAIN_33};
-use umat_abi::metadata::StateVariable;
+use umat_abi::metadata::{EQUIVALENT_PLASTIC_STRAIN, StateVariable};
 
 const fn plastic_strain(name: &'static std::ffi::CStr, component: u32) -> StateVariable {
     StateVariable::new(name, c"-", c"plastic strain (engineering shear)").strain_component(component)
@@ -11,7 +11,9 @@ umat_abi::states! {
     /// The state variables of a plasticity law.
     pub struct State {
         /// Equivalent plastic strain.
-        pub peeq: f64 = StateVariable::new(c"peeq", c"-", c"equivalent plastic strain, the sum of sqrt(2/3 dep:dep)");
+        pub peeq: f64 = StateVariable::new(
+            EQUIVALENT_PLASTIC_STRAIN, c"-", c"equivalent plastic strain, the sum of sqrt(2/3 dep:dep)",
+        );
         /// Plastic strain, engineering shear.
         pub plastic_strain: [f64; 6] =
             plastic_strain(c"plastic_strain_11", 1),

@@ -112,6 +112,8 @@ pub struct Group {
     pub minimum: usize,
     /// Index of the parameter that holds the number of occurrences.
     pub count_parameter: Option<usize>,
+    /// How many parameters, the last before the group, the law got later: PROPS may lack them.
+    pub added: usize,
 }
 
 /// One entry of STATEV.
@@ -172,6 +174,18 @@ impl Law {
     pub fn named<'l>(laws: &'l [Self], cmname: &str) -> Option<&'l Self> {
         let wanted = cmname.trim().to_lowercase();
         laws.iter().filter(|law| wanted.starts_with(&law.name.to_lowercase())).max_by_key(|law| law.name.len())
+    }
+
+    /// PROPS with the defaults of the parameters that the law got later, where they are not given.
+    pub fn completed(&self, props: &[f64]) -> Vec<f64> {
+        let Some(group) = &self.group else { return props.to_vec() };
+        let fixed = self.parameters.len() - group.size;
+        let count = group.count_parameter.and_then(|place| props.get(place));
+        let given = metadata::given(group.added, group.size, count, props.len(), fixed);
+        let added = self.parameters[given..fixed].iter().map(|parameter| parameter.default_value);
+        let (before, behind) = props.split_at(given.min(props.len()));
+        let added: Vec<f64> = if before.len() == given { added.collect() } else { Vec::new() };
+        [before, &added, behind].concat()
     }
 
     /// Position in PROPS of the parameter with this role, if the law has one.
@@ -297,9 +311,10 @@ impl Law {
             return wrong("a derived output refers to a state variable that does not exist");
         }
         if let Some(group) = &self.group {
+            let always_given = self.parameters.len().checked_sub(group.size + group.added);
             let fits = group.size > 0
-                && group.size <= self.parameters.len()
-                && group.count_parameter.is_none_or(|k| k < self.parameters.len() - group.size);
+                && always_given.is_some_and(|given| group.count_parameter.is_none_or(|k| k < given))
+                && (group.added == 0 || group.count_parameter.is_some());
             if !fits {
                 return wrong("the repeating group does not fit the parameters");
             }
@@ -351,6 +366,7 @@ unsafe fn read_group(group: &metadata::RepeatingGroup) -> Result<Group, String> 
         size: group.size as usize,
         minimum: group.minimum as usize,
         count_parameter: usize::try_from(group.count_parameter).ok(),
+        added: group.added as usize,
     })
 }
 

@@ -236,6 +236,30 @@ pub struct PulloutOutput {
     /// Write fields for ParaView: never, at every 10th increment (true, the default), at every n-th; and at the end of
     /// each step.
     pub vtu: Option<Vtu>,
+    /// Pictures, and fields unless there are none, also at these moments: as soon as the slip first reaches each of these, mm, or at
+    /// these increments of the run. Beside those of the greatest load and of the end.
+    pub pictures_at: Option<PicturesAt>,
+    /// The equivalent plastic strain beyond which a fibre counts as ruptured: the summary tells at which slip (default 0.03). Nothing else
+    /// follows from it.
+    pub rupture_strain: Option<Positive>,
+}
+
+/// When pictures are made.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(untagged)]
+pub enum PicturesAt {
+    /// Slips, mm.
+    Slips(Vec<Positive>),
+    /// Numbers of increments.
+    Increments(IncrementNumbers),
+}
+
+/// Numbers of increments.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct IncrementNumbers {
+    /// Counted from 1 over all steps.
+    pub increments: Vec<Increments>,
 }
 
 /// When fields are written.

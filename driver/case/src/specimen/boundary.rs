@@ -171,6 +171,7 @@ impl Boundary {
                 axis,
                 exit_node,
                 tail_node,
+                part: None,
                 lines: Vec::new(),
             });
         }

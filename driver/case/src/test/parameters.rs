@@ -37,7 +37,7 @@ fn law(count_parameter: Option<usize>) -> Law {
         parameter("slip", 0.0, 0.0, f64::INFINITY),
         parameter("traction", 0.0, f64::NEG_INFINITY, f64::INFINITY),
     ];
-    law.group = Some(Group { name: "points".into(), size: 2, minimum: 1, count_parameter });
+    law.group = Some(Group { name: "points".into(), size: 2, minimum: 1, count_parameter, added: 0 });
     law
 }
 

@@ -65,6 +65,21 @@ fn points_of_a_bond_law_are_counted() {
     assert!(program.plugin.props.ends_with(&[0.01, 5.0, 0.1, 2.0, 0.3, 1.0]));
 }
 
+/// Lists of before `c_N`, which stands between the number of points and these.
+#[test]
+fn a_list_without_what_the_law_got_later_is_completed() {
+    let before = json!([
+        1, 1, 0, 1e4, 2, 0.32, 0.05, 950, 1.5921, 0.0832, 0.87, -0.2678, 0, 850, 0.1, 0, 2, 1e-3, 0.95, 0.02, 1.2
+    ]);
+    let program = accepted(&bond(before.clone()));
+    assert_eq!(value(&program, "c_N"), 0.0);
+    assert!(program.plugin.props.len() == 22 && program.plugin.props.ends_with(&[2.0, 0.0, 1e-3, 0.95, 0.02, 1.2]));
+    let mut whole = before.as_array().expect("a list").clone();
+    whole.insert(17, json!(3));
+    let program = accepted(&bond(Value::Array(whole)));
+    assert_eq!((value(&program, "c_N"), program.plugin.props.len()), (3.0, 22));
+}
+
 #[test]
 fn the_laws_own_objection_stands_at_its_parameters() {
     let (code, text) = refused(&bond(json!({ "form": "piecewise", "points": [[0.1, 5], [0.05, 2]] })));

@@ -152,7 +152,7 @@ fn fingerprint(program: &Program) -> io::Result<String> {
     hash.update(format!("{:?}", (mesh, average_dilatation, drives, supports, couplings, loads, nlgeom)));
     hash.update(format!("{:?}", (measured, fields, steps, controls, skipping)));
     let about = &program.about;
-    let written = (about.every, about.plots, program.fields_every);
+    let written = (about.every, about.plots, program.fields_every, &program.pictures_at, program.rupture_strain);
     hash.update(format!("{:?}", (&program.step_untils, &about.until, written)));
     for pair in contacts {
         let ContactPair {

@@ -4,7 +4,8 @@ use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
 use fe_core::assembly;
-use fe_core::stepping::{Analysis, Times};
+use fe_core::model::MeasuredFibre;
+use fe_core::stepping::{Analysis, Record, Times};
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use std::time::Duration;
@@ -20,6 +21,9 @@ pub struct Findings {
     /// What part of the work stabilisation took, and the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
+    /// Where the plastic strain of fibres first passed `output.rupture_strain`, by the fibres' names ("fibre" for one that has none).
+    #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
+    pub ruptures: IndexMap<String, Rupture>,
     /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
     #[serde(default)]
     pub overlap_max: f64,
@@ -46,6 +50,46 @@ pub struct Findings {
     /// Why and where the run stopped early.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failure: Option<Failure>,
+}
+
+/// The first increment in which a fibre is strained beyond what it is said to bear.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rupture {
+    /// Slip, mm, of that fibre where each has its own.
+    pub slip: f64,
+    /// Load of that fibre, N.
+    pub load: f64,
+    /// Its greatest equivalent plastic strain.
+    pub plastic_strain: f64,
+    /// Its greatest principal stress, MPa.
+    pub stress: f64,
+    /// Step, from 1.
+    pub step: u32,
+    /// Increment, from 1.
+    pub increment: u32,
+}
+
+impl Rupture {
+    /// Adds those of an increment that pass a strain for the first time.
+    pub fn add(ruptures: &mut IndexMap<String, Self>, record: &Record, names: &[MeasuredFibre], limit: f64) {
+        let &Record { step, increment, .. } = record;
+        let mut note = |name: &str, [slip, load, plastic_strain, stress]: [f64; 4]| {
+            if plastic_strain > limit && !ruptures.contains_key(name) {
+                ruptures.insert(name.to_owned(), Self { slip, load, plastic_strain, stress, step, increment });
+            }
+        };
+        if names.is_empty() {
+            note("fibre", [record.slip, record.load, record.plastic_strain, record.principal_stress]);
+        }
+        for (fibre, of) in names.iter().zip(&record.fibres) {
+            note(&fibre.name, [of.slip, of.load, of.plastic_strain, of.principal_stress]);
+        }
+    }
+
+    /// Returns whether all its numbers are finite.
+    pub fn is_finite(&self) -> bool {
+        [self.slip, self.load, self.plastic_strain, self.stress].into_iter().all(f64::is_finite)
+    }
 }
 
 /// A run that stopped early.

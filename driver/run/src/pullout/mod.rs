@@ -6,14 +6,15 @@ mod crack_band;
 pub mod fibre;
 mod fields;
 mod findings;
+mod moments;
 mod overlap;
 mod peak;
 mod program;
 mod recorder;
 mod replay;
 
-pub use findings::{Failure, Findings, Place};
+pub use findings::{Failure, Findings, Place, Rupture};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
-pub use program::Program;
+pub use program::{PictureAt, Program};
 pub use recorder::{Outcome, State, run};

@@ -42,8 +42,9 @@ pub struct KeptPeak {
     fields: Option<KeptFields>,
 }
 
+/// Fields without their mesh.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-struct KeptFields {
+pub(super) struct KeptFields {
     time: f64,
     displacements: Vec<f64>,
     reactions: Vec<f64>,
@@ -58,7 +59,23 @@ struct KeptFields {
 }
 
 impl KeptFields {
-    fn on(self, mesh: &Mesh) -> Fields<'_> {
+    pub(super) fn of(fields: Fields<'_>) -> Self {
+        Self {
+            displacements: fields.displacements.into_owned(),
+            time: fields.time,
+            reactions: fields.reactions,
+            stresses: fields.stresses,
+            strains: fields.strains,
+            states: fields.states,
+            state_names: fields.state_names,
+            pairs: fields.pairs,
+            contact: fields.contact,
+            activities: fields.activities,
+            behind: fields.behind,
+        }
+    }
+
+    pub(super) fn on(self, mesh: &Mesh) -> Fields<'_> {
         Fields {
             mesh,
             displacements: Cow::Owned(self.displacements),
@@ -98,19 +115,7 @@ impl<'p> PeakKeeper<'p> {
 
     /// The peak so far.
     pub fn kept(&self) -> KeptPeak {
-        let fields = self.fields.clone().map(|fields| KeptFields {
-            displacements: fields.displacements.into_owned(),
-            time: fields.time,
-            reactions: fields.reactions,
-            stresses: fields.stresses,
-            strains: fields.strains,
-            states: fields.states,
-            state_names: fields.state_names,
-            pairs: fields.pairs,
-            contact: fields.contact,
-            activities: fields.activities,
-            behind: fields.behind,
-        });
+        let fields = self.fields.clone().map(KeptFields::of);
         KeptPeak { peak: self.peak, displacements: self.displacements.clone(), spalled: self.spalled.clone(), fields }
     }
 

@@ -4,6 +4,16 @@ use crate::columns;
 use crate::program::{About, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
 use fe_core::threads::Threads;
+use serde::{Deserialize, Serialize};
+
+/// A moment that pictures show.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum PictureAt {
+    /// As soon as the slip reaches this, mm.
+    Slip(f64),
+    /// Number of the increment in the run, from 1.
+    Increment(u64),
+}
 
 /// Everything a run of a specimen needs.
 #[derive(Clone, Debug)]
@@ -20,6 +30,10 @@ pub struct Program {
     pub step_untils: Vec<Option<Until>>,
     /// Every n-th increment (and the last of each step) is written as fields; `None`: no fields.
     pub fields_every: Option<usize>,
+    /// When fields are kept for pictures, beside the greatest load and the end.
+    pub pictures_at: Vec<PictureAt>,
+    /// The plastic strain beyond which a fibre counts as ruptured.
+    pub rupture_strain: f64,
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
 }

@@ -2,9 +2,10 @@
 
 use super::checkpoint::{Checkpoints, Saved};
 use super::fields::{FieldWriter, WrittenFields};
-use super::findings::{self, Findings};
+use super::findings::{self, Findings, Rupture};
+use super::moments::{KeptMoments, Moments};
 use super::peak::{KeptPeak, PeakKeeper};
-use super::{Program, crack_band, overlap, replay};
+use super::{PictureAt, Program, crack_band, overlap, replay};
 use crate::columns::{self, place_in_specimen};
 use crate::number::significant;
 use crate::path::{self, Failure, Row, Statistics, Stop};
@@ -14,6 +15,7 @@ use fe_core::output::Fields;
 use fe_core::stepping::{
     Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, Snapshot,
 };
+use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
@@ -39,6 +41,8 @@ pub struct Outcome<'p> {
     pub peak: Option<State<'p>>,
     /// The state at the end, if pictures are wanted and anything was computed.
     pub end: Option<State<'p>>,
+    /// The states that the case asks pictures of, as far as the run came to them.
+    pub moments: Vec<(PictureAt, State<'p>)>,
 }
 
 impl Outcome<'_> {
@@ -49,6 +53,7 @@ impl Outcome<'_> {
             findings: Findings::default(),
             peak: None,
             end: None,
+            moments: Vec::new(),
         }
     }
 }
@@ -140,9 +145,11 @@ pub fn run<'p>(
     }
     let elapsed = start.elapsed();
     let done = analysis.statistics();
-    let Recorder { fields, peak, present, energies, energy_error, initial_displacement, .. } = recorder;
+    let Recorder { fields, peak, moments, ruptures, present, energies, energy_error, initial_displacement, .. } =
+        recorder;
     let writing = fields.map_or(Duration::ZERO, |fields| fields.spent());
     findings.peak_load = peak.peak();
+    findings.ruptures = ruptures;
     findings.energy_error_max = energy_error;
     findings.initial_displacement = initial_displacement;
     findings.energies = findings::energies(&present.values, energies.unaccounted);
@@ -164,6 +171,7 @@ pub fn run<'p>(
         findings,
         peak: peak.into_state().filter(goes_on),
         end: program.about.plots.then(end),
+        moments: moments.map(Moments::into_states).unwrap_or_default(),
     }
 }
 
@@ -213,6 +221,9 @@ struct Recorder<'p, 'o> {
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     peak: PeakKeeper<'p>,
+    /// `None`: nobody wants pictures.
+    moments: Option<Moments<'p>>,
+    ruptures: IndexMap<String, Rupture>,
     present: Present,
     energies: Energies,
     /// What finished increments cost, but for calls of plugins and attempts that were given up.
@@ -232,6 +243,8 @@ struct Recorder<'p, 'o> {
 pub(super) struct RecorderState {
     pub(super) fields: Option<WrittenFields>,
     peak: KeptPeak,
+    moments: Option<KeptMoments>,
+    ruptures: IndexMap<String, Rupture>,
     present: Present,
     energies: Energies,
     so_far: Statistics,
@@ -242,11 +255,14 @@ pub(super) struct RecorderState {
 impl RecorderState {
     /// Returns whether a run of this program can have come to it.
     pub(super) fn fits(&self, program: &Program) -> bool {
-        let Self { fields, peak, present, energies, so_far, energy_error, step_start } = self;
+        let Self { fields, peak, moments, ruptures, present, energies, so_far, energy_error, step_start } = self;
         present.values.len() == columns::count_in_specimen(&program.model.measured.fibres)
             && fields.is_some() == program.fields_every.is_some()
             && fields.as_ref().is_none_or(WrittenFields::is_sound)
             && peak.fits(&program.model.mesh)
+            && moments.is_some() == program.about.plots
+            && moments.as_ref().is_none_or(|kept| kept.fits(&program.model.mesh, program.pictures_at.len()))
+            && ruptures.values().all(Rupture::is_finite)
             && energies.is_finite()
             && so_far.counts_on()
             && energy_error.is_finite()
@@ -289,12 +305,14 @@ impl<'p, 'o> Recorder<'p, 'o> {
     fn new(program: &'p Program, observer: &'o mut dyn path::Observer, fields: Option<FieldWriter>) -> Self {
         let values = vec![0.0; columns::count_in_specimen(&program.model.measured.fibres)];
         let present = Present { step: 0, increment: 0, values, iterations: 0, written: true };
-        let peak = PeakKeeper::new(program.about.plots.then_some(&program.model.mesh));
+        let mesh = program.about.plots.then_some(&program.model.mesh);
         Self {
             program,
             observer,
             fields,
-            peak,
+            peak: PeakKeeper::new(mesh),
+            moments: mesh.map(|mesh| Moments::new(mesh, &program.pictures_at)),
+            ruptures: IndexMap::new(),
             present,
             energies: Energies::default(),
             so_far: Statistics::default(),
@@ -307,8 +325,12 @@ impl<'p, 'o> Recorder<'p, 'o> {
 
     /// Goes on where another recorder was.
     fn resume(&mut self, state: RecorderState) {
-        let RecorderState { fields: _, peak, present, energies, so_far, energy_error, step_start } = state;
-        self.peak = PeakKeeper::resumed(self.program.about.plots.then_some(&self.program.model.mesh), peak);
+        let RecorderState { fields: _, peak, moments, ruptures, present, energies, so_far, energy_error, step_start } =
+            state;
+        let mesh = self.program.about.plots.then_some(&self.program.model.mesh);
+        self.peak = PeakKeeper::resumed(mesh, peak);
+        self.moments = mesh.zip(moments).map(|(mesh, kept)| Moments::resumed(mesh, &self.program.pictures_at, kept));
+        self.ruptures = ruptures;
         (self.present, self.energies, self.so_far) = (present, energies, so_far);
         (self.energy_error, self.step_start) = (energy_error, step_start);
     }
@@ -317,6 +339,8 @@ impl<'p, 'o> Recorder<'p, 'o> {
         RecorderState {
             fields: self.fields.as_ref().map(FieldWriter::written),
             peak: self.peak.kept(),
+            moments: self.moments.as_ref().map(Moments::kept),
+            ruptures: self.ruptures.clone(),
             present: self.present.clone(),
             energies: self.energies,
             so_far: self.so_far,
@@ -411,11 +435,14 @@ impl Observer for Recorder<'_, '_> {
         }
         let directive = self.accept(record)?;
         self.peak.observe(record, snapshot);
+        let number = self.so_far.increments;
+        let is_moment = self.moments.as_mut().is_some_and(|moments| moments.observe(number, record, snapshot));
+        Rupture::add(&mut self.ruptures, record, &self.program.model.measured.fibres, self.program.rupture_strain);
         if self.program.about.plots {
             self.observer.state_reached(record.slip, record.load, snapshot, false);
         }
         if let Some(every) = self.program.fields_every
-            && self.is_due(directive, every)
+            && (self.is_due(directive, every) || is_moment)
             && let Some(fields) = &mut self.fields
         {
             fields.write(snapshot)?;

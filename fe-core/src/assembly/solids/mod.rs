@@ -48,7 +48,7 @@ mod trust;
 
 pub use error::SolidsError;
 pub use state::SolidsState;
-pub use summary::{Counters, PointCall, PointCounts, PointView, SolidEnergies};
+pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, SolidEnergies};
 pub use trust::PartAccount;
 
 use super::{Place, Trouble};

@@ -148,6 +148,8 @@ pub(super) struct Part {
     damage: Vec<usize>,
     /// The state of its law that is the work of the overstress: it extrapolates.
     pub(super) overstress_work: Option<usize>,
+    /// The state of its law that is the equivalent plastic strain.
+    pub(super) plastic_strain: Option<usize>,
     /// Whether its tangent may be negative: the law damages, or does not say; not if it extrapolates.
     pub(super) softens: bool,
     /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
@@ -332,6 +334,7 @@ fn checked_part(mesh: &Mesh, part: usize, law: &PluginLaw, [average, nlgeom]: [b
         damages: !damage.is_empty(),
         damage,
         overstress_work,
+        plastic_strain: law.equivalent_plastic_strain(),
         softens,
         may_lose_stability: softens || !law.has_symmetric_tangent(),
         nlgeom,

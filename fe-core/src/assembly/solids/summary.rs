@@ -99,6 +99,15 @@ pub struct PointView<'a> {
     pub volume: f64,
 }
 
+/// Extremes over the points of a part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct GreatestInPart {
+    /// Equivalent plastic strain.
+    pub plastic_strain: f64,
+    /// Principal stress, MPa; tension is positive.
+    pub principal_stress: f64,
+}
+
 /// The last call of a point's UMAT.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PointCall {
@@ -289,6 +298,26 @@ impl Solids {
             energies: states.energies[index],
             volume: body.volumes[index],
         }
+    }
+
+    /// The greatest equivalent plastic strain of the points of a part, and their greatest principal stress, MPa: along a fibre, by tension
+    /// and bending. NaN without points, or without a law that has such a strain.
+    pub fn greatest_in_part(&self, part: usize) -> GreatestInPart {
+        let mut greatest = GreatestInPart { plastic_strain: f64::NAN, principal_stress: f64::NAN };
+        for Body { part, points, .. } in self.bodies().filter(|body| body.index == part) {
+            let states = &points.committed;
+            if let Some(state) = part.plastic_strain {
+                let strains = states.statev.iter().skip(state).step_by(points.nstatv());
+                greatest.plastic_strain =
+                    strains.fold(greatest.plastic_strain, |greatest, &strain| greatest.max(strain));
+            }
+            let principal = states.stress.iter().map(|&[s11, s22, s33, s12]| {
+                let (middle, radius) = (0.5 * (s11 + s22), (0.5 * (s11 - s22)).hypot(s12));
+                (middle + radius).max(s33)
+            });
+            greatest.principal_stress = principal.fold(greatest.principal_stress, f64::max);
+        }
+        greatest
     }
 
     /// E of each part, MPa: the modulus along x of the virgin state with the other direct stresses 0.

@@ -213,6 +213,76 @@ fn collinear_slips_behave_as_in_one_direction() {
     }
 }
 
+/// Pure opening is the envelope at c_N gap, scaled by ε_N/(k_e c_N); with c_N² = ε_N/k_e it takes the energy of pure slip.
+#[test]
+fn in_mixed_mode_opening_follows_the_scaled_envelope() {
+    let envelope = Envelope::powers(950.0, [1.5921, 0.0832], [0.87, -0.2678], 0.0).expect("chapter 8");
+    for weight in [0.5, (1e4_f64 / 950.0).sqrt(), 10.0] {
+        let props = mixed(weight, &[(TAU_RES, 0.0)]);
+        let mut point = ContactPoint::<BondSlip>::virgin(&props, 2);
+        let mut last = InterfaceResponse::default();
+        let scale = 1e4 / (950.0 * weight);
+        for step in 1..=20_000 {
+            let gap = 10_f64.powf(-5.0 * (1.0 - f64::from(step) / 20_000.0)) / weight;
+            last = point.advance(&[-gap, 0.0, 0.0]);
+            let expected = -scale * envelope.strength(weight * gap).traction;
+            assert!((last.traction[0] - expected).abs() <= 1e-12 * 1e4 * gap, "{} {expected}", last.traction[0]);
+            assert_eq!(point.state("opening"), gap);
+        }
+        let energy = last.stored_energy + last.dissipated_energy;
+        approx::assert_relative_eq!(energy, scale / weight * envelope_area(1.0), max_relative = 1e-5);
+        // the shear that is left is that of the damage, and compression is whole
+        let integrity = envelope.strength(1.0).traction / 950.0;
+        let pressed = point.trial(&[1e-3, 1e-4, 0.0]).0.traction;
+        approx::assert_relative_eq!(pressed[0], 10.0, max_relative = 1e-12);
+        assert!(pressed[1] <= integrity * 950.0 * 1e-4 + 0.1 * 10.0 * (1.0 + 1e-12), "{pressed:?}");
+    }
+}
+
+/// Slip and gap on one line: κ is their weighted length, and both tractions have the same damage.
+#[test]
+fn in_mixed_mode_slip_and_gap_share_one_damage() {
+    let envelope = chapter_8();
+    let (weight, residual) = (3.0, 0.5);
+    let props = mixed(weight, &[(MU, 0.0), (TAU_RES, residual)]);
+    for (gap, slip) in [(1e-3, 0.01), (0.02, 0.05), (0.1, 1e-3), (2.0, 3.0)] {
+        let response = ContactPoint::<BondSlip>::virgin(&props, 2).advance(&[-gap, slip, 0.0]);
+        let kappa = slip.hypot(weight * gap);
+        let integrity = (envelope.strength(kappa).traction - residual) / (950.0 * kappa - residual);
+        approx::assert_relative_eq!(response.traction[0], -integrity * 1e4 * gap, max_relative = 1e-12);
+        let friction = f64::min(950.0 * slip, residual);
+        let shear = integrity * 950.0 * slip + (1.0 - integrity) * friction;
+        approx::assert_relative_eq!(response.traction[1], shear, max_relative = 1e-12);
+    }
+}
+
+/// The damage's part of the tangent is symmetric where c_N² = ε_N/k_e and nothing rubs.
+#[test]
+fn in_mixed_mode_the_tangent_is_symmetric_for_one_energy() {
+    let props = mixed((1e4_f64 / 950.0).sqrt(), &[(MU, 0.0), (TAU_RES, 0.0)]);
+    let tangent = ContactPoint::<BondSlip>::virgin(&props, 3).advance(&[-0.01, 0.02, 0.03]).tangent;
+    for (i, j) in [(0, 1), (0, 2), (1, 2)] {
+        approx::assert_relative_eq!(tangent[i][j], tangent[j][i], max_relative = 1e-12);
+        assert!(tangent[i][j] != 0.0);
+    }
+}
+
+/// PROPS of before c_N, and with 0, are the same law to the last bit.
+#[test]
+fn without_its_weight_the_law_is_the_one_before() {
+    let mut random = Random::new(0xC);
+    for short in variants().iter().filter(|props| (props.len() - C_N).is_multiple_of(2)) {
+        let long = [&short[..C_N], &[0.0], &short[C_N..]].concat();
+        let mut points = [short, &long].map(|props| ContactPoint::<BondSlip>::virgin(props, 3));
+        for _ in 0..20 {
+            let moved = [2e-3 * random.signed(), 0.05 * random.signed(), 0.05 * random.signed()];
+            let [one, other] = points.each_mut().map(|point| point.advance(&moved));
+            assert_eq!((one.traction, one.tangent), (other.traction, other.tangent));
+            assert_eq!(one.dissipated_energy.to_bits(), other.dissipated_energy.to_bits());
+        }
+    }
+}
+
 /// Law none: a spring up to μp, then constant; reversed, it unloads along the spring to −μp.
 #[test]
 fn capped_friction_reverses() {

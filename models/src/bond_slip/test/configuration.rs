@@ -38,6 +38,9 @@ fn refuses_what_gives_no_envelope() {
     refuses(&props(&[(TAU_RES, 1.4)]), "tau_res");
     refuses(&props(&[(LAW, 1.0), (TAU_RES, 1.0)]), "tau_res");
     refuses(&props(&[(G_0, 0.0)]), "g_0");
+    for set in [&[(LAW, 0.0)][..], &[(LAW, 2.0)], &[(NORMAL_LAW, 1.0)]] {
+        refuses(&mixed(1.0, set), "mixed mode");
+    }
     refuses(&props(&[(LAW, 2.0), (K_E, 0.0)]), "k_f");
     assert_eq!(broken_rule(&props(&[(LAW, 2.0), (K_E, 0.0), (K_F, 1e4)])), None);
 }
@@ -56,7 +59,7 @@ fn refuses_points_that_give_no_envelope() {
     assert_eq!(broken_rule(&piecewise(&[], &[[0.0, 0.5]])), None);
     let wrong_count = [&props(&[(FORM, 1.0), (POINT_COUNT, 2.0)])[..], &[1e-3, 0.5]].concat();
     let error = check_properties(&BondSlip::INFO, &wrong_count);
-    assert!(matches!(error, Err(ConfigurationError::ParameterCount { given: 19, expected: 21 })));
+    assert!(matches!(error, Err(ConfigurationError::ParameterCount { given: 19, expected: 22 })));
 }
 
 #[test]

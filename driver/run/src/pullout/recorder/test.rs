@@ -20,6 +20,8 @@ fn program(every: usize) -> Program {
     Program {
         about: About { case_file: "case.json".into(), every, ..About::default() },
         fields_every: None,
+        pictures_at: Vec::new(),
+        rupture_strain: 0.03,
         mesh: String::new(),
         fibre_diameter: None,
         model: Model {
@@ -69,6 +71,8 @@ pub fn record(step: u32, increment: u32, time: f64) -> Record {
         spalled_depth: 24.4,
         separation_length: 24.5,
         greatest_bearing_pressure: 25.0,
+        plastic_strain: 27.0,
+        principal_stress: 28.0,
         cutbacks: 26,
         iterations: vec![Iteration::default(); 3],
         fibres: Vec::new(),
@@ -149,6 +153,8 @@ fn values_stand_under_their_columns() {
         ("separation_length", 24.5),
         ("bearing_pressure_max", 25.0),
         ("cutbacks", 26.0),
+        ("plastic_strain_max", 27.0),
+        ("stress_max", 28.0),
     ];
     for (name, value) in expected {
         assert_eq!(column(name), value, "{name}");
