@@ -276,7 +276,7 @@ impl From<LoadError> for BenchError {
 /// What an item found.
 #[derive(Clone, Debug)]
 pub struct Findings {
-    /// For a terminal.
+    /// Text for a terminal.
     pub text: String,
     /// What should not have been found.
     pub failed: Option<String>,

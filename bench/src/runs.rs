@@ -24,7 +24,7 @@ pub(super) struct Ran {
     pub statistics: Statistics,
     /// Why it stopped early.
     pub stopped: Option<String>,
-    /// It stopped since it was over its limit.
+    /// Stopped because it was over its limit.
     pub over_limit: bool,
 }
 

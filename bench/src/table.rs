@@ -63,7 +63,7 @@ impl From<Option<f64>> for Cell {
 const DIGITS: usize = 3;
 
 impl Table {
-    /// Without rows.
+    /// Makes a table without rows.
     pub fn new<const N: usize>(columns: [&str; N]) -> Self {
         Self { columns: columns.map(str::to_owned).into(), rows: Vec::new() }
     }

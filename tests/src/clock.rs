@@ -11,7 +11,7 @@ pub struct CpuClock {
 }
 
 impl CpuClock {
-    /// From now on.
+    /// Starts a clock.
     pub fn start() -> Self {
         let (own, children) = read();
         Self { own, children }

@@ -1,7 +1,8 @@
 //! `pullout_umat_batch_v1` gives the bits of single calls of `umat_`, whatever the points are.
 
+use battery::BatchCall;
 use end_to_end_tests::{LAWS, PointMemory, Random, Sample, plugin, sample, strain_path};
-use umat_abi::host::{BatchCall, Library};
+use umat_abi::host::Library;
 use umat_abi::law::{Request, StressState};
 use umat_abi::metadata::batch_results;
 

@@ -98,7 +98,7 @@ pub struct Increment {
 }
 
 impl Increment {
-    /// Nothing strained or stressed, without a characteristic length: what the components of a host are read into.
+    /// An increment without strain, stress and characteristic length, into which the components of a host are read.
     #[inline(always)]
     pub const fn at_rest(stress_state: StressState) -> Self {
         Self {
@@ -165,7 +165,7 @@ impl Response {
 pub enum Failure {
     /// The input makes no sense at all: stress is returned as NaN.
     Configuration(ConfigurationError),
-    /// This increment cannot be integrated (NaN input, no convergence): the host's arrays stay as
+    /// The increment cannot be integrated (NaN input, no convergence): the host's arrays stay as
     /// they were and it is asked to retry with `fraction` of the increment, 0 < fraction < 1.
     CutBack {
         /// Suggested PNEWDT.

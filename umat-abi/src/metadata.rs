@@ -414,9 +414,9 @@ impl DerivedOutput {
 pub mod validation {
     /// Parameters are usable.
     pub const OK: i32 = 0;
-    /// They are not; the message says why.
+    /// The parameters are not admitted; the message says why.
     pub const INVALID: i32 = 1;
-    /// They need a characteristic length > 0.
+    /// The parameters need a characteristic length > 0.
     pub const NEEDS_LENGTH: i32 = 2;
 }
 
@@ -439,7 +439,7 @@ pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 pub mod batch_results {
     /// Arrays hold the new values.
     pub const DONE: i32 = 0;
-    /// It needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
+    /// The point needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
     pub const CUT_BACK: i32 = 1;
     /// Parameters, counts or characteristic length are wrong: STRESS and DDSDDE are NaN.
     pub const REFUSED: i32 = 2;

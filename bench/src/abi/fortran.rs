@@ -23,7 +23,7 @@ const INCLUDED: [(&str, &str); 2] = [
     ("damage_function.inc", include_str!("fortran/damage_function.inc")),
 ];
 
-/// For which processors it is compiled.
+/// Processors for which it is compiled.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Target {
     /// Any, as the plugins are.

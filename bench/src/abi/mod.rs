@@ -31,7 +31,7 @@ struct Row {
     plugin_ratio: f64,
     /// Through the host's safe call.
     host: f64,
-    /// With arguments noted for a supervisor.
+    /// Calls whose arguments are noted for a supervisor.
     recorded: Option<f64>,
     /// Fortran's time over the plugin's: portable, native.
     fortran: [Ratio; 2],

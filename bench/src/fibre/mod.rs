@@ -11,7 +11,7 @@ use tempfile::TempDir;
 /// Chapter 7's base case.
 const CASE: &str = include_str!("../../../cases/chapter-7/inclined-fibre.json");
 
-/// Its largest and its first increment, mm.
+/// Largest and first increment, mm.
 const LARGEST_INCREMENT: f64 = 0.04;
 const FIRST_INCREMENT: f64 = 2e-4;
 /// and the least that one may be cut to.

@@ -48,11 +48,11 @@ struct Measurement {
 struct Figures {
     /// max |σ − σ_ref|/max |σ_ref|.
     error: f64,
-    /// Of a whole path, s.
+    /// Time of a whole path, s.
     seconds: f64,
     /// Over that of the law itself in the same turns.
     time_ratio: f64,
-    /// Of the driver.
+    /// Time of the driver.
     statistics: Option<Statistics>,
 }
 

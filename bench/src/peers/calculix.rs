@@ -6,7 +6,7 @@ use crate::timing::children_time;
 use std::path::Path;
 use std::process::Command;
 
-/// Its name and version; `None`: it is not installed.
+/// Name and version; `None`: it is not installed.
 pub fn installed() -> Option<String> {
     let output = Command::new("ccx").arg("-v").output().ok()?;
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

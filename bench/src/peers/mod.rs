@@ -22,7 +22,7 @@ const TARGET_RATIO: f64 = 5.0;
 /// A program on a specimen.
 #[derive(Clone, Debug)]
 struct Side {
-    /// Its name and version.
+    /// Name and version.
     program: String,
     /// Time of the processor, s.
     seconds: f64,

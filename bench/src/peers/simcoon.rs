@@ -17,7 +17,7 @@ const THREADS: [&str; 3] = ["OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_
 #[derive(Clone, Debug)]
 pub struct Simcoon {
     python: PathBuf,
-    /// Its name and version.
+    /// Name and version.
     pub program: String,
 }
 

@@ -11,7 +11,7 @@ use super::{BenchError, Settings};
 
 /// The plate with a hole, as it is pulled beside CalculiX.
 const PLATE: &str = include_str!("../../../cases/benchmark/plate-with-hole.json");
-/// Its elements.
+/// Number of elements.
 const CELLS: [usize; 6] = [170, 500, 1_600, 5_000, 16_000, 33_500];
 /// Factors on all sizes of the bent fibre's mesh.
 const FIBRE_MESHES: [f64; 6] = [2.0, 1.0, 0.5, 0.25, 0.125, 0.063];
@@ -56,7 +56,7 @@ impl Family {
 /// Runs of a size.
 struct Measured {
     family: Family,
-    /// Of the case.
+    /// Setting of the case.
     setting: String,
     /// Median of the processors' time, s.
     seconds: f64,

@@ -29,7 +29,7 @@ struct Lines {
 }
 
 impl Progress {
-    /// To standard error.
+    /// Shows the progress of a part on standard error.
     pub fn new(part: &'static str, total: u64) -> Self {
         if std::io::stderr().is_terminal() {
             let bar = ProgressBar::new(total);

@@ -3,8 +3,9 @@
 use super::super::solid::{Situation, Solid};
 use super::super::timing::Way;
 use super::super::{BenchError, Settings};
+use battery::BatchCall;
 use std::hint::black_box;
-use umat_abi::host::{BatchCall, CallOutcome, Library, UmatCall};
+use umat_abi::host::{CallOutcome, Library, UmatCall};
 use umat_abi::law::{Request, StressState};
 
 /// Points of a batch: their arrays fit into the nearest caches.

@@ -13,9 +13,9 @@ use umat_abi::law::Request;
 /// Throughput.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Cores {
-    /// Of one thread.
+    /// Updates per second of one thread.
     pub per_second: f64,
-    /// Of all threads over one.
+    /// Updates of all threads over those of one.
     pub all_over_one: f64,
 }
 

@@ -42,7 +42,7 @@ pub struct BridgingFibre {
     sides: Sides,
 }
 
-/// What of a fibre at an opening does not depend on its angle.
+/// The part of a fibre's state at an opening that does not depend on its angle.
 #[derive(Clone, Debug)]
 pub(crate) struct Prepared<'t> {
     opening: f64,

@@ -17,7 +17,7 @@ const SPENT: f64 = 12.0;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Softening {
-    /// At once.
+    /// Falls to zero at once.
     #[default]
     None,
     /// f_t exp(−f_t w/G_f).

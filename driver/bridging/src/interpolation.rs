@@ -8,7 +8,7 @@ pub struct Polyline {
 }
 
 impl Polyline {
-    /// Through points by rising x; of points at one x the last counts.
+    /// Interpolates through points by rising x; of points at one x the last counts.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut line = Self::default();
         for (x, y) in points {

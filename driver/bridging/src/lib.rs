@@ -42,7 +42,7 @@ use std::f64::consts::PI;
 pub struct Invalid {
     /// The keys that lead to it, joined by points.
     pub place: String,
-    /// What it must be.
+    /// Requirement on the value.
     pub rule: String,
 }
 

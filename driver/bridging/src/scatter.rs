@@ -23,7 +23,7 @@ const MOST_BEAMS: usize = 1_000_000;
 const MOST_STRIPS: usize = 100;
 const MOST_FIBRES: f64 = 1e6;
 
-/// What varies.
+/// Quantities that vary from beam to beam.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scatter {

@@ -125,7 +125,7 @@ impl Table {
         &self.lengths
     }
 
-    /// Between lengths: along equal slip up to the peak, along equal s/L_e beyond twice its slip, smoothly in between;
+    /// Interpolates between lengths: along equal slip up to the peak, along equal s/L_e beyond twice its slip, smoothly in between;
     /// below the least length in proportion to it.
     /// Load, and the greatest so far if it is wanted.
     fn between(&self, angle: usize, slip: f64, embedded: f64, greatest: bool) -> [f64; 2] {
@@ -212,7 +212,7 @@ impl Table {
 }
 
 impl Row<'_> {
-    /// Between angles: monotone; constant beyond the largest, nothing beyond the cut. Load, and the greatest so far.
+    /// Interpolates between angles, monotonically; constant beyond the largest, nothing beyond the cut. Load, and the greatest so far.
     pub fn at(&self, angle: f64) -> (f64, f64) {
         let angles = &self.table.angles;
         if angle > self.table.cut {

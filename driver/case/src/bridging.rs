@@ -79,7 +79,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &BridgingCase, others
     let program = program_of(case, fibre, volume_fraction, matrix, orientation);
     let program = program.map(|program| Program { sides, openings: openings(given), beam, scatter, ..program });
     let columns = program.as_ref().map(Program::columns);
-    let about = history::about(reader, path, &case.title, &case.description, &None, &case.compare, columns.as_deref());
+    let about = history::about(reader, path, &case.head, None, columns.as_deref());
     check_tables(reader, &about, columns.as_deref().unwrap_or_default());
     let about = About {
         every: 1,

@@ -122,6 +122,77 @@ impl JsonSchema for Fraction {
     }
 }
 
+/// What files of all kinds say of themselves.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct Head {
+    /// Address of this schema, for editors.
+    #[serde(rename = "$schema")]
+    pub schema: Option<Piece<String>>,
+    /// Title of plots and report; default: the file's stem.
+    pub title: Option<Piece<String>>,
+    /// Text for the report.
+    pub description: Option<Piece<String>>,
+}
+
+/// What cases of all kinds say beside their own.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct CaseHead {
+    /// Title and text.
+    #[serde(flatten)]
+    pub head: Head,
+    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
+    #[expect(dead_code, reason = "read before the kinds differ")]
+    pub files: Option<Piece<Vec<String>>>,
+    /// Curves to compare with; of kind bridging x and y are two columns of bridging.csv, or two of beam.csv.
+    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
+}
+
+/// What cases with steps say of all of them.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct Course {
+    /// Initial temperature, everywhere (default 0).
+    pub temperature: Option<Piece<f64>>,
+    /// Initial field variables, everywhere.
+    pub predef: Option<Piece<Vec<f64>>>,
+    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
+    /// the run then.
+    pub increments: Option<Piece<RunIncrements>>,
+    /// Ends the run early.
+    pub until: Option<Piece<Until>>,
+}
+
+/// What a material point and a contact point have in common; `S`: a step.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(bound(deserialize = "S: DeserializeOwned"))]
+pub struct Path<S> {
+    /// The plugin and its parameters.
+    pub material: Piece<Material>,
+    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
+    /// case it comes from.
+    #[expect(dead_code, reason = "read by `job_folder`")]
+    pub job_folder: Option<Piece<String>>,
+    /// CELENT, mm, of a contact point CHRLNGTH; required when the law's crack band is on.
+    pub characteristic_length: Option<Piece<Positive>>,
+    /// What is done to the point.
+    #[schemars(length(min = 1))]
+    pub steps: Piece<Vec<Piece<S>>>,
+    /// What is written.
+    pub output: Option<Piece<Output>>,
+    /// Iteration limits.
+    pub controls: Option<Piece<Controls>>,
+}
+
+/// What steps of all kinds say of their end.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+pub struct StepEnd {
+    /// Ends this step early.
+    pub until: Option<Until>,
+    /// Temperature at the end of the step.
+    pub temperature: Option<f64>,
+    /// Field variables at the end of the step.
+    pub predef: Option<Vec<f64>>,
+}
+
 /// Most increments of one step, and of a run.
 pub const MOST_INCREMENTS: u64 = 100_000_000;
 /// Number of increments of a step.

@@ -1,6 +1,6 @@
 //! Temperature and field variables: initial values, ends of steps, columns of tables.
 
-use crate::document::Piece;
+use crate::document::{Course, StepEnd};
 use crate::problem::Place;
 use crate::reader::Reader;
 use crate::table::Table;
@@ -11,26 +11,17 @@ const TEMPERATURE: &str = "temperature";
 const PREDEF: &str = "predef";
 
 /// Values at the start, as far as anything says something of them.
-pub fn initial(
-    reader: &mut Reader<'_>,
-    temperature: Option<&Piece<f64>>,
-    predef: Option<&Piece<Vec<f64>>>,
-) -> FieldValues {
+pub fn initial(reader: &mut Reader<'_>, course: &Course) -> FieldValues {
     let root = Place::root();
     FieldValues {
-        temperature: reader.optional(temperature, &root.key(TEMPERATURE)).copied().unwrap_or_default(),
-        variables: reader.optional(predef, &root.key(PREDEF)).cloned().unwrap_or_default(),
+        temperature: reader.optional(course.temperature.as_ref(), &root.key(TEMPERATURE)).copied().unwrap_or_default(),
+        variables: reader.optional(course.predef.as_ref(), &root.key(PREDEF)).cloned().unwrap_or_default(),
     }
 }
 
 /// Values at the end of a step of a case with `count` field variables.
-pub fn of_step(
-    reader: &mut Reader<'_>,
-    temperature: Option<f64>,
-    predef: Option<&[f64]>,
-    count: usize,
-    place: &Place,
-) -> StepFields {
+pub fn of_step(reader: &mut Reader<'_>, end: &StepEnd, count: usize, place: &Place) -> StepFields {
+    let StepEnd { temperature, predef, .. } = end;
     if let Some(end) = predef
         && end.len() != count
     {
@@ -38,7 +29,7 @@ pub fn of_step(
             format!("{} values given, but the case has {count} initial field variables ($.{PREDEF})", end.len());
         reader.problem(&place.key(PREDEF), message);
     }
-    StepFields { temperature, predef: predef.map(<[f64]>::to_vec), ..StepFields::default() }
+    StepFields { temperature: *temperature, predef: predef.clone(), ..StepFields::default() }
 }
 
 /// DPRED of the first call must be of the case's field variables.

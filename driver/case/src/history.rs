@@ -11,23 +11,21 @@ use std::path::Path;
 pub fn about(
     reader: &mut Reader<'_>,
     path: &Path,
-    title: &Option<Piece<String>>,
-    description: &Option<Piece<String>>,
-    until: &Option<Piece<document::Until>>,
-    compare: &Option<Piece<Vec<Piece<document::Compare>>>>,
+    given: &document::CaseHead,
+    until: Option<&Piece<document::Until>>,
     columns: Option<&[String]>,
 ) -> About {
     let root = Place::root();
-    let title = reader.optional(title.as_ref(), &root.key("title")).cloned();
-    let description = reader.optional(description.as_ref(), &root.key("description")).cloned();
+    let title = reader.optional(given.head.title.as_ref(), &root.key("title")).cloned();
+    let description = reader.optional(given.head.description.as_ref(), &root.key("description")).cloned();
     let place = root.key("until");
-    let bound = reader.optional(until.as_ref(), &place);
+    let bound = reader.optional(until, &place);
     About {
         case_file: path.into(),
         title: title.unwrap_or_else(|| path.file_stem().unwrap_or_default().to_string_lossy().into()),
         description: description.unwrap_or_default(),
         until: bound.and_then(|bound| self::until(reader, bound, columns, &place)),
-        compare: compare_all(reader, compare.as_ref(), columns, &root.key("compare")),
+        compare: compare_all(reader, given.compare.as_ref(), columns, &root.key("compare")),
         ..About::default()
     }
 }

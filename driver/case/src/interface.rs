@@ -10,12 +10,12 @@ use crate::reader::Reader;
 use crate::steps::{self, Counted};
 use crate::{fields, history};
 use pullout_run::columns;
-use pullout_run::program::{InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, NormalControl};
+use pullout_run::program::{InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, Kind, NormalControl, Pace};
 
 /// Names of targets and of table columns.
 const NAMES: [&str; 4] = ["slip", "slip2", "gap", "p"];
 
-/// What the steps must agree with.
+/// Properties of the case that its steps must agree with.
 struct Setting<'c> {
     entry: Entry,
     field_variables: usize,
@@ -31,14 +31,11 @@ struct OpenStep {
 
 impl Counted for OpenStep {
     fn increments(&self) -> u64 {
-        match &self.step.drive {
-            InterfaceDrive::Ramp { increments, .. } => *increments as u64,
-            InterfaceDrive::Table { rows, .. } => rows.len() as u64,
-        }
+        self.step.increments()
     }
 
     fn rows(&self) -> u64 {
-        if let InterfaceDrive::Table { rows, .. } = &self.step.drive { rows.len() as u64 } else { 0 }
+        self.step.rows()
     }
 }
 
@@ -55,14 +52,10 @@ impl steps::StepDocument for StepDocument {
 /// Resolves the plugin, the initial state and the steps.
 pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let root = Place::root();
-    let place = root.key("characteristic_length");
-    let length = match &case.characteristic_length {
-        None => Length::NotGiven,
-        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
-    };
-    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
+    let length = Length::of(reader, case.path.characteristic_length.as_ref());
+    let characteristic_length = length.given();
     let place = root.key("material");
-    let material = reader.piece(&case.material, &place);
+    let material = reader.piece(&case.path.material, &place);
     let entry = match material.and_then(|material| material.entry) {
         None | Some(Entry::Uinter) => Entry::Uinter,
         Some(Entry::Fric) => Entry::Fric,
@@ -83,11 +76,11 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
     let initial_statev =
         statev(reader, material, given.statev.as_deref(), plugin.as_ref()).unwrap_or_else(|| vec![0.0; states]);
     let place = root.key("steps");
-    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let documents = reader.piece(&case.path.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut directions = if given.slip2.is_some() { 2 } else { 1 };
     directions = directions.max(directions_of(reader, documents));
     let columns = plugin.as_ref().map(|plugin| columns::of_contact(directions, &plugin.state_names()));
-    let initial_fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let initial_fields = fields::initial(reader, &case.course);
     let place_of_arguments = root.key("arguments");
     let arguments = reader.optional(case.arguments.as_ref(), &place_of_arguments);
     let dpred = arguments.and_then(|given| given.dpred.as_deref());
@@ -113,9 +106,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &InterfaceCase) -> Resolved {
 fn close(open: Vec<OpenStep>, entry: Entry) -> Vec<InterfaceStep> {
     let mut normal = if entry == Entry::Fric { NormalControl::Pressure } else { NormalControl::Gap };
     open.into_iter()
-        .map(|OpenStep { normal: own, step }| {
+        .map(|OpenStep { normal: own, mut step }| {
             normal = own.unwrap_or(normal);
-            InterfaceStep { normal, ..step }
+            step.goal.normal = normal;
+            step
         })
         .collect()
 }
@@ -179,14 +173,14 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &InterfaceRamp, setting: &Setting<'_
         Some(EndValue::Hold(_)) | None => None,
     };
     let until =
-        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
-    let drive = InterfaceDrive::Ramp {
-        increments: usize::try_from(ramp.increments.0).unwrap_or(usize::MAX),
-        time: ramp.time.map_or(1.0, |time| time.0),
-        end: [value(target.slip), value(target.slip2), value(target.gap.or(target.p))],
-    };
-    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
-    OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } }
+        ramp.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    let ends = vec![[value(target.slip), value(target.slip2), value(target.gap.or(target.p))]];
+    let pace = steps::pace(ramp.increments, ramp.time);
+    let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
+    OpenStep {
+        normal,
+        step: InterfaceStep { pace, goal: InterfaceGoal { normal: NormalControl::Gap, ends }, until, fields },
+    }
 }
 
 fn table_step(
@@ -196,9 +190,9 @@ fn table_step(
     place: &Place,
 ) -> Option<OpenStep> {
     let until =
-        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+        step.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
     let count = setting.field_variables;
-    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
+    let mut fields = fields::of_step(reader, &step.end, count, place);
     let field_names = fields::columns(count);
     let names: Vec<&str> = NAMES.into_iter().chain(field_names.iter().map(String::as_str)).collect();
     let place_of_table = place.key("table");
@@ -207,7 +201,7 @@ fn table_step(
     fields::take_columns(reader, &mut fields, &table, NAMES.len(), &path.display().to_string(), place);
     let [slip, slip2, gap, p] = [0, 1, 2, 3].map(|k| table.columns[k]);
     let normal = normal_control(reader, gap.is_some(), p.is_some(), setting.entry, |_| place_of_table.clone());
-    let rows = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
-    let drive = InterfaceDrive::Table { rows: rows.collect(), time_increments: table.time_increments };
-    Some(OpenStep { normal, step: InterfaceStep { normal: NormalControl::Gap, drive, until, fields } })
+    let ends = table.rows.iter().map(|row| [slip, slip2, gap.or(p)].map(|column| column.map(|column| row[column])));
+    let goal = InterfaceGoal { normal: NormalControl::Gap, ends: ends.collect() };
+    Some(OpenStep { normal, step: InterfaceStep { pace: Pace::Rows(table.time_increments), goal, until, fields } })
 }

@@ -28,7 +28,7 @@ pub fn parse(text: &str) -> Result<(Value, Vec<Problem>), Problem> {
     Ok((value, found.into_inner().repeated))
 }
 
-/// What was found on the way.
+/// Problems and counts of a document that is being parsed.
 #[derive(Default)]
 struct Found {
     values: usize,

@@ -1,6 +1,6 @@
 //! The plugin of a case: found, loaded, its law chosen, its parameters filled in and checked.
 
-use crate::document::{CalledAs, Entry, Material, Props, Tangent};
+use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent};
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
@@ -12,16 +12,16 @@ use umat_abi::metadata::{kinds, stress_states};
 /// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100
 /// times the elastic stiffness of a bond (chapter 8: 950 MPa/mm).
 pub const NORMAL_PENALTY: f64 = 1e5;
-/// Likewise tangential, for laws that cannot derive their own: about 10 times a bond's elastic stiffness.
+/// Tangential penalty of laws that cannot derive their own, MPa/mm: about 10 times a bond's elastic stiffness.
 pub const TANGENTIAL_PENALTY: f64 = 1e4;
 
 /// The library of all laws that come with the program: where it is, they are.
 const ALL_LAWS: &str = "pullout_laws";
 
-/// What the case does with the plugin.
+/// Use that the case makes of the plugin.
 #[derive(Clone, Debug)]
 pub struct Use {
-    /// What the plugin describes.
+    /// Point, part or contact that the plugin describes.
     pub subject: Subject,
     /// The entry point that is called.
     pub entry: Entry,
@@ -51,6 +51,22 @@ pub enum Length {
     Given(f64),
     /// Extremes of the elements of a part: index of the element, length in mm.
     OfElements(Vec<(usize, f64)>),
+}
+
+impl Length {
+    /// What the case of a point says.
+    pub fn of(reader: &mut Reader<'_>, given: Option<&Piece<Positive>>) -> Self {
+        let place = Place::root().key("characteristic_length");
+        match given {
+            None => Self::NotGiven,
+            Some(piece) => reader.piece(piece, &place).map_or(Self::Unknown, |length| Self::Given(length.0)),
+        }
+    }
+
+    /// The one length that is known, mm.
+    pub fn given(&self) -> Option<f64> {
+        if let Self::Given(length) = self { Some(*length) } else { None }
+    }
 }
 
 /// Loads and checks; `None` with problems if there is no plugin or its number of states is unknown.

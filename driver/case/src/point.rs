@@ -6,15 +6,17 @@ use crate::document::{PointStep as StepDocument, PointTable};
 use crate::plugin::{self, Length, Subject, Use};
 use crate::problem::{Place, hint};
 use crate::reader::Reader;
-use crate::steps::{self, Counted};
+use crate::steps;
 use crate::table::Table;
 use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
-use pullout_run::program::{Control, Kind, Measure, Mode, Plugin, PointDrive, PointProgram, PointState, PointStep};
-use pullout_run::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
+use pullout_run::program::{
+    Control, Kind, Measure, Mode, Pace, Plugin, PointDrive, PointGoal, PointProgram, PointState, PointStep,
+    STRAIN_NAMES, STRESS_NAMES, TURNED,
+};
 
-/// What the kinds of points resolve; reading a case adds the rest.
+/// The parts of a program that the kinds of points resolve; reading a case adds the rest.
 pub struct Resolved {
     pub plugin: Option<Plugin>,
     pub kind: Option<Kind>,
@@ -24,7 +26,7 @@ pub struct Resolved {
 
 const IDENTITY: Matrix = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
 
-/// What the steps must agree with.
+/// Properties of the case that its steps must agree with.
 struct Setting<'c> {
     mode: Mode,
     nlgeom: bool,
@@ -41,14 +43,10 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         Some(piece) => reader.piece(piece, &root.key("mode")).copied(),
     };
     let nlgeom = reader.optional(case.nlgeom.as_ref(), &root.key("nlgeom")).copied().unwrap_or(false);
-    let place = root.key("characteristic_length");
-    let length = match &case.characteristic_length {
-        None => Length::NotGiven,
-        Some(piece) => reader.piece(piece, &place).map_or(Length::Unknown, |length| Length::Given(length.0)),
-    };
-    let characteristic_length = if let Length::Given(length) = length { Some(length) } else { None };
+    let length = Length::of(reader, case.path.characteristic_length.as_ref());
+    let characteristic_length = length.given();
     let place = root.key("material");
-    let material = reader.piece(&case.material, &place);
+    let material = reader.piece(&case.path.material, &place);
     let plugin = material.and_then(|material| {
         if let Some(Entry::Uinter | Entry::Fric) = material.entry {
             let message = "kind \"point\" calls the entry point umat; use kind \"interface\" for uinter and fric";
@@ -76,12 +74,12 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PointCase) -> Resolved {
         columns: columns.as_deref(),
     };
     let place = root.key("steps");
-    let documents = reader.piece(&case.steps, &place).map(Vec::as_slice).unwrap_or_default();
+    let documents = reader.piece(&case.path.steps, &place).map(Vec::as_slice).unwrap_or_default();
     let mut gradient = initial.deformation_gradient;
     let mut resolve = |reader: &mut Reader<'_>, step: &StepDocument, place: &Place| {
         let step = one_step(reader, step, &setting, place)?;
-        if let PointDrive::DeformationGradient { end, .. } = &step.drive {
-            gradient = *end;
+        if let PointDrive::DeformationGradient(end) = step.goal.drive {
+            gradient = end;
         } else if nlgeom && steps_apart(&step, &setting, &gradient) {
             reader.problem(place, TURNED);
         }
@@ -128,7 +126,7 @@ fn check_thickness(reader: &mut Reader<'_>, plugin: &Plugin, measure: Measure) {
 /// Returns whether a step controls strains and Cauchy stresses of a material that has turned.
 fn steps_apart(step: &PointStep, setting: &Setting<'_>, gradient: &Matrix) -> bool {
     setting.measure == Measure::Logarithmic
-        && step.mixes_strain_and_stress(setting.mode.controllable())
+        && step.goal.mixes_strain_and_stress(setting.mode.controllable())
         && turns(&Polar::new(&matrix(gradient)).rotation)
 }
 
@@ -142,21 +140,6 @@ impl steps::StepDocument for StepDocument {
     }
 }
 
-impl Counted for PointStep {
-    fn increments(&self) -> u64 {
-        match &self.drive {
-            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
-                *increments as u64
-            }
-            PointDrive::Table { rows, .. } => rows.len() as u64,
-        }
-    }
-
-    fn rows(&self) -> u64 {
-        if let PointDrive::Table { rows, .. } = &self.drive { rows.len() as u64 } else { 0 }
-    }
-}
-
 fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
     match step {
         StepDocument::Ramp(ramp) => Some(ramp_step(reader, ramp, setting, place)),
@@ -166,8 +149,6 @@ fn one_step(reader: &mut Reader<'_>, step: &StepDocument, setting: &Setting<'_>,
 }
 
 fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, place: &Place) -> PointStep {
-    let increments = usize::try_from(ramp.increments.0).unwrap_or(usize::MAX);
-    let time = ramp.time.map_or(1.0, |time| time.0);
     let target = ramp.target.clone().unwrap_or_default();
     let mut controls = [Control::FREE; 6];
     let named = target_controls(reader, &target, setting, &mut controls, &place.key("target"));
@@ -187,16 +168,16 @@ fn ramp_step(reader: &mut Reader<'_>, ramp: &PointRamp, setting: &Setting<'_>, p
             let message = "F determines all strains: leave the components of target and the constraints out";
             reader.problem(&place_of_end, message);
         }
-        (PointDrive::DeformationGradient { increments, time, end }, Vec::new())
+        (PointDrive::DeformationGradient(end), Vec::new())
     } else {
         let place = place.key("constraints");
         let constraints = constraints::assign(reader, relations, &mut controls, &named, setting.mode, &place);
-        (PointDrive::Ramp { increments, time, controls }, constraints)
+        (PointDrive::Components { controls, rows: Vec::new() }, constraints)
     };
-    let fields = fields::of_step(reader, ramp.temperature, ramp.predef.as_deref(), setting.field_variables, place);
+    let fields = fields::of_step(reader, &ramp.end, setting.field_variables, place);
     let until =
-        ramp.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
-    PointStep { drive, constraints, until, fields }
+        ramp.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+    PointStep { pace: steps::pace(ramp.increments, ramp.time), goal: PointGoal { drive, constraints }, until, fields }
 }
 
 /// Sets the controls of the named components; says which are named.
@@ -262,9 +243,9 @@ fn check_names(
 
 fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>, place: &Place) -> Option<PointStep> {
     let count = setting.field_variables;
-    let mut fields = fields::of_step(reader, step.temperature, step.predef.as_deref(), count, place);
+    let mut fields = fields::of_step(reader, &step.end, count, place);
     let until =
-        step.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
+        step.end.until.as_ref().and_then(|until| history::until(reader, until, setting.columns, &place.key("until")));
     let field_names = fields::columns(count);
     let names: Vec<&str> =
         STRAIN_NAMES.into_iter().chain(STRESS_NAMES).chain(field_names.iter().map(String::as_str)).collect();
@@ -295,12 +276,8 @@ fn table_step(reader: &mut Reader<'_>, step: &PointTable, setting: &Setting<'_>,
     let first = STRAIN_NAMES.len() + STRESS_NAMES.len();
     fields::take_columns(reader, &mut fields, &table, first, &path.display().to_string(), place);
     let rows = table.rows.iter().map(|row| columns.map(|column| column.map_or(0.0, |column| row[column]))).collect();
-    Some(PointStep {
-        drive: PointDrive::Table { controls, time_increments: table.time_increments, rows },
-        constraints,
-        until,
-        fields,
-    })
+    let goal = PointGoal { drive: PointDrive::Components { controls, rows }, constraints };
+    Some(PointStep { pace: Pace::Rows(table.time_increments), goal, until, fields })
 }
 
 /// A table, or problems at a place.
@@ -394,7 +371,7 @@ fn initial(
         // symmetric: its columns are its rows
         deformation_gradient = deformation::columns(&exponential(&strain));
     }
-    let fields = fields::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let fields = fields::initial(reader, &case.course);
     let statev = statev(reader, material, given.statev.as_deref(), plugin);
     if let Some(plugin) = plugin {
         plugin::tell_initial_values(reader, &plugin.library, [statev.is_some(), stress.is_some()]);

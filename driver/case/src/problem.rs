@@ -114,7 +114,7 @@ const LONGEST_LINE: usize = 1000;
 pub struct CaseErrors {
     /// The case file.
     pub file: PathBuf,
-    /// What is wrong: at least one problem.
+    /// At least one problem.
     pub problems: Vec<Problem>,
 }
 

@@ -1,7 +1,7 @@
 //! Reads case files: JSON, overrides, structure, meaning.
 
 use crate::document::bridging::BridgingCase;
-use crate::document::{self, InterfaceCase, Piece, PointCase, PulloutCase};
+use crate::document::{self, InterfaceCase, PointCase, PulloutCase};
 use crate::point::Resolved;
 use crate::problem::{CaseErrors, Place, Problem};
 use crate::reader::Reader;
@@ -279,10 +279,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
     let program = match kind {
         "interface" => typed(reader, readable).and_then(|case: InterfaceCase| {
             let resolved = interface::resolve(reader, &case);
-            let columns = resolved.columns.as_deref();
-            let about =
-                history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
-            finish(reader, document, resolved, about, (&case.output, &case.controls, &case.increments))
+            finish(reader, path, document, resolved, &case.head, &case.course, &case.path)
         }),
         "pullout" => typed(reader, readable).and_then(|case: PulloutCase| {
             specimen::resolve(reader, path, &case).map(|program| Case::Pullout(Box::new(program)))
@@ -293,10 +290,7 @@ fn resolve(reader: &mut Reader<'_>, path: &Path, kind: &str, document: Value) ->
         }),
         _ => typed(reader, readable).and_then(|case: PointCase| {
             let resolved = point::resolve(reader, &case);
-            let columns = resolved.columns.as_deref();
-            let about =
-                history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, columns);
-            finish(reader, document, resolved, about, (&case.output, &case.controls, &case.increments))
+            finish(reader, path, document, resolved, &case.head, &case.course, &case.path)
         }),
     };
     reader.add_structural(structural, before);
@@ -350,34 +344,30 @@ fn typed<T: DeserializeOwned>(reader: &mut Reader<'_>, document: Value) -> Optio
         .ok()
 }
 
-/// What is written, iteration limits, and increments that are repeated.
-type Settings<'c> = (
-    &'c Option<Piece<document::Output>>,
-    &'c Option<Piece<document::Controls>>,
-    &'c Option<Piece<document::RunIncrements>>,
-);
-
 /// Puts the program of a point together if nothing is missing.
-fn finish(
+fn finish<S>(
     reader: &mut Reader<'_>,
+    path: &Path,
     document: Value,
     resolved: Resolved,
-    about: About,
-    (output, controls, increments): Settings<'_>,
+    head: &document::CaseHead,
+    course: &document::Course,
+    given: &document::Path<S>,
 ) -> Option<Case> {
     let root = Place::root();
-    let output = reader.optional(output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
+    let about = history::about(reader, path, head, course.until.as_ref(), resolved.columns.as_deref());
+    let output = reader.optional(given.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     if output.vtu == Some(true) {
         reader.warnings.push("output.vtu: a case of this kind has no mesh; no VTU file is written".into());
     }
-    let limits = reader.optional(controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
+    let limits = reader.optional(given.controls.as_ref(), &root.key("controls")).cloned().unwrap_or_default();
     let default = program::Controls::default();
     let limit = |given: Option<u64>, default| given.and_then(|n| u32::try_from(n).ok()).unwrap_or(default);
     let (plugin, kind) = (resolved.plugin?, resolved.kind?);
     let most: Vec<Option<u64>> = pullout_run::path::increments_of_steps(&kind).into_iter().map(Some).collect();
     Some(Case::Path(Box::new(Program {
         about: About {
-            recorded: increments::recorded(reader, increments.as_ref(), &most, about.until.is_some()),
+            recorded: increments::recorded(reader, course.increments.as_ref(), &most, about.until.is_some()),
             every: output.every.map_or(1, |every| usize::try_from(every.0).unwrap_or(usize::MAX)),
             plots: output.plots.unwrap_or(true),
             warnings: std::mem::take(&mut reader.warnings),

@@ -7,18 +7,18 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use umat_abi::host::Library;
 
-/// What the parts of a case are resolved with, and what they find.
+/// Means and findings shared by all parts of a case while it is read.
 pub struct Reader<'a> {
     /// The case file's folder, to which paths in it are relative.
     pub(crate) folder: &'a Path,
     pub(crate) plugin_paths: &'a [PathBuf],
-    /// Nobody has looked at the case: it names plugins of the search path, and files within its folder.
+    /// Whether the case is from an unknown source: it may name plugins of the search path and files within its folder alone.
     pub(crate) is_untrusted: bool,
     /// The libraries that are loaded, by file.
     pub(crate) libraries: BTreeMap<PathBuf, Library>,
     pub(crate) problems: Vec<Problem>,
     pub(crate) warnings: Vec<String>,
-    /// What the case leaves to defaults: a line for each place.
+    /// Values that the case leaves to defaults: a line for each place.
     pub(crate) defaults: Vec<String>,
 }
 

@@ -21,7 +21,8 @@ mod boundary;
 mod chain;
 mod contact;
 mod couplings;
-mod generated;
+mod fibres;
+pub(crate) mod generated;
 mod mesh;
 mod parts;
 mod preflight;
@@ -49,8 +50,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     let steps = steps::resolve(reader, case, &mut boundary);
     let fields = steps::fields(reader, case, &steps);
     let columns = columns::of_specimen(&boundary.measured.fibres);
-    let about =
-        history::about(reader, path, &case.title, &case.description, &case.until, &case.compare, Some(&columns));
+    let about = history::about(reader, path, &case.head, case.course.until.as_ref(), Some(&columns));
     let output = reader.optional(case.output.as_ref(), &root.key("output")).cloned().unwrap_or_default();
     let number = |n: crate::document::Increments| usize::try_from(n.0).unwrap_or(usize::MAX);
     let controls = controls(reader, case);
@@ -91,7 +91,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         skipping,
     };
     let steps_of_run = vec![None; model.steps.len()];
-    let recorded = increments::recorded(reader, case.increments.as_ref(), &steps_of_run, about.until.is_some());
+    let recorded = increments::recorded(reader, case.course.increments.as_ref(), &steps_of_run, about.until.is_some());
     if reader.problems.is_empty() {
         preflight::check(reader, &model);
     }
@@ -135,7 +135,7 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
     })
 }
 
-/// What names of the case refer to, as far as it is known.
+/// The mesh that names of the case refer to, as far as it is known.
 #[derive(Clone, Copy)]
 struct Scene<'a> {
     ground: Option<&'a Ground>,

@@ -1,8 +1,9 @@
 //! Lists of steps with cycles in them, expanded.
 
-use crate::document::{Cycle, MOST_INCREMENTS, Piece};
+use crate::document::{Cycle, Increments, MOST_INCREMENTS, Piece, Positive};
 use crate::problem::Place;
 use crate::reader::Reader;
+use pullout_run::program::{Pace, Step};
 
 /// Most steps of a run after its cycles are expanded.
 const MOST_STEPS: u64 = 1_000_000;
@@ -19,11 +20,24 @@ pub trait StepDocument: Sized {
 pub trait Counted: Clone {
     /// Returns the number of increments.
     fn increments(&self) -> u64;
+
     /// Rows of its table that a copy of it copies.
-    fn rows(&self) -> u64;
+    fn rows(&self) -> u64 {
+        0
+    }
 }
 
-/// What resolves one step proper.
+impl<G: Clone> Counted for Step<G> {
+    fn increments(&self) -> u64 {
+        self.pace.increments() as u64
+    }
+
+    fn rows(&self) -> u64 {
+        if let Pace::Rows(rows) = &self.pace { rows.len() as u64 } else { 0 }
+    }
+}
+
+/// A function that resolves one step proper.
 pub type ResolveStep<'r, S, R> = dyn FnMut(&mut Reader<'_>, &S, &Place) -> Option<R> + 'r;
 
 /// Resolves all steps in order; cycles are resolved once and repeated.
@@ -67,4 +81,10 @@ fn fits<R: Counted>(reader: &mut Reader<'_>, steps: &[R], repeat: u64, place: &P
         }
     }
     true
+}
+
+/// Equal increments of a ramp.
+pub fn pace(increments: Increments, time: Option<Positive>) -> Pace {
+    let increments = usize::try_from(increments.0).unwrap_or(usize::MAX);
+    Pace::Equal { increments, time: time.map_or(1.0, |time| time.0) }
 }

@@ -15,13 +15,13 @@ use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
 
-/// What a run gave besides its rows.
+/// Results of a run besides its rows.
 pub struct Followed<'c> {
-    /// What it cost.
+    /// Cost of the run.
     pub statistics: Statistics,
     /// How it ended.
     pub result: Result<(), Stop>,
-    /// What only specimens have.
+    /// Findings of a specimen.
     pub specimen: Option<Specimen<'c>>,
 }
 

@@ -32,7 +32,7 @@ use std::sync::atomic::AtomicBool;
 pub struct Source {
     /// The case file; of a document the file in which it would stand, by whose folder names in it are resolved.
     pub file: PathBuf,
-    /// What the file would hold.
+    /// The document, in place of the file's.
     pub document: Option<Value>,
     /// Changes, each as `a.b.c=VALUE`.
     pub overrides: Vec<String>,
@@ -47,7 +47,7 @@ pub struct Prepared {
     place: Place,
 }
 
-/// Where a case runs.
+/// Process in which a case runs.
 #[derive(Debug)]
 enum Place {
     Here(Box<Case>),
@@ -67,7 +67,7 @@ pub struct Settings {
     pub listener: Option<Listener>,
 }
 
-/// What came out of a run.
+/// Results of a run.
 #[derive(Debug)]
 pub struct Outcome {
     /// All rows by columns; of a case of kind "bridging", its tables beside each other.

@@ -24,7 +24,7 @@ const FAMILY_POINTS: usize = 200;
 /// Points of the density of directions over the quarter circle.
 const DIRECTIONS: usize = 180;
 
-/// What was run: the program, its fibres, and what came out.
+/// A run: the program, its fibres and its results.
 pub type Done<'a> = (&'a Program, &'a Composite, &'a Results);
 
 /// Writes tables, summary, pictures and report; of a run that failed its message. The second result is what could not be

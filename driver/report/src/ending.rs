@@ -23,7 +23,7 @@ use umat_abi::host::{Law, Library};
 pub struct RunEnd {
     /// Extremes of the columns.
     pub peaks: PeakRecorder,
-    /// What it cost.
+    /// Cost of the run.
     pub statistics: Statistics,
     /// Why it failed.
     pub message: Option<String>,
@@ -35,7 +35,7 @@ pub struct RunEnd {
     pub wall_time_s: f64,
     /// Processor time, s; not known of a process that was ended.
     pub cpu_time_s: Option<f64>,
-    /// What the run itself found that the user should know.
+    /// Warnings of the run itself.
     pub warnings: Vec<String>,
     /// States of a specimen that the report shows.
     pub states: States,

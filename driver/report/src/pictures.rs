@@ -80,7 +80,7 @@ pub fn draw(
 /// A state with its name.
 struct Moment<'a> {
     state: &'a State<'a>,
-    /// What the stem of a file ends with.
+    /// Ending of a file's stem.
     suffix: String,
     words: String,
     /// Load, N: 0 where only rounding is left of the greatest one.
@@ -302,7 +302,7 @@ struct Contour {
     limits: Limits,
 }
 
-/// What the colours reach from and to.
+/// Range of the colours.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Limits {
     /// The values shown.

@@ -24,13 +24,13 @@ pub struct Record {
     rows: Rows,
     /// States of a specimen that the report shows; `None`: there is no report.
     states: Option<States>,
-    /// Another thread sets it to end the run.
+    /// Flag that another thread sets to end the run.
     stop: Option<Arc<AtomicBool>>,
     /// Extremes of the columns.
     pub peaks: PeakRecorder,
-    /// What a person is told meanwhile.
+    /// Progress shown to a person.
     pub progress: Progress,
-    /// What the run found that the user should know.
+    /// Warnings of the run.
     pub warnings: Vec<String>,
     done: u64,
     /// Increments, if they are kept for another run that repeats them.
@@ -47,7 +47,7 @@ pub struct Record {
     earlier_s: [f64; 2],
 }
 
-/// Where rows go.
+/// Receiver of rows.
 enum Rows {
     File(HistoryWriter),
     Memory(History),

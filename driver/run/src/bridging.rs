@@ -26,10 +26,10 @@ const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
 /// Quantiles that are told.
 pub const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
-/// Everything a run needs.
+/// A run of fibres across a crack.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What it says as programs of all kinds do.
+    /// Properties that programs of all kinds have.
     pub about: About,
     /// The fibre.
     pub fibre: Fibre,
@@ -146,7 +146,7 @@ impl Program {
     }
 }
 
-/// What came out.
+/// Results.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Over the openings.
@@ -157,7 +157,7 @@ pub struct Results {
     pub scatter: Vec<ScatterRow>,
     /// Curves of runs of a specimen.
     pub curves: Vec<Curve>,
-    /// What was found, in a few numbers.
+    /// Results in a few numbers.
     pub findings: Findings,
     /// Things the user should know.
     pub warnings: Vec<String>,
@@ -190,10 +190,10 @@ pub struct Findings {
     /// The runs that the curves of fibres are of.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub simulations: Option<SimulationFindings>,
-    /// What was found of the notched beam by the mean σ(w).
+    /// Results of the notched beam by the mean σ(w).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub beam: Option<BeamFindings>,
-    /// What was found of the beams made at random.
+    /// Results of the beams made at random.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub scatter: Option<ScatterFindings>,
 }

@@ -17,7 +17,7 @@ pub struct Column<R: 'static> {
     pub unit: &'static str,
     /// What an axis calls it, in the markup of pictures (`_{11}` is an index).
     pub title: &'static str,
-    /// What it belongs to.
+    /// Group that it belongs to.
     pub group: Group,
     /// Value.
     pub value: fn(&R) -> f64,
@@ -71,7 +71,7 @@ impl Group {
     }
 }
 
-/// What a row of a material point is made of.
+/// State from which a row of a material point is made.
 #[derive(Clone, Copy, Debug)]
 pub struct PointRow {
     /// Total time.
@@ -118,7 +118,7 @@ pub static POINT: [Column<PointRow>; 25] = [
     column("scd", "N·mm/mm³", "scd", Density, |row| row.energies[2]),
 ];
 
-/// What a row of a contact point is made of.
+/// State from which a row of a contact point is made.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactRow {
     /// Total time.
@@ -242,7 +242,7 @@ pub static FIBRE: [Column<FibreRecord>; 9] = [
     column("stress_max", "MPa", "greatest stress of the fibre", Other, |fibre| fibre.principal_stress),
 ];
 
-/// What a row of bridging is made of.
+/// State from which a row of bridging is made.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BridgingRow {
     /// Average over the fibres.
@@ -289,7 +289,7 @@ pub static BRIDGING: [Column<BridgingRow>; 20] = [
     column("sigma_95", "MPa", "95 %", Band, |row| row.quantiles[2] + row.matrix),
 ];
 
-/// What a row of a notched beam is made of.
+/// State from which a row of a notched beam is made.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct BeamRow {
     /// Load of the beam by the mean σ(w).

@@ -6,7 +6,7 @@
 use models::tensor::Spectral;
 use nalgebra::Matrix3;
 
-/// What an increment F₀ → F₁ means to a UMAT.
+/// Strain increment and rotation of an increment F₀ → F₁, as a UMAT sees it.
 #[derive(Clone, Copy, Debug)]
 pub struct IncrementalMotion {
     /// Midpoint strain increment, engineering shear: sym(ΔF F_m⁻¹), F_m = (F₀ + F₁)/2.

@@ -28,7 +28,7 @@ const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
 
 const MEGABYTE: u64 = 1_000_000;
 
-/// What a file is read as. It decides how much of it is read.
+/// Kind of a file, which decides how much of it is read.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Input {
     /// A case or a study.
@@ -84,7 +84,7 @@ impl Input {
     }
 }
 
-/// What came out of a pipe, or why nothing did.
+/// Content of a pipe, or why there is none.
 type Stream = Result<Vec<u8>, (io::ErrorKind, String)>;
 
 /// Streams that were read, by their paths.

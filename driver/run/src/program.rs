@@ -139,7 +139,7 @@ pub enum Measure {
     Nominal,
 }
 
-/// What programs of all kinds say.
+/// Properties of programs of all kinds.
 #[derive(Clone, Debug, Default)]
 pub struct About {
     /// The case file, for messages and replay cases.
@@ -158,13 +158,13 @@ pub struct About {
     pub compare: Vec<Compare>,
     /// Things the user should know although nothing is wrong.
     pub warnings: Vec<String>,
-    /// What the case leaves to defaults, a line for each place.
+    /// Values that the case leaves to defaults, a line for each place.
     pub defaults: Vec<String>,
     /// Increments of another run, which are repeated: no `until` ends a step or the run then.
     pub recorded: Option<Arc<Recorded>>,
 }
 
-/// Everything a run of a point needs.
+/// A run of a point.
 #[derive(Clone, Debug)]
 pub struct Program {
     /// What it says as programs of all kinds do.
@@ -201,7 +201,7 @@ pub struct PointProgram {
     pub measure: Measure,
     /// The state before the first step.
     pub initial: PointState,
-    /// What the path leaves open.
+    /// Arguments that the path leaves open.
     pub arguments: UmatArguments,
     /// Steps in order, cycles expanded.
     pub steps: Vec<PointStep>,
@@ -224,17 +224,73 @@ pub struct PointState {
     pub fields: FieldValues,
 }
 
-/// One step of a material point.
+/// One step of a path; `G`: where it leads the point.
 #[derive(Clone, Debug)]
-pub struct PointStep {
-    /// How it is driven.
-    pub drive: PointDrive,
-    /// Linear relations, each in place of one stress-free component ([`Control::Constraint`]).
-    pub constraints: Vec<Constraint>,
+pub struct Step<G> {
+    /// How it is divided.
+    pub pace: Pace,
+    /// Where it leads.
+    pub goal: G,
     /// Ends this step early.
     pub until: Option<Until>,
     /// Temperature and field variables.
     pub fields: StepFields,
+}
+
+/// One step of a material point.
+pub type PointStep = Step<PointGoal>;
+
+/// One step of a contact point.
+pub type InterfaceStep = Step<InterfaceGoal>;
+
+/// How a step is divided into increments.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Pace {
+    /// Equal increments.
+    Equal {
+        /// Number of increments, ≥ 1.
+        increments: usize,
+        /// Duration of all of them, s.
+        time: f64,
+    },
+    /// One increment for each row of a table, with its duration, s.
+    Rows(Vec<f64>),
+}
+
+impl Pace {
+    /// Number of increments.
+    pub fn increments(&self) -> usize {
+        match self {
+            Self::Equal { increments, .. } => *increments,
+            Self::Rows(times) => times.len(),
+        }
+    }
+
+    /// What part of the increments is done at the start and at the end of increment `index` (from 0).
+    pub(crate) fn shares(&self, index: usize) -> [f64; 2] {
+        let count = self.increments();
+        [index, index + 1].map(|k| if k == count { 1.0 } else { k as f64 / count as f64 })
+    }
+
+    /// Step time at the start and at the end of increment `index`; `now`: as it is, s.
+    pub(crate) fn times(&self, index: usize, now: f64) -> (f64, f64) {
+        match self {
+            Self::Equal { time, .. } => {
+                let [before, after] = self.shares(index);
+                (time * before, time * after)
+            }
+            Self::Rows(times) => (now, now + times[index]),
+        }
+    }
+}
+
+/// Where a step leads a material point.
+#[derive(Clone, Debug)]
+pub struct PointGoal {
+    /// What drives it.
+    pub drive: PointDrive,
+    /// Linear relations, each in place of one stress-free component ([`Control::Constraint`]).
+    pub constraints: Vec<Constraint>,
 }
 
 /// Why a step is not taken whose s11 and e11 would belong to different directions.
@@ -242,10 +298,10 @@ pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so th
                       stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
 
-impl PointStep {
+impl PointGoal {
     /// Returns whether it controls strains of some of these components, and stresses of others.
     pub fn mixes_strain_and_stress(&self, components: &[usize]) -> bool {
-        let (PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. }) = &self.drive else {
+        let PointDrive::Components { controls, .. } = &self.drive else {
             return false;
         };
         let (mut strain, mut stress) = (false, false);
@@ -263,37 +319,19 @@ impl PointStep {
     }
 }
 
-/// How a step is driven.
+/// What drives a material point.
 #[derive(Clone, Debug)]
 pub enum PointDrive {
-    /// Controlled components ramp linearly to their end values.
-    Ramp {
-        /// Number of increments, ≥ 1.
-        increments: usize,
-        /// Duration.
-        time: f64,
-        /// Controls of each of the six components; those that the mode fixes are ignored.
+    /// Controlled components.
+    Components {
+        /// Controls of each of the six components, with their values at the end of a ramp; those that the mode fixes are
+        /// ignored. Of a table they tell which quantity its rows hold; `FREE` for components without a column.
         controls: [Control; 6],
-    },
-    /// One increment per row.
-    Table {
-        /// Which quantity of each component the rows hold ([`Control::Strain`]/[`Control::Stress`] with any value:
-        /// the row's value counts; `FREE` for components without a column).
-        controls: [Control; 6],
-        /// Time increments.
-        time_increments: Vec<f64>,
-        /// End-of-increment values of each row, by component; unused entries 0.
+        /// Values at the end of each row of a table, by component, unused ones 0; none: a linear ramp.
         rows: Vec<[f64; 6]>,
     },
     /// The deformation gradient ramps linearly to this one (row by row).
-    DeformationGradient {
-        /// Number of increments, ≥ 1.
-        increments: usize,
-        /// Duration.
-        time: f64,
-        /// End value.
-        end: [[f64; 3]; 3],
-    },
+    DeformationGradient([[f64; 3]; 3]),
 }
 
 /// Where temperature and field variables go in a step: linearly to the values at its end, or from row to row of its table.
@@ -310,17 +348,17 @@ pub struct StepFields {
 }
 
 impl StepFields {
-    /// Sets the values at the start and at the end of increment `index` (from 0) of `count`. `first`: those at the start
-    /// of the step; `present`: those before the increment.
+    /// Sets the values at the start and at the end of increment `index` (from 0). `first`: those at the start of the step;
+    /// `present`: those before the increment.
     pub fn set_increment(
         &self,
         first: &FieldValues,
         present: &FieldValues,
-        [index, count]: [usize; 2],
+        pace: &Pace,
+        index: usize,
         increment: &mut [FieldValues; 2],
     ) {
-        for (k, values) in increment.iter_mut().enumerate() {
-            let fraction = if index + k == count { 1.0 } else { (index + k) as f64 / count as f64 };
+        for (values, fraction) in increment.iter_mut().zip(pace.shares(index)) {
             values.temperature = lerp(first.temperature, self.temperature.unwrap_or(first.temperature), fraction);
             values.variables.clone_from(&first.variables);
             for (value, end) in values.variables.iter_mut().zip(self.predef.iter().flatten()) {
@@ -339,7 +377,7 @@ impl StepFields {
     }
 }
 
-/// What determines a component.
+/// Control of a component.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Control {
     /// The strain ends at this value.
@@ -381,7 +419,7 @@ pub struct InterfaceProgram {
     pub tangential_directions: usize,
     /// STATEV at the start.
     pub initial_statev: Vec<f64>,
-    /// What the path leaves open.
+    /// Arguments that the path leaves open.
     pub arguments: ContactArguments,
     /// Total time at the start.
     pub initial_time: f64,
@@ -402,47 +440,22 @@ pub enum InterfaceEntry {
     Fric,
 }
 
-/// One step of a contact point. Values: \[slip, slip2, normal\].
+/// Where a step leads a contact point. Values: \[slip, slip2, normal\].
 #[derive(Clone, Debug)]
-pub struct InterfaceStep {
+pub struct InterfaceGoal {
     /// Whether the normal value is a gap (> 0 open) or a pressure (> 0 compression).
     pub normal: NormalControl,
-    /// End values or rows.
-    pub drive: InterfaceDrive,
-    /// Ends this step early.
-    pub until: Option<Until>,
-    /// Temperature and field variables.
-    pub fields: StepFields,
+    /// Values at the end of a linear ramp, or of each row of a table; `None`: held.
+    pub ends: Vec<[Option<f64>; 3]>,
 }
 
-/// What the normal value of an interface step means.
+/// Meaning of the normal value of an interface step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NormalControl {
     /// mm, > 0 open.
     Gap,
     /// MPa, > 0 compression.
     Pressure,
-}
-
-/// How an interface step is driven.
-#[derive(Clone, Debug)]
-pub enum InterfaceDrive {
-    /// Values ramp linearly to these; `None` holds a value.
-    Ramp {
-        /// Number of increments, ≥ 1.
-        increments: usize,
-        /// Duration.
-        time: f64,
-        /// \[slip, slip2, normal\].
-        end: [Option<f64>; 3],
-    },
-    /// One increment per row; `None`: no column, the value is held.
-    Table {
-        /// Time increments.
-        time_increments: Vec<f64>,
-        /// \[slip, slip2, normal\] of each row.
-        rows: Vec<[Option<f64>; 3]>,
-    },
 }
 
 /// Ends a step or a run when a column of the history passes a bound.
@@ -521,7 +534,7 @@ impl Until {
     }
 }
 
-/// Between two values; exact at both ends.
+/// Interpolates between two values; exact at both ends.
 pub(crate) fn lerp(from: f64, to: f64, fraction: f64) -> f64 {
     match fraction {
         0.0 => from,

@@ -8,10 +8,10 @@ use std::process::Command;
 /// The program, beside this one.
 const PROGRAM: &str = "pullout-bench";
 
-/// What is handed over.
+/// Arguments that are handed over.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
-    /// What `pullout-bench` takes.
+    /// Arguments of `pullout-bench`.
     #[arg(value_name = "ARGUMENTS", trailing_var_arg = true, allow_hyphen_values = true)]
     arguments: Vec<OsString>,
 }

@@ -129,12 +129,12 @@ enum Job<'f> {
     Isolated { file: &'f Path, need: Need },
 }
 
-/// What the user wants to see of a run.
+/// Amount of a run that the user wants to see.
 #[derive(Clone, Copy, Debug)]
 struct Telling {
-    /// Nothing but errors.
+    /// Errors alone.
     quiet: bool,
-    /// What the plugins print.
+    /// Prints of the plugins as well.
     echo: bool,
     /// The increments in a file.
     records: bool,
@@ -323,7 +323,7 @@ pub(super) fn interrupted(place: &str, has_checkpoints: bool) -> String {
     format!("interrupted by {signal} after {place}: what was done so far is kept{go_on}")
 }
 
-/// What of an earlier run a restarted one goes on with.
+/// State of an earlier run with which a restarted one goes on.
 const KEPT: [&str; 7] =
     ["history.csv", checkpoint::FILE, "fields.pvd", "fields/#.vtu", "fields/contact_#.vtu", "umat.log", "umat.msg"];
 

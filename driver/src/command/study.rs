@@ -148,7 +148,7 @@ fn execution<'a>(folder: &'a Path, arguments: &'a Arguments) -> Execution<'a> {
     }
 }
 
-/// Something must be left to run where `--only` chooses.
+/// Refuses an `--only` that leaves nothing to run.
 fn check_selection(study: &Study, folder: &Path, arguments: &Arguments) -> u8 {
     let mut code = DONE;
     for wanted in &arguments.only {

@@ -17,7 +17,7 @@ mod test;
 /// What the numbers of the members must be. Members and series are indices of the study's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expectation {
-    /// From member to member.
+    /// Changes from member to member.
     Trend {
         /// Which way.
         direction: Direction,
@@ -80,10 +80,10 @@ pub enum Expectation {
 /// Whether a claim was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Verdict {
-    /// It was.
+    /// Found.
     #[serde(rename = "found")]
     Found,
-    /// There is a counterexample.
+    /// Not found: there is a counterexample.
     #[serde(rename = "not found")]
     NotFound,
     /// Runs failed or were not run.
@@ -111,14 +111,14 @@ impl Verdict {
     }
 }
 
-/// What came of a claim.
+/// Outcome of a claim.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
     /// The claim in words.
     pub claim: String,
     /// Whether it was found.
     pub verdict: Verdict,
-    /// What was looked for.
+    /// Statement that was tested.
     pub expected: String,
     /// The numbers, series by series.
     pub figures: Vec<String>,

@@ -44,25 +44,25 @@ pub struct Execution<'a> {
     pub keep_failed: bool,
     /// Replace what stands in the way in result directories.
     pub overwrite: bool,
-    /// Nobody has looked at the study and its cases.
+    /// Whether the study and its cases are from an unknown source.
     pub is_untrusted: bool,
 }
 
-/// What became of a run.
+/// Outcome of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
-    /// It was run; its exit code.
+    /// Run, with this exit code.
     Ran(u8),
     /// Results were there.
     Kept,
-    /// It has no results, because others were asked for.
+    /// Left out: other runs were asked for.
     NotRun,
 }
 
-/// What is left in a result directory when the run is over.
+/// File left in a result directory when the run is over.
 #[derive(Debug, Serialize, Deserialize)]
 struct Mark {
-    /// What `pullout run` was called with.
+    /// Arguments with which `pullout run` was called.
     arguments: Vec<String>,
     /// Fingerprint of everything that the results depend on.
     fingerprint: String,

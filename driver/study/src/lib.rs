@@ -39,7 +39,7 @@ pub struct Study {
     pub title: String,
     /// Text for the report.
     pub description: String,
-    /// What is varied, if members have an x.
+    /// Quantity that is varied, if members have an x.
     pub x: Option<Abscissa>,
     /// The runs of each series.
     pub members: Vec<Member>,
@@ -55,7 +55,7 @@ pub struct Study {
     pub work_to: Option<f64>,
     /// More pictures of all runs.
     pub overlays: Vec<Columns>,
-    /// What is tested.
+    /// Claims that are tested.
     pub claims: Vec<Claim>,
 }
 
@@ -71,7 +71,7 @@ impl Study {
     }
 }
 
-/// What is varied.
+/// Quantity that is varied.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Abscissa {
     /// Name, in the markup of the pictures.
@@ -130,7 +130,7 @@ pub struct Claim {
     pub series: Vec<usize>,
     /// Indices of the members that are looked at, in the order of their x.
     pub members: Vec<usize>,
-    /// What is looked at.
+    /// Quantity that a claim looks at.
     pub quantity: Quantity,
     /// The test.
     pub expectation: Expectation,

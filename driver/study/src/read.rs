@@ -84,8 +84,8 @@ impl Resolver<'_, '_> {
 
     fn study(mut self, document: &StudyFile, isolated: &mut dyn FnMut(&Path, &[String]) -> bool) -> Option<Study> {
         let root = JsonPlace::root();
-        let title = self.reader.optional(document.title.as_ref(), &root.key("title")).cloned();
-        let description = self.reader.optional(document.description.as_ref(), &root.key("description")).cloned();
+        let title = self.reader.optional(document.head.title.as_ref(), &root.key("title")).cloned();
+        let description = self.reader.optional(document.head.description.as_ref(), &root.key("description")).cloned();
         let x = self.reader.optional(document.x.as_ref(), &root.key("x")).map(|x| Abscissa {
             name: x.name.clone(),
             unit: x.unit.clone().unwrap_or_default(),
@@ -488,7 +488,7 @@ impl Resolver<'_, '_> {
     }
 }
 
-/// What the runs are made of.
+/// Base case and overrides of the runs.
 struct Runs<'d> {
     base: &'d str,
     set: &'d Map<String, Value>,
@@ -504,7 +504,7 @@ struct Cast<'a> {
     curve: &'a Columns,
 }
 
-/// Something that is wrong with the case of runs, by series and member.
+/// A problem with the case of runs, by series and member.
 struct Complaint {
     problem: CaseProblem,
     base: PathBuf,

@@ -18,7 +18,7 @@ use std::path::Path;
 /// A common end is reached within this part of it: the last increment of a step ends where rounding leaves it.
 const END_TOLERANCE: f64 = 1e-9;
 
-/// What all runs gave.
+/// Results of all runs.
 #[derive(Clone, Debug)]
 pub struct Results {
     /// Results of the runs, in the study's order.
@@ -27,7 +27,7 @@ pub struct Results {
     pub work_to: Option<f64>,
 }
 
-/// What a run gave.
+/// Results of a run.
 #[derive(Clone, Debug, Default)]
 pub struct RunResult {
     /// `None`: it was not run.
@@ -36,7 +36,7 @@ pub struct RunResult {
     pub message: Option<String>,
     /// Whether the results were there before.
     pub is_kept: bool,
-    /// What was written of it, as far as the study looks at it.
+    /// Columns of its history that the study looks at.
     pub history: History,
     /// Summary, if it came so far.
     pub summary: Option<Summary>,

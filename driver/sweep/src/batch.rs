@@ -15,7 +15,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// What a child runs.
+/// Runs of a child.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Batch {
     /// The store.

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 /// Most runs of a sweep.
 const MOST_RUNS: usize = 10_000_000;
 
-/// What is varied: dotted paths, and their values run by run.
+/// Variation: dotted paths, and their values run by run.
 type Design = (Vec<String>, Vec<Vec<Value>>);
 
 /// Plans a sweep that a file describes, and puts it into a store. With a table of the design, the file may be a case.
@@ -124,7 +124,7 @@ fn resolve(
         }
     }
     let (base, bundles, bundle_of) = bundles(reader, base, &folder, &parameters, &mut runs, plugin_paths, store)?;
-    let title = reader.optional(of_file.title.as_ref(), &root.key("title")).cloned();
+    let title = reader.optional(of_file.head.title.as_ref(), &root.key("title")).cloned();
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     Some(Sweep {
         version: VERSION,

@@ -21,12 +21,12 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use umat_abi::host::{self, Found};
 
-/// What is run and kept.
+/// Plan of a sweep: its runs and what is kept of them.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Sweep {
     /// Version of this format.
     pub version: u32,
-    /// What it is called.
+    /// Title.
     pub title: String,
     /// The case, in which files have the names that they have in the folders below `files`.
     pub base: Value,
@@ -38,11 +38,11 @@ pub struct Sweep {
     pub bundles: Vec<String>,
     /// The folder of each run; empty: the first is that of all.
     pub bundle_of: Vec<usize>,
-    /// What is kept.
+    /// Numbers and curves that are kept.
     pub keep: Keep,
 }
 
-/// What is kept of a run.
+/// Numbers and curves that are kept of a run.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Keep {
     /// The curve whose peak and work count.

@@ -37,7 +37,7 @@ pub struct Work {
     pub again: bool,
 }
 
-/// What became of a sweep's work.
+/// Outcome of a sweep's work.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Worked {
     /// Runs that were there before.
@@ -57,7 +57,7 @@ struct Due {
     attempt: u32,
 }
 
-/// What all threads share.
+/// State that all threads share.
 struct Office<'w> {
     store: &'w Store,
     sweep: &'w Sweep,

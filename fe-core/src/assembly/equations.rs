@@ -25,7 +25,7 @@ struct Expression {
 struct Dependence {
     terms: Vec<(usize, f64)>,
     drives: Vec<(usize, f64)>,
-    /// Who asked for it, for messages.
+    /// Support or coupling that asked for it, for messages.
     by: String,
     is_coupling: bool,
 }
@@ -54,7 +54,7 @@ pub enum ConstraintError {
     Unusable {
         /// The support or coupling.
         by: String,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
 }
@@ -144,11 +144,6 @@ impl Equations {
     /// Returns how many equations there are.
     pub fn count(&self) -> usize {
         self.freedoms.len()
-    }
-
-    /// Returns how many drives there are.
-    pub fn drive_count(&self) -> usize {
-        self.drive_count
     }
 
     /// Returns how many freedoms there are: two per node.

@@ -1,15 +1,19 @@
 //! Why an attempt of an increment cannot go on, and where.
 
+use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where in a model something happened; indices from 0, told from 1.
-#[derive(Clone, Debug, PartialEq)]
+/// Where in a model something happened; indices from 0, told and written from 1.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Place {
     /// An integration point of an element.
     Element {
         /// Index of the element.
+        #[serde(with = "from_one")]
         element: usize,
         /// Index of the point.
+        #[serde(with = "from_one")]
         point: usize,
         /// Reference position, mm.
         position: [f64; 2],
@@ -19,6 +23,7 @@ pub enum Place {
         /// Name of the pair.
         pair: String,
         /// Index of the point.
+        #[serde(with = "from_one")]
         point: usize,
         /// Present position, mm.
         position: [f64; 2],
@@ -26,12 +31,26 @@ pub enum Place {
     /// A node.
     Node {
         /// Index of the node.
+        #[serde(with = "from_one")]
         node: usize,
         /// Reference position, mm.
         position: [f64; 2],
     },
     /// The system of equations.
     System,
+}
+
+/// Writes an index as users count, from 1.
+mod from_one {
+    use serde::{Deserialize, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(index: &usize, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_u64(*index as u64 + 1)
+    }
+
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<usize, D::Error> {
+        usize::deserialize(deserializer).map(|number| number.saturating_sub(1))
+    }
 }
 
 impl fmt::Display for Place {

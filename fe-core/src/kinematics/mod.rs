@@ -149,17 +149,4 @@ impl StrainDisplacement {
         }
         strain
     }
-
-    /// Adds Bᵀ σ dV to the forces of the element's nodes.
-    ///
-    /// # Panics
-    ///
-    /// If `forces` does not hold two for each node.
-    pub fn add_internal_force(&self, stress: &[f64; MAX_COMPONENTS], volume: f64, forces: &mut [f64]) {
-        assert_eq!(forces.len(), self.freedom_count, "two forces for each node");
-        for (column, force) in self.columns().iter().zip(forces) {
-            let power: f64 = column.iter().zip(stress).map(|(entry, stress)| entry * stress).sum();
-            *force += power * volume;
-        }
-    }
 }

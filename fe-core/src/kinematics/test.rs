@@ -2,6 +2,21 @@ use super::*;
 use crate::element::ElementKind;
 use approx::assert_abs_diff_eq;
 
+impl StrainDisplacement {
+    /// Adds Bᵀ σ dV to the forces of the element's nodes.
+    ///
+    /// # Panics
+    ///
+    /// If `forces` does not hold two for each node.
+    pub(crate) fn add_internal_force(&self, stress: &[f64; MAX_COMPONENTS], volume: f64, forces: &mut [f64]) {
+        assert_eq!(forces.len(), self.freedom_count, "two forces for each node");
+        for (column, force) in self.columns().iter().zip(forces) {
+            let power: f64 = column.iter().zip(stress).map(|(entry, stress)| entry * stress).sum();
+            *force += power * volume;
+        }
+    }
+}
+
 /// The patch of MacNeal and Harder (1985), shifted off the axis: five quadrilaterals in a rectangle of 0.24 by 0.12.
 const PATCH_NODES: [[f64; 2]; 8] =
     [[0.1, 0.0], [0.34, 0.0], [0.34, 0.12], [0.1, 0.12], [0.14, 0.02], [0.28, 0.03], [0.26, 0.08], [0.18, 0.08]];

@@ -2,6 +2,52 @@ use super::*;
 use crate::element::{ElementKind::*, MappingError};
 use std::f64::consts::PI;
 
+impl Mesh {
+    /// The edges of a part with nothing or with another part on their other side, element by element.
+    pub(crate) fn part_boundary_edges(&self, part: usize) -> impl Iterator<Item = ElementEdge> {
+        let part_of = |edge: ElementEdge| self.elements[edge.element].part;
+        self.edges().filter(move |&edge| {
+            part_of(edge) == part && self.neighbour(edge).is_none_or(|other| part_of(other) != part)
+        })
+    }
+
+    /// The boundary as closed loops of edges, each starting at its first edge: counter-clockwise around bodies,
+    /// clockwise around holes. Bodies that touch in a node only stay apart there.
+    pub(crate) fn boundary_loops(&self) -> Vec<Vec<ElementEdge>> {
+        let mut visited = vec![[false; 4]; self.elements.len()];
+        let mut loops = Vec::new();
+        for first in self.boundary_edges() {
+            let mut chain = Vec::new();
+            let mut current = first;
+            while !visited[current.element][current.edge] {
+                visited[current.element][current.edge] = true;
+                chain.push(current);
+                current = self.next_boundary_edge(current);
+            }
+            if !chain.is_empty() {
+                loops.push(chain);
+            }
+        }
+        loops
+    }
+
+    /// The boundary edge after this one. Turns about its end node through the elements there, one by one: nothing is
+    /// ambiguous where bodies touch. It ends, for turning is one-to-one and a boundary edge has nothing before it.
+    fn next_boundary_edge(&self, edge: ElementEdge) -> ElementEdge {
+        let mut next = self.next_in_element(edge);
+        while let Some(other) = self.neighbour(next) {
+            next = self.next_in_element(other);
+        }
+        next
+    }
+
+    /// The edge that starts in its element where this one ends.
+    fn next_in_element(&self, edge: ElementEdge) -> ElementEdge {
+        let count = self.elements[edge.element].kind.corner_count();
+        ElementEdge { element: edge.element, edge: (edge.edge + 1) % count }
+    }
+}
+
 /// A grid of `columns` × `rows` unit cells of one kind, without the cells in `holes`; nodes are shared.
 fn grid(kind: ElementKind, columns: usize, rows: usize, holes: &[[usize; 2]]) -> MeshDefinition {
     let mut definition =

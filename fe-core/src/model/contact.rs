@@ -101,7 +101,7 @@ pub enum Width {
 /// How the hard normal law is enforced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Enforcement {
-    /// By the penalty alone.
+    /// The penalty alone.
     Penalty,
     /// Penalty with Uzawa updates of the multiplier until |g_N| ≤ `tolerance` at closed points.
     Uzawa {

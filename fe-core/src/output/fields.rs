@@ -38,15 +38,15 @@ pub struct Fields<'a> {
 /// What an element does at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activity {
-    /// It is part of the condensed far field: elastic, and not computed.
+    /// Part of the condensed far field: elastic, and not computed.
     Condensed,
-    /// It is computed, and none of its points has dissipated.
+    /// Computed; none of its points has dissipated.
     Elastic,
     /// A point of a law with damage has dissipated.
     Damaged,
     /// A point of a law without damage has dissipated.
     Yielded,
-    /// It is torn matter that was released.
+    /// Torn matter that was released.
     Spalled,
 }
 

@@ -150,7 +150,7 @@ impl BlockLu {
         self.flops
     }
 
-    /// Nothing of it stays at the next factorisation.
+    /// Forgets it: nothing of it stays at the next factorisation.
     pub(super) fn forget(&mut self) {
         self.is_factor = false;
     }

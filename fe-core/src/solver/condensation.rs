@@ -46,11 +46,6 @@ impl Superelement {
         Ok(Self { zone, border: border.to_vec(), places, stiffness, size: pattern.size() })
     }
 
-    /// The equations of the border, in the order of [`Self::stiffness`].
-    pub fn border(&self) -> &[usize] {
-        &self.border
-    }
-
     /// S, N/mm, row by row: a block for [`crate::solver::Blocks`], symmetric to the last bit.
     pub fn stiffness(&self) -> &[f64] {
         &self.stiffness

@@ -42,7 +42,7 @@ impl Graph {
 /// Nodes with their equations.
 pub(super) struct NodeGraph {
     pub(super) graph: Graph,
-    /// Those of a node together.
+    /// Equations, those of a node together.
     equations: Vec<usize>,
     starts: Vec<usize>,
 }

@@ -57,9 +57,9 @@ const SYMMETRIC_BLOCK: f64 = 1e-13;
 /// Whether the values of the solids are symmetric. Told by whoever computed them, for each factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Symmetry {
-    /// They are, but for rounding: one triangle is read.
+    /// Symmetric but for rounding: one triangle is read.
     Symmetric,
-    /// They may not be.
+    /// Perhaps not symmetric.
     Unsymmetric,
 }
 

@@ -5,6 +5,7 @@ mod control;
 mod energy;
 mod error;
 mod findings;
+pub mod line_search;
 mod newton;
 mod record;
 mod recorded;

@@ -81,14 +81,14 @@ const LARGEST_DAMAGE: f64 = 1.0 - f64::EPSILON / 2.0;
 /// Suggested fraction of an increment that has no solution.
 const CUT_BACK: f64 = 0.25;
 
-/// Where the weights of a step come from.
+/// Source of a step's weights.
 #[derive(Clone, Copy, Debug)]
 enum WeightSource {
-    /// They follow m.
+    /// Weights that follow m.
     Implicit,
-    /// Those of the elastic stress at this strain: the first step of the lagged form.
+    /// Weights of the elastic stress at this strain: the first step of the lagged form.
     Elastic(Weights),
-    /// Those that the last converged stress left; also at zero stress, which has no direction.
+    /// Weights that the last converged stress left; also at zero stress, which has no direction.
     Stored(Weights),
 }
 

@@ -29,9 +29,9 @@ umat_abi::choices! {
 umat_abi::choices! {
     /// `weights`.
     pub enum WeightTime {
-        /// Of the stress sought.
+        /// Weights of the stress sought.
         Implicit = 0.0 c"implicit",
-        /// Of the last converged stress (Box 5.1).
+        /// Weights of the last converged stress (Box 5.1).
         Lagged = 1.0 c"lagged",
     }
 }

@@ -139,7 +139,7 @@ impl Hard {
 
 /// Gap, as a part of g_0, where the bond begins to fade.
 const FADE_START: f64 = 0.8;
-/// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
+/// Value of y = 1 − gap/g_0 from which the tangent of the exponential takes its place.
 const LINEAR_FROM: f64 = 7.0;
 
 impl Soft {

@@ -18,7 +18,7 @@ pub(super) struct Branch {
     pub maximum: f64,
 }
 
-/// Both branches.
+/// History of both branches.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct History {
     pub tension: Branch,

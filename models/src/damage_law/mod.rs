@@ -117,16 +117,6 @@ impl DamageLaw {
         let [excess] = excess_integrals([eta], 1.0 / self.b, [root]);
         self.threshold * damage(eta) + excess / self.a
     }
-
-    /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
-    /// (docs/theory/crack-band.md).
-    pub fn total_dissipation(&self) -> f64 {
-        if self.b <= 1.0 {
-            return f64::INFINITY;
-        }
-        let p = std::f64::consts::PI / self.b;
-        self.threshold + p / (self.a * p.sin())
-    }
 }
 
 /// Terms of a series in a ratio ≤ 1/2 until rounding: 2⁻⁶⁰ is below it.

@@ -19,6 +19,18 @@ fn quadrature(law: &DamageLaw, eta: f64) -> f64 {
     sum * h / 3.0
 }
 
+impl DamageLaw {
+    /// lim η→∞ of [`Self::dissipation`]: Y₀ + (π/B)/(A sin(π/B)) for B > 1, infinite otherwise
+    /// (docs/theory/crack-band.md).
+    fn total_dissipation(&self) -> f64 {
+        if self.b <= 1.0 {
+            return f64::INFINITY;
+        }
+        let p = std::f64::consts::PI / self.b;
+        self.threshold + p / (self.a * p.sin())
+    }
+}
+
 #[test]
 fn dissipation_is_the_integral_of_the_damage_energy_release_rate() {
     for b in [0.4, 0.5, 0.55, 0.7, 0.94, 0.99, 1.0, 1.01, 1.05, 1.3, 2.0, 6.4] {

@@ -4,7 +4,7 @@ use super::cone::Cone;
 use crate::j2_plasticity::YIELD_ROUNDING;
 use crate::tensor::{Elasticity, add_dyad, deviator, strain_norm_squared, trace};
 
-/// Where a trial state ends.
+/// Part of the yield surface to which a trial state returns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Regime {
     Elastic,

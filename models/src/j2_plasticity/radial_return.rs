@@ -44,7 +44,7 @@ impl TrialState {
         stress
     }
 
-    /// Nothing flows.
+    /// An elastic trial state.
     #[inline(always)]
     pub fn elastic_response(&self, elasticity: &Elasticity, dissipated_energy: f64, request: Request) -> Response {
         let Elasticity { shear_modulus, .. } = *elasticity;

@@ -6,9 +6,9 @@ use crate::tensor::{Elasticity, Spectral};
 umat_abi::choices! {
     /// How the volumetric energy is split.
     pub enum Variant {
-        /// By the sums of the positive and of the negative principal strains (5.1).
+        /// Splits by the sums of the positive and of the negative principal strains (5.1).
         Thesis = 0.0 c"thesis",
-        /// By the sign of the volume change.
+        /// Splits by the sign of the volume change.
         Regular = 1.0 c"regular",
     }
 }

@@ -9,7 +9,7 @@ use umat_abi::law::{Law, StressState};
 pub struct Imbalance {
     /// Σ |σ_mid : Δε − ΔΨ − Δdissipation|.
     pub absolute: f64,
-    /// Of that, what the law gave back without having received it.
+    /// The part of it that the law gave back without having received it.
     pub created: f64,
 }
 

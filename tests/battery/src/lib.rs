@@ -2,6 +2,7 @@
 //! decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with what it promises
 //! ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
 
+mod batch;
 mod differences;
 pub mod energy;
 pub mod interface;
@@ -19,6 +20,7 @@ pub mod stability;
 mod tangent;
 pub mod uniaxial;
 
+pub use batch::BatchCall;
 pub use invariants::{check_invariants, check_rotation, check_virgin};
 pub use path::{PATH_COUNTS, check_path_exactness, check_random_paths};
 pub use promises::Promises;
@@ -208,6 +210,14 @@ pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64;
         (0..3).map(|k| (0..3).map(|l| rotation[i][k] * m[k][l] * rotation[j][l]).sum::<f64>()).sum()
     };
     [entry(0, 0), entry(1, 1), entry(2, 2), shear * entry(0, 1), shear * entry(0, 2), shear * entry(1, 2)]
+}
+
+/// The same about axis 3, of the components 11, 22, 33, 12.
+pub fn rotated_in_plane([a, b, c, d]: [f64; 4], angle: f64, shear: f64) -> [f64; 4] {
+    let (sine, cosine) = angle.sin_cos();
+    let rotation = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];
+    let [a, b, c, d, ..] = rotated(&[a, b, c, d, 0.0, 0.0], &rotation, shear);
+    [a, b, c, d]
 }
 
 /// The three stress states.

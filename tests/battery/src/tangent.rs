@@ -17,7 +17,7 @@ pub struct TangentSummary {
     pub tried: usize,
     /// At kinks: the tangent itself jumps within the reach of the differences.
     pub excluded: usize,
-    /// Of the others.
+    /// Greatest error of the others.
     pub worst: f64,
 }
 

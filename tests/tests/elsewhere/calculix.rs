@@ -10,7 +10,7 @@ use std::process::Command;
 const PRINTED: f64 = 2e-6;
 /// Along a path of printed strains: what a damage law makes of their last digit.
 const ALONG_THE_PATH: f64 = 1e-4;
-/// Of the deck; a linear job is done in one.
+/// Increments of the deck; a linear job is done in one.
 const INCREMENTS: usize = 40;
 const NAME: &str = "@ABAQUS_CONCRETEDAMAGE_UMAT";
 

@@ -18,7 +18,7 @@ struct Installation {
 }
 
 impl Installation {
-    /// Of `PULLOUT_PREFIX`.
+    /// Finds the installation that `PULLOUT_PREFIX` names.
     fn find() -> Option<Self> {
         named_by("PULLOUT_PREFIX").map(|prefix| Self { prefix })
     }

@@ -12,7 +12,7 @@ use wait_timeout::ChildExt;
 
 /// The name by which the test program is `pullout`.
 pub const NAME: &str = "pullout";
-/// Of results.
+/// Files of results.
 pub const HISTORY: &str = "history.csv";
 pub const CHECKPOINT: &str = "checkpoint.bin";
 /// A run that is longer is asked to end.

@@ -15,7 +15,7 @@ const SEED: u64 = 0x70_75_6c_6c_6f_75_74;
 
 /// How much is tried.
 pub enum Form {
-    /// Of each module a part.
+    /// Parts of the suite, one of each module.
     Short,
     /// All.
     Whole,

@@ -133,7 +133,7 @@ pub trait EntryArguments {
     unsafe fn answer(&self) -> Answer;
 }
 
-/// Where a host hears of a refusal.
+/// Channel through which a host learns of a refusal.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Answer {

@@ -14,7 +14,7 @@ use crate::umat::UmatArguments;
 pub enum Alteration<'a> {
     /// Nothing.
     None,
-    /// This argument is NULL; a name of the call's `OPTIONAL_ARGUMENTS` or its tangent's (any other changes nothing).
+    /// Passes NULL for this argument; a name of the call's `OPTIONAL_ARGUMENTS` or its tangent's (any other changes nothing).
     Null(&'a str),
     /// NTENS, NDI, NSHR (NDIR or NFDIR in the first place). Never more components than the call has.
     Components([i32; 3]),

@@ -153,7 +153,7 @@ impl Derived {
 pub enum Validation {
     /// Usable.
     Valid,
-    /// Not usable, and why.
+    /// Parameters that the law refuses, and why.
     Invalid(String),
     /// A characteristic length is needed, and none was given.
     NeedsCharacteristicLength(String),

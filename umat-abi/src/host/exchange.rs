@@ -173,7 +173,7 @@ pub(super) struct Exchange<I, O> {
 /// What the plugin gets.
 #[derive(Debug)]
 enum Shared<O> {
-    /// These outputs, and the inputs themselves.
+    /// Outputs kept here; the inputs are lent themselves.
     Own(O),
     /// A copy of the inputs behind the outputs, as [`Lent`]: nobody vouches for the plugin.
     Lent(Guarded),
@@ -216,7 +216,7 @@ impl<I: Inputs, O: Outputs + Default> Exchange<I, O> {
         }
     }
 
-    /// To be set before a call.
+    /// Outputs, to be set before a call.
     #[inline]
     pub(super) fn outputs_mut(&mut self) -> &mut O {
         match &mut self.shared {

@@ -334,15 +334,6 @@ impl UinterCall {
         })
     }
 
-    /// Calls the plugin; DDSDDR and LSDI are zeroed before.
-    ///
-    /// # Errors
-    /// [`Overrun`] if it wrote outside an array.
-    pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
-        // SAFETY: the arguments stay as they are.
-        unsafe { self.call_with(0.0, |_| ()) }
-    }
-
     /// The call itself, with DDSDDR filled before and the arguments as `alter` leaves them.
     ///
     /// # Safety
@@ -376,22 +367,6 @@ impl UinterCall {
     /// Returns an entry of DDSDDR of the last call that is no number.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())])
-    }
-
-    /// Notes the arguments for whoever finds that the plugin ended the process.
-    fn note(&mut self) {
-        if let Some(mut slot) = self.contact.common.slot.take() {
-            slot.enter(|to| {
-                to.put_integers([Arguments::UINTER, 1]);
-                UinterRecord::write(self, to);
-            });
-            self.contact.common.slot = Some(slot);
-        }
-    }
-
-    /// The plugin's function.
-    pub(super) fn function(&self) -> UinterFunction {
-        self.function
     }
 
     pub(super) fn arguments(&mut self) -> UinterArguments {
@@ -528,15 +503,6 @@ impl FricCall {
         i32::from(sticks)
     }
 
-    /// Calls the plugin; DDTDDG is zeroed before.
-    ///
-    /// # Errors
-    /// [`Overrun`] if it wrote outside an array.
-    pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
-        // SAFETY: the arguments stay as they are.
-        unsafe { self.call_with(0.0, |_| ()) }
-    }
-
     /// Returns a result of the last call that a host cannot go on with, DDTDDG and DDTDDP aside, which not every host needs.
     pub fn not_finite(&self) -> Option<NotFinite> {
         let [sed, sfd] = self.energies.each_ref().map(std::slice::from_ref);
@@ -595,22 +561,6 @@ impl FricCall {
         result.map(|()| self.contact.outcome())
     }
 
-    /// Notes the call, as [`UinterCall`] does.
-    fn note(&mut self) {
-        if let Some(mut slot) = self.contact.common.slot.take() {
-            slot.enter(|to| {
-                to.put_integers([Arguments::FRIC, 1]);
-                FricRecord::write(self, to);
-            });
-            self.contact.common.slot = Some(slot);
-        }
-    }
-
-    /// The plugin's function.
-    pub(super) fn function(&self) -> FricFunction {
-        self.function
-    }
-
     pub(super) fn arguments(&mut self) -> FricArguments {
         let Contact { common, fields, .. } = &mut self.contact;
         let [sed, sfd] = self.energies.map(Numbers::from);
@@ -644,9 +594,36 @@ impl FricCall {
     }
 }
 
-/// Both calls are used through what they share.
+/// Makes both calls, which are used through what they share.
 macro_rules! contact {
-    ($($call:ty => $inputs:ty, $outputs:ty;)+) => {$(
+    ($($call:ident: $inputs:ty, $outputs:ty, $function:ty, $record:ident, $number:ident;)+) => {$(
+        impl $call {
+            /// Calls the plugin; the moduli are zeroed before.
+            ///
+            /// # Errors
+            /// [`Overrun`] if it wrote outside an array.
+            pub fn call(&mut self) -> Result<CallOutcome, Overrun> {
+                // SAFETY: the arguments stay as they are.
+                unsafe { self.call_with(0.0, |_| ()) }
+            }
+
+            /// Notes the arguments for whoever finds that the plugin ended the process.
+            fn note(&mut self) {
+                if let Some(mut slot) = self.contact.common.slot.take() {
+                    slot.enter(|to| {
+                        to.put_integers([Arguments::$number, 1]);
+                        $record::write(self, to);
+                    });
+                    self.contact.common.slot = Some(slot);
+                }
+            }
+
+            /// The plugin's function.
+            pub(super) fn function(&self) -> $function {
+                self.function
+            }
+        }
+
         impl Deref for $call {
             type Target = Contact<$inputs, $outputs>;
 
@@ -665,6 +642,6 @@ macro_rules! contact {
     )+};
 }
 contact! {
-    UinterCall => UinterInputs, UinterOutputs;
-    FricCall => FricInputs, FricOutputs;
+    UinterCall: UinterInputs, UinterOutputs, UinterFunction, UinterRecord, UINTER;
+    FricCall: FricInputs, FricOutputs, FricFunction, FricRecord, FRIC;
 }

@@ -27,7 +27,7 @@ pub enum LoadError {
         /// The loader's words.
         message: String,
     },
-    /// It defines none of the symbols tried; what other libraries that it loads define does not count.
+    /// The library defines none of the symbols tried; what other libraries that it loads define does not count.
     Symbol {
         /// The file.
         path: PathBuf,
@@ -77,7 +77,7 @@ pub struct Routine {
 }
 
 impl Routine {
-    /// Those that libraries of UMATs usually have.
+    /// Routines that libraries of UMATs usually have.
     pub const ALL: [Self; 5] = {
         const fn called(symbol: &'static str) -> Routine {
             Routine { symbol, is_called: true }
@@ -222,7 +222,7 @@ impl Library {
     }
 
     /// The function for many points, if the library has one: only libraries that describe a law can.
-    pub(super) fn batch(&self) -> Option<UmatBatch> {
+    pub fn batch(&self) -> Option<UmatBatch> {
         if self.laws.len() != 1 {
             return None;
         }

@@ -1,7 +1,6 @@
 //! The host side: finding, loading and calling plugins, ours and anybody's.
 
 mod altered;
-mod batch;
 mod call;
 mod data;
 mod description;
@@ -28,7 +27,6 @@ mod verdict;
 pub const MOMENT: f64 = 1e-12;
 
 pub use altered::Alteration;
-pub use batch::BatchCall;
 pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};

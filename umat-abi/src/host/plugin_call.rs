@@ -28,7 +28,7 @@ pub struct PluginCall<I, O> {
     /// PREDEF and DPRED of a plugin that nobody vouches for.
     lent_fields: Option<[Guarded; 2]>,
     pub(super) pnewdt: f64,
-    /// Where calls are noted, if they are.
+    /// Slot in which calls are noted, if they are.
     pub(super) slot: Option<Slot>,
 }
 

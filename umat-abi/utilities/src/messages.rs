@@ -16,7 +16,7 @@ const MOST_SHOWN: u32 = 10;
 /// How many the present job has issued.
 static ISSUED: AtomicU32 = AtomicU32::new(0);
 
-/// Another job begins.
+/// Forgets the messages of the last job.
 pub(crate) fn forget_issued() {
     ISSUED.store(0, Ordering::Relaxed);
 }

@@ -19,7 +19,7 @@ pub enum Debonding {
     Hardening,
 }
 
-/// What the load does while the fibre slides as a whole.
+/// Course of the load while the fibre slides as a whole.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sliding {
@@ -42,7 +42,7 @@ pub struct Closed {
     /// Energy of debonding G_d, N/mm.
     #[serde(default)]
     pub debonding_energy: f64,
-    /// What happens up to the end of debonding.
+    /// Course of the load up to the end of debonding.
     #[serde(default)]
     pub debonding: Debonding,
     /// Branch after debonding: sliding.

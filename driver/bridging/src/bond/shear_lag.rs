@@ -183,7 +183,7 @@ impl ShearLagSide {
         line.slip + 2.0 * left / (line.traction + root)
     }
 
-    /// Along one line, over `stretch` of slip: from the strain s′ to the strain at its end, and the length between.
+    /// Integrates along one line, over `stretch` of slip: from the strain s′ to the strain at its end, and the length between.
     ///
     /// ```text
     /// ε_b² = ε_a² + 2κ ∫τ ds,   z = ω Δs/(ε_a + ε_b),   ω² = κ|τ′|

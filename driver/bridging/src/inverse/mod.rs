@@ -47,7 +47,7 @@ impl Estimate {
     }
 }
 
-/// What was found.
+/// Solution of an inverse problem.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fitted {
     /// Parameters.

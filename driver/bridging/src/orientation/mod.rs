@@ -85,14 +85,14 @@ fn usual_spread() -> f64 {
 enum Density {
     Random,
     Planar,
-    /// With the part of the normal distribution that is kept.
+    /// Normal distribution, cut off, with the part of it that is kept.
     Normal(Normal, f64),
     Beta {
         r: f64,
         q: f64,
         scale: f64,
     },
-    /// At equal distances over [0, π/2].
+    /// Density at equal distances over [0, π/2].
     Sampled(Vec<f64>),
     Steps {
         edges: Vec<f64>,

@@ -7,7 +7,7 @@ use std::f64::consts::PI;
 
 const SIGMA_0: f64 = 1.352_448_021_489_041_8;
 const FULLY_DEBONDED: f64 = 30.0 * 30.0 * 3.0 / (210_000.0 * 0.5);
-/// Of the numbers, which have ten digits after the point.
+/// Tolerance of the numbers, which have ten digits after the point.
 const ROUNDING: f64 = 1e-10;
 
 fn stress(composite: &Composite, opening: f64) -> f64 {

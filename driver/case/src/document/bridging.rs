@@ -1,6 +1,6 @@
 //! Kind "bridging".
 
-use super::{Compare, Material, Piece, Positive, Whole};
+use super::{CaseHead, Material, Piece, Positive, Whole};
 use pullout_bridging::{BondLaw, Debonding, Inclination, Matrix, NotchedBeam, Orientation, Scatter, Sides, Sliding};
 use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::Deserialize;
@@ -8,22 +8,15 @@ use std::borrow::Cow;
 
 /// Fibres across a crack: from one fibre to σ(w), the notched beam and its scatter (kind "bridging").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct BridgingCase {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    #[expect(dead_code, reason = "read by editors")]
-    pub schema: Option<Piece<String>>,
     /// "bridging".
     #[expect(dead_code, reason = "dispatched on before")]
-    pub kind: BridgingKind,
-    /// Title of plots and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for the report.
-    pub description: Option<Piece<String>>,
-    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
-    #[expect(dead_code, reason = "read before the kinds differ")]
-    pub files: Option<Piece<Vec<String>>>,
+    #[schemars(extend("const" = "bridging"))]
+    pub kind: String,
+    /// Title, text, files, curves.
+    #[serde(flatten)]
+    pub head: CaseHead,
     /// The fibre, and where its load comes from.
     pub fibre: Piece<FibreOfFile>,
     /// V_f, at most 0.2.
@@ -46,18 +39,8 @@ pub struct BridgingCase {
     pub beam: Option<Piece<NotchedBeam>>,
     /// Beams with fibres at random (default: none); needs a beam.
     pub scatter: Option<Piece<Scatter>>,
-    /// Curves to compare with; x and y are two columns of bridging.csv, or two of beam.csv.
-    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
     /// What is written.
     pub output: Option<Piece<BridgingOutput>>,
-}
-
-/// The word "bridging".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum BridgingKind {
-    /// Fibres across a crack.
-    Bridging,
 }
 
 /// What is written.

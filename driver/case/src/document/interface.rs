@@ -1,68 +1,30 @@
 //! Kind "interface".
 
-use super::{
-    Compare, ContactArguments, Controls, Cycle, Cycles, EndValue, Increments, Material, Output, Piece, Positive,
-    RunIncrements, Until,
-};
+use super::{CaseHead, ContactArguments, Course, Cycle, Cycles, EndValue, Increments, Path, Piece, Positive, StepEnd};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
 /// A contact point along a path (kind "interface").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct InterfaceCase {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    #[expect(dead_code, reason = "read by editors")]
-    pub schema: Option<Piece<String>>,
     /// "interface".
     #[expect(dead_code, reason = "dispatched on before")]
-    pub kind: InterfaceKind,
-    /// Title of plots and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for the report.
-    pub description: Option<Piece<String>>,
-    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
-    #[expect(dead_code, reason = "read before the kinds differ")]
-    pub files: Option<Piece<Vec<String>>>,
-    /// The plugin and its parameters.
-    pub material: Piece<Material>,
-    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
-    /// case it comes from.
-    #[expect(dead_code, reason = "read by `job_folder`")]
-    pub job_folder: Option<Piece<String>>,
-    /// CHRLNGTH, mm.
-    pub characteristic_length: Option<Piece<Positive>>,
+    #[schemars(extend("const" = "interface"))]
+    pub kind: String,
+    /// Title, text, files, curves.
+    #[serde(flatten)]
+    pub head: CaseHead,
+    /// Plugin, steps, output.
+    #[serde(flatten)]
+    pub path: Path<InterfaceStep>,
     /// The state before the first step.
     pub initial: Option<Piece<InterfaceInitial>>,
     /// Arguments of the plugin that the path leaves open; a replay of a recorded call gives them.
     pub arguments: Option<Piece<ContactArguments>>,
-    /// Initial temperature (default 0), the same on both surfaces.
-    pub temperature: Option<Piece<f64>>,
-    /// Initial field variables.
-    pub predef: Option<Piece<Vec<f64>>>,
-    /// What is done to the point.
-    #[schemars(length(min = 1))]
-    pub steps: Piece<Vec<Piece<InterfaceStep>>>,
-    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
-    /// the run then.
-    pub increments: Option<Piece<RunIncrements>>,
-    /// Ends the run early.
-    pub until: Option<Piece<Until>>,
-    /// Curves to compare with.
-    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
-    /// What is written.
-    pub output: Option<Piece<Output>>,
-    /// Iteration limits.
-    pub controls: Option<Piece<Controls>>,
-}
-
-/// The word "interface".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum InterfaceKind {
-    /// A contact point.
-    Interface,
+    /// Fields, and how the run ends.
+    #[serde(flatten)]
+    pub course: Course,
 }
 
 /// The state before the first step.
@@ -98,7 +60,7 @@ pub enum InterfaceStep {
 
 /// A step in which slips, gap or pressure ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct InterfaceRamp {
     /// Number of increments.
     pub increments: Increments,
@@ -106,27 +68,21 @@ pub struct InterfaceRamp {
     pub time: Option<Positive>,
     /// End values; what is not named is held.
     pub target: InterfaceTarget,
-    /// Ends this step early.
-    pub until: Option<Until>,
-    /// Temperature at the end of the step.
-    pub temperature: Option<f64>,
-    /// Field variables at the end of the step.
-    pub predef: Option<Vec<f64>>,
+    /// What ends it, and fields at its end.
+    #[serde(flatten)]
+    pub end: StepEnd,
 }
 
 /// A step with one increment per row of a CSV file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct InterfaceTable {
     /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
     /// and predef1, predef2, … of the case's field variables.
     pub table: String,
-    /// Ends this step early.
-    pub until: Option<Until>,
-    /// Temperature at the end of the step.
-    pub temperature: Option<f64>,
-    /// Field variables at the end of the step.
-    pub predef: Option<Vec<f64>>,
+    /// What ends it, and fields at its end.
+    #[serde(flatten)]
+    pub end: StepEnd,
 }
 
 /// End values of a contact point, or "hold".

@@ -1,8 +1,7 @@
 //! Kind "point".
 
 use super::{
-    Compare, Controls, Cycle, Cycles, EndValue, Increments, Material, Matrix, Output, Piece, Positive, RunIncrements,
-    UmatArguments, Until,
+    CaseHead, Course, Cycle, Cycles, EndValue, Increments, Matrix, Path, Piece, Positive, StepEnd, UmatArguments,
 };
 use pullout_run::program::{Measure, Mode};
 use schemars::JsonSchema;
@@ -11,24 +10,18 @@ use std::collections::BTreeMap;
 
 /// A material point along a path (kind "point").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct PointCase {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    #[expect(dead_code, reason = "read by editors")]
-    pub schema: Option<Piece<String>>,
     /// "point".
     #[expect(dead_code, reason = "dispatched on before")]
-    pub kind: PointKind,
-    /// Title of plots and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for the report.
-    pub description: Option<Piece<String>>,
-    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
-    #[expect(dead_code, reason = "read before the kinds differ")]
-    pub files: Option<Piece<Vec<String>>>,
-    /// The plugin and its parameters.
-    pub material: Piece<Material>,
+    #[schemars(extend("const" = "point"))]
+    pub kind: String,
+    /// Title, text, files, curves.
+    #[serde(flatten)]
+    pub head: CaseHead,
+    /// Plugin, steps, output.
+    #[serde(flatten)]
+    pub path: Path<PointStep>,
     /// Which components exist (default "3d").
     pub mode: Option<Piece<Mode>>,
     /// Finite strain (default false): strains are those of U in F = R U, of which a step that is given strains or stresses
@@ -36,42 +29,13 @@ pub struct PointCase {
     pub nlgeom: Option<Piece<bool>>,
     /// What strains and stresses of steps and history are with nlgeom (default "logarithmic").
     pub measure: Option<Piece<Measure>>,
-    /// The folder that GETOUTDIR answers, relative to the case file; default: the case file's. A replay names that of the
-    /// case it comes from.
-    #[expect(dead_code, reason = "read by `job_folder`")]
-    pub job_folder: Option<Piece<String>>,
-    /// CELENT, mm; required when the law's crack band is on.
-    pub characteristic_length: Option<Piece<Positive>>,
     /// The state before the first step.
     pub initial: Option<Piece<PointInitial>>,
     /// Arguments of UMAT that the path leaves open; a replay of a recorded call gives them.
     pub arguments: Option<Piece<UmatArguments>>,
-    /// Initial temperature (default 0).
-    pub temperature: Option<Piece<f64>>,
-    /// Initial field variables.
-    pub predef: Option<Piece<Vec<f64>>>,
-    /// What is done to the point.
-    #[schemars(length(min = 1))]
-    pub steps: Piece<Vec<Piece<PointStep>>>,
-    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
-    /// the run then.
-    pub increments: Option<Piece<RunIncrements>>,
-    /// Ends the run early.
-    pub until: Option<Piece<Until>>,
-    /// Curves to compare with.
-    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
-    /// What is written.
-    pub output: Option<Piece<Output>>,
-    /// Iteration limits.
-    pub controls: Option<Piece<Controls>>,
-}
-
-/// The word "point".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum PointKind {
-    /// A material point.
-    Point,
+    /// Fields, and how the run ends.
+    #[serde(flatten)]
+    pub course: Course,
 }
 
 /// The state before the first step, as UMAT is given it.
@@ -119,7 +83,7 @@ pub enum PointStep {
 
 /// A step in which the controlled components ramp linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct PointRamp {
     /// Number of increments.
     pub increments: Increments,
@@ -132,29 +96,23 @@ pub struct PointRamp {
     pub deformation_gradient: Option<Matrix>,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
-    /// Ends this step early.
-    pub until: Option<Until>,
-    /// Temperature at the end of the step.
-    pub temperature: Option<f64>,
-    /// Field variables at the end of the step.
-    pub predef: Option<Vec<f64>>,
+    /// What ends it, and fields at its end.
+    #[serde(flatten)]
+    pub end: StepEnd,
 }
 
 /// A step with one increment per row of a CSV file.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct PointTable {
     /// CSV file, relative to the case file: columns time (optional, s), any components, as in target, temperature, and
     /// predef1, predef2, … of the case's field variables.
     pub table: String,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
-    /// Ends this step early.
-    pub until: Option<Until>,
-    /// Temperature at the end of the step.
-    pub temperature: Option<f64>,
-    /// Field variables at the end of the step.
-    pub predef: Option<Vec<f64>>,
+    /// What ends it, and fields at its end.
+    #[serde(flatten)]
+    pub end: StepEnd,
 }
 
 /// End values of controlled components: strains (engineering shear) or stresses (MPa), or "hold". With nlgeom, in the

@@ -1,7 +1,7 @@
 //! Kind "pullout".
 
 use super::{
-    Compare, Components, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, RunIncrements, Until, Whole,
+    CaseHead, Components, Course, Cycle, Cycles, Fraction, Increments, Material, Piece, Positive, StepEnd, Whole,
 };
 use schemars::JsonSchema;
 use serde::Deserialize;
@@ -16,22 +16,15 @@ pub use specimen::*;
 
 /// A specimen in two dimensions: parts, contact, supports, steps (kind "pullout").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct PulloutCase {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    #[expect(dead_code, reason = "read by editors")]
-    pub schema: Option<Piece<String>>,
     /// "pullout".
     #[expect(dead_code, reason = "dispatched on before")]
-    pub kind: PulloutKind,
-    /// Title of plots and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for the report.
-    pub description: Option<Piece<String>>,
-    /// Files that its libraries read on their own: they travel with the case, and the run is another one if they change.
-    #[expect(dead_code, reason = "read before the kinds differ")]
-    pub files: Option<Piece<Vec<String>>>,
+    #[schemars(extend("const" = "pullout"))]
+    pub kind: String,
+    /// Title, text, files, curves.
+    #[serde(flatten)]
+    pub head: CaseHead,
     /// A specimen by its parameters, or a Gmsh file.
     pub mesh: Piece<MeshSource>,
     /// The parts by name: those of the specimen, or the physical surfaces of the file.
@@ -52,34 +45,18 @@ pub struct PulloutCase {
     pub nlgeom: Option<Piece<bool>>,
     /// What torn matter of laws with damage is released (default: none is).
     pub spalling: Option<Piece<Spalling>>,
-    /// Initial temperature of all parts (default 0).
-    pub temperature: Option<Piece<f64>>,
-    /// Initial field variables of all parts.
-    pub predef: Option<Piece<Vec<f64>>>,
+    /// Fields, and how the run ends.
+    #[serde(flatten)]
+    pub course: Course,
     /// What is done to the specimen.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
-    /// Increments of another run that are repeated as they are, instead of those of the steps; no "until" ends a step or
-    /// the run then.
-    pub increments: Option<Piece<RunIncrements>>,
-    /// Ends the run early.
-    pub until: Option<Piece<Until>>,
-    /// Curves to compare with.
-    pub compare: Option<Piece<Vec<Piece<Compare>>>>,
     /// What is written.
     pub output: Option<Piece<PulloutOutput>>,
     /// Tolerances and limits.
     pub controls: Option<Piece<PulloutControls>>,
     /// What the solver skips where a scene does not need it (default "all"; no item changes the result).
     pub skip: Option<Piece<Skip>>,
-}
-
-/// The word "pullout".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum PulloutKind {
-    /// A specimen in two dimensions.
-    Pullout,
 }
 
 /// When an element is torn matter: its forces fade, it is no part of its body any more and has no contact, and neither has
@@ -185,7 +162,7 @@ pub enum PulloutStep {
 
 /// A step in which drives go linearly to their end values.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct PulloutRamp {
     /// Displacement of the grip at the end of the step, mm.
     pub slip: Option<f64>,
@@ -193,14 +170,11 @@ pub struct PulloutRamp {
     pub drives: Option<BTreeMap<String, f64>>,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
-    /// Temperature at the end of the step.
-    pub temperature: Option<f64>,
-    /// Field variables at the end of the step.
-    pub predef: Option<Vec<f64>>,
+    /// What ends it, and fields at its end.
+    #[serde(flatten)]
+    pub end: StepEnd,
     /// Sizes of automatic increments, or a number of equal ones.
     pub increments: Option<StepIncrements>,
-    /// Ends this step early.
-    pub until: Option<Until>,
 }
 
 /// How the increments of a step are chosen.

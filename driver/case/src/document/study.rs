@@ -1,23 +1,20 @@
 //! The study file as serde reads it and as `pullout schema` prints it.
 
-use super::{Piece, Positive};
+use super::{Head, Piece, Positive};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
 
 /// A family of runs: a case, what is varied, and what is claimed of the outcome (kind "study").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct StudyFile {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    pub schema: Option<Piece<String>>,
     /// "study".
-    pub kind: StudyKind,
-    /// Title of pictures and report; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for the report.
-    pub description: Option<Piece<String>>,
+    #[schemars(extend("const" = "study"))]
+    pub kind: String,
+    /// Title and text.
+    #[serde(flatten)]
+    pub head: Head,
     /// Case file that the runs vary, relative to the study file.
     #[schemars(length(min = 1))]
     pub base: Piece<String>,
@@ -39,14 +36,6 @@ pub struct StudyFile {
     pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
     /// What is tested.
     pub claims: Option<Piece<Vec<Piece<ClaimOfFile>>>>,
-}
-
-/// The word "study".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum StudyKind {
-    /// A family of runs.
-    Study,
 }
 
 /// What is varied.

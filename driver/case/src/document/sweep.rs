@@ -1,7 +1,7 @@
 //! The sweep file as serde reads it and as `pullout schema` prints it.
 
 use super::study::{Columns, QuantityOfFile};
-use super::{Piece, Positive};
+use super::{Head, Piece, Positive};
 use schemars::JsonSchema;
 use serde::Deserialize;
 use serde_json::{Map, Value};
@@ -9,17 +9,14 @@ use std::collections::BTreeMap;
 
 /// Many runs of a case of which numbers are kept (kind "sweep").
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields)]
+#[schemars(deny_unknown_fields)]
 pub struct SweepFile {
-    /// Address of this schema, for editors.
-    #[serde(rename = "$schema")]
-    pub schema: Option<Piece<String>>,
     /// "sweep".
-    pub kind: SweepKind,
-    /// What it is called; default: the file's stem.
-    pub title: Option<Piece<String>>,
-    /// Text for readers of the file.
-    pub description: Option<Piece<String>>,
+    #[schemars(extend("const" = "sweep"))]
+    pub kind: String,
+    /// Title and text.
+    #[serde(flatten)]
+    pub head: Head,
     /// The case that is varied: its file, relative to the sweep file, or the case itself.
     pub base: Piece<Base>,
     /// Overrides for all runs: dotted path and value, as `--set` has them.
@@ -44,14 +41,6 @@ pub struct SweepFile {
     /// does not come.
     #[schemars(length(min = 1))]
     pub grid: Option<Piece<Vec<f64>>>,
-}
-
-/// The word "sweep".
-#[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
-#[serde(rename_all = "lowercase")]
-pub enum SweepKind {
-    /// Many runs.
-    Sweep,
 }
 
 /// A case by its file, or itself.

@@ -12,7 +12,7 @@ const SHEARS: [(&str, usize, usize); 3] = [("g12", 0, 1), ("g13", 0, 2), ("g23",
 /// Relative difference of values that are the same.
 const SAME: f64 = 1e-6;
 
-/// What is done to the point.
+/// Loading of the point.
 pub(super) struct Evolution {
     pub(super) steps: Vec<Value>,
     pub(super) nlgeom: bool,
@@ -26,7 +26,7 @@ struct Course {
     change: Change,
 }
 
-/// What all quantities are at some time.
+/// Values of all quantities at some time.
 type Values<'c> = BTreeMap<Quantity, (f64, &'c Change)>;
 
 impl Evolution {

@@ -15,16 +15,16 @@ use serde_json::{Value, json};
 use std::path::Path;
 use umat_abi::host::{Found, search_paths};
 
-/// What an input file makes.
+/// A case made from an input file.
 #[derive(Clone, Debug)]
 pub struct Imported {
     /// The case, or the material alone.
     pub document: Value,
-    /// What was not taken over, with its places.
+    /// Keywords that were not taken over, with their places.
     pub left_out: Vec<String>,
 }
 
-/// What is asked for.
+/// Options of an import.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Wishes<'w> {
     /// Only the material of this name.

@@ -96,14 +96,14 @@ pub(super) struct Initial {
     pub(super) fields: Vec<f64>,
 }
 
-/// What a step changes.
+/// Changes that a step makes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Quantity {
-    /// Of a node, along an axis from 0.
+    /// Component of a node, by its axis from 0.
     Displacement(u64, usize),
     /// The same.
     Force(u64, usize),
-    /// On a face, from 1.
+    /// Load on a face, counted from 1.
     Pressure(usize),
     Temperature,
     /// A field variable, from 0.
@@ -166,7 +166,7 @@ struct Section {
     thickness: f64,
 }
 
-/// What was read so far.
+/// The model as read so far.
 #[derive(Default)]
 pub(super) struct Model {
     pub(super) title: Option<String>,

@@ -17,7 +17,7 @@ const GRIP: &str = "grip";
 /// Both axes.
 pub const BOTH: &[[f64; 2]] = &[[1.0, 0.0], [0.0, 1.0]];
 
-/// Everything that acts on the specimen.
+/// Supports, drives, loads and measurements of a specimen.
 pub struct Boundary {
     pub drives: Drives,
     pub supports: Vec<Support>,

@@ -1,34 +1,48 @@
 //! Specimens by their parameters, and what each says where the case says nothing.
 
 use super::boundary::BOTH;
-use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
+use super::fibres;
+use super::mesh::{DefaultPair, DefaultSupports, Defaults};
 use crate::document::Positive;
-use crate::document::pullout::{
-    self as document, ElementName, Elements, FibreShape, SeparationLength, SeparationRule, Thickness,
-};
+use crate::document::pullout::{ElementName, Elements, Fibres, InclinedFibre, PerpendicularFibre, Thickness};
 use fe_core::element::ElementKind;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::MeshDefinition;
-use fe_core::mesh::specimen::{
-    self, BodyChoice, Configuration, ContactSurfaces, CurvedChannel, CylinderOnPlane, CylinderSection, DragOutStrip,
-    FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness, ParameterProblem, PartMesh,
-    PerpendicularFibre, PlateWithHole, Segment, SpecimenError, SurfaceRole, ThickCylinder, TimoshenkoBeam, TwoBlocks,
-};
+use fe_core::mesh::specimen::{self, BodyChoice, CylinderSection, SpecimenError, SurfaceRole};
 use fe_core::model::Width;
-use pullout_run::number::rounded;
+use schemars::JsonSchema;
+use serde::Deserialize;
 
-const X: &[[f64; 2]] = &[[1.0, 0.0]];
+pub(super) const X: &[[f64; 2]] = &[[1.0, 0.0]];
 const Y: &[[f64; 2]] = &[[0.0, 1.0]];
 
-/// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
-/// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
-const SLOPE: f64 = 1.0;
-
-/// Inclination of a fibre, degrees.
-const ANGLE: f64 = 45.0;
-
-/// Length of a bent fibre between its bend and the grip, mm.
-const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
+/// A specimen.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Specimen {
+    /// A fibre perpendicular to the face that it is pulled out of: parts fibre and matrix.
+    PerpendicularFibre(PerpendicularFibre),
+    /// A fibre at an angle to the normal of the face that it is pulled out of: parts fibre and matrix.
+    InclinedFibre(InclinedFibre),
+    /// Fibres of any shape: parts fibre.NAME (in parts also fibre for all of them) and matrix.
+    Fibres(Fibres),
+    /// A quarter of a plate with a hole: part plate; sets symmetry_x, symmetry_y, right, top, hole.
+    PlateWithHole(PlateWithHole),
+    /// A thick cylinder: part cylinder; sets inner, outer and bottom, top or symmetry_x, symmetry_y.
+    ThickCylinder(ThickCylinder),
+    /// Cook's membrane: part membrane; sets left, right, bottom, top.
+    CookMembrane(CookMembrane),
+    /// A rectangle about y = 0: part beam; sets left, right, bottom, top.
+    Beam(Beam),
+    /// Two rectangles upon each other, contact at y = 0: parts lower and upper.
+    TwoBlocks(TwoBlocks),
+    /// Half of a cylinder that is pressed onto a plane: parts cylinder and base.
+    Hertz(Hertz),
+    /// A strip that is pulled out from under a block: parts strip and block.
+    DragOutStrip(DragOutStrip),
+    /// A fibre that lies on a curved channel: parts fibre and channel.
+    CurvedChannel(CurvedChannel),
+}
 
 /// A mesh, and what the specimen says of it.
 pub struct Generated {
@@ -37,7 +51,7 @@ pub struct Generated {
     pub defaults: Defaults,
     /// Diameter of the round fibre, mm.
     pub diameter: Option<f64>,
-    /// What the user should know of the model.
+    /// Notes on the model for the user.
     pub notes: Vec<String>,
     /// Names and values of what the case leaves to defaults.
     pub taken: Vec<String>,
@@ -48,12 +62,12 @@ pub struct Generated {
 ///
 /// # Errors
 /// Parameters that cannot be.
-pub fn generate(given: &document::Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
+pub fn generate(given: &Specimen, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
     match given {
-        document::Specimen::PerpendicularFibre(given) => perpendicular_fibre(given, matrix),
-        document::Specimen::InclinedFibre(given) => inclined_fibre(given, matrix, slip),
-        document::Specimen::Fibres(given) => fibres(given, matrix, slip),
-        document::Specimen::PlateWithHole(given) => specimen::plate_with_hole(&PlateWithHole {
+        Specimen::PerpendicularFibre(given) => fibres::perpendicular_fibre(given, matrix),
+        Specimen::InclinedFibre(given) => fibres::inclined_fibre(given, matrix, slip),
+        Specimen::Fibres(given) => fibres::fibres(given, matrix, slip),
+        Specimen::PlateWithHole(given) => specimen::plate_with_hole(&specimen::PlateWithHole {
             width: length(given.width, 10.0),
             height: length(given.height, 10.0),
             radius: length(given.radius, 1.0),
@@ -62,322 +76,26 @@ pub fn generate(given: &document::Specimen, matrix: Option<Thickness>, slip: f64
             body: body(given.element, ElementName::Q8),
         })
         .map(|definition| one_body("plate_with_hole", definition, &[("symmetry_x", X), ("symmetry_y", Y)])),
-        document::Specimen::ThickCylinder(given) => thick_cylinder(given),
-        document::Specimen::CookMembrane(given) => {
+        Specimen::ThickCylinder(given) => thick_cylinder(given),
+        Specimen::CookMembrane(given) => {
             specimen::cook_membrane(number(given.cells, 8), body(given.element, ElementName::Q8))
                 .map(|definition| one_body("cook_membrane", definition, &[("left", BOTH)]))
         }
-        document::Specimen::Beam(given) => {
+        Specimen::Beam(given) => {
             let cells = given.cells.map_or([20, 2], |cells| cells.map(|n| n.0 as usize));
             let (length, height) = (length(given.length, 10.0), length(given.height, 1.0));
             let body = body(given.element, ElementName::Q8);
-            specimen::timoshenko_beam(&TimoshenkoBeam { length, height, cells, body })
+            specimen::timoshenko_beam(&specimen::TimoshenkoBeam { length, height, cells, body })
                 .map(|definition| one_body("beam", definition, &[("left", BOTH)]))
         }
-        document::Specimen::TwoBlocks(given) => two_blocks(given),
-        document::Specimen::Hertz(given) => hertz(given),
-        document::Specimen::DragOutStrip(given) => drag_out_strip(given),
-        document::Specimen::CurvedChannel(given) => curved_channel(given),
+        Specimen::TwoBlocks(given) => two_blocks(given),
+        Specimen::Hertz(given) => hertz(given),
+        Specimen::DragOutStrip(given) => drag_out_strip(given),
+        Specimen::CurvedChannel(given) => curved_channel(given),
     }
 }
 
-fn perpendicular_fibre(
-    given: &document::PerpendicularFibre,
-    matrix: Option<Thickness>,
-) -> Result<Generated, SpecimenError> {
-    let axisymmetric = given.axisymmetric.unwrap_or(false);
-    let default = PerpendicularFibre::default();
-    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
-    let sizes = FibreMesh::default();
-    let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
-    let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
-    let parameters = PerpendicularFibre {
-        configuration: if axisymmetric {
-            Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
-        } else {
-            Configuration::PLANE
-        },
-        width: length(given.width, default.width),
-        depth: length(given.depth, default.depth),
-        matrix_thickness: match axisymmetric {
-            // the outer radius follows from the specimen's own
-            true => length(given.matrix_thickness, default.matrix_thickness),
-            false => matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
-        },
-        cover: given.cover.unwrap_or(default.cover),
-        graded_thickness: given.graded_thickness.map(graded),
-        fibre_diameter,
-        embedded_length: length(given.embedded_length, default.embedded_length),
-        free_length: length(given.free_length, default.free_length),
-        tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
-        fibre: part(given.fibre_element),
-        matrix: part(given.matrix_element),
-        mesh: FibreMesh {
-            embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
-            exit_size: given.exit_size.map(|size| size.0).or(exit_size),
-            elements_across: number(given.elements_across, sizes.elements_across),
-            slave_edges_per_master: number(given.slave_edges_per_master, sizes.slave_edges_per_master),
-            interface_size: length(given.interface_size, sizes.interface_size),
-            growth: length(given.growth, sizes.growth),
-            largest_size: length(given.largest_size, sizes.largest_size),
-        },
-    };
-    let made = specimen::perpendicular_fibre(&parameters)?;
-    let ways: &[&'static str] =
-        if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
-    let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
-    let mut generated = pulled_fibre("perpendicular_fibre", made, ways, also);
-    generated.taken = taken(&[
-        ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
-        ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
-        ("free_length", given.free_length.is_none(), parameters.free_length),
-        ("width", given.width.is_none(), parameters.width),
-        ("depth", given.depth.is_none(), parameters.depth),
-        (
-            "matrix_thickness",
-            !axisymmetric && matrix.is_none() && given.matrix_thickness.is_none(),
-            parameters.matrix_thickness,
-        ),
-    ]);
-    Ok(generated)
-}
-
-fn inclined_fibre(
-    given: &document::InclinedFibre,
-    matrix: Option<Thickness>,
-    slip: f64,
-) -> Result<Generated, SpecimenError> {
-    let angle = given.angle_deg.unwrap_or(ANGLE).to_radians();
-    let default = Fibre::new(angle, Vec::new());
-    let diameter = length(given.fibre_diameter, default.diameter);
-    let embedded_length = length(given.embedded_length, default.embedded_length);
-    let mut path = vec![Segment::Straight { length: embedded_length }];
-    let free_length = match given.shape.unwrap_or(FibreShape::Bent) {
-        FibreShape::Bent => {
-            path.push(Segment::Arc { radius: length(given.bend_radius, 1.5 * diameter), to: 0.0 });
-            given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND)
-        }
-        FibreShape::Straight => given.free_length.unwrap_or(0.0),
-    };
-    path.push(Segment::Straight { length: free_length });
-    let separation_length = match given.separation_length {
-        None => 0.0,
-        Some(SeparationLength::Given(length)) => length,
-        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(diameter, angle),
-    };
-    let fibre = Fibre {
-        diameter,
-        path,
-        embedded_length,
-        exit_radius: given.exit_radius.map(|radius| radius.0),
-        separation_length,
-        fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
-        ..default
-    };
-    let block = document::Fibres {
-        fibres: Vec::new(),
-        grips: None,
-        width: given.width,
-        depth: given.depth,
-        matrix_thickness: given.matrix_thickness,
-        cover: given.cover,
-        graded_thickness: given.graded_thickness,
-        fibre_element: given.fibre_element,
-        matrix_element: given.matrix_element,
-        mesh_size: given.mesh_size,
-        elements_across: given.elements_across,
-        exit_size: given.exit_size,
-        largest_fibre_size: given.largest_fibre_size,
-        growth_rate: given.growth_rate,
-        largest_size: given.largest_size,
-    };
-    let mut generated = around("inclined_fibre", vec![fibre], &block, matrix)?;
-    let own = taken(&[
-        ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
-        ("fibre_diameter", given.fibre_diameter.is_none(), diameter),
-        ("embedded_length", given.embedded_length.is_none(), embedded_length),
-    ]);
-    generated.taken.splice(0..0, own);
-    Ok(generated)
-}
-
-fn fibres(given: &document::Fibres, matrix: Option<Thickness>, slip: f64) -> Result<Generated, SpecimenError> {
-    let mut own = Vec::new();
-    let mut made = Vec::new();
-    for given in &given.fibres {
-        let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
-            problems: vec![ParameterProblem {
-                fibre: Some(made.len()),
-                name: "path",
-                value: format!("{value} in piece {}", piece + 1),
-                requirement: requirement.into(),
-            }],
-        };
-        let mut path = Vec::new();
-        for (index, piece) in given.path.iter().enumerate() {
-            if index > 0 && piece.tilt_deg.is_some() {
-                let requirement =
-                    "in the first piece only: each goes on where the one before it ends, and an arc turns it";
-                return Err(wrong(index, "given tilt_deg", requirement));
-            }
-            let unclear =
-                || wrong(index, "unclear", "given as one of \"straight\", \"arc\" and \"wave\" in each piece");
-            path.push(segment(piece).ok_or_else(unclear)?);
-        }
-        let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
-        let default = Fibre::new(tilt.to_radians(), path);
-        let diameter = length(given.diameter, default.diameter);
-        let embedded_length = length(given.embedded, default.embedded_length);
-        let of = |key: &str| format!("{}.{key}", given.name);
-        own.extend(taken(&[
-            (&of("diameter"), given.diameter.is_none(), diameter),
-            (&of("embedded"), given.embedded.is_none(), embedded_length),
-        ]));
-        made.push(Fibre {
-            name: Some(given.name.clone()),
-            diameter,
-            exit: given.exit.unwrap_or(default.exit),
-            embedded_length,
-            profile: given.width_profile.clone().unwrap_or_default(),
-            tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
-            exit_radius: given.exit_radius.map(|radius| radius.0),
-            separation_length: given.separation_length.unwrap_or(default.separation_length),
-            fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
-            ..default
-        });
-    }
-    let mut generated = around("fibres", made, given, matrix)?;
-    generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
-    generated.taken.splice(0..0, own);
-    Ok(generated)
-}
-
-/// A piece of a path, if it is one thing.
-fn segment(given: &document::PathPiece) -> Option<Segment> {
-    match (given.straight, given.arc, given.wave) {
-        (Some(length), None, None) => Some(Segment::Straight { length: length.0 }),
-        (None, Some(arc), None) => Some(Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }),
-        (None, None, Some(wave)) => {
-            Some(Segment::Wave { amplitude: wave.amplitude, length: wave.length.0, count: wave.n.0 })
-        }
-        _ => None,
-    }
-}
-
-/// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw.
-fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_length: f64) -> Option<f64> {
-    let slides_out = (slip > FINE_DIAMETERS * diameter).then(|| slip.min(embedded_length));
-    given.map(|length| length.0).or(slides_out)
-}
-
-/// A specimen of fibres in the block that a case describes; its own list of fibres is not looked at.
-fn around(
-    name: &'static str,
-    fibres: Vec<Fibre>,
-    block: &document::Fibres,
-    matrix: Option<Thickness>,
-) -> Result<Generated, SpecimenError> {
-    let (default, sizes) = (Fibres::default(), FibresMesh::default());
-    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
-    let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
-    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness);
-    let parameters = Fibres {
-        width: length(block.width, default.width),
-        depth: length(block.depth, default.depth),
-        matrix_thickness,
-        cover: block.cover.unwrap_or(matrix_thickness > thickest),
-        graded_thickness: block.graded_thickness.map(graded),
-        fibres,
-        fibre: part(block.fibre_element, ElementName::Q8),
-        matrix: part(block.matrix_element, ElementName::T6),
-        mesh: FibresMesh {
-            size: length(block.mesh_size, sizes.size),
-            elements_across: number(block.elements_across, sizes.elements_across),
-            exit_size: block.exit_size.map(|size| size.0),
-            largest_fibre_size: length(block.largest_fibre_size, sizes.largest_fibre_size),
-            growth_rate: length(block.growth_rate, sizes.growth_rate),
-            largest_size: length(block.largest_size, sizes.largest_size),
-        },
-        ..default
-    };
-    let made = specimen::fibres(&parameters)?;
-    let ways = ["sides", "face_near", "face_away", "bottom"];
-    let mut generated = pulled_fibre(name, made, &ways, &[]);
-    generated.taken = taken(&[
-        ("width", block.width.is_none(), parameters.width),
-        ("depth", block.depth.is_none(), parameters.depth),
-        ("matrix_thickness", matrix.is_none() && block.matrix_thickness.is_none(), matrix_thickness),
-    ]);
-    if block.cover.is_none() {
-        generated.taken.push(format!("cover = {}", parameters.cover));
-    }
-    Ok(generated)
-}
-
-/// Names and values of those that are left to defaults.
-fn taken(sizes: &[(&str, bool, f64)]) -> Vec<String> {
-    let left = sizes.iter().filter(|(_, is_left, _)| *is_left);
-    left.map(|(name, _, value)| format!("{name} = {}", rounded(*value))).collect()
-}
-
-/// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
-fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
-    let tangent = angle.tan();
-    if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
-}
-
-/// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
-fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
-    let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
-    of_part.unwrap_or(length(given, default))
-}
-
-fn graded(given: document::GradedThickness) -> GradedThickness {
-    GradedThickness { slope: given.slope.unwrap_or(SLOPE), extent: given.extent.map(|extent| extent.0) }
-}
-
-/// A specimen that is held by one of some node sets, and by what holds it in any case.
-fn pulled_fibre(
-    name: &'static str,
-    made: specimen::Specimen,
-    ways: &[&'static str],
-    also: &[(&'static str, &'static [[f64; 2]])],
-) -> Generated {
-    let pairs = made.contact_pairs.into_iter().map(|ContactSurfaces { name, slave, master, role, width }| {
-        DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
-    });
-    let alone = match &made.fibres[..] {
-        [fibre] => Some(fibre),
-        _ => None,
-    };
-    let named = made.fibres.iter().filter_map(|fibre| Some((fibre.clone(), format!("grip.{}", fibre.name.as_ref()?))));
-    let fibres = named.filter(|_| alone.is_none());
-    let diameter = made.fibres[0].diameter;
-    let alike = made.fibres.iter().all(|fibre| fibre.diameter == diameter);
-    let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
-    let held = |set: &'static str| [&[(set, BOTH)], also].concat();
-    let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
-    Generated {
-        name,
-        defaults: Defaults {
-            fibres: fibres.collect(),
-            grips_each: false,
-            pairs: pairs.collect(),
-            supports,
-            grip: Some(("grip", made.pull_direction)),
-            fibre_direction: alone.map(|fibre| fibre.direction),
-            exit: alone.map(|fibre| fibre.exit_node),
-            tail: alone.map(|fibre| fibre.tail_node),
-            couplings: made.couplings,
-        },
-        definition: made.definition,
-        diameter: alike.then_some(diameter),
-        notes: made.notes,
-        taken: Vec::new(),
-    }
-}
-
-fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, SpecimenError> {
+fn thick_cylinder(given: &ThickCylinder) -> Result<Generated, SpecimenError> {
     let cells = number(given.other_cells, 10);
     let axisymmetric = given.axisymmetric.unwrap_or(false);
     let section = if axisymmetric {
@@ -385,7 +103,7 @@ fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, Specimen
     } else {
         CylinderSection::Quarter { model: PlaneModel::PlaneStrain, thickness: 1.0, cells }
     };
-    let definition = specimen::thick_cylinder(&ThickCylinder {
+    let definition = specimen::thick_cylinder(&specimen::ThickCylinder {
         inner_radius: length(given.inner_radius, 1.0),
         outer_radius: length(given.outer_radius, 2.0),
         radial_cells: number(given.radial_cells, 10),
@@ -398,10 +116,10 @@ fn thick_cylinder(given: &document::ThickCylinder) -> Result<Generated, Specimen
     Ok(one_body("thick_cylinder", definition, supports))
 }
 
-fn two_blocks(given: &document::TwoBlocks) -> Result<Generated, SpecimenError> {
+fn two_blocks(given: &TwoBlocks) -> Result<Generated, SpecimenError> {
     let numbers =
         |given: Option<[Elements; 2]>, default: [usize; 2]| given.map_or(default, |n| n.map(|n| n.0 as usize));
-    let definition = specimen::two_blocks(&TwoBlocks {
+    let definition = specimen::two_blocks(&specimen::TwoBlocks {
         width: length(given.width, 1.0),
         heights: given.heights.map_or([1.0; 2], |heights| heights.map(|height| height.0)),
         edges: numbers(given.edges, [4, 3]),
@@ -412,8 +130,8 @@ fn two_blocks(given: &document::TwoBlocks) -> Result<Generated, SpecimenError> {
     Ok(in_contact("two_blocks", definition, &supports, "lower_contact", "upper_contact", None))
 }
 
-fn hertz(given: &document::Hertz) -> Result<Generated, SpecimenError> {
-    let definition = specimen::cylinder_on_plane(&CylinderOnPlane {
+fn hertz(given: &Hertz) -> Result<Generated, SpecimenError> {
+    let definition = specimen::cylinder_on_plane(&specimen::CylinderOnPlane {
         radius: length(given.radius, 10.0),
         half_width: length(given.half_width, 5.0),
         height: length(given.height, 5.0),
@@ -427,9 +145,9 @@ fn hertz(given: &document::Hertz) -> Result<Generated, SpecimenError> {
     Ok(in_contact("hertz", definition, &supports, "base_contact", "cylinder_contact", None))
 }
 
-fn drag_out_strip(given: &document::DragOutStrip) -> Result<Generated, SpecimenError> {
-    let default = DragOutStrip::new([body(given.element, ElementName::Q4); 2]);
-    let definition = specimen::drag_out_strip(&DragOutStrip {
+fn drag_out_strip(given: &DragOutStrip) -> Result<Generated, SpecimenError> {
+    let default = specimen::DragOutStrip::new([body(given.element, ElementName::Q4); 2]);
+    let definition = specimen::drag_out_strip(&specimen::DragOutStrip {
         strip_length: length(given.strip_length, default.strip_length),
         strip_height: length(given.strip_height, default.strip_height),
         block_start: length(given.block_start, default.block_start),
@@ -447,8 +165,8 @@ fn drag_out_strip(given: &document::DragOutStrip) -> Result<Generated, SpecimenE
     Ok(in_contact("drag_out_strip", definition, &supports, "block_contact", "strip_contact", grip))
 }
 
-fn curved_channel(given: &document::CurvedChannel) -> Result<Generated, SpecimenError> {
-    let definition = specimen::curved_channel(&CurvedChannel {
+fn curved_channel(given: &CurvedChannel) -> Result<Generated, SpecimenError> {
+    let definition = specimen::curved_channel(&specimen::CurvedChannel {
         radius: length(given.radius, 10.0),
         angle: length(given.angle_deg, 90.0).to_radians(),
         fibre_height: length(given.fibre_height, 0.2),
@@ -494,15 +212,15 @@ fn in_contact(
     made
 }
 
-fn length(given: Option<Positive>, default: f64) -> f64 {
+pub(super) fn length(given: Option<Positive>, default: f64) -> f64 {
     given.map_or(default, |length| length.0)
 }
 
-fn number(given: Option<Elements>, default: usize) -> usize {
+pub(super) fn number(given: Option<Elements>, default: usize) -> usize {
     given.map_or(default, |n| n.0 as usize)
 }
 
-fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
+pub(super) fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
     match given.unwrap_or(default) {
         ElementName::T3 => ElementKind::T3,
         ElementName::T6 => ElementKind::T6,
@@ -514,4 +232,158 @@ fn kind(given: Option<ElementName>, default: ElementName) -> ElementKind {
 /// Plane strain of thickness 1; the case's parts say otherwise.
 fn body(given: Option<ElementName>, default: ElementName) -> BodyChoice {
     BodyChoice::new(kind(given, default), PlaneModel::PlaneStrain, 1.0)
+}
+
+/// A quarter of a plate with a hole.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlateWithHole {
+    /// Half of the width (default 10).
+    pub width: Option<Positive>,
+    /// Half of the height (default 10).
+    pub height: Option<Positive>,
+    /// Radius of the hole (default 1).
+    pub radius: Option<Positive>,
+    /// About how many elements (default 200).
+    pub cells: Option<Elements>,
+    /// Size at the outside over size at the hole (default 10).
+    pub grading: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A thick cylinder.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThickCylinder {
+    /// A body of revolution instead of a quarter of the cross-section (default false).
+    pub axisymmetric: Option<bool>,
+    /// Inner radius (default 1).
+    pub inner_radius: Option<Positive>,
+    /// Outer radius (default 2).
+    pub outer_radius: Option<Positive>,
+    /// Elements from the inner to the outer radius (default 10).
+    pub radial_cells: Option<Elements>,
+    /// Elements around, or along the height (default 10).
+    pub other_cells: Option<Elements>,
+    /// Height of the body of revolution (default 1).
+    pub height: Option<Positive>,
+    /// Size at the outer radius over size at the inner one (default 2).
+    pub grading: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Cook's membrane.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CookMembrane {
+    /// Elements along each side (default 8).
+    pub cells: Option<Elements>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A rectangle about y = 0.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// Along x (default 10).
+    pub length: Option<Positive>,
+    /// Along y (default 1).
+    pub height: Option<Positive>,
+    /// Elements along x and y (default 20 and 2).
+    pub cells: Option<[Elements; 2]>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Two rectangles upon each other; values are of the lower and the upper one.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TwoBlocks {
+    /// Width of both (default 1).
+    pub width: Option<Positive>,
+    /// Heights (default 1 and 1).
+    pub heights: Option<[Positive; 2]>,
+    /// Edges on the contact (default 4 and 3).
+    pub edges: Option<[Elements; 2]>,
+    /// Rows of elements (default 2 and 2).
+    pub rows: Option<[Elements; 2]>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Half of a cylinder that is pressed onto a plane.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hertz {
+    /// Radius of the cylinder (default 10).
+    pub radius: Option<Positive>,
+    /// How far both bodies reach beside the symmetry line (default 5).
+    pub half_width: Option<Positive>,
+    /// Height of the cylinder's flat top above the contact (default 5).
+    pub height: Option<Positive>,
+    /// Depth of the base (default 5).
+    pub depth: Option<Positive>,
+    /// Half width of the zone of small edges (default 0.5).
+    pub contact_zone: Option<Positive>,
+    /// Edges in this zone (default 20).
+    pub contact_edges: Option<Elements>,
+    /// Each size over the one before it (default 1.3).
+    pub growth: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A strip that is pulled out from under a block.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DragOutStrip {
+    /// Length of the strip (default 12).
+    pub strip_length: Option<Positive>,
+    /// Half of its thickness (default 0.25).
+    pub strip_height: Option<Positive>,
+    /// Where the block starts on the strip (default 2).
+    pub block_start: Option<Positive>,
+    /// Length of the block (default 10).
+    pub block_length: Option<Positive>,
+    /// Height of the block (default 5).
+    pub block_height: Option<Positive>,
+    /// Edges of the strip (default 96).
+    pub strip_edges: Option<Elements>,
+    /// Elements across the strip (default 2).
+    pub strip_rows: Option<Elements>,
+    /// Edges of the block on the strip (default 80).
+    pub block_edges: Option<Elements>,
+    /// Size of the block's elements at the strip (default 0.125).
+    pub block_size: Option<Positive>,
+    /// Each size over the one before it (default 1.2).
+    pub growth: Option<Positive>,
+    /// Kind of elements (default Q4).
+    pub element: Option<ElementName>,
+}
+
+/// A fibre that lies on a curved channel, straight before and after it: a capstan.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CurvedChannel {
+    /// Radius of the channel (default 10).
+    pub radius: Option<Positive>,
+    /// Angle of the arc, degrees (default 90).
+    pub angle_deg: Option<Positive>,
+    /// Height of the fibre (default 0.2).
+    pub fibre_height: Option<Positive>,
+    /// Length of the fibre before and after the arc (default 1).
+    pub free_length: Option<Positive>,
+    /// Depth of the channel's body (default 0.5).
+    pub depth: Option<Positive>,
+    /// Edges around the arc (default 40).
+    pub edges: Option<Elements>,
+    /// Edges along each free length (default 3).
+    pub free_edges: Option<Elements>,
+    /// Elements across the fibre (default 1).
+    pub rows: Option<Elements>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
 }

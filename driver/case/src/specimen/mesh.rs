@@ -23,14 +23,14 @@ pub const COVER: &str = "cover";
 /// A mesh as its maker gave it, and what the specimen says where the case says nothing.
 pub struct Ground {
     pub definition: MeshDefinition,
-    /// What the mesh is, for the report.
+    /// Description of the mesh for the report.
     pub words: String,
     /// Diameter of the round fibre, mm.
     pub diameter: Option<f64>,
     pub defaults: Defaults,
 }
 
-/// What a specimen says where the case says nothing.
+/// Defaults of a specimen.
 #[derive(Clone, Debug, Default)]
 pub struct Defaults {
     /// Contact pairs.
@@ -60,7 +60,7 @@ pub struct DefaultPair {
     pub slave: String,
     pub master: String,
     pub width: Width,
-    /// What kind of contact it is.
+    /// Kind of contact.
     pub role: SurfaceRole,
 }
 
@@ -157,7 +157,7 @@ pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
     Mesh::new(definition).map_err(|error| reader.problem(&Place::root().key("mesh"), error.to_string())).ok()
 }
 
-/// What a case says of a part besides its material.
+/// Properties that a case gives a part besides its material.
 struct Given {
     model: Option<PlaneModel>,
     thickness: Option<document::Thickness>,

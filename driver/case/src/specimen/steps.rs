@@ -32,10 +32,6 @@ impl Counted for ResolvedStep {
     fn increments(&self) -> u64 {
         if let StepControl::Fixed { increments } = self.step.control { increments as u64 } else { 1 }
     }
-
-    fn rows(&self) -> u64 {
-        0
-    }
 }
 
 impl steps::StepDocument for StepDocument {
@@ -79,7 +75,7 @@ pub fn greatest_slip(case: &PulloutCase) -> f64 {
 
 /// Temperature and field variables, as far as anything says something of them.
 pub fn fields(reader: &mut Reader<'_>, case: &PulloutCase, steps: &[ResolvedStep]) -> Fields {
-    let initial = field_values::initial(reader, case.temperature.as_ref(), case.predef.as_ref());
+    let initial = field_values::initial(reader, &case.course);
     let count = initial.variables.len();
     if let Some(wrong) = steps.iter().filter_map(|step| step.predef.as_ref()).find(|end| end.len() != count) {
         let message =
@@ -131,11 +127,11 @@ fn one_step(
         }
     }
 
-    let until = ramp.until.as_ref();
+    let until = ramp.end.until.as_ref();
     let until = until.and_then(|until| history::until(reader, until, Some(columns), &place.key("until")));
     let control = control(reader, ramp.increments, &place.key("increments"));
     let step = Step { time: ramp.time.map_or(1.0, |time| time.0), targets, control };
-    ResolvedStep { step, until, temperature: ramp.temperature, predef: ramp.predef.clone() }
+    ResolvedStep { step, until, temperature: ramp.end.temperature, predef: ramp.end.predef.clone() }
 }
 
 fn control(reader: &mut Reader<'_>, increments: Option<document::StepIncrements>, place: &Place) -> StepControl {

@@ -1,7 +1,7 @@
 use super::{Bench, interface_case, overridden, point_case, schema_accepts};
 use pullout_run::program::{
-    Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, Kind, Mode, NormalControl, PointDrive,
-    PointProgram, Program, Until,
+    Constraint, Control, InterfaceEntry, InterfaceProgram, Kind, Mode, NormalControl, Pace, PointDrive, PointProgram,
+    Program, Step, Until,
 };
 use serde_json::json;
 
@@ -25,9 +25,9 @@ fn interface(program: &Program) -> &InterfaceProgram {
 }
 
 fn controls(program: &Program, step: usize) -> [Control; 6] {
-    match &point(program).steps[step].drive {
-        PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => *controls,
-        PointDrive::DeformationGradient { .. } => panic!("no components"),
+    match &point(program).steps[step].goal.drive {
+        PointDrive::Components { controls, .. } => *controls,
+        PointDrive::DeformationGradient(_) => panic!("no components"),
     }
 }
 
@@ -44,7 +44,7 @@ fn the_smallest_case_takes_the_defaults() {
     assert_eq!(point.initial.statev, None);
     assert_eq!((program.controls.max_iterations, program.controls.max_cutbacks), (25, 12));
     assert_eq!((program.about.every, program.about.plots), (1, true));
-    assert!(matches!(point.steps[0].drive, PointDrive::Ramp { increments: 10, time: 1.0, .. }));
+    assert_eq!(point.steps[0].pace, Pace::Equal { increments: 10, time: 1.0 });
     assert_eq!(controls(&program, 0), [Control::Strain(-0.001), FREE, FREE, FREE, FREE, FREE]);
     assert!(program.about.warnings.is_empty());
 }
@@ -100,21 +100,23 @@ fn modes_follow_their_names() {
 #[test]
 fn tables_are_read() {
     let program = program(&point_case(), &[r#"steps.0={"table": "path.csv"}"#, r#"steps.1={"table": "untimed.csv"}"#]);
-    let PointDrive::Table { controls, time_increments, rows, .. } = &point(&program).steps[0].drive else {
-        panic!("a table")
+    let table = |step: usize| {
+        let Step { pace: Pace::Rows(times), goal, .. } = &point(&program).steps[step] else { panic!("a table") };
+        let PointDrive::Components { controls, rows } = &goal.drive else { panic!("components") };
+        (times, controls, rows)
     };
+    let (time_increments, controls, rows) = table(0);
     assert_eq!(controls[..3], [Control::Strain(0.0), Control::Stress(0.0), FREE]);
     assert_eq!(time_increments, &[0.5, 1.5]);
     assert_eq!(rows, &[[1e-4, 0.0, 0.0, 0.0, 0.0, 0.0], [2e-4, -1.5, 0.0, 0.0, 0.0, 0.0]]);
-    let PointDrive::Table { time_increments, rows, .. } = &point(&program).steps[1].drive else { panic!("a table") };
+    let (time_increments, _, rows) = table(1);
     assert_eq!((time_increments.as_slice(), rows.len()), ([1.0, 1.0, 1.0].as_slice(), 3));
 }
 
 #[test]
 fn a_table_from_time_zero_is_read_with_a_warning() {
     let program = program(&point_case(), &[r#"steps.0={"table": "from_zero.csv"}"#]);
-    let PointDrive::Table { time_increments, .. } = &point(&program).steps[0].drive else { panic!("a table") };
-    assert_eq!(time_increments, &[0.0, 1.0]);
+    assert_eq!(point(&program).steps[0].pace, Pace::Rows(vec![0.0, 1.0]));
     assert!(program.about.warnings[0].contains("at time 0"));
 }
 
@@ -129,11 +131,7 @@ fn cycles_are_expanded_in_order() {
     let mut case = point_case();
     case["steps"] = outer;
     let program = program(&case, &[]);
-    let increments: Vec<usize> = point(&program)
-        .steps
-        .iter()
-        .map(|step| if let PointDrive::Ramp { increments, .. } = step.drive { increments } else { 0 })
-        .collect();
+    let increments: Vec<usize> = point(&program).steps.iter().map(|step| step.pace.increments()).collect();
     assert_eq!(increments, [1, 2, 3, 3, 2, 3, 3, 4]);
 }
 
@@ -142,7 +140,7 @@ fn a_constraint_takes_the_place_of_the_stress_free_component_that_it_names() {
     let program = program(&point_case(), &[r#"steps.0.constraints=[{"s22": 1, "s11": -0.52, "equals": 0}]"#]);
     assert_eq!(controls(&program, 0), [Control::Strain(-0.001), Control::Constraint(0), FREE, FREE, FREE, FREE]);
     let expected = Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals: 0.0, hold: false };
-    assert_eq!(point(&program).steps[0].constraints, [expected]);
+    assert_eq!(point(&program).steps[0].goal.constraints, [expected]);
     assert!(program.about.warnings.is_empty());
 }
 
@@ -174,7 +172,7 @@ fn constraints_go_with_tables_and_strains() {
 fn constraints_may_hold_what_there_is() {
     let step = r#"steps.0.constraints=[{"e11": 1, "e22": 1, "e33": 1, "equals": "hold"}]"#;
     let program = program(&point_case(), &[step]);
-    assert!(point(&program).steps[0].constraints[0].hold);
+    assert!(point(&program).steps[0].goal.constraints[0].hold);
 }
 
 #[test]
@@ -183,9 +181,9 @@ fn deformation_gradients_stand_in_the_step_or_its_target() {
     for key in ["steps.0.F", "steps.0.target.F"] {
         let overrides = ["nlgeom=true", "steps.0.target={}", &format!("{key}={f}")];
         let program = program(&point_case(), &overrides);
-        let PointDrive::DeformationGradient { increments: 10, time: 1.0, end } = point(&program).steps[0].drive else {
-            panic!("a deformation gradient")
-        };
+        let step = &point(&program).steps[0];
+        assert_eq!(step.pace, Pace::Equal { increments: 10, time: 1.0 });
+        let PointDrive::DeformationGradient(end) = step.goal.drive else { panic!("a deformation gradient") };
         assert_eq!(end, [[1.0, 0.1, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]);
         assert!(program.columns().contains(&"F12".to_owned()));
     }
@@ -284,7 +282,7 @@ fn overrides_create_replace_and_append() {
     assert_eq!(controls(&program, 1)[1], Control::Strain(0.5));
     assert_eq!(point(&program).initial.time, 3.0);
     assert_eq!(program.document["steps"][0]["increments"], 5);
-    assert!(matches!(point(&program).steps[0].drive, PointDrive::Ramp { increments: 5, .. }));
+    assert_eq!(point(&program).steps[0].pace.increments(), 5);
 }
 
 #[test]
@@ -301,11 +299,10 @@ fn interface_targets_and_their_normal_control() {
     assert_eq!((interface.entry, interface.tangential_directions), (InterfaceEntry::Uinter, 1));
     assert_eq!(interface.initial_displacement, [0.01, 0.0, -0.02]);
     assert_eq!((interface.initial_statev.as_slice(), interface.initial_time), ([1.0, 2.0].as_slice(), 4.0));
-    let normal: Vec<NormalControl> = interface.steps.iter().map(|step| step.normal).collect();
+    let normal: Vec<NormalControl> = interface.steps.iter().map(|step| step.goal.normal).collect();
     use NormalControl::{Gap, Pressure};
     assert_eq!(normal, [Gap, Pressure, Pressure, Gap, Gap, Gap], "what a step does not name goes on");
-    let InterfaceDrive::Ramp { end, .. } = interface.steps[1].drive else { panic!("a ramp") };
-    assert_eq!(end, [None, None, Some(2.0)]);
+    assert_eq!(interface.steps[1].goal.ends, [[None, None, Some(2.0)]]);
     assert_eq!(program.about.until.map(|until| until.column), Some(5));
 }
 
@@ -315,10 +312,9 @@ fn interface_tables_and_the_second_direction() {
     let program = program(&interface_case(), &overrides);
     let interface = interface(&program);
     assert_eq!((interface.entry, interface.tangential_directions), (InterfaceEntry::Fric, 2));
-    assert_eq!(interface.steps[0].normal, NormalControl::Pressure);
-    let InterfaceDrive::Table { rows, time_increments } = &interface.steps[0].drive else { panic!("a table") };
-    assert_eq!(rows[1], [Some(0.2), Some(0.05), Some(3.0)]);
-    assert_eq!(time_increments, &[1.0, 1.0]);
+    assert_eq!(interface.steps[0].goal.normal, NormalControl::Pressure);
+    assert_eq!(interface.steps[0].goal.ends[1], [Some(0.2), Some(0.05), Some(3.0)]);
+    assert_eq!(interface.steps[0].pace, Pace::Rows(vec![1.0, 1.0]));
     assert!(program.columns().contains(&"tau2".to_owned()));
 }
 

@@ -77,7 +77,7 @@ pub enum Refusal {
         program: &'static str,
         /// What it was to make: a source, or the library.
         file: PathBuf,
-        /// Its own words.
+        /// The compiler's own words.
         output: String,
         /// What may help.
         hint: String,
@@ -91,7 +91,7 @@ pub enum Refusal {
         /// Names of the utility routines that there are.
         offered: Vec<String>,
     },
-    /// It has no entry point.
+    /// The library has no entry point.
     NoEntryPoint {
         /// The library.
         library: PathBuf,

@@ -9,7 +9,7 @@ use umat_abi::host::library_file_name;
 
 /// Routines that this program calls, by their plain names.
 const ROUTINES: [&str; 6] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini"];
-/// Those of them that are laws.
+/// Symbols that are laws.
 const LAWS: usize = 3;
 
 /// The dynamic symbols that a library defines.

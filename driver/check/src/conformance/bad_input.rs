@@ -18,7 +18,7 @@ const FILLING: f64 = 4.25e44;
 /// States tried.
 const STATES: usize = 4;
 
-/// Everything as before the call.
+/// The values as they were before the call.
 fn untouched(from: &Committed, answer: &Answer) -> bool {
     same_bits(&from.output, &answer.output)
         && same_bits(&from.statev, &answer.statev)

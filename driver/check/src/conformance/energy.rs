@@ -17,7 +17,7 @@ const LEGS: usize = 3;
 const PATHS: usize = 8;
 /// Change of log₂(error) in a halving below which the error stays as it is (3.5 %).
 const SAME: f64 = 0.05;
-/// What a slow law may take, s.
+/// Time that a slow law may take, s.
 const TIME: f64 = 2.0;
 
 /// Where the legs of a path end, and its |work − energy| / work after so many halvings.

@@ -45,7 +45,7 @@ use umat_abi::host::{ExternalDatabases, Law};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 
-/// What to check with.
+/// Settings of a check.
 #[derive(Clone, Debug)]
 pub struct Options {
     /// PROPS; `None`: the plugin's, or if it has none the defaults of the metadata.

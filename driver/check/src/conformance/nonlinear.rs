@@ -84,7 +84,7 @@ fn kept(subject: &mut Subject<'_>, from: &Committed, step: &[f64], increments: u
     Some(std::iter::once(part(&start.output, &turn.output, &end.output)).chain(of_states).collect())
 }
 
-/// What was seen of a law's nonlinearity.
+/// Findings about a law's nonlinearity.
 #[derive(Clone, Copy, Debug, Default)]
 struct Seen {
     stress: usize,

@@ -8,7 +8,7 @@ use std::fmt;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// As it should be.
+    /// Passed.
     Pass,
     /// A claim of the metadata, or the contract itself, is broken.
     Fail,
@@ -16,9 +16,9 @@ pub enum Verdict {
     Warn,
     /// A figure to know.
     Info,
-    /// Not applicable: not claimed.
+    /// Not applicable: the law does not claim it.
     Skipped,
-    /// Nothing that was looked at could have shown an error, or nothing was looked at.
+    /// Undecided: nothing that was looked at could have shown an error, or nothing was looked at.
     #[serde(rename = "not tested")]
     NotTested,
 }

@@ -9,7 +9,7 @@ use umat_abi::metadata::flags;
 
 const COUNTS: [u32; 4] = [1, 10, 100, 1000];
 const PATHS: usize = 20;
-/// What a slow law may take, s.
+/// Time that a slow law may take, s.
 const TIME: f64 = 2.0;
 
 /// The end stress of a path from the virgin state.

@@ -163,7 +163,7 @@ impl Committed {
     }
 }
 
-/// What a call left behind.
+/// Values that a call returned.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Answer {
     pub(super) outcome: CallOutcome,
@@ -303,7 +303,7 @@ pub(super) struct Subject<'p> {
     pub(super) rotation: [[f64; 3]; 3],
     /// Calls so far.
     pub(super) calls: u64,
-    /// What one takes, s.
+    /// Time of a call, s.
     pub(super) call_time: f64,
     /// Arrays written behind their ends, and in how many calls.
     pub(super) overruns: BTreeMap<&'static str, usize>,

@@ -9,12 +9,12 @@ use umat_abi::metadata::flags;
 
 /// Steps of the differences, relative to the inputs.
 const STEPS: [f64; 4] = [1e-3, 1e-4, 1e-5, 1e-6];
-/// What a slow law may take, s.
+/// Time that a slow law may take, s.
 const TIME: f64 = 4.0;
 /// Wrong states that are looked at to find out what the tangent is.
 const CLASSIFIED: usize = 12;
 
-/// What one state says.
+/// Findings at one state.
 enum Finding {
     /// The relative error.
     Consistent(f64),
@@ -35,11 +35,11 @@ struct Mismatch {
     differences: Vec<f64>,
 }
 
-/// What a wrong tangent is instead.
+/// Derivative that a wrong tangent is in truth.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     Elastic,
-    /// That of σ instead of Jσ/J: without the part of the volume change.
+    /// Derivative of σ instead of Jσ/J: without the part of the volume change.
     Cauchy,
     /// DDSDDE · ε = σ.
     Secant,

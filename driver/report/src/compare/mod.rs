@@ -17,7 +17,7 @@ mod test;
 /// little outside the branch still belongs to it (scaling rounds).
 const NOISE: f64 = 1e-9;
 
-/// What came out for one file.
+/// Comparison with one file.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Comparison {
     /// File as the case names it.

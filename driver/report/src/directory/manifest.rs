@@ -12,13 +12,13 @@ use std::path::{Path, PathBuf};
 /// Files beyond this size are known by size and time alone: to hash them would take as long as to write them.
 const MOST_HASHED: u64 = 64 << 20;
 
-/// What the program wrote.
+/// Record of the files that the program wrote.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(super) struct Manifest {
     /// The version of the program.
     pullout: String,
-    /// What the results are of.
+    /// Source of the results.
     pub(super) kind: Kind,
     /// Each file with its content; without one it is being written, or was when the program was killed. Names may be
     /// patterns then.

@@ -40,9 +40,9 @@ const MOST_NAMES: usize = 10;
 /// How a directory is opened.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Access<'a> {
-    /// What the results are made from: never touched.
+    /// Files that the results are made from: never touched.
     pub inputs: &'a [PathBuf],
-    /// What stands in the way is replaced.
+    /// Whether what stands in the way is replaced.
     pub overwrite: bool,
     /// The process that started this one holds the lock.
     pub is_locked: bool,
@@ -51,7 +51,7 @@ pub struct Access<'a> {
 /// Why a directory cannot be used.
 #[derive(Debug)]
 pub enum Refusal {
-    /// What is in it.
+    /// Record of its content.
     Content(String),
     /// The operating system.
     System(io::Error),

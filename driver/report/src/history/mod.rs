@@ -379,7 +379,7 @@ fn whole_lines(path: &Path) -> io::Result<u64> {
     Ok(0)
 }
 
-/// Two columns of rows that can be gone through again and again.
+/// A source of rows, of which two columns can be gone through again and again.
 pub trait Rows {
     /// Names of the columns.
     fn columns(&self) -> &[String];

@@ -4,8 +4,8 @@ use pullout_case::Case;
 use pullout_run::bridging;
 use pullout_run::number::{rounded, signed};
 use pullout_run::program::{
-    Constraint, Control, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, Kind, Measure, Mode,
-    NormalControl, PointDrive, PointProgram, PointStep, Program, STRAIN_NAMES, STRESS_NAMES, StepFields, Until,
+    Constraint, Control, InterfaceEntry, InterfaceGoal, InterfaceProgram, Kind, Measure, Mode, NormalControl, Pace,
+    PointDrive, PointGoal, PointProgram, Program, STRAIN_NAMES, STRESS_NAMES, Step, StepFields, Until,
 };
 use umat_abi::host::{Law, Manner, TangentSource};
 
@@ -14,7 +14,7 @@ mod specimen;
 /// Steps that are told; of more (long cycles) only the number.
 const MOST_STEPS: usize = 40;
 
-/// What was run.
+/// Account of what was run.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Account {
     /// The case file.
@@ -25,7 +25,7 @@ pub struct Account {
     pub law: String,
     /// The law's description.
     pub law_description: String,
-    /// What was driven and how.
+    /// Mode of the point, in words.
     pub mode: String,
     /// Other settings, by name.
     pub settings: Vec<(String, String)>,
@@ -33,7 +33,7 @@ pub struct Account {
     pub parameters: Vec<Parameter>,
     /// The laws of a specimen's parts and contact pairs, in the order of the summary's plugins; empty for a point.
     pub laws: Vec<LawAccount>,
-    /// What the case leaves to defaults, a line for each place.
+    /// Values that the case leaves to defaults, a line for each place.
     pub defaults: Vec<String>,
     /// The first steps.
     pub steps: Vec<String>,
@@ -44,7 +44,7 @@ pub struct Account {
 /// A law of a specimen.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LawAccount {
-    /// What it is of: "part fibre".
+    /// Owner of the law: "part fibre".
     pub subject: String,
     /// Name.
     pub law: String,
@@ -125,10 +125,13 @@ impl Account {
         let law = program.plugin.law.as_ref();
         let columns = program.columns();
         let (mode, mut steps) = match &program.kind {
-            Kind::Point(point) => (point_mode(point), tell(&point.steps, |step| point_step(step, &columns))),
-            Kind::Interface(contact) => {
-                (interface_mode(contact), tell(&contact.steps, |step| interface_step(step, &columns)))
-            }
+            Kind::Point(point) => (point_mode(point), tell(&point.steps, |of| step(of, point_goal, &columns))),
+            Kind::Interface(contact) => (
+                interface_mode(contact),
+                tell(&contact.steps, |of| {
+                    step(of, |goal| interface_goal(goal, matches!(of.pace, Pace::Rows(_))), &columns)
+                }),
+            ),
         };
         let steps_left_out = steps.1;
         Self {
@@ -240,35 +243,42 @@ fn interface_mode(contact: &InterfaceProgram) -> String {
     format!("contact point through {entry}, {directions}")
 }
 
-fn point_step(step: &PointStep, columns: &[String]) -> String {
-    let mut text = match &step.drive {
-        PointDrive::Ramp { increments, time, controls } => {
+/// Returns what a step does, of whatever kind of point; `leads`: where to.
+fn step<G>(step: &Step<G>, leads: impl FnOnce(&G) -> String, columns: &[String]) -> String {
+    let mut text = match &step.pace {
+        Pace::Equal { increments, time } => format!("{}, time {}: ", count(*increments, "increment"), rounded(*time)),
+        Pace::Rows(rows) => format!("table of {}: ", count(rows.len(), "row")),
+    };
+    text.push_str(&leads(&step.goal));
+    if let Some(until) = &step.until {
+        text.push_str(&format!("; until {}", bound(until, columns)));
+    }
+    text + &fields(&step.fields)
+}
+
+fn point_goal(goal: &PointGoal) -> String {
+    let mut text = match &goal.drive {
+        PointDrive::Components { controls, rows } if rows.is_empty() => {
             let targets: Vec<String> = (0..6).filter_map(|k| target(k, controls[k])).collect();
-            let targets = if targets.is_empty() { "stress-free".into() } else { targets.join(", ") };
-            format!("{}, time {}: {targets}", count(*increments, "increment"), rounded(*time))
+            if targets.is_empty() { "stress-free".into() } else { targets.join(", ") }
         }
-        PointDrive::Table { controls, rows, .. } => {
+        PointDrive::Components { controls, .. } => {
             let name = |k: usize| match controls[k] {
                 Control::Strain(_) | Control::HoldStrain => Some(STRAIN_NAMES[k]),
                 Control::FREE => None,
                 _ => Some(STRESS_NAMES[k]),
             };
-            let names: Vec<&str> = (0..6).filter_map(name).collect();
-            format!("table of {}: {}", count(rows.len(), "row"), names.join(", "))
+            (0..6).filter_map(name).collect::<Vec<&str>>().join(", ")
         }
-        PointDrive::DeformationGradient { increments, time, end } => {
+        PointDrive::DeformationGradient(end) => {
             let row = |row: &[f64; 3]| row.map(rounded).join(" ");
-            let end = end.each_ref().map(row).join("; ");
-            format!("{}, time {}: F → [{end}]", count(*increments, "increment"), rounded(*time))
+            format!("F → [{}]", end.each_ref().map(row).join("; "))
         }
     };
-    for constraint in &step.constraints {
+    for constraint in &goal.constraints {
         text.push_str(&format!("; {}", relation(constraint)));
     }
-    if let Some(until) = &step.until {
-        text.push_str(&format!("; until {}", bound(until, columns)));
-    }
-    text + &fields(&step.fields)
+    text
 }
 
 /// Returns where temperature and field variables go.
@@ -304,32 +314,20 @@ fn relation(constraint: &Constraint) -> String {
     if constraint.hold { format!("{terms} held") } else { format!("{terms} = {}", rounded(constraint.equals)) }
 }
 
-fn interface_step(step: &InterfaceStep, columns: &[String]) -> String {
-    let normal = match step.normal {
+fn interface_goal(goal: &InterfaceGoal, is_table: bool) -> String {
+    let normal = match goal.normal {
         NormalControl::Gap => ("gap", "mm"),
         NormalControl::Pressure => ("p", "MPa"),
     };
     let names = [("slip", "mm"), ("slip2", "mm"), normal];
-    let mut text = match &step.drive {
-        InterfaceDrive::Ramp { increments, time, end } => {
-            let told = |((name, unit), end): ((&str, &str), &Option<f64>)| {
-                end.map_or(format!("{name} held"), |end| format!("{name} → {} {unit}", rounded(end)))
-            };
-            let used = |(k, _): &(usize, _)| *k != 1 || end[1].is_some();
-            let targets: Vec<String> =
-                names.into_iter().zip(end).enumerate().filter(used).map(|(_, t)| told(t)).collect();
-            format!("{}, time {}: {}", count(*increments, "increment"), rounded(*time), targets.join(", "))
-        }
-        InterfaceDrive::Table { rows, .. } => {
-            let used = |k: &usize| rows.first().is_some_and(|row| row[*k].is_some());
-            let names: Vec<&str> = (0..3).filter(used).map(|k| names[k].0).collect();
-            format!("table of {}: {}", count(rows.len(), "row"), names.join(", "))
-        }
-    };
-    if let Some(until) = &step.until {
-        text.push_str(&format!("; until {}", bound(until, columns)));
-    }
-    text + &fields(&step.fields)
+    let first = goal.ends.first().copied().unwrap_or_default();
+    let words = names.into_iter().zip(first).enumerate().filter_map(|(k, ((name, unit), end))| match end {
+        Some(_) if is_table => Some(name.to_owned()),
+        None if is_table => None,
+        Some(end) => Some(format!("{name} → {} {unit}", rounded(end))),
+        None => (k != 1).then(|| format!("{name} held")),
+    });
+    words.collect::<Vec<String>>().join(", ")
 }
 
 fn bound(until: &Until, columns: &[String]) -> String {

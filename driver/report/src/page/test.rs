@@ -102,14 +102,14 @@ fn program() -> Program {
     let (mut strain, mut stress) = ([0.0; 6], [0.0; 6]);
     (strain[1], stress[0]) = (2.0, -0.52);
     let until = Until { column: 3, absolute: true, greater_than: Some(0.01), less_than: None };
-    let step = |drive, constraints: Vec<Constraint>, until| PointStep {
-        drive,
-        constraints,
+    let step = |(pace, rows), constraints: Vec<Constraint>, until| PointStep {
+        pace,
+        goal: PointGoal { drive: PointDrive::Components { controls, rows }, constraints },
         until,
         fields: StepFields::default(),
     };
-    let ramp = PointDrive::Ramp { increments: 100, time: 1.0, controls };
-    let table = PointDrive::Table { controls, time_increments: vec![1.0], rows: vec![[0.0; 6]] };
+    let ramp = (Pace::Equal { increments: 100, time: 1.0 }, Vec::new());
+    let table = (Pace::Rows(vec![1.0]), vec![[0.0; 6]]);
     Program {
         about: About {
             case_file: "case.json".into(),

@@ -20,7 +20,7 @@ pub(super) struct Axis {
     kind: Kind,
 }
 
-/// What the numbers of an axis stand for.
+/// Meaning of the numbers of an axis.
 #[derive(Clone, Debug)]
 enum Kind {
     /// Themselves.

@@ -58,7 +58,7 @@ pub struct Figure {
     pub lines: Vec<Line>,
     /// Measured.
     pub marks: Vec<Marks>,
-    /// What the axes are like.
+    /// Kind of the axes.
     pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
@@ -66,7 +66,7 @@ pub struct Figure {
     pub key: Option<Key>,
 }
 
-/// What colours and dashes mean, by their numbers.
+/// Meaning of colours and dashes, by their numbers.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Key {
     /// The meaning of each colour.
@@ -86,7 +86,7 @@ pub struct Line {
     pub points: Vec<(f64, f64)>,
     /// The history's columns it comes from.
     pub columns: (String, String),
-    /// What tells it from the others.
+    /// Colour and dash that tell it from the others.
     pub style: Style,
     /// Whether its points have marks: few points, each a result.
     pub marked: bool,

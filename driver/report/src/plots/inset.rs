@@ -15,7 +15,7 @@ const TICKS: usize = 4;
 const NARROW: f64 = 0.03;
 /// Fewer points up there are no spike to look at.
 const FEWEST: usize = 6;
-/// What is shown before and after, in widths of the spike.
+/// Margin before and after the spike, in widths of it.
 const AROUND: (f64, f64) = (1.5, 3.0);
 
 /// A part of a picture, enlarged.

@@ -18,7 +18,7 @@ pub(super) const PLOT: (f64, f64) = (540.0, 370.0);
 /// Width for a legend below, px.
 const BELOW: i32 = WIDTH - 80;
 
-/// What stands in front of a label.
+/// Mark in front of a label.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Sample {
     /// A line of this style.

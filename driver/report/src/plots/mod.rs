@@ -33,14 +33,14 @@ mod test;
 /// File beside the pictures that holds the [`Spec`].
 pub const SPEC_FILE: &str = "spec.json";
 
-/// What a picture needs to know of a run besides its history.
+/// Description of a run that its pictures need besides its history.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Spec {
     /// Title of the case.
     pub title: String,
     /// Name of the law.
     pub law: String,
-    /// What was driven.
+    /// Kind of case.
     pub subject: Subject,
     /// Units of state variables by column.
     pub units: BTreeMap<String, String>,
@@ -48,7 +48,7 @@ pub struct Spec {
     pub curves: Vec<Curve>,
 }
 
-/// What was driven.
+/// Kind of case.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Subject {
@@ -83,7 +83,7 @@ pub struct Curve {
 pub struct Run<'a> {
     /// History.
     pub history: &'a History,
-    /// What the history means.
+    /// Meaning of the history.
     pub spec: &'a Spec,
 }
 
@@ -178,11 +178,9 @@ fn of_point(program: &Program) -> (String, Subject, BTreeMap<String, String>) {
 /// The strain components that some step prescribes (a held one is not driven).
 fn controlled(steps: &[PointStep]) -> Vec<usize> {
     let prescribed = |component: usize| {
-        steps.iter().any(|step| match &step.drive {
-            PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => {
-                matches!(controls[component], Control::Strain(_))
-            }
-            PointDrive::DeformationGradient { .. } => true,
+        steps.iter().any(|step| match &step.goal.drive {
+            PointDrive::Components { controls, .. } => matches!(controls[component], Control::Strain(_)),
+            PointDrive::DeformationGradient(_) => true,
         })
     };
     (0..6).filter(|&component| prescribed(component)).collect()

@@ -3,7 +3,7 @@
 use pullout_run::columns::{self, Group};
 use std::collections::BTreeMap;
 
-/// What an axis shows.
+/// Quantity that an axis shows.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Quantity {
     /// Symbol or word, in the markup of the pictures (`_{11}` is an index).

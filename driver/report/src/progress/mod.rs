@@ -23,9 +23,9 @@ const GREATEST_PAUSE: Duration = Duration::from_secs(60);
 /// How far a run goes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extent {
-    /// At most so many increments.
+    /// A greatest number of increments.
     Increments(u64),
-    /// So long, s, in increments of any size.
+    /// A duration, s, in increments of any size.
     Time(f64),
 }
 

@@ -21,7 +21,7 @@ pub const FILE: &str = "summary.json";
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
-    /// To the end, or to an `until`.
+    /// Done to the end, or to an `until`.
     #[default]
     Done,
     /// No convergence or a plugin error; everything up to there is kept.

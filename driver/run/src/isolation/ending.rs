@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
 
-/// What ended a worker.
+/// Cause of a worker's end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Cause {
     /// `exit`, or STOP, with a code.
@@ -21,10 +21,10 @@ pub(super) enum Cause {
     ClosedOutput,
 }
 
-/// What is known of a worker's end.
+/// Findings about a worker's end.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Report {
-    /// What happened, with plugin, step and increment.
+    /// Message with plugin, step and increment.
     pub message: String,
     /// Whether a library could not even be loaded.
     pub at_loading: bool,
@@ -43,7 +43,7 @@ pub struct Aftermath {
     pub is_interrupted: bool,
     /// How and where the run failed.
     pub failed_at: Option<FailedAt>,
-    /// What the finished increments cost.
+    /// Cost of the finished increments.
     pub statistics: Statistics,
     /// Seconds from start to end.
     pub wall_time_s: f64,

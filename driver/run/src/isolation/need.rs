@@ -10,7 +10,7 @@ use umat_abi::host::{self, Found};
 /// Longest time of one call unless the case says otherwise, s.
 pub const CALL_TIME_LIMIT: f64 = 60.0;
 
-/// What a process of its own is needed for.
+/// Reason why a process of its own is needed.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Need {
     /// Whether it is a specimen, whose messages name elements.
@@ -68,7 +68,7 @@ fn absolute(path: &Path) -> PathBuf {
     std::path::absolute(path).unwrap_or_else(|_| path.to_owned())
 }
 
-/// Everything in a case that names a plugin.
+/// Returns everything in a case that names a plugin.
 pub fn materials(case: &Value) -> Vec<&Value> {
     let parts = case["parts"].as_object().into_iter().flat_map(|parts| parts.values()).map(|part| &part["material"]);
     let contact = &case["contact"];

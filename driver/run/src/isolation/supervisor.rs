@@ -25,7 +25,7 @@ const POLL: Duration = Duration::from_millis(20);
 /// Lets gfortran's runtime write each record at once: what a plugin printed is there if it then ends the process.
 const UNBUFFERED: &str = "GFORTRAN_UNBUFFERED_ALL";
 
-/// What a worker is started for.
+/// Task of a worker.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Job<'a> {
     /// The command line of this program that it carries out, without the program's name.
@@ -41,20 +41,20 @@ pub struct Job<'a> {
 pub enum End {
     /// All is done, with this exit code.
     Done(u8),
-    /// Something ended it.
+    /// A signal or an exit ended it.
     Failed(Box<Failure>),
 }
 
 /// A worker that was ended.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Failure {
-    /// What ended it, and where.
+    /// Cause and place of its end.
     pub report: Report,
     /// A case that repeats the call, without its title ([`replay::entitle`]).
     pub replay: Option<Value>,
     /// Whether the history in the result directory is this run's.
     pub has_rows: bool,
-    /// What the finished increments cost.
+    /// Cost of the finished increments.
     pub statistics: Statistics,
     /// Calls of the check that a plugin did not survive.
     pub calls_of_check: u64,
@@ -144,13 +144,13 @@ fn command<'a>(job: &Job<'_>, recorder: &Path, streams: impl Iterator<Item = [&'
     Ok(command)
 }
 
-/// What came of watching.
+/// Outcome of watching a worker.
 enum Watched {
-    /// It ended.
+    /// Ended by itself.
     Ended(ExitStatus),
-    /// It was ended because one call took longer than this, s.
+    /// Was ended because one call took longer than this, s.
     Killed(f64),
-    /// It was ended because all of it took longer than this, s.
+    /// Was ended because all of it took longer than this, s.
     OutOfTime(f64),
 }
 
@@ -195,7 +195,7 @@ fn watch(
 #[derive(Default)]
 struct Heartbeat {
     pending: Vec<(Beat, Duration)>,
-    /// Since the done-mark: exit handlers of a library are a call as well.
+    /// Time since the done-mark: exit handlers of a library are a call as well.
     leaving: Duration,
 }
 

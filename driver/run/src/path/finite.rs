@@ -32,7 +32,7 @@ pub(super) struct Finite {
     last: Call,
 }
 
-/// Where a call of UMAT leads.
+/// Start and end of a call of UMAT.
 #[derive(Clone, Copy, Debug)]
 struct Call {
     /// F₀.
@@ -47,7 +47,7 @@ struct Call {
     turned_stress: [f64; 6],
 }
 
-/// What UMAT is given beside DROT, DFGRD0 and DFGRD1.
+/// Strain, stress and increment that UMAT is given beside DROT, DFGRD0 and DFGRD1.
 pub(super) struct Entry {
     pub(super) strain: [f64; 6],
     pub(super) stress: [f64; 6],

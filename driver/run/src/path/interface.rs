@@ -2,14 +2,14 @@
 //!
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
-use super::subdivision::{Divisible, Trouble, take_increment};
-use super::{Accepted, Next, Observer, Place, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
+use super::subdivision::{Divisible, Trouble, take_steps};
+use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay, to_u32};
 use crate::arguments::ContactArguments;
 use crate::columns::{self, CONTACT, ContactRow, Group};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
-    FieldValues, InterfaceDrive, InterfaceEntry, InterfaceProgram, InterfaceStep, NormalControl, Program,
+    FieldValues, InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, NormalControl, Pace, Program,
 };
 use umat_abi::host::{
     Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall, judge,
@@ -32,13 +32,7 @@ pub(super) fn run(
     };
     let mut recorder = Recorder::new(program, observer);
     recorder.initial(|values| runner.fill(values))?;
-    for (index, step) in interface.steps.iter().enumerate() {
-        let number = u32::try_from(index + 1).unwrap_or(u32::MAX);
-        if runner.step(step, number, program, &mut recorder, statistics)? == Next::EndRun {
-            break;
-        }
-    }
-    Ok(())
+    take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
 }
 
 /// The entry point in use.
@@ -89,7 +83,7 @@ pub(super) struct Goal {
 struct Runner<'p> {
     call: Call,
     databases: &'p mut ExternalDatabases,
-    /// What UEXTERNALDB is told of the present attempt.
+    /// Time and counters of the present attempt, for UEXTERNALDB.
     clock: Clock,
     directions: usize,
     arguments: &'p ContactArguments,
@@ -100,9 +94,11 @@ struct Runner<'p> {
     goal: Goal,
     /// Temperature and field variables at the start and at the end of the current increment.
     fields: [FieldValues; 2],
+    /// \[slip, slip2, normal\] and fields at the start of the step.
+    start: ([f64; 3], FieldValues),
     /// ∂p/∂penetration of the last evaluation.
     normal_stiffness: f64,
-    /// Nothing has been attempted yet.
+    /// Whether nothing has been attempted yet.
     is_first_attempt: bool,
 }
 
@@ -177,6 +173,7 @@ impl<'p> Runner<'p> {
                 time_of_step: interface.initial_time,
             },
             fields: [interface.initial_fields.clone(), interface.initial_fields.clone()],
+            start: ([0.0; 3], interface.initial_fields.clone()),
             normal_stiffness: 0.0,
             is_first_attempt: true,
         };
@@ -218,73 +215,6 @@ impl<'p> Runner<'p> {
             self.committed.pressure = self.trial.pressure;
         }
         Ok(())
-    }
-
-    fn step(
-        &mut self,
-        step: &InterfaceStep,
-        number: u32,
-        program: &Program,
-        recorder: &mut Recorder<'_>,
-        statistics: &mut Statistics,
-    ) -> Result<Next, Stop> {
-        self.committed.step_time = 0.0;
-        self.goal.time_of_step = self.committed.total_time;
-        let normal_now = match step.normal {
-            NormalControl::Gap => self.committed.gap,
-            NormalControl::Pressure => self.committed.pressure,
-        };
-        let start = [self.committed.slip[0], self.committed.slip[1], normal_now];
-        let count = match &step.drive {
-            InterfaceDrive::Ramp { increments, .. } => *increments,
-            InterfaceDrive::Table { rows, .. } => rows.len(),
-        };
-        let fields = self.committed.fields.clone();
-        let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len());
-        for index in 0..taken.min(count) {
-            let increment = u32::try_from(index + 1).unwrap_or(u32::MAX);
-            self.set_counters(number, increment);
-            self.set_goal(step, start, index, count);
-            step.fields.set_increment(&fields, &self.committed.fields, [index, count], &mut self.fields);
-            let place = Place { step: number, increment, last: index + 1 == taken.min(count) };
-            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
-            if next != Next::GoOn {
-                return Ok(next);
-            }
-        }
-        Ok(Next::GoOn)
-    }
-
-    fn set_counters(&mut self, step: u32, increment: u32) {
-        let counters = self.arguments.counters(step, increment);
-        [self.clock.step, self.clock.increment, _] = counters;
-        match &mut self.call {
-            Call::Uinter(call) => call.counters = counters,
-            Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
-        }
-    }
-
-    fn set_goal(&mut self, step: &InterfaceStep, start: [f64; 3], index: usize, count: usize) {
-        let goal = &mut self.goal;
-        goal.normal = step.normal;
-        match &step.drive {
-            InterfaceDrive::Ramp { time, end, .. } => {
-                let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
-                goal.step_time = (time * fraction(index), time * fraction(index + 1));
-                for i in 0..3 {
-                    let last = end[i].unwrap_or(start[i]);
-                    goal.start[i] = lerp(start[i], last, fraction(index));
-                    goal.end[i] = lerp(start[i], last, fraction(index + 1));
-                }
-            }
-            InterfaceDrive::Table { time_increments, rows } => {
-                goal.step_time = (self.committed.step_time, self.committed.step_time + time_increments[index]);
-                for i in 0..3 {
-                    goal.start[i] = if index == 0 { start[i] } else { rows[index - 1][i].unwrap_or(start[i]) };
-                    goal.end[i] = rows[index][i].unwrap_or(start[i]);
-                }
-            }
-        }
     }
 
     /// One call from the committed state; `place` is \[slip, slip2, penetration\] (UINTER) or \[slip, slip2,
@@ -407,6 +337,46 @@ impl<'p> Runner<'p> {
 }
 
 impl Divisible for Runner<'_> {
+    type Goal = InterfaceGoal;
+
+    fn begin(&mut self, step: &InterfaceStep, _number: u32, _program: &Program) -> Result<(), Stop> {
+        let Committed { slip: [slip, slip2], gap, pressure, ref fields, .. } = self.committed;
+        let normal = match step.goal.normal {
+            NormalControl::Gap => gap,
+            NormalControl::Pressure => pressure,
+        };
+        self.start = ([slip, slip2, normal], fields.clone());
+        self.committed.step_time = 0.0;
+        self.goal.time_of_step = self.committed.total_time;
+        Ok(())
+    }
+
+    fn aim(&mut self, step: &InterfaceStep, number: u32, index: usize, _statistics: &mut Statistics) {
+        let counters = self.arguments.counters(number, to_u32(index + 1));
+        [self.clock.step, self.clock.increment, _] = counters;
+        match &mut self.call {
+            Call::Uinter(call) => call.counters = counters,
+            Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
+        }
+        let (start, fields) = &self.start;
+        let goal = &mut self.goal;
+        let ends = &step.goal.ends;
+        goal.normal = step.goal.normal;
+        goal.step_time = step.pace.times(index, self.committed.step_time);
+        for i in 0..3 {
+            let held = |end: &[Option<f64>; 3]| end[i].unwrap_or(start[i]);
+            (goal.start[i], goal.end[i]) = match step.pace {
+                Pace::Equal { .. } => {
+                    let [before, after] = step.pace.shares(index);
+                    (lerp(start[i], held(&ends[0]), before), lerp(start[i], held(&ends[0]), after))
+                }
+                Pace::Rows(_) if index == 0 => (start[i], held(&ends[0])),
+                Pace::Rows(_) => (held(&ends[index - 1]), held(&ends[index])),
+            };
+        }
+        step.fields.set_increment(fields, &self.committed.fields, &step.pace, index, &mut self.fields);
+    }
+
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
         let goal = self.goal;
         let place: [f64; 3] = std::array::from_fn(|i| lerp(goal.start[i], goal.end[i], to));

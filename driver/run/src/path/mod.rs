@@ -65,7 +65,7 @@ pub trait Observer {
         None
     }
 
-    /// Something that the user should know although nothing is wrong.
+    /// Receives a warning: what the user should know although nothing is wrong.
     fn warn(&mut self, _message: String) {}
 
     /// Returns what it needs to go on in another process, with a run that is resumed from here.
@@ -85,7 +85,7 @@ pub enum Accepted<'a> {
     Fric(&'a ContactPoint, &'a FricCall),
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Increments finished (sub-increments not counted).
@@ -122,7 +122,7 @@ pub struct Failure {
     pub step: u32,
     /// Increment, from 1.
     pub increment: u32,
-    /// What happened and what to do.
+    /// Message: what happened and what to do.
     pub message: String,
     /// A case that repeats the failed increment from the state before it.
     pub replay: serde_json::Value,
@@ -152,7 +152,7 @@ pub struct FailedAt {
 }
 
 impl Stop {
-    /// Nothing could be run at all.
+    /// A program that could not be run at all.
     fn unusable(message: String) -> Self {
         Self::Failed(Failure { step: 1, increment: 1, message, replay: serde_json::Value::Null })
     }
@@ -201,28 +201,14 @@ pub fn increments(program: &Program) -> u64 {
 
 /// Number of increments that each step makes at most.
 pub fn increments_of_steps(kind: &Kind) -> Vec<u64> {
-    use crate::program::{InterfaceDrive, PointDrive};
-    let count = |n: usize| n as u64;
     match kind {
-        Kind::Point(point) => point
-            .steps
-            .iter()
-            .map(|step| match &step.drive {
-                PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => {
-                    count(*increments)
-                }
-                PointDrive::Table { rows, .. } => count(rows.len()),
-            })
-            .collect(),
-        Kind::Interface(interface) => interface
-            .steps
-            .iter()
-            .map(|step| match &step.drive {
-                InterfaceDrive::Ramp { increments, .. } => count(*increments),
-                InterfaceDrive::Table { rows, .. } => count(rows.len()),
-            })
-            .collect(),
+        Kind::Point(point) => point.steps.iter().map(|step| step.pace.increments() as u64).collect(),
+        Kind::Interface(interface) => interface.steps.iter().map(|step| step.pace.increments() as u64).collect(),
     }
+}
+
+fn to_u32(n: usize) -> u32 {
+    u32::try_from(n).unwrap_or(u32::MAX)
 }
 
 /// Which rows are written, and when a step or the run ends early.
@@ -233,7 +219,7 @@ struct Recorder<'a> {
     values: Vec<f64>,
 }
 
-/// What to do after an increment.
+/// Continuation after an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Next {
     GoOn,
@@ -287,7 +273,7 @@ impl<'a> Recorder<'a> {
     }
 }
 
-/// Where in the program an increment is.
+/// Position of an increment in the program.
 #[derive(Clone, Copy, Debug)]
 struct Place {
     step: u32,

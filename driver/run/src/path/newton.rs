@@ -5,16 +5,13 @@
 //! matrix that served; a singular or unusable matrix is replaced by one from finite differences.
 
 use crate::program::{Constraint, Control};
+use fe_core::stepping::line_search;
 use nalgebra::{SMatrix, SVector};
 
 /// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
 /// The same for relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
-/// A step of the line search is accepted if the residual falls by this fraction of the step length.
-const SUFFICIENT_DECREASE: f64 = 1e-3;
-/// Halvings in the line search.
-const LINE_SEARCH_STEPS: u32 = 6;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
 /// Strain step of the finite-difference matrix relative to max(1e-6, largest strain).
@@ -31,7 +28,7 @@ pub(super) struct Evaluation {
     pub(super) tangent: [[f64; 6]; 6],
 }
 
-/// What the increment must satisfy at its end.
+/// Conditions at the end of an increment.
 #[derive(Clone, Debug)]
 pub(super) struct Targets<'a> {
     /// Components that exist.
@@ -236,8 +233,8 @@ impl Targets<'_> {
     ) -> Result<Option<(f64, Evaluation, Vector)>, Divergence<E>> {
         let merit = |r: &Vector| r.component_div(tolerance).norm();
         let before = merit(residual);
-        let mut length = 1.0;
-        for _ in 0..LINE_SEARCH_STEPS {
+        let mut last = None;
+        let length = line_search::halved(1.0, line_search::TRIES_OF_POINTS, |length| {
             let mut trial = *increment;
             for &i in self.components {
                 trial[i] += length * step[i];
@@ -245,12 +242,10 @@ impl Targets<'_> {
             let evaluation = evaluate(&trial).map_err(Divergence::Evaluation)?;
             let new_residual = self.residual(&trial, &evaluation.stress);
             let after = merit(&new_residual);
-            if after <= (1.0 - SUFFICIENT_DECREASE * length) * before || after <= 1.0 {
-                return Ok(Some((length, evaluation, new_residual)));
-            }
-            length *= 0.5;
-        }
-        Ok(None)
+            last = Some((evaluation, new_residual));
+            Ok(line_search::descends(before, after, length) || after <= 1.0)
+        })?;
+        Ok(length.zip(last).map(|(length, (evaluation, residual))| (length, evaluation, residual)))
     }
 
     fn difference_matrix<E>(

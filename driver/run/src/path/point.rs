@@ -2,15 +2,15 @@
 
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
-use super::subdivision::{Divisible, Trouble, take_increment};
-use super::{Accepted, Failure, Next, Observer, Place, Recorder, Statistics, Stop, replay};
+use super::subdivision::{Divisible, Trouble, take_steps};
+use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay, to_u32};
 use crate::arguments::UmatArguments;
 use crate::columns::{self, Group, POINT, PointRow};
 use crate::deformation::matrix;
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
-    Constraint, Control, FieldValues, Measure, Mode, Plugin, PointDrive, PointProgram, PointStep, Program,
+    Constraint, Control, FieldValues, Measure, Mode, Plugin, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use nalgebra::Matrix3;
@@ -47,26 +47,11 @@ pub(super) fn run(
         ));
     }
     recorder.initial(|values| runner.fill(values))?;
-    let mut result = Ok(());
-    for (index, step) in point.steps.iter().enumerate() {
-        let number = to_u32(index + 1);
-        match runner.step(step, number, program, &mut recorder, statistics) {
-            Ok(Next::EndRun) => break,
-            Ok(Next::GoOn | Next::EndStep) => {}
-            Err(stop) => {
-                result = Err(stop);
-                break;
-            }
-        }
-    }
+    let result = take_steps(&mut runner, &point.steps, program, &mut recorder, statistics);
     if let Some(deviation) = runner.call.take_largest_deviation() {
         recorder.observer.warn(format!("{}: {deviation}", program.plugin.name));
     }
     result
-}
-
-fn to_u32(n: usize) -> u32 {
-    u32::try_from(n).unwrap_or(u32::MAX)
 }
 
 /// The state of the point between increments.
@@ -133,9 +118,10 @@ struct Runner<'p> {
     committed: Committed,
     /// Tangent at the last committed state, for the first guess.
     tangent: Option<[[f64; 6]; 6]>,
+    plan: Plan,
     goal: Goal,
     trial: Trial,
-    /// Nothing has been attempted yet.
+    /// Whether nothing has been attempted yet.
     is_first_attempt: bool,
 }
 
@@ -215,6 +201,7 @@ impl<'p> Runner<'p> {
             },
             committed,
             tangent: None,
+            plan: Plan::default(),
             goal,
             is_first_attempt: true,
         })
@@ -236,43 +223,6 @@ impl<'p> Runner<'p> {
         self.call.strain_33 = self.committed.strain[2];
         let make = |state| plugin.plain_umat(state);
         plugin.manner.probe(&mut self.call, plugin.law.as_ref(), make).map_err(|error| error.to_string())
-    }
-
-    fn step(
-        &mut self,
-        step: &PointStep,
-        number: u32,
-        program: &Program,
-        recorder: &mut Recorder<'_>,
-        statistics: &mut Statistics,
-    ) -> Result<Next, Stop> {
-        self.committed.step_time = 0.0;
-        if let Some(finite) = &self.finite
-            && finite.measure == Measure::Logarithmic
-            && finite.is_turned()
-            && step.mixes_strain_and_stress(self.controllable)
-        {
-            let message = format!("plugin '{}', step {number}: {TURNED}", program.plugin.name);
-            return Err(Stop::Failed(Failure { step: number, increment: 1, message, replay: serde_json::Value::Null }));
-        }
-        let plan = Plan::new(step, self);
-        let count = plan.increments();
-        let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len());
-        for index in 0..taken.min(count) {
-            let increment = to_u32(index + 1);
-            [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, increment);
-            plan.set_goal(index, self);
-            // the first call of a replay is not to depend on another before it
-            if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
-                self.unloading_tangent(statistics);
-            }
-            let place = Place { step: number, increment, last: index + 1 == taken.min(count) };
-            let next = take_increment(self, program, place, step.until.as_ref(), recorder, statistics)?;
-            if next != Next::GoOn {
-                return Ok(next);
-            }
-        }
-        Ok(Next::GoOn)
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
@@ -510,6 +460,92 @@ fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
 }
 
 impl Divisible for Runner<'_> {
+    type Goal = PointGoal;
+
+    fn begin(&mut self, step: &PointStep, number: u32, program: &Program) -> Result<(), Stop> {
+        self.committed.step_time = 0.0;
+        if let Some(finite) = &self.finite
+            && finite.measure == Measure::Logarithmic
+            && finite.is_turned()
+            && step.goal.mixes_strain_and_stress(self.controllable)
+        {
+            let message = format!("plugin '{}', step {number}: {TURNED}", program.plugin.name);
+            return Err(Stop::Failed(Failure { step: number, increment: 1, message, replay: serde_json::Value::Null }));
+        }
+        let controls = match &step.goal.drive {
+            PointDrive::Components { controls, .. } => *controls,
+            PointDrive::DeformationGradient(_) => [Control::FREE; 6],
+        };
+        let start = std::array::from_fn(|i| match controls[i] {
+            _ if !self.controllable.contains(&i) => self.strain()[i],
+            Control::Strain(_) | Control::HoldStrain => self.strain()[i],
+            Control::Stress(_) | Control::HoldStress => self.stress()[i],
+            Control::Constraint(_) => 0.0,
+        });
+        let relations: Vec<f64> = step.goal.constraints.iter().map(|relation| self.relation(relation)).collect();
+        let mut constraints = step.goal.constraints.clone();
+        for (constraint, start) in constraints.iter_mut().zip(&relations).filter(|(constraint, _)| constraint.hold) {
+            constraint.equals = *start;
+        }
+        let Committed { total_time: time, deformation_gradient: gradient, ref fields, .. } = self.committed;
+        self.plan = Plan { start, relations, constraints, time, gradient, fields: fields.clone() };
+        Ok(())
+    }
+
+    fn aim(&mut self, step: &PointStep, number: u32, index: usize, statistics: &mut Statistics) {
+        [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, to_u32(index + 1));
+        let [before, after] = step.pace.shares(index);
+        let controllable = self.controllable;
+        let (strain, stress) = (*self.strain(), *self.stress());
+        let (plan, goal) = (&self.plan, &mut self.goal);
+        goal.time_of_step = plan.time;
+        goal.step_time = step.pace.times(index, self.committed.step_time);
+        goal.deformation_gradient = None;
+        step.fields.set_increment(&plan.fields, &self.committed.fields, &step.pace, index, &mut goal.fields);
+        goal.relations.clone_from(&plan.constraints);
+        goal.relations_at_start.clear();
+        for (relation, &start) in goal.relations.iter_mut().zip(&plan.relations) {
+            goal.relations_at_start.push(lerp(start, relation.equals, before));
+            relation.equals = lerp(start, relation.equals, after);
+        }
+        match &step.goal.drive {
+            PointDrive::Components { controls, rows } => {
+                let row = rows.get(index);
+                for i in 0..6 {
+                    let start = plan.start[i];
+                    let end = |end: f64| row.map_or(lerp(start, end, after), |row| row[i]);
+                    goal.controls[i] = match controls[i] {
+                        _ if !controllable.contains(&i) => Control::Strain(start),
+                        Control::Strain(value) => Control::Strain(end(value)),
+                        Control::Stress(value) => Control::Stress(end(value)),
+                        Control::HoldStrain => Control::Strain(start),
+                        Control::HoldStress => Control::Stress(start),
+                        relation @ Control::Constraint(_) => relation,
+                    };
+                    goal.start[i] = match controls[i] {
+                        Control::Stress(_) | Control::HoldStress if row.is_some() && controllable.contains(&i) => {
+                            stress[i]
+                        }
+                        _ if row.is_some() => strain[i],
+                        Control::Strain(end) | Control::Stress(end) if controllable.contains(&i) => {
+                            lerp(start, end, before)
+                        }
+                        _ => start,
+                    };
+                }
+            }
+            PointDrive::DeformationGradient(end) => {
+                let end = matrix(end);
+                let at = |share: f64| if share == 1.0 { end } else { plan.gradient + (end - plan.gradient) * share };
+                goal.deformation_gradient = Some((at(before), at(after)));
+            }
+        }
+        // the first call of a replay is not to depend on another before it
+        if index == 0 && !(number == 1 && self.arguments.dstran.is_some()) {
+            self.unloading_tangent(statistics);
+        }
+    }
+
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble> {
         self.prepare_call(from, to);
         let is_first = std::mem::take(&mut self.is_first_attempt);
@@ -651,118 +687,15 @@ impl Runner<'_> {
     }
 }
 
-/// A step's end values, and its values at the start.
-struct Plan<'s> {
-    step: &'s PointStep,
+/// The point at the start of a step, and the relations with their right sides at its end.
+#[derive(Clone, Debug, Default)]
+struct Plan {
+    /// Values of the controlled quantity, by component.
     start: [f64; 6],
+    /// Left sides of the relations.
     relations: Vec<f64>,
     constraints: Vec<Constraint>,
     time: f64,
     gradient: Matrix3<f64>,
     fields: FieldValues,
-}
-
-impl<'s> Plan<'s> {
-    fn new(step: &'s PointStep, runner: &Runner<'_>) -> Self {
-        let state = &runner.committed;
-        let controls = match &step.drive {
-            PointDrive::Ramp { controls, .. } | PointDrive::Table { controls, .. } => *controls,
-            PointDrive::DeformationGradient { .. } => [Control::FREE; 6],
-        };
-        let start = std::array::from_fn(|i| match controls[i] {
-            _ if !runner.controllable.contains(&i) => runner.strain()[i],
-            Control::Strain(_) | Control::HoldStrain => runner.strain()[i],
-            Control::Stress(_) | Control::HoldStress => runner.stress()[i],
-            Control::Constraint(_) => 0.0,
-        });
-        let relations: Vec<f64> = step.constraints.iter().map(|relation| runner.relation(relation)).collect();
-        let mut constraints = step.constraints.clone();
-        for (constraint, start) in constraints.iter_mut().zip(&relations).filter(|(constraint, _)| constraint.hold) {
-            constraint.equals = *start;
-        }
-        Self {
-            step,
-            start,
-            relations,
-            constraints,
-            time: state.total_time,
-            gradient: state.deformation_gradient,
-            fields: state.fields.clone(),
-        }
-    }
-
-    fn increments(&self) -> usize {
-        match &self.step.drive {
-            PointDrive::Ramp { increments, .. } | PointDrive::DeformationGradient { increments, .. } => *increments,
-            PointDrive::Table { rows, .. } => rows.len(),
-        }
-    }
-
-    /// Describes increment `index` (from 0) of the step.
-    fn set_goal(&self, index: usize, runner: &mut Runner<'_>) {
-        let count = self.increments();
-        let fraction = |k: usize| if k == count { 1.0 } else { k as f64 / count as f64 };
-        let (before, after) = (fraction(index), fraction(index + 1));
-        let controllable = runner.controllable;
-        let (strain, stress) = (*runner.strain(), *runner.stress());
-        let goal = &mut runner.goal;
-        goal.time_of_step = self.time;
-        goal.deformation_gradient = None;
-        self.step.fields.set_increment(&self.fields, &runner.committed.fields, [index, count], &mut goal.fields);
-        goal.relations.clone_from(&self.constraints);
-        goal.relations_at_start.clear();
-        for (relation, &start) in goal.relations.iter_mut().zip(&self.relations) {
-            goal.relations_at_start.push(lerp(start, relation.equals, before));
-            relation.equals = lerp(start, relation.equals, after);
-        }
-        match &self.step.drive {
-            PointDrive::Ramp { time, controls, .. } => {
-                goal.step_time = (time * before, time * after);
-                for i in 0..6 {
-                    let start = self.start[i];
-                    goal.controls[i] = match controls[i] {
-                        _ if !controllable.contains(&i) => Control::Strain(start),
-                        Control::Strain(end) => Control::Strain(lerp(start, end, after)),
-                        Control::Stress(end) => Control::Stress(lerp(start, end, after)),
-                        Control::HoldStrain => Control::Strain(start),
-                        Control::HoldStress => Control::Stress(start),
-                        relation @ Control::Constraint(_) => relation,
-                    };
-                    goal.start[i] = match controls[i] {
-                        Control::Strain(end) | Control::Stress(end) if controllable.contains(&i) => {
-                            lerp(start, end, before)
-                        }
-                        _ => start,
-                    };
-                }
-            }
-            PointDrive::Table { controls, time_increments, rows } => {
-                let start = runner.committed.step_time;
-                goal.step_time = (start, start + time_increments[index]);
-                for i in 0..6 {
-                    let present = match controls[i] {
-                        Control::Stress(_) | Control::HoldStress if controllable.contains(&i) => stress[i],
-                        _ => strain[i],
-                    };
-                    goal.start[i] = present;
-                    goal.controls[i] = match controls[i] {
-                        _ if !controllable.contains(&i) => Control::Strain(self.start[i]),
-                        Control::Strain(_) => Control::Strain(rows[index][i]),
-                        Control::Stress(_) => Control::Stress(rows[index][i]),
-                        Control::HoldStrain => Control::Strain(self.start[i]),
-                        Control::HoldStress => Control::Stress(self.start[i]),
-                        relation @ Control::Constraint(_) => relation,
-                    };
-                }
-            }
-            PointDrive::DeformationGradient { time, end, .. } => {
-                goal.step_time = (time * before, time * after);
-                let end = matrix(end);
-                let at = |fraction: f64| {
-                    if fraction == 1.0 { end } else { self.gradient + (end - self.gradient) * fraction }
-                };
-                goal.deformation_gradient = Some((at(before), at(after)));
-            }
-        }
-    }
 }

@@ -1,7 +1,7 @@
 //! Sub-incrementation: an increment that fails is taken in smaller pieces; the pieces grow again.
 
 use super::{Failure, Next, Observer, Place, Recorder, Statistics, Stop};
-use crate::program::{Controls, Program, Until};
+use crate::program::{Controls, Program, Step, Until};
 use fe_core::stepping::{Tried, Verdict, Way};
 use umat_abi::host::CallFailure;
 
@@ -12,7 +12,7 @@ pub(super) enum Trouble {
     CutBack {
         /// 0 < fraction < 1.
         fraction: f64,
-        /// What to tell if no piece is small enough.
+        /// Message if no piece is small enough.
         reason: String,
     },
     /// No smaller piece can help.
@@ -31,6 +31,18 @@ impl From<CallFailure> for Trouble {
 
 /// A point that can go from one fraction of an increment to another.
 pub(super) trait Divisible {
+    /// Where its steps lead.
+    type Goal;
+
+    /// Begins a step, of this number from 1.
+    ///
+    /// # Errors
+    /// It cannot be taken from here.
+    fn begin(&mut self, step: &Step<Self::Goal>, number: u32, program: &Program) -> Result<(), Stop>;
+
+    /// Sets where increment `index` (from 0) of the step leads.
+    fn aim(&mut self, step: &Step<Self::Goal>, number: u32, index: usize, statistics: &mut Statistics);
+
     /// Computes, from the committed state at fraction `from` of the increment, the state at `to`.
     /// Returns the number of iterations.
     fn attempt(&mut self, from: f64, to: f64, statistics: &mut Statistics) -> Result<u32, Trouble>;
@@ -45,8 +57,33 @@ pub(super) trait Divisible {
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value;
 }
 
+/// Takes the steps of a program one by one.
+pub(super) fn take_steps<P: Divisible>(
+    point: &mut P,
+    steps: &[Step<P::Goal>],
+    program: &Program,
+    recorder: &mut Recorder<'_>,
+    statistics: &mut Statistics,
+) -> Result<(), Stop> {
+    for (step, number) in steps.iter().zip(1..) {
+        point.begin(step, number, program)?;
+        let count = step.pace.increments();
+        let taken = program.about.recorded.as_ref().map_or(count, |recorded| recorded.of_step(number).len().min(count));
+        for (index, increment) in (0..taken).zip(1..) {
+            point.aim(step, number, index, statistics);
+            let place = Place { step: number, increment, last: index + 1 == taken };
+            match take_increment(point, program, place, step.until.as_ref(), recorder, statistics)? {
+                Next::GoOn => {}
+                Next::EndStep => break,
+                Next::EndRun => return Ok(()),
+            }
+        }
+    }
+    Ok(())
+}
+
 /// Takes one increment of a program and records it.
-pub(super) fn take_increment(
+fn take_increment(
     point: &mut impl Divisible,
     program: &Program,
     place: Place,

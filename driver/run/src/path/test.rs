@@ -64,12 +64,17 @@ fn program(plugin: Plugin, mode: Mode, nlgeom: bool, steps: Vec<PointStep>) -> P
     }
 }
 
-fn step(drive: PointDrive) -> PointStep {
-    PointStep { drive, constraints: Vec::new(), until: None, fields: StepFields::default() }
+fn step(pace: Pace, drive: PointDrive) -> PointStep {
+    let goal = PointGoal { drive, constraints: Vec::new() };
+    PointStep { pace, goal, until: None, fields: StepFields::default() }
 }
 
 fn ramp(increments: usize, controls: [Control; 6]) -> PointStep {
-    step(PointDrive::Ramp { increments, time: 1.0, controls })
+    step(Pace::Equal { increments, time: 1.0 }, PointDrive::Components { controls, rows: Vec::new() })
+}
+
+fn deformation(increments: usize, end: [[f64; 3]; 3]) -> PointStep {
+    step(Pace::Equal { increments, time: 1.0 }, PointDrive::DeformationGradient(end))
 }
 
 fn rows(program: &Program) -> (Vec<Vec<f64>>, Statistics) {
@@ -143,10 +148,10 @@ fn a_linear_relation_takes_the_place_of_a_free_component() {
     let relation =
         |equals| Constraint { strain: [0.0; 6], stress: [-0.52, 1.0, 0.0, 0.0, 0.0, 0.0], equals, hold: false };
     let mut first = ramp(5, controls);
-    first.constraints = vec![relation(0.0)];
+    first.goal.constraints = vec![relation(0.0)];
     controls[0] = Control::HoldStrain;
     let mut second = ramp(5, controls);
-    second.constraints = vec![relation(2.0)];
+    second.goal.constraints = vec![relation(2.0)];
     let case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::ThreeD, false, vec![first, second]);
     let (rows, _) = rows(&case);
     for row in &rows[1..=5] {
@@ -162,8 +167,8 @@ fn a_table_is_followed_row_by_row_and_until_ends_it() {
     let mut controls = [FREE; 6];
     controls[0] = Control::Strain(0.0);
     let table: Vec<[f64; 6]> = [1e-4, 3e-4, -2e-4, 5e-4].iter().map(|&e| [e, 0.0, 0.0, 0.0, 0.0, 0.0]).collect();
-    let drive = PointDrive::Table { controls, time_increments: vec![0.5, 0.25, 1.0, 1.0], rows: table };
-    let mut case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::PlaneStress, false, vec![step(drive)]);
+    let table = step(Pace::Rows(vec![0.5, 0.25, 1.0, 1.0]), PointDrive::Components { controls, rows: table });
+    let mut case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::PlaneStress, false, vec![table]);
     case.about.until = Some(Until { column: STRESS, absolute: false, greater_than: None, less_than: Some(-1.0) });
     let (rows, _) = rows(&case);
     assert_eq!(rows.len(), 4, "the row that passes the bound is kept, the rest is not run");
@@ -177,14 +182,13 @@ fn a_table_is_followed_row_by_row_and_until_ends_it() {
 fn rigid_rotation_rotates_the_stress() {
     let stretch = [[1.001, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
     let quarter_turn = [[0.0, -1.0, 0.0], [1.001, 0.0, 0.0], [0.0, 0.0, 1.0]];
-    let to = |end, increments| step(PointDrive::DeformationGradient { increments, time: 1.0, end });
     // F = R U with R turning in many increments: a table of rotations keeps each increment rigid
-    let mut steps = vec![to(stretch, 1)];
+    let mut steps = vec![deformation(1, stretch)];
     let turns = 4000;
     for k in 1..=turns {
         let angle = std::f64::consts::FRAC_PI_2 * f64::from(k) / f64::from(turns);
         let (s, c) = angle.sin_cos();
-        steps.push(to([[1.001 * c, -s, 0.0], [1.001 * s, c, 0.0], [0.0, 0.0, 1.0]], 1));
+        steps.push(deformation(1, [[1.001 * c, -s, 0.0], [1.001 * s, c, 0.0], [0.0, 0.0, 1.0]]));
     }
     let case = program(plugin("linear_elastic", &[31800.0, 0.18]), Mode::ThreeD, true, steps);
     let (rows, _) = rows(&case);
@@ -204,8 +208,8 @@ fn simple_shear_follows_the_jaumann_solution() {
     let mu = 400.0;
     let errors = [1000, 2000].map(|increments| {
         let end = [[1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-        let drive = PointDrive::DeformationGradient { increments, time: 1.0, end };
-        let case = program(plugin("linear_elastic", &[1000.0, 0.25]), Mode::ThreeD, true, vec![step(drive)]);
+        let shear = deformation(increments, end);
+        let case = program(plugin("linear_elastic", &[1000.0, 0.25]), Mode::ThreeD, true, vec![shear]);
         let last = rows(&case).0.pop().expect("rows");
         assert!((last[STRESS + 1] + last[STRESS]).abs() < 1e-9);
         let shear = last[STRESS + 3] - mu * 1.0_f64.sin();
@@ -238,7 +242,7 @@ fn a_step_after_a_rotation_does_not_rotate_on() {
     let (s, c) = 0.1_f64.sin_cos();
     let turned = [[1.01 * c, -0.99 * s, 0.0], [1.01 * s, 0.99 * c, 0.0], [0.0, 0.0, 1.0]];
     let hold = ramp(5, [Control::HoldStrain; 6]);
-    let rotate = step(PointDrive::DeformationGradient { increments: 1, time: 1.0, end: turned });
+    let rotate = deformation(1, turned);
     let case = program(plugin("j2_plasticity", &[210_000.0, 0.3, 347.0, 0.0]), Mode::ThreeD, true, vec![rotate, hold]);
     let (rows, statistics) = rows(&case);
     assert_eq!(statistics.iterations, 6);

@@ -9,7 +9,7 @@
 
 use super::Program;
 use super::recorder::RecorderState;
-use crate::input::{self, Input};
+use crate::input::{self, Input, hexadecimal};
 use crate::isolation::worker;
 use fe_core::model::{ContactLaw, ContactPair, Model, PluginLaw};
 use fe_core::stepping::Checkpoint;
@@ -27,7 +27,7 @@ const MAGIC: &[u8] = b"pullout checkpoint\n";
 /// Version of the file's layout; a program of another version does not read it either.
 const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), ", layout 9");
 
-/// What a run does with checkpoints.
+/// Use that a run makes of checkpoints.
 #[derive(Debug, Default)]
 pub struct Checkpoints {
     /// Increments between them; `None`: none are made.
@@ -179,7 +179,7 @@ fn fingerprint(program: &Program) -> io::Result<String> {
         }
     }
     laws.iter().try_for_each(|law| add_law(&mut hash, law))?;
-    Ok(hexadecimal(&hash.finalize()))
+    Ok(hexadecimal(hash))
 }
 
 fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
@@ -195,9 +195,5 @@ fn add_law(hash: &mut Sha256, law: &PluginLaw) -> io::Result<()> {
 }
 
 fn sha256(bytes: &[u8]) -> String {
-    hexadecimal(&Sha256::digest(bytes))
-}
-
-fn hexadecimal(bytes: &[u8]) -> String {
-    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+    hexadecimal(Sha256::new_with_prefix(bytes))
 }

@@ -6,7 +6,7 @@ use fe_core::element::ElementKind;
 use fe_core::model::{Model, PluginLaw};
 use umat_abi::host::Validation;
 
-/// Up to this angle, in degrees, a crack counts as one along an edge.
+/// Greatest angle of a crack that counts as one along an edge, degrees.
 const ALONG: f64 = 10.0;
 /// Below this share an element counts as open in part: one of two columns of points gives ½, strain that falls to a third
 /// across an element ¾.
@@ -18,7 +18,7 @@ const SMALL_DAMAGE: f64 = 0.01;
 
 /// How an element has cracked.
 struct Crack {
-    /// What it has dissipated, N·mm.
+    /// Energy that it has dissipated, N·mm.
     damage: f64,
     /// The angle between the crack and the nearest edge, degrees.
     angle: f64,

@@ -21,7 +21,7 @@ pub struct FieldWriter {
     hashed: Option<(PathBuf, Vec<String>)>,
 }
 
-/// What was written.
+/// The files written.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct WrittenFields {
     files: SeriesFiles,

@@ -3,7 +3,7 @@
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
 use crate::columns::{Group, SPECIMEN};
-use fe_core::assembly;
+use fe_core::assembly::Place;
 use fe_core::model::MeasuredFibre;
 use fe_core::stepping::{Analysis, Record, Times};
 use indexmap::IndexMap;
@@ -37,9 +37,9 @@ pub struct Findings {
     /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that
     /// can be believed, has no column.
     pub energies: IndexMap<String, f64>,
-    /// What was done how often.
+    /// Counts of operations.
     pub statistics: IndexMap<String, u64>,
-    /// Where the time went, s.
+    /// Times by task, s.
     pub times: IndexMap<String, f64>,
     /// Penalties of the normal direction by contact pair, MPa/mm.
     pub penalties: IndexMap<String, f64>,
@@ -99,60 +99,12 @@ pub struct Failure {
     pub step: u32,
     /// Increment, from 1; 0: equilibrium before the first step.
     pub increment: u32,
-    /// What part of the step was done.
+    /// Part of the step that was done.
     pub progress: f64,
     /// Where.
     pub place: Place,
     /// Why.
     pub reason: String,
-}
-
-/// A place in a specimen; numbers count from 1, positions in mm.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Place {
-    /// An integration point of an element.
-    Element {
-        /// The element.
-        element: usize,
-        /// The point in it.
-        point: usize,
-        /// Where it was in the reference configuration.
-        position: [f64; 2],
-    },
-    /// A contact point.
-    Contact {
-        /// Name of the pair.
-        pair: String,
-        /// The point in it.
-        point: usize,
-        /// Where it was then.
-        position: [f64; 2],
-    },
-    /// A node.
-    Node {
-        /// The node.
-        node: usize,
-        /// Where it was in the reference configuration.
-        position: [f64; 2],
-    },
-    /// Nowhere in particular.
-    System,
-}
-
-impl From<&assembly::Place> for Place {
-    fn from(place: &assembly::Place) -> Self {
-        match *place {
-            assembly::Place::Element { element, point, position } => {
-                Self::Element { element: element + 1, point: point + 1, position }
-            }
-            assembly::Place::Contact { ref pair, point, position } => {
-                Self::Contact { pair: pair.clone(), point: point + 1, position }
-            }
-            assembly::Place::Node { node, position } => Self::Node { node: node + 1, position },
-            assembly::Place::System => Self::System,
-        }
-    }
 }
 
 /// Energies by their columns, of the values of a row.

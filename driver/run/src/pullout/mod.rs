@@ -13,7 +13,7 @@ mod program;
 mod recorder;
 mod replay;
 
-pub use findings::{Failure, Findings, Place, Rupture};
+pub use findings::{Failure, Findings, Rupture};
 pub use overlap::Overlap;
 pub use peak::PeakLoad;
 pub use program::{PictureAt, Program};

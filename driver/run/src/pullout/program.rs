@@ -15,18 +15,18 @@ pub enum PictureAt {
     Increment(u64),
 }
 
-/// Everything a run of a specimen needs.
+/// A run of a specimen.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What it says as programs of all kinds do.
+    /// Properties that programs of all kinds have.
     pub about: About,
     /// What the mesh is: "specimen perpendicular_fibre" or "file block.msh".
     pub mesh: String,
     /// Diameter of the round fibre of a specimen that has one, mm.
     pub fibre_diameter: Option<f64>,
-    /// What is computed.
+    /// The model.
     pub model: Model,
-    /// What ends each step of the model early.
+    /// Bounds that end each step of the model early.
     pub step_untils: Vec<Option<Until>>,
     /// Every n-th increment (and the last of each step) is written as fields; `None`: no fields.
     pub fields_every: Option<usize>,

@@ -31,11 +31,11 @@ const END_TOLERANCE: f64 = 1e-9;
 /// What a run gives: what it cost, how it ended, what it found, and the states that pictures show.
 #[derive(Debug)]
 pub struct Outcome<'p> {
-    /// What it cost.
+    /// Cost of the run.
     pub statistics: Statistics,
     /// How it ended. Rows that were observed stay valid.
     pub result: Result<(), Stop>,
-    /// What it says besides its history.
+    /// Findings besides the history.
     pub findings: Findings,
     /// The state at the greatest load, if the run went on from there and pictures are wanted.
     pub peak: Option<State<'p>>,
@@ -205,7 +205,7 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
             step: *step,
             increment: *increment,
             progress: *progress,
-            place: (&trouble.place).into(),
+            place: trouble.place.clone(),
             reason: trouble.reason.clone(),
         }),
         RunError::Write(_) => None,
@@ -238,7 +238,7 @@ struct Recorder<'p, 'o> {
     destination: Option<(PathBuf, &'o Checkpoints)>,
 }
 
-/// What a recorder needs to go on.
+/// State with which a recorder goes on.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct RecorderState {
     pub(super) fields: Option<WrittenFields>,

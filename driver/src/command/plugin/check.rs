@@ -103,7 +103,7 @@ impl Arguments {
     }
 }
 
-/// What came out of one law's check.
+/// Outcome of one law's check.
 struct Judged {
     name: String,
     library: PathBuf,

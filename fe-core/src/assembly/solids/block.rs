@@ -8,25 +8,23 @@ use super::record::{Body, Record, Spalled, number_of};
 use super::summary::Counters;
 use crate::assembly::{Place, Trouble};
 use crate::element::ElementKind;
-use crate::kinematics::finite::TangentForm;
 use crate::model::{FieldValues, IncrementContext};
 use umat_abi::law::Request;
 
-/// Where an element is.
+/// Block of an element, and its place in it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct BlockPlace {
     pub(super) block: usize,
     pub(super) local: usize,
 }
 
-/// What all blocks are asked for.
+/// Request to all blocks.
 pub(super) struct Evaluation<'a> {
     /// Two per node, mm.
     pub(super) displacements: &'a [[f64; 2]],
     /// Which elements are evaluated.
     pub(super) active: &'a [bool],
     pub(super) request: Request,
-    pub(super) tangent_form: TangentForm,
     pub(super) skip_unchanged: bool,
     /// Version of stiffnesses that are built.
     pub(super) version: u64,
@@ -198,7 +196,10 @@ impl Block {
         let (rows, _) = self.stiffnesses[record.stiffness.clone()].as_chunks_mut::<2>();
         let (rows, _) = rows.as_chunks_mut::<N>();
         let is_symmetric = match motions {
-            Some(motions) => stiffness_finite(&shape, motions, evaluation.tangent_form, points, rows),
+            Some(motions) => {
+                stiffness_finite(&shape, motions, points, rows);
+                false
+            }
             None => stiffness_small(&shape, &points.moduli[record.points.clone()], rows),
         };
         self.unsymmetric = self.unsymmetric + usize::from(!is_symmetric) - usize::from(record.is_unsymmetric);

@@ -6,8 +6,8 @@ use super::record::number_of;
 use super::{LEAST_VOLUME_RATIO, TangentChoice};
 use crate::element::MAX_NODES;
 use crate::kinematics::finite::{
-    AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent,
-    TangentForm, mean, nominal_tangent, small_strain, spatial_tangent, with_mean,
+    AverageRates, Components, FiniteIncrement, GRADIENT_COMPONENTS, Gradient, IDENTITY, Moduli, NominalTangent, mean,
+    nominal_tangent, small_strain, with_mean,
 };
 use umat_abi::law::Request;
 
@@ -54,7 +54,7 @@ impl<'a, const N: usize> Shape<'a, N> {
     }
 }
 
-/// What an evaluation is asked for.
+/// Request to an element.
 #[derive(Clone, Copy)]
 pub(super) struct Task {
     pub(super) request: Request,
@@ -222,43 +222,31 @@ fn present_position<const N: usize>(shape: &Shape<'_, N>, point: usize, displace
     [x, y, 0.0]
 }
 
-/// The derivative of the forces of [`advance_finite`]. Returns whether it is symmetric.
+/// Computes the derivative of the forces of [`advance_finite`], which is not symmetric.
 pub(super) fn stiffness_finite<const N: usize>(
     shape: &Shape<'_, N>,
     motions: &Motions,
-    form: TangentForm,
     points: &Points,
     stiffness: &mut [Nodal<N>],
-) -> bool {
+) {
     stiffness.fill([[0.0; 2]; N]);
     let first = shape.first_point;
-    let symmetric =
-        form == TangentForm::Spatial && points.moduli[first..first + shape.volumes.len()].iter().all(is_symmetric);
     let mut average = Average::<N>::default_of(shape);
     if let Some(average) = &mut average {
-        average.start(shape, motions, form, points);
+        average.start(shape, motions, points);
     }
     for point in shape.points() {
-        let (stress, moduli) = (&points.acting[first + point], &points.acting_moduli(first + point, form));
+        let (stress, moduli) = (&points.acting[first + point], &points.acting_moduli(first + point));
         let (at, volume) = (shape.at(point), shape.volumes[point]);
-        let tangent = match (&mut average, form) {
-            (None, TangentForm::Exact) => nominal_tangent(&motions[point], stress, moduli),
-            (None, TangentForm::Spatial) => spatial_tangent(&motions[point], stress, moduli),
-            (Some(average), _) => average.add_finite(&at, volume, &motions[point], stress, moduli),
+        let tangent = match &mut average {
+            None => nominal_tangent(&motions[point], stress, moduli),
+            Some(average) => average.add_finite(&at, volume, &motions[point], stress, moduli),
         };
-        if symmetric {
-            at.add_stiffness::<true>(&tangent, volume, stiffness);
-        } else {
-            at.add_stiffness::<false>(&tangent, volume, stiffness);
-        }
+        at.add_stiffness::<false>(&tangent, volume, stiffness);
     }
     if let Some(average) = &average {
         average.add_to(stiffness);
     }
-    if symmetric {
-        mirror(stiffness);
-    }
-    symmetric
 }
 
 /// What the means over an element add to its stiffness: (∂f/∂θ̄) ⊗ ∂θ̄/∂u + (∂f/∂p̄) ⊗ ∂p̄/∂u.
@@ -274,7 +262,6 @@ struct Average<const N: usize> {
     middle_volume: f64,
     mean_dilatation: f64,
     mean_pressure: f64,
-    form: TangentForm,
 }
 
 impl<const N: usize> Average<N> {
@@ -293,23 +280,16 @@ impl<const N: usize> Average<N> {
                 middle_volume: volume,
                 mean_dilatation: 0.0,
                 mean_pressure: 0.0,
-                form: TangentForm::Exact,
             }
         })
     }
 
-    /// The means under large displacements; the spatial form knows the end only.
-    fn start(&mut self, shape: &Shape<'_, N>, motions: &Motions, form: TangentForm, points: &Points) {
-        self.form = form;
+    /// The means under large displacements.
+    fn start(&mut self, shape: &Shape<'_, N>, motions: &Motions, points: &Points) {
         self.volume = shape.integral(|point| motions[point].volume_ratio);
         self.mean_pressure = mean_stress(shape, points, |point| motions[point].volume_ratio).unwrap_or_default();
-        (self.middle_volume, self.mean_dilatation) = match form {
-            TangentForm::Exact => {
-                let volume = shape.integral(|point| motions[point].middle_volume_ratio);
-                (volume, mean_dilatation(shape, motions).unwrap_or_default())
-            }
-            TangentForm::Spatial => (self.volume, 0.0),
-        };
+        self.middle_volume = shape.integral(|point| motions[point].middle_volume_ratio);
+        self.mean_dilatation = mean_dilatation(shape, motions).unwrap_or_default();
     }
 
     /// Adds a point of small strains; returns its moduli between deviators.
@@ -346,11 +326,7 @@ impl<const N: usize> Average<N> {
         stress: &Components,
         moduli: &Moduli,
     ) -> NominalTangent {
-        let motion = match self.form {
-            TangentForm::Exact => *motion,
-            TangentForm::Spatial => motion.at_end(),
-        };
-        let (tangent, rates) = AverageRates::of(&motion, self.form, stress, self.mean_pressure, moduli);
+        let (tangent, rates) = AverageRates::of(motion, stress, self.mean_pressure, moduli);
         at.add_conjugate(&rates.by_dilatation, volume, &mut self.force_by_dilatation);
         at.add_conjugate(&rates.by_pressure, volume, &mut self.force_by_pressure);
         at.add_conjugate(&rates.pressure, volume / self.volume, &mut self.pressure);

@@ -45,7 +45,7 @@ pub enum SolidsError {
         part: String,
         /// Name of the law.
         law: String,
-        /// What the part assumes.
+        /// The part's plane model.
         model: PlaneModel,
     },
     /// The law refuses its parameters, or those with an element's size.
@@ -57,9 +57,9 @@ pub enum SolidsError {
         law: String,
         /// The element with the part's greatest characteristic length.
         element: usize,
-        /// That length, mm.
+        /// The characteristic length, mm.
         length: f64,
-        /// What the law says.
+        /// The law's words.
         message: String,
     },
     /// The tangent of the virgin state is no usable stiffness.
@@ -69,7 +69,7 @@ pub enum SolidsError {
         part: String,
         /// Name of the law.
         law: String,
-        /// What came back.
+        /// The value returned.
         reason: String,
     },
 }

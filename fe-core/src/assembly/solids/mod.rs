@@ -27,8 +27,7 @@
 //! # Large displacements
 //!
 //! With `nlgeom` the kinematics are those of [`crate::kinematics::finite`], and stiffnesses are the exact derivative of
-//! that incremental map, so [`Solids::symmetric`] is false, unless [`Solids::set_tangent_form`] asks for the usual
-//! spatial form. Energies are counted per reference volume: what is dissipated
+//! that incremental map, so [`Solids::symmetric`] is false. Energies are counted per reference volume: what is dissipated
 //! then never decreases.
 //!
 //! # Symmetry
@@ -52,7 +51,6 @@ pub use summary::{Counters, GreatestInPart, PointCall, PointCounts, PointView, S
 pub use trust::PartAccount;
 
 use super::{Place, Trouble};
-use crate::kinematics::finite::TangentForm;
 use crate::model::{Fields, IncrementContext, Model, Step};
 use crate::threads::Threads;
 use block::{Block, BlockPlace, Evaluation};
@@ -88,7 +86,6 @@ pub struct Solids {
     /// Relaxation time of the stabilisation, s.
     relaxation_time: f64,
     skip_unchanged: bool,
-    tangent_form: TangentForm,
     /// Whether the laws may be called by several threads.
     may_share_threads: bool,
     threads: Threads,
@@ -99,11 +96,11 @@ pub struct Solids {
     version: u64,
     context: IncrementContext,
     fields: Fields,
-    /// Over which the fields change.
+    /// Steps over which the fields change.
     steps: Vec<Step>,
     /// What was counted before the present state was taken over.
     earlier: Counters,
-    /// What users should know of the laws.
+    /// Notes on the laws for users.
     notes: Vec<String>,
     /// How far each part's law is believed.
     trust: Vec<Trust>,
@@ -121,7 +118,6 @@ impl Solids {
         Ok(Self {
             relaxation_time: model.controls.relaxation_time,
             skip_unchanged: model.skipping.unchanged_elements,
-            tangent_form: TangentForm::default(),
             may_share_threads,
             threads: Threads::default(),
             active: vec![true; places.len()],
@@ -188,15 +184,6 @@ impl Solids {
         }
     }
 
-    /// Which derivative stiffnesses of large displacements are, from the next evaluation on. Small strains have one only.
-    pub fn set_tangent_form(&mut self, form: TangentForm) {
-        if self.tangent_form != form {
-            self.tangent_form = form;
-            let records = self.blocks.iter_mut().flat_map(|block| &mut block.records);
-            records.for_each(|record| record.has_tangent = false);
-        }
-    }
-
     /// Leads the active elements from the committed state to these end displacements (two per node, mm) and adds their
     /// internal forces (N) to `forces`. With [`Request::StressAndTangent`] stiffnesses follow.
     ///
@@ -220,7 +207,6 @@ impl Solids {
             displacements: displacements.as_chunks::<2>().0,
             active: &self.active,
             request,
-            tangent_form: self.tangent_form,
             skip_unchanged: self.skip_unchanged,
             version: self.version + 1,
         };
@@ -312,13 +298,7 @@ impl Solids {
         self.version
     }
 
-    /// The elements whose stiffness was built after the latest version was `version`, ascending.
-    pub fn changed_since(&self, version: u64) -> impl Iterator<Item = usize> {
-        (0..self.places.len()).filter(move |&element| self.stiffness_version(element) > version)
-    }
-
-    /// Returns whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small or the
-    /// tangent's form is [`TangentForm::Spatial`].
+    /// Returns whether all stiffnesses are symmetric: all DDSDDE are, to the last bit, and displacements are small.
     pub fn symmetric(&self) -> bool {
         self.blocks.iter().all(|block| block.unsymmetric == 0)
     }

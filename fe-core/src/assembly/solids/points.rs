@@ -2,9 +2,7 @@
 
 use super::TangentChoice;
 use super::error::SolidsError;
-use crate::kinematics::finite::{
-    Components, FiniteIncrement, Gradient, IDENTITY, Moduli, TangentForm, columns, rotated,
-};
+use crate::kinematics::finite::{Components, FiniteIncrement, Gradient, IDENTITY, Moduli, columns, rotated};
 use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
@@ -81,7 +79,7 @@ impl States {
 /// What a point starts its increment from, and how far it goes.
 pub(super) struct PointIncrement<'a> {
     pub(super) strain: Components,
-    /// Under large displacements: the motion, F at the start and at the end.
+    /// Motion under large displacements: F at the start and at the end.
     pub(super) motion: Option<(&'a FiniteIncrement, &'a Gradient, &'a Gradient)>,
 }
 
@@ -379,14 +377,13 @@ impl Points {
         (is_known && rate.iter().all(|rate| rate.is_finite())).then_some(rate)
     }
 
-    /// The derivative of the acting stress, λ σ: λ C + λ σ ⊗ ∂ε₃₃/∂ε, the second only in the exact form.
-    pub(super) fn acting_moduli(&self, point: usize, form: TangentForm) -> Moduli {
+    /// The derivative of the acting stress, λ σ: λ C + λ σ ⊗ ∂ε₃₃/∂ε.
+    pub(super) fn acting_moduli(&self, point: usize) -> Moduli {
         let moduli = &self.moduli[point];
         let Some(Thickness { ratio, rate }) = self.thickness.get(point) else { return *moduli };
         let acting = &self.acting[point];
-        let of_thickness = if form == TangentForm::Exact { rate } else { &Thickness::OF_REFERENCE.rate };
         std::array::from_fn(|row| {
-            std::array::from_fn(|column| ratio * moduli[row][column] + acting[row] * of_thickness[column])
+            std::array::from_fn(|column| ratio * moduli[row][column] + acting[row] * rate[column])
         })
     }
 

@@ -44,7 +44,7 @@ pub(super) struct Record {
     pub(super) moduli_changed: bool,
     pub(super) is_unsymmetric: bool,
     pub(super) version: u64,
-    /// What is left of it once it is released.
+    /// Forces and energy left of it once it is released.
     pub(super) spalled: Option<Spalled>,
 }
 
@@ -54,7 +54,7 @@ pub(super) struct Spalled {
     /// Nodal forces when it was released, N, and the displacements of its nodes, mm.
     forces: Vec<[f64; 2]>,
     displacements: Vec<[f64; 2]>,
-    /// What part of them acts.
+    /// Part of the forces that acts.
     share: f64,
     /// Nodal forces at the start of the increment, and of the last evaluation.
     start: Vec<[f64; 2]>,

@@ -45,9 +45,9 @@ impl std::ops::AddAssign for SolidEnergies {
 pub struct PointCounts {
     /// All points.
     pub points: usize,
-    /// Those of laws without a damage.
+    /// Points of laws without a damage.
     pub plastic: usize,
-    /// Those of laws with one.
+    /// Points of laws with a damage.
     pub damaged: usize,
 }
 

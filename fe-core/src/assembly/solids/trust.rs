@@ -23,7 +23,7 @@ use umat_abi::host::{TangentDeviation, TangentSource};
 /// Deviations from 1 of reported energy over work, of increments that differ by [`SHRINKAGE`], that are so near to each
 /// other (relative) are the same: those of trapezoidal sums shrink with the increment.
 const SAME: f64 = 0.02;
-/// Likewise of three increments.
+/// The same limit for three increments together.
 const SIMILAR: f64 = 0.2;
 const SHRINKAGE: f64 = 0.3;
 /// A part is to blame if it makes so much of the imbalance.
@@ -41,11 +41,11 @@ const LONGEST_PAUSE: u64 = 128;
 enum Reports {
     /// Metadata vouch for them.
     Vouched,
-    /// They are taken as they are.
+    /// Energies are taken as they are.
     Believed,
-    /// There are none.
+    /// The law reports no energies.
     Missing,
-    /// They are this part of the work.
+    /// Energies are this part of the work.
     Wrong { ratio: f64 },
 }
 

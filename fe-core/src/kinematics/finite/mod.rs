@@ -2,7 +2,7 @@
 
 mod nominal;
 
-pub use nominal::{AverageRates, NominalTangent, TangentForm, mean, nominal_tangent, spatial_tangent, with_mean};
+pub use nominal::{AverageRates, NominalTangent, mean, nominal_tangent, with_mean};
 
 use super::MAX_COMPONENTS;
 
@@ -53,7 +53,7 @@ pub struct FiniteIncrement {
 }
 
 impl FiniteIncrement {
-    /// Nothing moves.
+    /// An increment without motion.
     pub const REST: Self = Self {
         end_inverse: IDENTITY,
         volume_ratio: 1.0,

@@ -6,16 +6,6 @@ use crate::kinematics::MAX_COMPONENTS;
 /// `[k][l]`: ∂P_k/∂F_l.
 pub type NominalTangent = [[f64; GRADIENT_COMPONENTS]; GRADIENT_COMPONENTS];
 
-/// Which derivative of the nominal stress a stiffness is made of.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum TangentForm {
-    /// The exact derivative of the incremental map; not symmetric.
-    #[default]
-    Exact,
-    /// That of infinitesimal increments without the change of volume; symmetric if DDSDDE is.
-    Spatial,
-}
-
 /// (row, column) of the plane components of a gradient.
 const PLANE: [(usize, usize); 4] = [(0, 0), (0, 1), (1, 0), (1, 1)];
 
@@ -73,16 +63,6 @@ impl FiniteIncrement {
         std::array::from_fn(|row| own[row] - dot(&moduli[row], &strain))
     }
 
-    /// An increment of nothing at the end.
-    pub fn at_end(&self) -> Self {
-        Self {
-            middle_inverse: self.end_inverse,
-            middle_volume_ratio: self.volume_ratio,
-            gradient: [0.0; GRADIENT_COMPONENTS],
-            ..*self
-        }
-    }
-
     /// J a F⁻ᵀ, column by column of a 4 × 5 matrix of rates of stress.
     fn pulled_back(&self, rates: &[Gradient; MAX_COMPONENTS]) -> NominalTangent {
         let mut result = [[0.0; GRADIENT_COMPONENTS]; GRADIENT_COMPONENTS];
@@ -112,18 +92,6 @@ impl FiniteIncrement {
         }
     }
 
-    /// Adds δF S, S = F⁻¹ P the second Piola–Kirchhoff stress.
-    fn add_initial_stress(&self, nominal: &Gradient, tangent: &mut NominalTangent) {
-        let inverse = &self.end_inverse;
-        for (d, e) in PLANE {
-            let second: f64 = (0..2).map(|a| inverse[place(d, a)] * nominal[place(a, e)]).sum();
-            for a in 0..2 {
-                tangent[place(a, d)][place(a, e)] += second;
-            }
-        }
-        tangent[4][4] += inverse[4] * nominal[4];
-    }
-
     /// J F⁻ᵀ.
     pub fn volume_derivative(&self) -> Gradient {
         let [i11, i12, i21, i22, i33] = self.end_inverse.map(|component| component * self.volume_ratio);
@@ -140,40 +108,11 @@ pub fn nominal_tangent(increment: &FiniteIncrement, stress: &Components, moduli:
     tangent
 }
 
-/// ∂P/∂F of [`TangentForm::Spatial`].
-pub fn spatial_tangent(increment: &FiniteIncrement, stress: &Components, moduli: &Moduli) -> NominalTangent {
-    let increment = increment.at_end();
-    let (strain, angle) = increment.strain_derivatives();
-    let mut rates = stress_rates(moduli, &strain, &NO_STRESS, &angle);
-    subtract_convected(stress, &strain, &mut rates);
-    let mut tangent = increment.pulled_back(&rates);
-    increment.add_initial_stress(&increment.nominal_stress(stress), &mut tangent);
-    tangent
-}
-
-const NO_STRESS: Components = [0.0; MAX_COMPONENTS];
-
-/// Subtracts d σ + σ d.
-fn subtract_convected(
-    [s11, s22, s33, s12]: &Components,
-    strain: &[Gradient; MAX_COMPONENTS],
-    rates: &mut [Gradient; MAX_COMPONENTS],
-) {
-    for l in 0..GRADIENT_COMPONENTS {
-        let [d11, d22, d33, shear] = [strain[0][l], strain[1][l], strain[2][l], strain[3][l]];
-        rates[0][l] -= 2.0 * s11 * d11 + s12 * shear;
-        rates[1][l] -= 2.0 * s22 * d22 + s12 * shear;
-        rates[2][l] -= 2.0 * s33 * d33;
-        rates[3][l] -= s12 * (d11 + d22) + 0.5 * (s11 + s22) * shear;
-    }
-}
-
 impl AverageRates {
     /// ∂P/∂F at fixed θ̄ and p̄, and the other rates, of a point with the stress that its law returned and the mean
-    /// stress p̄ of its element. [`TangentForm::Spatial`] wants the increment [`FiniteIncrement::at_end`].
+    /// stress p̄ of its element.
     pub fn of(
         increment: &FiniteIncrement,
-        form: TangentForm,
         stress: &Components,
         mean_pressure: f64,
         moduli: &Moduli,
@@ -181,35 +120,15 @@ impl AverageRates {
         let (strain, angle) = increment.strain_derivatives();
         let mut deviator = strain;
         let dilatation = without_mean(&mut deviator).map(|mean| 3.0 * mean);
-        let by_angle = match form {
-            TangentForm::Exact => increment.stress_by_angle(stress, moduli),
-            TangentForm::Spatial => NO_STRESS,
-        };
-        let mut rates = stress_rates(moduli, &deviator, &by_angle, &angle);
+        let mut rates = stress_rates(moduli, &deviator, &increment.stress_by_angle(stress, moduli), &angle);
         let pressure = without_mean(&mut rates);
-        let shared = with_mean(stress, mean_pressure);
-        let nominal = increment.nominal_stress(&shared);
-        let tangent = match form {
-            TangentForm::Exact => {
-                let mut tangent = increment.pulled_back(&rates);
-                increment.add_geometric(&nominal, &mut tangent);
-                tangent
-            }
-            TangentForm::Spatial => {
-                subtract_convected(&shared, &strain, &mut rates);
-                let mut tangent = increment.pulled_back(&rates);
-                increment.add_initial_stress(&nominal, &mut tangent);
-                tangent
-            }
-        };
+        let mut tangent = increment.pulled_back(&rates);
+        increment.add_geometric(&increment.nominal_stress(&with_mean(stress, mean_pressure)), &mut tangent);
         let mut by_dilatation: [Gradient; MAX_COMPONENTS] =
             std::array::from_fn(|row| [(moduli[row][0] + moduli[row][1] + moduli[row][2]) / 3.0, 0.0, 0.0, 0.0, 0.0]);
         let pressure_by_dilatation = without_mean(&mut by_dilatation)[0];
         let by_pressure = increment.volume_derivative();
-        let excess = match form {
-            TangentForm::Exact => mean(stress) - mean_pressure,
-            TangentForm::Spatial => 0.0,
-        };
+        let excess = mean(stress) - mean_pressure;
         let [i11, i12, i21, i22, i33] = increment.middle_inverse.map(|component| 0.5 * component);
         let rates = Self {
             by_dilatation: increment.pulled_back(&by_dilatation).map(|row| row[0]),

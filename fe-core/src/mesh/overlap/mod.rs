@@ -114,7 +114,7 @@ struct Edge {
     /// The nodes at its ends.
     ends: [usize; 2],
     part: usize,
-    /// Where y turns.
+    /// Places where y turns.
     turn: Option<[f64; 2]>,
 }
 
@@ -153,7 +153,7 @@ impl Edge {
         }
     }
 
-    /// That of a piece on which y grows or falls, between two s with their y.
+    /// Counts the crossings of a piece on which y grows or falls, between two s with their y.
     fn crossing(&self, [x, y]: [f64; 2], [[from, y_from], [to, y_to]]: [[f64; 2]; 2]) -> i32 {
         let sign = match (y_from <= y, y_to <= y) {
             (true, false) => 1,

@@ -13,7 +13,7 @@ pub use rigid::{RigidMode, rigid_body_freedom};
 
 use super::Mesh;
 
-/// Something suspicious about a mesh. Messages count from 1.
+/// A suspicious property of a mesh. Messages count from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum Finding {
     /// A node on an edge that does not have it, within one body or part: displacements open a gap there.

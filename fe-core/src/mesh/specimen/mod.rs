@@ -23,8 +23,7 @@ pub use one_body::{
     timoshenko_beam,
 };
 pub use perpendicular_fibre::{
-    AWAY_LENGTH, Configuration, FibreMesh, FibreSection, NEAR_CLEARANCE, PartMesh, PerpendicularFibre,
-    perpendicular_fibre,
+    AWAY_LENGTH, Configuration, FibreMesh, NEAR_CLEARANCE, PartMesh, PerpendicularFibre, perpendicular_fibre,
 };
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;

@@ -29,20 +29,6 @@ pub enum Grading {
         /// First size.
         first: f64,
     },
-    /// Sizes at both ends: n = 1 + ln(last/first)/ln q, q = (L − first)/(L − last).
-    Sizes {
-        /// First size.
-        first: f64,
-        /// Last size.
-        last: f64,
-    },
-    /// Sizes that grow by a factor q: n = ln(1 + L (q − 1)/first)/ln q.
-    Growth {
-        /// First size.
-        first: f64,
-        /// Each size over the one before it.
-        growth: f64,
-    },
     /// Sizes that grow by a factor until they reach the largest, and stay there.
     Capped {
         /// First size.
@@ -126,20 +112,6 @@ impl Grading {
             Self::Uniform { count } => vec![1.0; count],
             Self::Ratio { count, ratio } => series(count, ratio),
             Self::First { count, first } => powers(count, growth_from_first(count, first / length)),
-            Self::Sizes { first, last } => {
-                // Sizes of the whole line, or one that is taken up by both: a single element.
-                let whole = first >= length || last >= length;
-                let count = if whole {
-                    1.0
-                } else if first == last {
-                    length / first
-                } else {
-                    let growth = (length - first) / (length - last);
-                    1.0 + (last / first).ln() / growth.ln()
-                };
-                series(rounded(count, length)?, last / first)
-            }
-            Self::Growth { first, growth } => powers(rounded(growth_count(length, first, growth), length)?, growth),
             Self::Capped { first, growth, largest } => capped(length, first, growth, largest)?,
         };
         cumulated(&sizes, length)
@@ -161,10 +133,6 @@ impl Grading {
             Self::Uniform { count } => number(count),
             Self::Ratio { count, ratio } => number(count).and_then(|()| positive("the ratio of the sizes", ratio)),
             Self::First { count, first } => number(count).and_then(|()| size("the first size", first)),
-            Self::Sizes { first, last } => size("the first size", first).and_then(|()| size("the last size", last)),
-            Self::Growth { first, growth } => {
-                size("the first size", first).and_then(|()| positive("the growth of the sizes", growth))
-            }
             Self::Capped { first, growth, largest } => {
                 positive("the first size", first)?;
                 positive("the growth of the sizes", growth)?;
@@ -210,15 +178,6 @@ fn series(count: usize, ratio: f64) -> Vec<f64> {
 /// 1, q, q², …
 fn powers(count: usize, growth: f64) -> Vec<f64> {
     (0..count).map(|index| growth.powf(index as f64)).collect()
-}
-
-/// Returns how many sizes from `first` on, growing by `growth`, fill the length; shrinking ones may never do.
-fn growth_count(length: f64, first: f64, growth: f64) -> f64 {
-    if growth == 1.0 {
-        return length / first;
-    }
-    let filled = 1.0 + length * (growth - 1.0) / first;
-    if filled > 0.0 { filled.ln() / growth.ln() } else { f64::INFINITY }
 }
 
 /// q of `count` sizes that start with the fraction `first` of the line: (qⁿ − 1)/(q − 1) = 1/first, by bisection of

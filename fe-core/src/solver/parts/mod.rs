@@ -42,9 +42,9 @@ pub(super) struct Parts {
 enum Elimination {
     /// Values are those of the last time.
     Unchanged,
-    /// It took so many multiplications and additions.
+    /// Definite; the number of multiplications and additions that it took.
     Done(f64),
-    /// It is not definite.
+    /// Not definite.
     Refused,
 }
 

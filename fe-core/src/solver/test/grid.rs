@@ -64,7 +64,7 @@ impl Bodies {
 /// Nodes of a Q8 on a lattice of half its side.
 const LATTICE: [[usize; 2]; 8] = [[0, 0], [2, 0], [2, 2], [0, 2], [1, 0], [2, 1], [1, 2], [0, 1]];
 
-/// Of a unit square, Poisson's ratio 0.2.
+/// Stiffness of a unit square, Poisson's ratio 0.2.
 fn element_stiffness(modulus: f64) -> [[f64; MAX_FREEDOMS]; MAX_FREEDOMS] {
     let poisson = 0.2;
     let shear = modulus / (2.0 * (1.0 + poisson));

@@ -4,6 +4,7 @@ use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, troub
 use crate::assembly::{Place, Trouble, loads};
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Model};
+use crate::stepping::line_search;
 use crate::stepping::times::timed;
 use umat_abi::law::Request;
 
@@ -21,8 +22,6 @@ const LEAST_OF_BRACKET: f64 = 0.1;
 /// Up to this iteration a correction with which contact opens or closes is applied in full: the residual of what has closed is
 /// large, and the next correction knows of it. Later ones may go to and fro.
 const BEFORE_HALVING: u32 = 7;
-/// Halvings of a correction.
-const MAX_HALVINGS: usize = 4;
 /// Derivatives of the dissipation are differences over this part of the last increment.
 const PROBE: f64 = 1e-4;
 /// but not less than this part of the displacements, which are rounded.
@@ -204,19 +203,17 @@ impl Equilibrium<'_> {
             return self.least_work(attempt, direction, &from, work_before);
         }
         let mut best = (full, 1.0);
-        let mut length = 1.0;
-        for _ in 0..MAX_HALVINGS {
-            length *= 0.5;
+        let mut last = 1.0;
+        line_search::halved(0.5, line_search::HALVINGS, |length| {
             self.place(attempt, direction, &from, length)?;
             let residual = largest(&self.memory.residual);
             if residual < best.0 {
                 best = (residual, length);
             }
-            if residual <= before || self.work_along(direction).abs() <= limit {
-                break;
-            }
-        }
-        if best.1 != length {
+            last = length;
+            Ok(residual <= before || self.work_along(direction).abs() <= limit)
+        })?;
+        if best.1 != last {
             self.place(attempt, direction, &from, best.1)?;
         }
         Ok(best.1)

@@ -3,6 +3,7 @@
 
 use super::*;
 use crate::mesh::structured::{Block, Grading, StructuredMesh};
+use end_to_end_tests::rotated_in_plane;
 
 /// Relative to the largest displacement or stress.
 const EXACT: f64 = 1e-10;
@@ -141,22 +142,10 @@ fn hypoelastic(plane: PlaneModel, [[a, b], [c, d]]: Matrix) -> [f64; 4] {
         // (I − W/2)⁻¹ (I + W/2) is a rotation by 2 atan(w/2)
         let spin = 0.5 * (l(1, 0) - l(0, 1));
         let increment = elastic(plane, [l(0, 0), l(1, 1), hoop(plane, l(0, 0)), l(0, 1) + l(1, 0)]);
-        let rotated = rotate(stress, 2.0 * (0.5 * spin).atan());
+        let rotated = rotated_in_plane(stress, 2.0 * (0.5 * spin).atan(), 1.0);
         stress = std::array::from_fn(|k| rotated[k] + increment[k]);
     }
     stress
-}
-
-/// R σ Rᵀ.
-pub(super) fn rotate([s11, s22, s33, s12]: [f64; 4], angle: f64) -> [f64; 4] {
-    let (sine, cosine) = angle.sin_cos();
-    let (c2, s2, cs) = (cosine * cosine, sine * sine, cosine * sine);
-    [
-        c2 * s11 + s2 * s22 - 2.0 * cs * s12,
-        s2 * s11 + c2 * s22 + 2.0 * cs * s12,
-        s33,
-        cs * (s11 - s22) + (c2 - s2) * s12,
-    ]
 }
 
 const KINDS: [ElementKind; 4] = [ElementKind::T3, ElementKind::T6, ElementKind::Q4, ElementKind::Q8];

@@ -1,7 +1,8 @@
 //! A stressed body that turns as one: its stress turns with it, and nothing does work.
 
-use super::patch::{Looking, Matrix, errors, patch, rotate, step_to};
+use super::patch::{Looking, Matrix, errors, patch, step_to};
 use super::*;
+use end_to_end_tests::rotated_in_plane;
 
 /// Turn in each step, degrees.
 const TURN: f64 = 5.0;
@@ -33,7 +34,7 @@ fn whole_turn(kind: ElementKind, plane: PlaneModel, law: PluginLaw, [first, stre
         }
         let Some((stress, energies)) = start.filter(|_| record.step > 2) else { return };
         let turn = angle(record.step);
-        let [displacement, stress] = errors(snapshot, turned(stretch, turn), rotate(stress, turn));
+        let [displacement, stress] = errors(snapshot, turned(stretch, turn), rotated_in_plane(stress, turn, 1.0));
         let work = (record.energies.external_work - energies.external_work).abs() / energies.external_work;
         let spent = (record.energies.plastic - energies.plastic).abs() / energies.external_work;
         let place = format!("{kind:?} {plane:?} step {}", record.step);

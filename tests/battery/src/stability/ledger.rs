@@ -8,9 +8,9 @@ use std::fmt;
 pub struct Check {
     /// How often it was looked at.
     pub tried: u64,
-    /// Of those: not compared, since there is nothing to compare with (see the promise's name).
+    /// Number of those that were not compared, since there is nothing to compare with (see the promise's name).
     pub excluded: u64,
-    /// Of those: broken.
+    /// Number of those that were broken.
     pub failed: u64,
     /// The worst error over the one that is allowed; `None`: it holds or does not.
     pub worst: Option<f64>,
@@ -43,7 +43,7 @@ pub struct Ledger {
     pub states: u64,
     /// Parameter sets that the law refuses as inconsistent.
     pub sets_refused: u64,
-    /// By reason: how often, and where first.
+    /// Counts by reason, and where each was first.
     pub cut_backs: BTreeMap<&'static str, (u64, String)>,
     /// Tangents that are right on one side of a kink that they stand on.
     pub one_sided: u64,
@@ -52,7 +52,7 @@ pub struct Ledger {
     /// Tangents at strains that were not placed on kinks; of those, within the reach of the differences of a kink.
     pub generic_tangents: [u64; 2],
     checks: BTreeMap<&'static str, Check>,
-    /// Of the bits of all answers, in their order.
+    /// Hash of the bits of all answers, in their order.
     pub(super) digest: u64,
 }
 

@@ -3,7 +3,7 @@
 use super::forms;
 use crate::STRESS_STATES;
 
-/// Of each form and stress state.
+/// States of each form and stress state.
 const STATES: u64 = 10_000;
 
 fn withstands(law: &str, label: &str) {

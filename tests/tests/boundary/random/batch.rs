@@ -42,7 +42,7 @@ struct Call {
     nprops: i32,
     factors: Changes,
     props: Changes,
-    /// Of strains, increments, stresses, states and lengths of all points.
+    /// Changes of strains, increments, stresses, states and lengths of all points.
     arrays: [Changes; 5],
     strains: Vec<f64>,
     nulls: Vec<Index>,

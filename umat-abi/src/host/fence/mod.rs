@@ -20,13 +20,13 @@ const PAGE: usize = 1 << 12;
 /// What becomes of an access outside an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outside {
-    /// It ends the process.
+    /// Access ends the process.
     Forbidden,
     /// Writing ends the process; what is read behind the array is this pattern at first.
     Readable(u64),
 }
 
-/// Where an array lies.
+/// Address range of an array.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Extent {
     argument: &'static str,

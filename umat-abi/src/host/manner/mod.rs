@@ -12,7 +12,7 @@ use super::memory::Overrun;
 use crate::law::{Request, StressState};
 use std::fmt;
 
-/// Where DDSDDE of a call comes from.
+/// Source of a call's DDSDDE.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum TangentSource {
     /// The plugin.

@@ -17,7 +17,7 @@ const RETURNED: u8 = 3;
 /// Stack of the handler.
 const HANDLER_STACK: usize = 1 << 16;
 
-/// Where the child's handler writes to.
+/// Pipe to which the child's handler writes.
 static CHANNEL: AtomicI32 = AtomicI32::new(-1);
 
 /// Runs a call in a child process.

@@ -9,22 +9,22 @@ mod fences;
 
 use super::memory::Trespass;
 
-/// Where an array lies between its two forbidden pages.
+/// Position of an array between its two forbidden pages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alignment {
-    /// It ends where the page behind begins: element n + 1 is forbidden.
+    /// Ends where the page behind begins: element n + 1 is forbidden.
     End,
-    /// It begins where the page before ends: element 0 is forbidden.
+    /// Begins where the page before ends: element 0 is forbidden.
     Start,
 }
 
 /// How the call ended.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Probed {
-    /// It came back and touched nothing it must not.
+    /// Came back and touched nothing it must not.
     Clean,
-    /// It touched something outside an array.
+    /// Touched memory outside an array.
     Trespass(Trespass),
-    /// It did not come back: a signal, an exit, a call that takes too long.
+    /// Did not come back: a signal, an exit, a call that takes too long.
     Ended(String),
 }

@@ -53,9 +53,9 @@ macro_rules! record {
 record! {
     /// UMAT. Integers are doubles here; the names are those of the arguments.
     UmatRecord of UmatCall: call, to => {
-    /// At the start.
+    /// Value at the start.
     stress to.put(call.stress());
-    /// At the start.
+    /// Value at the start.
     statev to.put(call.statev());
     /// SSE, SPD, SCD at the start.
     energies to.put(&call.energies);
@@ -67,7 +67,7 @@ record! {
     props to.put(call.props());
     }
     inputs: UmatInputs, record => {
-    /// At the start.
+    /// Value at the start.
     stran inputs.stran.get(..record.stress.len())?;
     /// The increment.
     dstran inputs.dstran.get(..record.stress.len())?;
@@ -101,9 +101,9 @@ record! {
 record! {
     /// UINTER. Integers are doubles here; the names are those of the arguments.
     UinterRecord of UinterCall: call, to => {
-    /// At the start.
+    /// Value at the start.
     stress to.put(call.traction());
-    /// At the start.
+    /// Value at the start.
     statev to.put(call.statev());
     /// SED, SFD, SPD, SVD, SCD at the start.
     energies to.put(&call.energies);
@@ -147,9 +147,9 @@ record! {
     FricRecord of FricCall: call, to => {
     /// LM on entry.
     lm to.put_integers([call.lm]);
-    /// At the start.
+    /// Value at the start.
     tau to.put(call.traction());
-    /// At the start.
+    /// Value at the start.
     statev to.put(call.statev());
     /// SED, SFD at the start.
     energies to.put(&call.energies);

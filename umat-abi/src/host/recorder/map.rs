@@ -13,7 +13,7 @@ pub(super) const LEAST_CAPACITY: usize = 1 << 17;
 pub(super) const MAGIC: u64 = 0x0170_756c_6c6f_7574;
 /// Bytes of a word.
 pub(super) const WORD: usize = 8;
-/// Where the slots begin.
+/// Offset of the slots.
 pub(super) const HEADER: usize = 8192;
 /// Longest path that is noted, in bytes.
 pub(super) const LONGEST_PATH: usize = HEADER - word::PATH - WORD;

@@ -8,7 +8,7 @@ use std::sync::atomic::Ordering;
 
 /// Words in which a slot begins: its size and its sequence.
 pub(super) const SEQUENCE: usize = WORD;
-/// Where its texts begin.
+/// Offset of its texts.
 pub(super) const TEXTS: usize = 2 * WORD;
 /// Room for arguments in a first slot, in words; a call that needs more takes another slot.
 const FIRST_ROOM: usize = 256;

@@ -123,7 +123,7 @@ pub enum PartWord {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Enforcement {
-    /// By the penalty alone.
+    /// The penalty alone.
     Penalty,
     /// Penalty with updates of the multiplier.
     Uzawa(Uzawa),

@@ -25,11 +25,11 @@ const BAR_TEXT: i32 = 7;
 /// Least distance between numbers beside the bar, px.
 const LINE: f64 = 15.0;
 
-/// What stands to the right of the plot.
+/// Content to the right of the plot.
 pub(super) enum Side<'a> {
     /// A colour bar (none if no element has a value), and whether some elements have none.
     Bar { levels: Option<&'a Levels>, missing: bool },
-    /// What colours mean.
+    /// Meaning of the colours.
     Names(&'a [(RGBColor, &'a str)]),
 }
 

@@ -89,7 +89,7 @@ pub struct Window {
     pub y: Range<f64>,
 }
 
-/// What to draw, and how.
+/// Settings of a picture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FieldPicture<'a> {
     /// Above the picture; may be empty.
@@ -98,7 +98,7 @@ pub struct FieldPicture<'a> {
     pub mesh: &'a PictureMesh,
     /// Displacements are drawn this many times as large; the picture says so.
     pub magnification: f64,
-    /// What is shown; `None`: all.
+    /// Window that is shown; `None`: all.
     pub window: Option<Window>,
     /// Names of the coordinates.
     pub axes: [Quantity; 2],

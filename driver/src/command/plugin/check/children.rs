@@ -17,7 +17,7 @@ const MOST_ENDS: usize = 16;
 /// The row that every group has.
 const BOUNDS: &str = "array bounds";
 
-/// What was read of a group.
+/// Output read of a group.
 #[derive(Default)]
 struct Told {
     /// Check and entry point.
@@ -26,7 +26,7 @@ struct Told {
     drawn: Option<(usize, bool)>,
 }
 
-/// Everything that the groups have told.
+/// Findings of all groups.
 struct Tally<'a> {
     arguments: &'a Arguments,
     judged: Vec<Judged>,

@@ -38,19 +38,24 @@ fn skipping_is_exact_to_the_last_bit() {
     }
 }
 
+/// The elements whose stiffness was built after the latest version was `version`, ascending.
+fn changed_since(solids: &Solids, version: u64) -> impl Iterator<Item = usize> {
+    (0..solids.places.len()).filter(move |&element| solids.stiffness_version(element) > version)
+}
+
 #[test]
 fn only_stiffnesses_with_other_moduli_are_built_again() {
     let mesh = patch(Variant::new(ElementKind::Q8), PlaneModel::PlaneStrain, 0.1, 0.03);
     let mut solids = Solids::new(&model(mesh.clone(), &j2_plasticity(), false, false)).unwrap();
     let count = mesh.elements().len();
     forces(&mut solids, &bent(&mesh, 0.0), Request::StressAndTangent);
-    assert_eq!(solids.changed_since(0).count(), count);
+    assert_eq!(changed_since(&solids, 0).count(), count);
     let version = solids.latest_version();
     forces(&mut solids, &bent(&mesh, 0.001), Request::StressAndTangent);
-    assert_eq!(solids.changed_since(version).count(), 0, "all elastic");
+    assert_eq!(changed_since(&solids, version).count(), 0, "all elastic");
     forces(&mut solids, &bent(&mesh, 0.04), Request::StressAndTangent);
     solids.commit(&bent(&mesh, 0.04));
-    let changed: Vec<usize> = solids.changed_since(version).collect();
+    let changed: Vec<usize> = changed_since(&solids, version).collect();
     assert!(!changed.is_empty() && changed.len() < count, "{changed:?}");
     for element in 0..count {
         let yielded = (0..solids.point_count(element)).any(|point| solids.point(element, point).energies[1] > 0.0);

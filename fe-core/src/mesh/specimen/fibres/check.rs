@@ -4,7 +4,6 @@ use super::{Fibre, Fibres, Laid, Segment};
 use crate::element::{EdgeKind, ElementKind};
 use crate::kinematics::PlaneModel;
 use crate::mesh::specimen::SpecimenError;
-use crate::mesh::specimen::perpendicular_fibre::FibreSection;
 use crate::mesh::specimen::requirement::Requirements;
 
 /// Inclinations up to this, degrees.
@@ -216,9 +215,6 @@ impl Fibre {
                     required.that(radius >= least || !is_wave, "path", format!("{radius:.4}"), requirement);
                 }
             }
-        }
-        if let FibreSection::Thickness(thickness) = self.section {
-            required.positive("fibre_section", thickness);
         }
     }
 }

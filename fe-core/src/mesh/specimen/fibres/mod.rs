@@ -10,7 +10,7 @@ mod test;
 
 use std::collections::BTreeSet;
 
-use super::perpendicular_fibre::{FibreSection, PartMesh, section_notes};
+use super::perpendicular_fibre::{PartMesh, fibre_thickness, section_notes};
 use super::thickness::{Exit, GradedThickness, Thickness};
 use super::{PulledFibre, Specimen, SpecimenError};
 use crate::element::ElementKind;
@@ -67,8 +67,6 @@ pub struct Fibre {
     /// Diameters that differ from φ, as a line through (distance from the embedded end along the axis, diameter), mm, ascending:
     /// an enlarged end. The thickness is that of φ.
     pub profile: Vec<[f64; 2]>,
-    /// The thickness that stands for the round section.
-    pub section: FibreSection,
     /// Where its axis crosses the exit face, mm from the middle of the block.
     pub exit: f64,
     /// Angle of the axis from the outward normal of the exit face where it begins, at the embedded end, rad: positive to the
@@ -143,7 +141,6 @@ impl Fibre {
             name: None,
             diameter: 0.406,
             profile: Vec::new(),
-            section: FibreSection::EqualArea,
             exit: 0.0,
             lean,
             path,
@@ -259,7 +256,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     let mut pulled = Vec::new();
     for (laid, divisions) in std::iter::zip(&laid, &divisions) {
         let Laid { fibre, path, .. } = laid;
-        let thickness = fibre.section.thickness(fibre.diameter);
+        let thickness = fibre_thickness(fibre.diameter);
         let part = mesh.add_part(Part {
             integration: parameters.fibre.integration,
             ..Part::new(fibre.set("fibre", ""), parameters.fibre_model, thickness)
@@ -314,7 +311,7 @@ pub fn fibres(parameters: &Fibres) -> Result<Specimen, SpecimenError> {
     }
     thickness.assign(&mut definition, matrix_part, &covers);
     let sections = parameters.fibres.iter();
-    let sections = sections.flat_map(|fibre| section_notes(fibre.section, fibre.diameter, parameters.matrix_thickness));
+    let sections = sections.flat_map(|fibre| section_notes(fibre.diameter, parameters.matrix_thickness));
     let mut notes: Vec<String> = sections.collect();
     notes.extend(thickness.notes(parameters.cover));
     notes.extend(sets::name_supports(&mut definition, parameters, &laid, &edges));

@@ -1,6 +1,6 @@
 //! What the parameters of a fibre in a block must be.
 
-use super::{Configuration, FibreSection, PerpendicularFibre};
+use super::{Configuration, PerpendicularFibre};
 use crate::element::EdgeKind;
 use crate::kinematics::PlaneModel;
 use crate::mesh::specimen::SpecimenError;
@@ -63,13 +63,10 @@ impl PerpendicularFibre {
 
     fn check_configuration(&self, required: &mut Requirements) {
         match self.configuration {
-            Configuration::Plane { section, fibre_model, matrix_model } => {
+            Configuration::Plane { fibre_model, matrix_model } => {
                 for (name, model) in [("fibre_model", fibre_model), ("matrix_model", matrix_model)] {
                     let plane = model != PlaneModel::Axisymmetric;
                     required.that(plane, name, "axisymmetric", "plane stress or plane strain in a plane configuration");
-                }
-                if let FibreSection::Thickness(thickness) = section {
-                    required.positive("fibre_section", thickness);
                 }
             }
             Configuration::Axisymmetric { outer_radius } => {

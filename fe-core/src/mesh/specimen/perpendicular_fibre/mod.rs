@@ -57,8 +57,6 @@ pub struct PerpendicularFibre {
 pub enum Configuration {
     /// A slice with two contact lines.
     Plane {
-        /// The thickness that stands for the round section.
-        section: FibreSection,
         /// Plane stress by default: in plane strain its axial stiffness would be 1/(1 − ν²) of the true one.
         fibre_model: PlaneModel,
         /// Plane strain by default.
@@ -73,33 +71,12 @@ pub enum Configuration {
 
 impl Configuration {
     /// A slice with the true area of the fibre, the fibre in plane stress and the matrix in plane strain.
-    pub const PLANE: Self = Self::Plane {
-        section: FibreSection::EqualArea,
-        fibre_model: PlaneModel::PlaneStress,
-        matrix_model: PlaneModel::PlaneStrain,
-    };
+    pub const PLANE: Self = Self::Plane { fibre_model: PlaneModel::PlaneStress, matrix_model: PlaneModel::PlaneStrain };
 }
 
-/// The thickness of a plane fibre of height φ.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum FibreSection {
-    /// πφ/4: the area of the circle.
-    EqualArea,
-    /// 3πφ/16: the moment of inertia of the circle.
-    EqualInertia,
-    /// This thickness, mm.
-    Thickness(f64),
-}
-
-impl FibreSection {
-    /// The thickness of a fibre of this diameter, mm.
-    pub fn thickness(self, diameter: f64) -> f64 {
-        match self {
-            Self::EqualArea => PI / 4.0 * diameter,
-            Self::EqualInertia => 3.0 * PI / 16.0 * diameter,
-            Self::Thickness(thickness) => thickness,
-        }
-    }
+/// The thickness of a plane fibre of height φ with the area of the circle, πφ/4, mm.
+pub(super) fn fibre_thickness(diameter: f64) -> f64 {
+    PI / 4.0 * diameter
 }
 
 /// The elements of a part.
@@ -235,8 +212,8 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
 }
 
 /// Returns what a report must say about a round fibre in the plane.
-pub(super) fn section_notes(section: FibreSection, phi: f64, matrix_thickness: f64) -> Vec<String> {
-    let thickness = section.thickness(phi);
+pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
+    let thickness = fibre_thickness(phi);
     let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
     vec![
         format!(
@@ -272,8 +249,8 @@ impl PerpendicularFibre {
     /// Fibre and matrix.
     fn parts(&self) -> [Part; 2] {
         let (models, fibre_thickness) = match self.configuration {
-            Configuration::Plane { section, fibre_model, matrix_model } => {
-                ([fibre_model, matrix_model], section.thickness(self.fibre_diameter))
+            Configuration::Plane { fibre_model, matrix_model } => {
+                ([fibre_model, matrix_model], fibre_thickness(self.fibre_diameter))
             }
             // A thickness that nobody uses.
             Configuration::Axisymmetric { .. } => ([PlaneModel::Axisymmetric; 2], self.matrix_thickness),
@@ -315,7 +292,7 @@ impl PerpendicularFibre {
     fn notes(&self) -> Vec<String> {
         let phi = self.fibre_diameter;
         match self.configuration {
-            Configuration::Plane { section, .. } => section_notes(section, phi, self.matrix_thickness),
+            Configuration::Plane { .. } => section_notes(phi, self.matrix_thickness),
             Configuration::Axisymmetric { .. } => vec![format!("outer radius {:.4} mm", self.half_width())],
         }
     }

@@ -1,8 +1,8 @@
 //! A safe call of `pullout_umat_batch_v1`.
 
-use super::library::Library;
-use crate::law::{Request, StressState};
-use crate::metadata::UmatBatch;
+use umat_abi::host::Library;
+use umat_abi::law::{Request, StressState};
+use umat_abi::metadata::UmatBatch;
 
 /// Many points of one material, component by component: `n` values of the first component, then `n` of the second.
 #[derive(Debug)]
@@ -26,7 +26,7 @@ pub struct BatchCall {
     pub ddsdde: Box<[f64]>,
     /// Characteristic lengths, mm; 0: none.
     pub celent: Box<[f64]>,
-    /// [`crate::metadata::batch_results`] of each point.
+    /// [`umat_abi::metadata::batch_results`] of each point.
     pub status: Box<[i32]>,
 }
 

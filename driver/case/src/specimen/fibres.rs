@@ -1,0 +1,325 @@
+//! Specimens with fibres, and what each says where the case says nothing.
+
+use super::boundary::BOTH;
+use super::generated::{Generated, X, kind, length, number};
+use super::mesh::{DefaultPair, DefaultSupports, Defaults, thickness};
+use crate::document::Positive;
+use crate::document::pullout::{
+    self as document, ElementName, FibreShape, SeparationLength, SeparationRule, Thickness,
+};
+use fe_core::mesh::specimen::{
+    self, Configuration, ContactSurfaces, FINE_DIAMETERS, Fibre, FibreMesh, Fibres, FibresMesh, GradedThickness,
+    ParameterProblem, PartMesh, PerpendicularFibre, Segment, SpecimenError,
+};
+use fe_core::model::Width;
+use pullout_run::number::rounded;
+
+/// Default slope of a graded thickness: the stiffness of the fibre in its block is within 14 % of that in space at 0 and 45°, along and across
+/// it, in blocks of 3 and 13 mm (`tests/reference/inclined_fibre`).
+const SLOPE: f64 = 1.0;
+
+/// Inclination of a fibre, degrees.
+const ANGLE: f64 = 45.0;
+
+/// Length of a bent fibre between its bend and the grip, mm.
+const FREE_LENGTH_AFTER_BEND: f64 = 3.0;
+
+pub(super) fn perpendicular_fibre(
+    given: &document::PerpendicularFibre,
+    matrix: Option<Thickness>,
+) -> Result<Generated, SpecimenError> {
+    let axisymmetric = given.axisymmetric.unwrap_or(false);
+    let default = PerpendicularFibre::default();
+    let fibre_diameter = length(given.fibre_diameter, default.fibre_diameter);
+    let sizes = FibreMesh::default();
+    let part = |element: Option<ElementName>| PartMesh { kind: kind(element, ElementName::Q8), integration: None };
+    let exit_size = if given.equal_sizes == Some(true) { None } else { sizes.exit_size };
+    let parameters = PerpendicularFibre {
+        configuration: if axisymmetric {
+            Configuration::Axisymmetric { outer_radius: given.outer_radius.map(|radius| radius.0) }
+        } else {
+            Configuration::PLANE
+        },
+        width: length(given.width, default.width),
+        depth: length(given.depth, default.depth),
+        matrix_thickness: match axisymmetric {
+            // the outer radius follows from the specimen's own
+            true => length(given.matrix_thickness, default.matrix_thickness),
+            false => matrix_thickness(matrix, given.matrix_thickness, fibre_diameter, default.matrix_thickness),
+        },
+        cover: given.cover.unwrap_or(default.cover),
+        graded_thickness: given.graded_thickness.map(graded),
+        fibre_diameter,
+        embedded_length: length(given.embedded_length, default.embedded_length),
+        free_length: length(given.free_length, default.free_length),
+        tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+        fibre: part(given.fibre_element),
+        matrix: part(given.matrix_element),
+        mesh: FibreMesh {
+            embedded_elements: number(given.embedded_elements, sizes.embedded_elements),
+            exit_size: given.exit_size.map(|size| size.0).or(exit_size),
+            elements_across: number(given.elements_across, sizes.elements_across),
+            slave_edges_per_master: number(given.slave_edges_per_master, sizes.slave_edges_per_master),
+            interface_size: length(given.interface_size, sizes.interface_size),
+            growth: length(given.growth, sizes.growth),
+            largest_size: length(given.largest_size, sizes.largest_size),
+        },
+    };
+    let made = specimen::perpendicular_fibre(&parameters)?;
+    let ways: &[&'static str] =
+        if axisymmetric { &["outer", "bottom"] } else { &["sides", "face_near", "face_away", "bottom"] };
+    let also: &[(&'static str, &'static [[f64; 2]])] = if axisymmetric { &[("axis", X)] } else { &[] };
+    let mut generated = pulled_fibre("perpendicular_fibre", made, ways, also);
+    generated.taken = taken(&[
+        ("fibre_diameter", given.fibre_diameter.is_none(), parameters.fibre_diameter),
+        ("embedded_length", given.embedded_length.is_none(), parameters.embedded_length),
+        ("free_length", given.free_length.is_none(), parameters.free_length),
+        ("width", given.width.is_none(), parameters.width),
+        ("depth", given.depth.is_none(), parameters.depth),
+        (
+            "matrix_thickness",
+            !axisymmetric && matrix.is_none() && given.matrix_thickness.is_none(),
+            parameters.matrix_thickness,
+        ),
+    ]);
+    Ok(generated)
+}
+
+pub(super) fn inclined_fibre(
+    given: &document::InclinedFibre,
+    matrix: Option<Thickness>,
+    slip: f64,
+) -> Result<Generated, SpecimenError> {
+    let angle = given.angle_deg.unwrap_or(ANGLE).to_radians();
+    let default = Fibre::new(angle, Vec::new());
+    let diameter = length(given.fibre_diameter, default.diameter);
+    let embedded_length = length(given.embedded_length, default.embedded_length);
+    let mut path = vec![Segment::Straight { length: embedded_length }];
+    let free_length = match given.shape.unwrap_or(FibreShape::Bent) {
+        FibreShape::Bent => {
+            path.push(Segment::Arc { radius: length(given.bend_radius, 1.5 * diameter), to: 0.0 });
+            given.free_length.unwrap_or(FREE_LENGTH_AFTER_BEND)
+        }
+        FibreShape::Straight => given.free_length.unwrap_or(0.0),
+    };
+    path.push(Segment::Straight { length: free_length });
+    let separation_length = match given.separation_length {
+        None => 0.0,
+        Some(SeparationLength::Given(length)) => length,
+        Some(SeparationLength::Rule(SeparationRule::Thesis)) => thesis_separation_length(diameter, angle),
+    };
+    let fibre = Fibre {
+        diameter,
+        path,
+        embedded_length,
+        exit_radius: given.exit_radius.map(|radius| radius.0),
+        separation_length,
+        fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
+        ..default
+    };
+    let block = document::Fibres {
+        fibres: Vec::new(),
+        grips: None,
+        width: given.width,
+        depth: given.depth,
+        matrix_thickness: given.matrix_thickness,
+        cover: given.cover,
+        graded_thickness: given.graded_thickness,
+        fibre_element: given.fibre_element,
+        matrix_element: given.matrix_element,
+        mesh_size: given.mesh_size,
+        elements_across: given.elements_across,
+        exit_size: given.exit_size,
+        largest_fibre_size: given.largest_fibre_size,
+        growth_rate: given.growth_rate,
+        largest_size: given.largest_size,
+    };
+    let mut generated = around("inclined_fibre", vec![fibre], &block, matrix)?;
+    let own = taken(&[
+        ("angle_deg", given.angle_deg.is_none(), angle.to_degrees()),
+        ("fibre_diameter", given.fibre_diameter.is_none(), diameter),
+        ("embedded_length", given.embedded_length.is_none(), embedded_length),
+    ]);
+    generated.taken.splice(0..0, own);
+    Ok(generated)
+}
+
+pub(super) fn fibres(
+    given: &document::Fibres,
+    matrix: Option<Thickness>,
+    slip: f64,
+) -> Result<Generated, SpecimenError> {
+    let mut own = Vec::new();
+    let mut made = Vec::new();
+    for given in &given.fibres {
+        let wrong = |piece: usize, value: &str, requirement: &str| SpecimenError::Parameters {
+            problems: vec![ParameterProblem {
+                fibre: Some(made.len()),
+                name: "path",
+                value: format!("{value} in piece {}", piece + 1),
+                requirement: requirement.into(),
+            }],
+        };
+        let mut path = Vec::new();
+        for (index, piece) in given.path.iter().enumerate() {
+            if index > 0 && piece.tilt_deg.is_some() {
+                let requirement =
+                    "in the first piece only: each goes on where the one before it ends, and an arc turns it";
+                return Err(wrong(index, "given tilt_deg", requirement));
+            }
+            let unclear =
+                || wrong(index, "unclear", "given as one of \"straight\", \"arc\" and \"wave\" in each piece");
+            path.push(segment(piece).ok_or_else(unclear)?);
+        }
+        let tilt = given.path.first().and_then(|piece| piece.tilt_deg).unwrap_or(0.0);
+        let default = Fibre::new(tilt.to_radians(), path);
+        let diameter = length(given.diameter, default.diameter);
+        let embedded_length = length(given.embedded, default.embedded_length);
+        let of = |key: &str| format!("{}.{key}", given.name);
+        own.extend(taken(&[
+            (&of("diameter"), given.diameter.is_none(), diameter),
+            (&of("embedded"), given.embedded.is_none(), embedded_length),
+        ]));
+        made.push(Fibre {
+            name: Some(given.name.clone()),
+            diameter,
+            exit: given.exit.unwrap_or(default.exit),
+            embedded_length,
+            profile: given.width_profile.clone().unwrap_or_default(),
+            tail_gap: given.tail_gap.unwrap_or(default.tail_gap),
+            exit_radius: given.exit_radius.map(|radius| radius.0),
+            separation_length: given.separation_length.unwrap_or(default.separation_length),
+            fine_length: fine_length(given.fine_length, slip, diameter, embedded_length),
+            ..default
+        });
+    }
+    let mut generated = around("fibres", made, given, matrix)?;
+    generated.defaults.grips_each = given.grips == Some(document::Grips::Each);
+    generated.taken.splice(0..0, own);
+    Ok(generated)
+}
+
+/// A piece of a path, if it is one thing.
+fn segment(given: &document::PathPiece) -> Option<Segment> {
+    match (given.straight, given.arc, given.wave) {
+        (Some(length), None, None) => Some(Segment::Straight { length: length.0 }),
+        (None, Some(arc), None) => Some(Segment::Arc { radius: arc.radius.0, to: arc.to_deg.to_radians() }),
+        (None, None, Some(wave)) => {
+            Some(Segment::Wave { amplitude: wave.amplitude, length: wave.length.0, count: wave.n.0 })
+        }
+        _ => None,
+    }
+}
+
+/// Returns the length that is meshed finely. What slides out is: coarse elements that bend over the exit's edge make the load a saw.
+fn fine_length(given: Option<Positive>, slip: f64, diameter: f64, embedded_length: f64) -> Option<f64> {
+    let slides_out = (slip > FINE_DIAMETERS * diameter).then(|| slip.min(embedded_length));
+    given.map(|length| length.0).or(slides_out)
+}
+
+/// A specimen of fibres in the block that a case describes; its own list of fibres is not looked at.
+fn around(
+    name: &'static str,
+    fibres: Vec<Fibre>,
+    block: &document::Fibres,
+    matrix: Option<Thickness>,
+) -> Result<Generated, SpecimenError> {
+    let (default, sizes) = (Fibres::default(), FibresMesh::default());
+    let part = |element: Option<ElementName>, default| PartMesh { kind: kind(element, default), integration: None };
+    let thickest = fibres.iter().map(|fibre| fibre.diameter).fold(0.0, f64::max);
+    let matrix_thickness = matrix_thickness(matrix, block.matrix_thickness, thickest, default.matrix_thickness);
+    let parameters = Fibres {
+        width: length(block.width, default.width),
+        depth: length(block.depth, default.depth),
+        matrix_thickness,
+        cover: block.cover.unwrap_or(matrix_thickness > thickest),
+        graded_thickness: block.graded_thickness.map(graded),
+        fibres,
+        fibre: part(block.fibre_element, ElementName::Q8),
+        matrix: part(block.matrix_element, ElementName::T6),
+        mesh: FibresMesh {
+            size: length(block.mesh_size, sizes.size),
+            elements_across: number(block.elements_across, sizes.elements_across),
+            exit_size: block.exit_size.map(|size| size.0),
+            largest_fibre_size: length(block.largest_fibre_size, sizes.largest_fibre_size),
+            growth_rate: length(block.growth_rate, sizes.growth_rate),
+            largest_size: length(block.largest_size, sizes.largest_size),
+        },
+        ..default
+    };
+    let made = specimen::fibres(&parameters)?;
+    let ways = ["sides", "face_near", "face_away", "bottom"];
+    let mut generated = pulled_fibre(name, made, &ways, &[]);
+    generated.taken = taken(&[
+        ("width", block.width.is_none(), parameters.width),
+        ("depth", block.depth.is_none(), parameters.depth),
+        ("matrix_thickness", matrix.is_none() && block.matrix_thickness.is_none(), matrix_thickness),
+    ]);
+    if block.cover.is_none() {
+        generated.taken.push(format!("cover = {}", parameters.cover));
+    }
+    Ok(generated)
+}
+
+/// Names and values of those that are left to defaults.
+fn taken(sizes: &[(&str, bool, f64)]) -> Vec<String> {
+    let left = sizes.iter().filter(|(_, is_left, _)| *is_left);
+    left.map(|(name, _, value)| format!("{name} = {}", rounded(*value))).collect()
+}
+
+/// l = φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27), mm; θ in rad.
+fn thesis_separation_length(diameter: f64, angle: f64) -> f64 {
+    let tangent = angle.tan();
+    if angle.to_degrees() < 15.0 { 0.0 } else { diameter * (tangent + 0.5 / tangent) }
+}
+
+/// The thickness of a block around a fibre, mm: what the case says of the part, or else of the specimen.
+fn matrix_thickness(of_part: Option<Thickness>, given: Option<Positive>, diameter: f64, default: f64) -> f64 {
+    let of_part = of_part.and_then(|of_part| thickness(of_part, Some(diameter)).ok());
+    of_part.unwrap_or(length(given, default))
+}
+
+fn graded(given: document::GradedThickness) -> GradedThickness {
+    GradedThickness { slope: given.slope.unwrap_or(SLOPE), extent: given.extent.map(|extent| extent.0) }
+}
+
+/// A specimen that is held by one of some node sets, and by what holds it in any case.
+fn pulled_fibre(
+    name: &'static str,
+    made: specimen::Specimen,
+    ways: &[&'static str],
+    also: &[(&'static str, &'static [[f64; 2]])],
+) -> Generated {
+    let pairs = made.contact_pairs.into_iter().map(|ContactSurfaces { name, slave, master, role, width }| {
+        DefaultPair { name, slave, master, width: width.map_or(Width::OfPart, Width::Given), role }
+    });
+    let alone = match &made.fibres[..] {
+        [fibre] => Some(fibre),
+        _ => None,
+    };
+    let named = made.fibres.iter().filter_map(|fibre| Some((fibre.clone(), format!("grip.{}", fibre.name.as_ref()?))));
+    let fibres = named.filter(|_| alone.is_none());
+    let diameter = made.fibres[0].diameter;
+    let alike = made.fibres.iter().all(|fibre| fibre.diameter == diameter);
+    let exists = |set: &&&str| made.definition.node_sets.contains_key(**set);
+    let held = |set: &'static str| [&[(set, BOTH)], also].concat();
+    let supports = ways.iter().filter(exists).map(|&set| DefaultSupports { name: set, supports: held(set) }).collect();
+    Generated {
+        name,
+        defaults: Defaults {
+            fibres: fibres.collect(),
+            grips_each: false,
+            pairs: pairs.collect(),
+            supports,
+            grip: Some(("grip", made.pull_direction)),
+            fibre_direction: alone.map(|fibre| fibre.direction),
+            exit: alone.map(|fibre| fibre.exit_node),
+            tail: alone.map(|fibre| fibre.tail_node),
+            couplings: made.couplings,
+        },
+        definition: made.definition,
+        diameter: alike.then_some(diameter),
+        notes: made.notes,
+        taken: Vec::new(),
+    }
+}

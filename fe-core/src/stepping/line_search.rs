@@ -1,0 +1,29 @@
+//! How much of a correction is taken: for specimens, and for points along paths.
+
+/// Halvings of a specimen's correction.
+pub(crate) const HALVINGS: u32 = 4;
+/// Parts of a point's correction that are tried, the whole one included.
+pub const TRIES_OF_POINTS: u32 = 6;
+/// A point's correction is taken if its residual falls by this fraction of the part that is taken.
+const SUFFICIENT_DECREASE: f64 = 1e-3;
+
+/// Returns whether the residual of a point falls enough when this part of a correction is taken.
+pub fn descends(before: f64, after: f64, part: f64) -> bool {
+    after <= (1.0 - SUFFICIENT_DECREASE * part) * before
+}
+
+/// Tries `tries` parts of a correction, the first one and each half of that before it, until one is accepted; `accepts`
+/// evaluates a part. Returns it; `None`: none was accepted.
+///
+/// # Errors
+/// Those of evaluations.
+pub fn halved<E>(first: f64, tries: u32, mut accepts: impl FnMut(f64) -> Result<bool, E>) -> Result<Option<f64>, E> {
+    let mut part = first;
+    for _ in 0..tries {
+        if accepts(part)? {
+            return Ok(Some(part));
+        }
+        part *= 0.5;
+    }
+    Ok(None)
+}
