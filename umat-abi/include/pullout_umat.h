@@ -130,12 +130,12 @@
 #define PULLOUT_VALIDATION_OK 0
 
 /*
- They are not; the message says why.
+ The parameters are not admitted; the message says why.
  */
 #define PULLOUT_VALIDATION_INVALID 1
 
 /*
- They need a characteristic length > 0.
+ The parameters need a characteristic length > 0.
  */
 #define PULLOUT_VALIDATION_NEEDS_LENGTH 2
 
@@ -145,7 +145,7 @@
 #define PULLOUT_BATCH_RESULT_DONE 0
 
 /*
- It needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
+ The point needs a smaller increment; its arrays are as they were (if `status` is NULL, stress and tangent are NaN).
  */
 #define PULLOUT_BATCH_RESULT_CUT_BACK 1
 

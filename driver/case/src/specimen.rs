@@ -22,7 +22,7 @@ mod chain;
 mod contact;
 mod couplings;
 mod fibres;
-pub(crate) mod generated;
+mod generated;
 mod mesh;
 mod parts;
 mod preflight;

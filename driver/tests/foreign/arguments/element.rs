@@ -5,6 +5,7 @@ use super::mesh::Patch;
 use super::{LARGE, Printed, calls, expect_within, values};
 use crate::program::Desk;
 use crate::{built, run};
+use end_to_end_tests::rotated_in_plane;
 use serde_json::{Value, json};
 
 /// Young's modulus, MPa; ν = 0, G = E/2.
@@ -104,18 +105,6 @@ fn increment(from: Gradient, to: Gradient, nlgeom: bool) -> ([f64; 4], f64) {
     ([d11, d22, d33, d21], angle)
 }
 
-/// Components turned by an angle; `shear`: 2 for strains, 1 for stresses.
-fn turned([a11, a22, a33, a12]: [f64; 4], angle: f64, shear: f64) -> [f64; 4] {
-    let ((sine, cosine), a12) = (angle.sin_cos(), a12 / shear);
-    let (square, mixed) = (sine * sine, sine * cosine);
-    [
-        a11 * (1.0 - square) + a22 * square - 2.0 * mixed * a12,
-        a11 * square + a22 * (1.0 - square) + 2.0 * mixed * a12,
-        a33,
-        shear * ((a11 - a22) * mixed + a12 * (cosine * cosine - square)),
-    ]
-}
-
 /// The call that led to the end of the second increment of the second step, and what it must have been.
 fn matches(model: &str, nlgeom: bool, call: &Printed) {
     let (mut strain, mut stress) = ([0.0; 4], [0.0; 4]);
@@ -126,7 +115,7 @@ fn matches(model: &str, nlgeom: bool, call: &Printed) {
     for (number, (step, fraction)) in places.into_iter().enumerate() {
         let to = Gradient::at(step, fraction, model);
         (last, angle) = increment(from, to, nlgeom);
-        (strain, stress) = (turned(strain, angle, 2.0), turned(stress, angle, 1.0));
+        (strain, stress) = (rotated_in_plane(strain, angle, 2.0), rotated_in_plane(stress, angle, 1.0));
         start = from;
         if number + 1 < places.len() {
             for k in 0..4 {

@@ -15,13 +15,10 @@ mod thickness;
 #[cfg(test)]
 mod test;
 
-pub use bodies_in_contact::{CylinderOnPlane, DragOutStrip, TwoBlocks, cylinder_on_plane, drag_out_strip, two_blocks};
+pub use bodies_in_contact::*;
 pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
-pub use one_body::{
-    CylinderSection, PlateWithHole, ThickCylinder, TimoshenkoBeam, cook_membrane, plate_with_hole, thick_cylinder,
-    timoshenko_beam,
-};
+pub use one_body::*;
 pub use perpendicular_fibre::{
     AWAY_LENGTH, Configuration, FibreMesh, NEAR_CLEARANCE, PartMesh, PerpendicularFibre, perpendicular_fibre,
 };

@@ -1,7 +1,6 @@
 //! Meshes: specimens by their parameters, or a file.
 
 use super::super::{Piece, Positive, Whole};
-use crate::specimen::generated::Specimen;
 use schemars::JsonSchema;
 use serde::Deserialize;
 
@@ -35,6 +34,34 @@ pub struct FileSource {
 
 /// Number of elements along something.
 pub type Elements = Whole<1, 100_000>;
+
+/// A specimen.
+#[derive(Clone, Debug, Deserialize, JsonSchema)]
+#[serde(tag = "type", rename_all = "snake_case")]
+pub enum Specimen {
+    /// A fibre perpendicular to the face that it is pulled out of: parts fibre and matrix.
+    PerpendicularFibre(PerpendicularFibre),
+    /// A fibre at an angle to the normal of the face that it is pulled out of: parts fibre and matrix.
+    InclinedFibre(InclinedFibre),
+    /// Fibres of any shape: parts fibre.NAME (in parts also fibre for all of them) and matrix.
+    Fibres(Fibres),
+    /// A quarter of a plate with a hole: part plate; sets symmetry_x, symmetry_y, right, top, hole.
+    PlateWithHole(PlateWithHole),
+    /// A thick cylinder: part cylinder; sets inner, outer and bottom, top or symmetry_x, symmetry_y.
+    ThickCylinder(ThickCylinder),
+    /// Cook's membrane: part membrane; sets left, right, bottom, top.
+    CookMembrane(CookMembrane),
+    /// A rectangle about y = 0: part beam; sets left, right, bottom, top.
+    Beam(Beam),
+    /// Two rectangles upon each other, contact at y = 0: parts lower and upper.
+    TwoBlocks(TwoBlocks),
+    /// Half of a cylinder that is pressed onto a plane: parts cylinder and base.
+    Hertz(Hertz),
+    /// A strip that is pulled out from under a block: parts strip and block.
+    DragOutStrip(DragOutStrip),
+    /// A fibre that lies on a curved channel: parts fibre and channel.
+    CurvedChannel(CurvedChannel),
+}
 
 /// Kind of elements.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
@@ -311,4 +338,158 @@ pub enum SeparationLength {
 pub enum SeparationRule {
     /// φ (tan θ + 1/(2 tan θ)), 0 below 15° (6.27).
     Thesis,
+}
+
+/// A quarter of a plate with a hole.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct PlateWithHole {
+    /// Half of the width (default 10).
+    pub width: Option<Positive>,
+    /// Half of the height (default 10).
+    pub height: Option<Positive>,
+    /// Radius of the hole (default 1).
+    pub radius: Option<Positive>,
+    /// About how many elements (default 200).
+    pub cells: Option<Elements>,
+    /// Size at the outside over size at the hole (default 10).
+    pub grading: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A thick cylinder.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct ThickCylinder {
+    /// A body of revolution instead of a quarter of the cross-section (default false).
+    pub axisymmetric: Option<bool>,
+    /// Inner radius (default 1).
+    pub inner_radius: Option<Positive>,
+    /// Outer radius (default 2).
+    pub outer_radius: Option<Positive>,
+    /// Elements from the inner to the outer radius (default 10).
+    pub radial_cells: Option<Elements>,
+    /// Elements around, or along the height (default 10).
+    pub other_cells: Option<Elements>,
+    /// Height of the body of revolution (default 1).
+    pub height: Option<Positive>,
+    /// Size at the outer radius over size at the inner one (default 2).
+    pub grading: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Cook's membrane.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CookMembrane {
+    /// Elements along each side (default 8).
+    pub cells: Option<Elements>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A rectangle about y = 0.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Beam {
+    /// Along x (default 10).
+    pub length: Option<Positive>,
+    /// Along y (default 1).
+    pub height: Option<Positive>,
+    /// Elements along x and y (default 20 and 2).
+    pub cells: Option<[Elements; 2]>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Two rectangles upon each other; values are of the lower and the upper one.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct TwoBlocks {
+    /// Width of both (default 1).
+    pub width: Option<Positive>,
+    /// Heights (default 1 and 1).
+    pub heights: Option<[Positive; 2]>,
+    /// Edges on the contact (default 4 and 3).
+    pub edges: Option<[Elements; 2]>,
+    /// Rows of elements (default 2 and 2).
+    pub rows: Option<[Elements; 2]>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// Half of a cylinder that is pressed onto a plane.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Hertz {
+    /// Radius of the cylinder (default 10).
+    pub radius: Option<Positive>,
+    /// How far both bodies reach beside the symmetry line (default 5).
+    pub half_width: Option<Positive>,
+    /// Height of the cylinder's flat top above the contact (default 5).
+    pub height: Option<Positive>,
+    /// Depth of the base (default 5).
+    pub depth: Option<Positive>,
+    /// Half width of the zone of small edges (default 0.5).
+    pub contact_zone: Option<Positive>,
+    /// Edges in this zone (default 20).
+    pub contact_edges: Option<Elements>,
+    /// Each size over the one before it (default 1.3).
+    pub growth: Option<Positive>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
+}
+
+/// A strip that is pulled out from under a block.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct DragOutStrip {
+    /// Length of the strip (default 12).
+    pub strip_length: Option<Positive>,
+    /// Half of its thickness (default 0.25).
+    pub strip_height: Option<Positive>,
+    /// Where the block starts on the strip (default 2).
+    pub block_start: Option<Positive>,
+    /// Length of the block (default 10).
+    pub block_length: Option<Positive>,
+    /// Height of the block (default 5).
+    pub block_height: Option<Positive>,
+    /// Edges of the strip (default 96).
+    pub strip_edges: Option<Elements>,
+    /// Elements across the strip (default 2).
+    pub strip_rows: Option<Elements>,
+    /// Edges of the block on the strip (default 80).
+    pub block_edges: Option<Elements>,
+    /// Size of the block's elements at the strip (default 0.125).
+    pub block_size: Option<Positive>,
+    /// Each size over the one before it (default 1.2).
+    pub growth: Option<Positive>,
+    /// Kind of elements (default Q4).
+    pub element: Option<ElementName>,
+}
+
+/// A fibre that lies on a curved channel, straight before and after it: a capstan.
+#[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct CurvedChannel {
+    /// Radius of the channel (default 10).
+    pub radius: Option<Positive>,
+    /// Angle of the arc, degrees (default 90).
+    pub angle_deg: Option<Positive>,
+    /// Height of the fibre (default 0.2).
+    pub fibre_height: Option<Positive>,
+    /// Length of the fibre before and after the arc (default 1).
+    pub free_length: Option<Positive>,
+    /// Depth of the channel's body (default 0.5).
+    pub depth: Option<Positive>,
+    /// Edges around the arc (default 40).
+    pub edges: Option<Elements>,
+    /// Edges along each free length (default 3).
+    pub free_edges: Option<Elements>,
+    /// Elements across the fibre (default 1).
+    pub rows: Option<Elements>,
+    /// Kind of elements (default Q8).
+    pub element: Option<ElementName>,
 }

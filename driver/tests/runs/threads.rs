@@ -1,8 +1,6 @@
 //! `--threads`: a run leaves the same files with any number.
 
-mod program;
-
-use program::{Desk, cases, files, timeless};
+use crate::program::{Desk, cases, files, timeless};
 use std::path::Path;
 
 /// What one thread leaves, several leave.

@@ -1,8 +1,6 @@
 //! What the case descriptions say in words: unloading, closing cracks, bond cycles, closed forms of the examples.
 
-mod program;
-
-use program::{Desk, Run, cases};
+use crate::program::{Desk, Run, cases};
 
 fn run(desk: &Desk, case: &str, overrides: &[&str]) -> Run {
     desk.run(&cases().join(case), overrides, &case.replace('/', "_"), 0)

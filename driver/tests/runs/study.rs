@@ -1,8 +1,6 @@
 //! `pullout study`: a family of material points, whose peaks are known, and of specimens.
 
-mod program;
-
-use program::{Desk, Table, json};
+use crate::program::{self, Desk, Table, json};
 use serde_json::{Value, json as value};
 
 /// J2 in uniaxial tension: the peak is the yield stress (no hardening), the work follows.

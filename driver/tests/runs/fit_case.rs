@@ -1,10 +1,7 @@
 //! `pullout fit CASE`: numbers of a case from a curve that it made, and what is wrong with what users write.
 
-#[path = "program/mod.rs"]
-mod program;
-
+use crate::program::{self, Desk, cases, command};
 use end_to_end_tests::{Tool, find, run as compile, workspace};
-use program::{Desk, cases, command};
 use serde_json::{Value, json};
 use std::fs;
 use std::path::Path;

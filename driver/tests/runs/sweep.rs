@@ -1,9 +1,7 @@
 //! Sweeps: right names for what ends a run, nothing lost or done twice whatever ends the work, the same rows by any means.
 
-mod program;
-
+use crate::program::{Desk, command};
 use end_to_end_tests::{Tool, find, run as compile, workspace};
-use program::{Desk, command};
 use pullout_sweep::Store;
 use pullout_sweep::table::{Column, Table};
 use serde_json::{Value, json};

@@ -1,8 +1,8 @@
 //! A fibre and its mirror image, node by node.
 
 use super::cover::{from_file, gmsh};
-use super::program::{Desk, Run};
 use super::run;
+use crate::program::{Desk, Run};
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{Fibre, Fibres, FibresMesh, fibres};

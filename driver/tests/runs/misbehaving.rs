@@ -3,10 +3,8 @@
 //! The Rust ones are those of tests/faulty. The C one, compiled here, knows errors that no plugin behind the Rust
 //! side of the ABI can make.
 
-mod program;
-
+use crate::program::{Desk, Run, json};
 use end_to_end_tests::{Tool, find, run};
-use program::{Desk, Run, json};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 

@@ -1,8 +1,6 @@
 //! What the run of a specimen leaves: fields for ParaView, pictures, summary, report, and replays of what failed.
 
-mod program;
-
-use program::{Desk, Run, command, json, xml_of_fields};
+use crate::program::{self, Desk, Run, command, json, xml_of_fields};
 use serde_json::{Value, json};
 use std::io::Read;
 use std::path::Path;

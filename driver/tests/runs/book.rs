@@ -1,10 +1,8 @@
 //! What the README and the tutorials of the book show works as it stands there: their files are written, their commands
 //! run. The UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
 
-mod program;
-
+use crate::program::{self, Desk, Run, Table};
 use end_to_end_tests::{Tool, find, run, workspace};
-use program::{Desk, Run, Table};
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,6 @@
 //! Runs that repeat the increments of another: the same bits, and curves that are smooth in the parameters.
 
-#[path = "program/mod.rs"]
-mod program;
-
-use program::{Desk, cases};
+use crate::program::{self, Desk, cases};
 use pullout_engine::{Outcome, Settings, Source, set_program};
 use serde_json::{Value, json};
 use std::path::Path;

@@ -1,12 +1,10 @@
 //! The crack band through the program: h·∫σ dε = G_f for any characteristic length h, and what is refused.
 
-mod program;
-
-use program::{Desk, Table, cases, json};
+use crate::program::{Desk, Table, cases, json};
 use serde_json::{Value, json};
 use std::path::PathBuf;
 
-/// Of `cases/examples/crack-band-50mm.json`.
+/// Parameters of `cases/examples/crack-band-50mm.json`.
 const FRACTURE_ENERGY: f64 = 0.1;
 /// B_t of the default parameters.
 const EXPONENT: f64 = 1.3;

@@ -1,7 +1,7 @@
 //! Concrete in front of and behind a fibre, from the case to the curve.
 
-use super::program::{Desk, Run, Table, xml_of_fields};
 use super::run;
+use crate::program::{Desk, Run, Table, xml_of_fields};
 use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use fe_core::mesh::{ElementDefinition, MeshDefinition};

@@ -1,9 +1,7 @@
 //! The files that a run leaves: columns, lines, and what is kept of a run that fails or is killed.
 
-mod program;
-
+use crate::program::{Desk, Table, command, json};
 use end_to_end_tests::{Tool, find};
-use program::{Desk, Table, command, json};
 use serde_json::{Value, json};
 use std::time::{Duration, Instant};
 

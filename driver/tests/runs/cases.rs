@@ -1,8 +1,6 @@
 //! The shipped cases: every one runs, and gives the figures that its description tells.
 
-mod program;
-
-use program::{Desk, Run, Table, case_files, cases, json};
+use crate::program::{Desk, Run, Table, case_files, cases, json};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};

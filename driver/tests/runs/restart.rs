@@ -1,8 +1,6 @@
 //! `--checkpoint-every` and `--restart`: a run that was killed goes on to the same bits.
 
-mod program;
-
-use program::{Desk, cases, command, files, timeless};
+use crate::program::{Desk, cases, command, files, timeless};
 use serde_json::json;
 use std::fs;
 use std::path::Path;
@@ -86,7 +84,9 @@ fn a_damaging_matrix_with_friction_fields_and_pictures() {
 
 #[test]
 fn a_snap_back() {
-    goes_on_to_the_same_bits(&cases().join("verification").join("fibre-dropping-bond.json"), &["output.vtu=false"]);
+    // a coarse mesh snaps as well, and there is nothing to see beyond it
+    let overrides = ["mesh.specimen.embedded_elements=32", "steps.0.slip=0.03", "output.vtu=false"];
+    goes_on_to_the_same_bits(&cases().join("verification").join("fibre-dropping-bond.json"), &overrides);
 }
 
 #[test]

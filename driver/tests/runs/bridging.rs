@@ -1,8 +1,6 @@
 //! Cases of kind "bridging" as users meet them: run as a process, results read back.
 
-mod program;
-
-use program::{Desk, Table, cases, json};
+use crate::program::{Desk, Table, cases, json};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

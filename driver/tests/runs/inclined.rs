@@ -1,12 +1,9 @@
 //! Inclined fibres from the case to the curve.
 
-#[path = "inclined/cover.rs"]
 mod cover;
-#[path = "inclined/mirrored.rs"]
 mod mirrored;
-mod program;
 
-use program::{Desk, Run};
+use crate::program::{self, Desk, Run};
 use serde_json::{Value, json};
 
 /// A fibre in elastic concrete, with bond and no snubbing.

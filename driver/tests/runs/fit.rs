@@ -1,8 +1,6 @@
 //! `pullout fit bond`: curves that known laws make, with noise of fixed seeds, give these laws back.
 
-mod program;
-
-use program::{Desk, Table, json};
+use crate::program::{self, Desk, Table, json};
 use serde_json::{Value, json};
 use std::f64::consts::TAU;
 use std::path::Path;

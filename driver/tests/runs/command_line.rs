@@ -1,9 +1,7 @@
 //! The command line's contract with scripts: exit codes, messages, files (docs/reference/command-line.md).
 
-mod program;
-
+use crate::program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
 use end_to_end_tests::shipped_laws;
-use program::{Desk, Outcome, case_files, cases, command, json, pullout_in};
 use serde_json::{Value, json};
 use std::io::Write;
 use std::path::Path;
