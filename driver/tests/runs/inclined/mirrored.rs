@@ -74,7 +74,7 @@ fn a_mirrored_mesh_gives_a_mirrored_result() {
 /// Cracks localise: rounding may choose, but not by more than this.
 #[test]
 fn a_mirrored_mesh_cracks_in_the_mirror() {
-    let case: Value = serde_json::from_str(include_str!("../../../cases/chapter-7/two-fibres.json")).unwrap();
+    let case: Value = serde_json::from_str(include_str!("../../../../cases/chapter-7/two-fibres.json")).unwrap();
     let worst = apart(&both(&Desk::new(), &case["parts"]["matrix"]["material"], 0.3, &json!(60)));
     println!("{worst:.1e} of the peak apart");
     assert!(worst < 5e-3, "{worst:e}");
