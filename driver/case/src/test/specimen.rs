@@ -715,8 +715,10 @@ fn several_fibres_are_pulled_together_or_each_and_measured_each() {
         fibres.map(|fibre| (fibre.name.clone(), fibre.slip, fibre.lines.clone())).collect()
     };
     assert_eq!(of(&model), [("a".to_owned(), 0, vec![0, 1]), ("b".to_owned(), 0, vec![2, 3])]);
+    let parts = model.measured.fibres.iter().map(|fibre| model.mesh.parts()[fibre.part.expect("a part")].name.as_str());
+    assert_eq!(parts.collect::<Vec<_>>(), ["fibre.a", "fibre.b"]);
     let columns = accepted(&two_fibres(), &["steps.0.until={\"quantity\": \"load.b\", \"less_than\": -1}"]).columns();
-    assert_eq!(columns.iter().filter(|name| name.ends_with(".b")).count(), 7, "{columns:?}");
+    assert_eq!(columns.iter().filter(|name| name.ends_with(".b")).count(), 9, "{columns:?}");
     for (overrides, targets) in [
         (&["mesh.specimen.grips=each"][..], [Some(2.0), Some(2.0)]),
         (&["mesh.specimen.grips=each", r#"steps.0.drives={"slip.b": 1}"#], [Some(2.0), Some(1.0)]),
