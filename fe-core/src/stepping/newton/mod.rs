@@ -286,6 +286,8 @@ impl<'m> Equilibrium<'m> {
     /// The last attempt becomes the committed state.
     pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
         self.breaking_point = None;
+        // an attempt that diverges has forces of any size: only what is accepted counts
+        self.memory.greatest_scale = self.memory.greatest_scale.max(self.force_scale());
         self.memory.last_move = largest_difference(&end.displacements, &start.displacements);
         self.solids.commit(&end.displacements);
         self.contact.commit();
@@ -329,14 +331,14 @@ impl<'m> Equilibrium<'m> {
         }
     }
 
-    /// Returns what the residual is compared with: the largest of reactions, loads and contact forces.
-    fn force_scale(&mut self) -> f64 {
+    /// Returns what the residual is compared with: the largest of reactions, loads and contact forces, not less than a part
+    /// of the largest of accepted increments.
+    pub(super) fn force_scale(&self) -> f64 {
         let equations = self.system.equations();
         let held = |freedom: usize| equations.equations_of(freedom).is_empty();
         let reactions = self.memory.internal.iter().zip(&self.memory.external).enumerate();
         let reaction = reactions.filter(|(f, _)| held(*f)).map(|(_, (i, e))| (i - e).abs()).fold(0.0, f64::max);
         let scale = reaction.max(largest(&self.memory.external)).max(largest(&self.memory.contact_forces));
-        self.memory.greatest_scale = self.memory.greatest_scale.max(scale);
         scale.max(LEAST_RELATIVE_SCALE * self.memory.greatest_scale)
     }
 

@@ -34,7 +34,7 @@ pub(in crate::stepping) struct Memory {
     pub(super) last_iterations: usize,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     pub(super) at_committed_state: bool,
-    /// The largest force scale so far.
+    /// The largest force scale of an accepted increment.
     pub(super) greatest_scale: f64,
     /// Elements whose stiffness is not the consistent one.
     pub(super) fallen_back: Vec<usize>,

@@ -284,6 +284,23 @@ fn newton_converges_quadratically_in_every_state() {
     }
 }
 
+/// An attempt that diverges has forces of any size. It does not make the tolerance of the next one coarser.
+#[test]
+fn attempts_that_are_given_up_leave_the_tolerance_as_it_was() {
+    let model = fibre(Configuration::PLANE, [steel(), mortar()], &bond(0.1), 0.1, AUTOMATIC);
+    let mut analysis = Analysis::new(&model).unwrap();
+    let start = analysis.present.committed.clone();
+    let equilibrium = &mut analysis.equilibrium;
+    let mut far = start.clone();
+    far.displacements.iter_mut().enumerate().for_each(|(freedom, u)| *u += 1e-3 * (freedom % 7) as f64);
+    let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
+    equilibrium.residual_at(&far, context).unwrap();
+    assert!(equilibrium.force_scale() > 1e3, "{} N", equilibrium.force_scale());
+    equilibrium.restore();
+    equilibrium.residual_at(&start, context).unwrap();
+    assert!(equilibrium.force_scale() < 1e-6, "{} N", equilibrium.force_scale());
+}
+
 /// What is condensed, kept or reused changes nothing but the cost.
 #[test]
 fn skipping_gives_the_same_curve() {
