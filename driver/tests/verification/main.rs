@@ -12,6 +12,7 @@ mod hertz;
 mod hook;
 mod plane_and_axisymmetric;
 mod pull_out;
+mod tied;
 
 use end_to_end_tests::{plugin_folder, workspace};
 use fe_core::model::Model;
