@@ -54,7 +54,7 @@ def sweep(
     grid: ArrayLike | None = None,
     curve: tuple[str, str] | None = None,
     work_to: float | None = None,
-    executor: Executor = "processes",
+    executor: Executor | None = "processes",
     workers: int | None = None,
     chunk_runs: int | None = None,
     progress: bool = False,
@@ -68,7 +68,8 @@ def sweep(
 
     ``executor``: "processes" and "threads" of this machine, ``workers`` of them; "dask"; or anything with ``submit``. Every run
     is made in a child of the worker, so that a library that ends its process costs one run and not the worker; with "threads"
-    only libraries that were built with this package may be called.
+    only libraries that were built with this package may be called. ``None``: the sweep is planned, and worked off later, by
+    :meth:`Sweep.work` or by ``pullout sweep work`` and ``submit``.
 
     What fails is a row of the table with its ``status``; nothing is raised for it.
     """
@@ -86,7 +87,8 @@ def sweep(
         finally:
             os.unlink(name)
     planned = Sweep(out)
-    planned.work(executor, workers=workers, chunk_runs=chunk_runs, progress=progress)
+    if executor is not None:
+        planned.work(executor, workers=workers, chunk_runs=chunk_runs, progress=progress)
     return planned
 
 

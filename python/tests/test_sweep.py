@@ -26,6 +26,13 @@ def test_rows_are_those_of_single_runs(tmp_path: Path) -> None:
         assert peak == alone.history["s11"].max()
 
 
+def test_a_sweep_is_planned_and_worked_off_later(tmp_path: Path) -> None:
+    made = po.sweep(BASE, DESIGN, out=tmp_path / "sweep", executor=None)
+    assert made.status() == {"runs": 6, "left": 6}
+    made.work(workers=2)
+    assert made.status() == {"runs": 6, "left": 0, "done": 6}
+
+
 @pytest.mark.slow
 def test_executors_give_the_same_rows(tmp_path: Path) -> None:
     points = [{"material.props.E": modulus} for modulus in np.linspace(2e4, 4e4, 11)]

@@ -1,15 +1,17 @@
 //! What is there of a sweep.
 
+use crate::run::Measured;
 use crate::store::{Keys, Store, Sweep};
 use crate::table::{Column, Table};
 use pullout_run::isolation;
-use pullout_run::path::{FailedAt, FailureKind};
+use pullout_run::path::FailureKind;
 use std::collections::{BTreeMap, HashMap};
 use std::io;
 
 /// The word of a row for how a run ended.
-pub(crate) fn state(failed_at: Option<FailedAt>) -> &'static str {
-    match failed_at.map(|at| at.kind) {
+pub(crate) fn state(row: &Measured) -> &'static str {
+    match row.failed_at.map(|at| at.kind) {
+        None if row.is_lost => LOST,
         None => DONE,
         Some(FailureKind::Failed) => "failed",
         Some(FailureKind::Crashed) => "crashed",
@@ -18,6 +20,10 @@ pub(crate) fn state(failed_at: Option<FailedAt>) -> &'static str {
 }
 
 const DONE: &str = "done";
+const LOST: &str = "lost";
+
+/// A run that was lost so often is over: it may be what ends its workers.
+pub(crate) const MOST_LOSSES: u32 = 3;
 
 /// The rows of a store, by keys.
 pub(crate) struct Known {
@@ -30,8 +36,16 @@ pub(crate) struct KnownRow {
     /// Number of the part, and the row in it.
     place: (usize, usize),
     pub is_done: bool,
+    is_lost: bool,
     pub attempt: u32,
     time: f64,
+}
+
+impl KnownRow {
+    /// Whether the run is not run again by itself.
+    pub fn is_over(&self) -> bool {
+        !self.is_lost || self.attempt >= MOST_LOSSES
+    }
 }
 
 impl Known {
@@ -51,9 +65,9 @@ impl Known {
             for (row, (key, status)) in keys.iter().zip(states).enumerate() {
                 let Some(key) = key else { continue };
                 let number = |name: &str| column(name).and_then(|column| column.number(row)).unwrap_or_default();
-                let is_done = status.as_deref() == Some(DONE);
-                let new =
-                    KnownRow { place: (index, row), is_done, attempt: number("attempt") as u32, time: number("time") };
+                let [is_done, is_lost] = [DONE, LOST].map(|word| status.as_deref() == Some(word));
+                let (attempt, time) = (number("attempt") as u32, number("time"));
+                let new = KnownRow { place: (index, row), is_done, is_lost, attempt, time };
                 // done before others, and the last
                 let is_better = |old: &KnownRow| (new.is_done, new.time) >= (old.is_done, old.time);
                 if rows.get(key).is_none_or(is_better) {
@@ -93,8 +107,12 @@ impl Standing {
         let wants = |name: &str| ["key", "status", "attempt", "time", "cpu_s", "wall_s"].contains(&name);
         let rows = gather(store, &sweep, wants)?;
         let mut standing = Self { runs: sweep.runs.len(), ..Self::default() };
-        for status in rows.column("status").map(Column::texts).unwrap_or_default().iter().flatten() {
-            *standing.over.entry(status.clone()).or_default() += 1;
+        let attempt = |row| rows.column("attempt").and_then(|column| column.number(row)).unwrap_or_default();
+        for (row, status) in rows.column("status").map(Column::texts).unwrap_or_default().iter().enumerate() {
+            let Some(status) = status else { continue };
+            if status != LOST || attempt(row) >= f64::from(MOST_LOSSES) {
+                *standing.over.entry(status.clone()).or_default() += 1;
+            }
         }
         let sum = |name: &str| (0..rows.rows()).filter_map(|row| rows.column(name)?.number(row)).sum();
         (standing.cpu_s, standing.wall_s) = (sum("cpu_s"), sum("wall_s"));

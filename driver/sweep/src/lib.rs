@@ -5,6 +5,7 @@
 //! hash of everything that they depend on as their key: what is there is not run again, whoever ran it.
 
 pub mod batch;
+mod claim;
 mod collect;
 mod plan;
 mod run;

@@ -14,8 +14,10 @@ use std::time::Instant;
 /// Record of a run that is over.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measured {
-    /// How and where it failed; `None`: it is done.
+    /// How and where it failed; `None`: it is done, or lost.
     pub failed_at: Option<FailedAt>,
+    /// Whether its worker is gone.
+    pub is_lost: bool,
     /// Why.
     pub message: Option<String>,
     /// Quantities in the order of the names.
@@ -64,7 +66,7 @@ impl Measured {
 }
 
 fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
-    let Outcome { history, summary, replay, increments: _ } = outcome;
+    let Outcome { history, summary, replay, increments: _, view: _ } = outcome;
     let failed_at = summary.failed_at.or_else(|| {
         let is_failed = summary.status == Status::Failed;
         is_failed.then_some(FailedAt { kind: FailureKind::Failed, step: 0, increment: 0 })
@@ -82,6 +84,7 @@ fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
         curves: keep.curves.iter().map(|name| curve(&result, keep, name)).collect(),
         counts,
         times,
+        is_lost: false,
         replay: replay.map(|case| format!("{case:#}\n")),
     }
 }

@@ -1,11 +1,12 @@
-//! The folder of a sweep. Nothing in it is written twice or locked: new files are put into their places whole, so that any
-//! number of processes on any file system may work at the same time.
+//! The folder of a sweep. Nothing in it is written twice, and nobody waits for a lock: new files are put into their places
+//! whole, so that any number of processes on any file system may work at the same time.
 //!
 //! ```text
 //! sweep.json             what is run and kept
 //! files/<sha256>/…       the files that a case names, and libraries that were not built with the program
 //! parts/*.parquet        a row for each run that is over
 //! replay/<key>.json      the case that repeats what failed
+//! running/…              what workers are at
 //! ```
 
 use crate::table::{Table, readable_by_all};
@@ -127,10 +128,7 @@ impl Store {
         }
         let entries: io::Result<Vec<fs::DirEntry>> = fs::read_dir(folder)?.collect();
         let mut parts: Vec<PathBuf> = entries?.into_iter().map(|entry| entry.path()).collect();
-        parts.retain(|path| {
-            let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
-            !is_hidden && path.extension().is_some_and(|extension| extension == "parquet")
-        });
+        parts.retain(|path| !is_hidden(path) && path.extension().is_some_and(|extension| extension == "parquet"));
         parts.sort();
         Ok(parts)
     }
@@ -146,6 +144,33 @@ impl Store {
         rows.write(&folder.join(name))
     }
 
+    /// A new file for what a worker is at: locked, and with something in it before others see it.
+    pub(crate) fn running(&self, head: &[u8]) -> io::Result<(File, PathBuf)> {
+        let folder = self.folder.join("running");
+        fs::create_dir_all(&folder)?;
+        let name = unique()?;
+        let (new, path) = (folder.join(format!(".{name}")), folder.join(name));
+        let mut file = File::options().read(true).append(true).create_new(true).open(&new)?;
+        // a file system without locks does without: see `claim`
+        let _ = file.try_lock();
+        file.write_all(head)?;
+        fs::rename(new, &path)?;
+        Ok((file, path))
+    }
+
+    /// The files of all workers.
+    pub(crate) fn claims(&self) -> io::Result<Vec<PathBuf>> {
+        match fs::read_dir(self.folder.join("running")) {
+            Ok(entries) => {
+                let mut claims: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+                claims.retain(|path| !is_hidden(path));
+                Ok(claims)
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(Vec::new()),
+            Err(error) => Err(error),
+        }
+    }
+
     /// Keeps the case that repeats a failure.
     ///
     /// # Errors
@@ -158,6 +183,11 @@ impl Store {
     pub fn bundle(&self, sweep: &Sweep, run: usize) -> PathBuf {
         self.folder.join("files").join(sweep.bundle_of(run))
     }
+}
+
+/// Whether a file is not in its place yet.
+fn is_hidden(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }
 
 /// A name that no other process takes.

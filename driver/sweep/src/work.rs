@@ -1,14 +1,16 @@
 //! Works off what is left of a sweep.
 
-use crate::batch::{Batch, rows};
-use crate::collect::{Known, state};
+use crate::batch::Batch;
+use crate::claim::{Claim, Due, Head, left_behind};
+use crate::collect::{Known, MOST_LOSSES, state};
 use crate::run::{Measured, measure};
-use crate::store::{Keys, Store, Sweep};
+use crate::store::{Keep, Keys, Store, Sweep};
 use crate::table::{Column, Table};
 use pullout_run::isolation::{self, End, Failure, Job, Need, replay, shared_file};
 use pullout_run::path::{FailedAt, FailureKind};
 use pullout_run::signals;
 use serde_json::Value;
+use std::collections::HashMap;
 use std::ffi::OsString;
 use std::fs;
 use std::io::{self, Write};
@@ -48,15 +50,6 @@ pub struct Worked {
     pub left: usize,
 }
 
-/// A run that is to be run.
-struct Due {
-    /// Number.
-    run: usize,
-    key: String,
-    /// Which attempt it is.
-    attempt: u32,
-}
-
 /// State that all threads share.
 struct Office<'w> {
     store: &'w Store,
@@ -80,34 +73,34 @@ struct Office<'w> {
 /// The store cannot be read or written, processes cannot be started. What is done is kept.
 pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) -> io::Result<Worked> {
     let sweep = store.sweep()?;
-    let engine = isolation::identity()?;
+    let identity = isolation::identity()?;
+    let engine = identity.iter().map(|byte| format!("{byte:02x}")).collect();
+    let is_number = |index: usize| sweep.runs.iter().all(|run| run[index].is_number());
+    let are_numbers = (0..sweep.parameters.len()).map(is_number).collect();
+    let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
+    let (machine, due) = (machine(), Vec::new());
+    let mut office = Office { store, sweep: &sweep, work, engine, machine, are_numbers, due, next, over, told };
+    let mut keys = Keys::new(&sweep, identity);
+    office.take_over(&mut keys)?;
     let known = Known::of(store)?;
-    let mut keys = Keys::new(&sweep, engine);
     let (number, of) = work.chunk.unwrap_or((0, 1));
     let count = sweep.runs.len();
     let runs = count * number / of..count * (number + 1) / of;
-    let mut due = Vec::new();
     let mut seen = std::collections::HashSet::new();
     for run in runs.clone() {
         let key = keys.of(run);
         let attempts = match known.best(&key) {
-            Some(row) if row.is_done || !work.again => continue,
+            Some(row) if row.is_over() && (row.is_done || !work.again) => continue,
             Some(row) => row.attempt,
             None => 0,
         };
         // the same case twice is run once
         if seen.insert(key.clone()) {
-            due.push(Due { run, key, attempt: attempts + 1 });
+            office.due.push(Due { run, key, attempt: attempts + 1 });
         }
     }
     drop(known);
-    let kept = runs.len() - due.len();
-    let engine = engine.iter().map(|byte| format!("{byte:02x}")).collect();
-    let (next, over) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let is_number = |index: usize| sweep.runs.iter().all(|run| run[index].is_number());
-    let are_numbers = (0..sweep.parameters.len()).map(is_number).collect();
-    let machine = machine();
-    let office = Office { store, sweep: &sweep, work, engine, machine, are_numbers, due, next, over, told };
+    let kept = runs.len() - office.due.len();
     let jobs = work.jobs.clamp(1, office.due.len().max(1));
     let errors = Mutex::new(Vec::new());
     std::thread::scope(|scope| {
@@ -133,6 +126,35 @@ pub fn work(store: &Store, work: &Work, told: &(dyn Fn(usize, usize) + Sync)) ->
 }
 
 impl Office<'_> {
+    /// Keeps the rows that workers left which are gone, and names the runs that were lost with them.
+    fn take_over(&self, keys: &mut Keys<'_>) -> io::Result<()> {
+        let left = left_behind(self.store, &self.engine, &self.machine.0)?;
+        if left.is_empty() {
+            return Ok(());
+        }
+        let known = Known::of(self.store)?;
+        let numbers: HashMap<String, usize> = (0..self.sweep.runs.len()).map(|run| (keys.of(run), run)).collect();
+        for mut left in left {
+            if left.has_begun && left.rows.len() < left.head.runs.len() {
+                left.rows.push(lost(&left.head, left.head.runs[left.rows.len()].attempt, &self.sweep.keep));
+            }
+            let rows = left.head.runs.iter().zip(&left.rows).filter_map(|(due, row)| {
+                // it is written already, or no part of the sweep any more
+                let is_new = known.best(&due.key).is_none_or(|known| known.attempt < due.attempt);
+                let run = *numbers.get(&due.key).filter(|_| is_new)?;
+                Some((Due { run, ..due.clone() }, row.clone()))
+            });
+            let (runs, rows): (Vec<Due>, Vec<Measured>) = rows.unzip();
+            self.put(&runs, &rows)?;
+        }
+        Ok(())
+    }
+
+    /// The claim of runs.
+    fn claim(&self, runs: &[Due]) -> io::Result<Claim> {
+        Claim::new(self.store, &Head { engine: self.engine.clone(), host: self.machine.0.clone(), runs: runs.to_vec() })
+    }
+
     /// The next block of runs; none if nothing is left, or a signal asks for the end.
     fn block(&self) -> &[Due] {
         if signals::received().is_some() {
@@ -150,15 +172,20 @@ impl Office<'_> {
         if self.work.chunk_runs.is_some() { f64::INFINITY } else { CHUNK }
     }
 
-    /// Writes rows of runs, which stand in the order of `runs`.
-    fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
+    /// Puts rows of runs, which stand in the order of `runs`, into the store.
+    fn put(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
         let Some(first) = runs.first().filter(|_| !rows.is_empty()) else { return Ok(()) };
         for (due, row) in runs.iter().zip(rows) {
             if let Some(case) = &row.replay {
                 self.store.keep_replay(&due.key, case)?;
             }
         }
-        self.store.add(&self.table(&runs[..rows.len()], rows), first.run)?;
+        self.store.add(&self.table(&runs[..rows.len()], rows), first.run)
+    }
+
+    /// The same, and tells of it.
+    fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
+        self.put(runs, rows)?;
         let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();
         (self.told)(over, self.due.len());
         Ok(())
@@ -172,27 +199,29 @@ impl Office<'_> {
             if block.is_empty() {
                 return Ok(());
             }
-            let (mut rows, mut start) = (Vec::new(), Instant::now());
-            loop {
-                let run = block.get(rows.len()).filter(|_| signals::received().is_none()).map(|due| due.run);
-                if run.is_none() || start.elapsed().as_secs_f64() > self.seconds() {
-                    self.write(block, &rows)?;
-                    block = &block[rows.len()..];
-                    (rows, start) = (Vec::new(), Instant::now());
-                }
-                let Some(run) = run else { break };
-                let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, run, &stop)));
-                match measured {
-                    Ok(Some(measured)) => rows.push(measured),
-                    Ok(None) => {
-                        self.write(block, &rows)?;
-                        return Ok(());
+            while !block.is_empty() {
+                let (mut claim, mut rows, start) = (self.claim(block)?, Vec::new(), Instant::now());
+                for due in block {
+                    if signals::received().is_some() || start.elapsed().as_secs_f64() > self.seconds() {
+                        break;
                     }
-                    Err(_) => rows.push(Measured {
-                        failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
-                        message: Some("the program panicked".into()),
-                        ..Measured::without_numbers(&self.sweep.keep)
-                    }),
+                    claim.begin()?;
+                    let measured = catch_unwind(AssertUnwindSafe(|| measure(self.store, self.sweep, due.run, &stop)));
+                    let measured = measured.unwrap_or_else(|_| {
+                        Some(Measured {
+                            failed_at: Some(FailedAt { kind: FailureKind::Crashed, step: 0, increment: 0 }),
+                            message: Some("the program panicked".into()),
+                            ..Measured::without_numbers(&self.sweep.keep)
+                        })
+                    });
+                    let Some(measured) = measured else { break };
+                    claim.add(&measured)?;
+                    rows.push(measured);
+                }
+                self.write(block, &rows)?;
+                block = &block[rows.len()..];
+                if rows.is_empty() || signals::received().is_some() {
+                    return Ok(());
                 }
             }
         }
@@ -205,30 +234,34 @@ impl Office<'_> {
             if block.is_empty() {
                 return Ok(());
             }
-            let (mut rows, mut start) = (Vec::new(), Instant::now());
-            while rows.len() < block.len() {
-                let left = &block[rows.len()..];
-                let before = rows.len();
-                let ended = self.child(left, self.seconds() - start.elapsed().as_secs_f64(), &mut rows);
-                let is_full = start.elapsed().as_secs_f64() > self.seconds();
-                if ended.is_err() || is_full || signals::received().is_some() {
-                    self.write(block, &rows)?;
-                    block = &block[rows.len()..];
-                    (rows, start) = (Vec::new(), Instant::now());
-                    ended?;
-                    if signals::received().is_some() {
-                        return Ok(());
+            while !block.is_empty() {
+                let (mut claim, mut rows, start) = (self.claim(block)?, Vec::new(), Instant::now());
+                let mut ended = Ok(());
+                while rows.len() < block.len() && ended.is_ok() && signals::received().is_none() {
+                    let left = self.seconds() - start.elapsed().as_secs_f64();
+                    if left < 0.0 {
+                        break;
                     }
-                } else if rows.len() == before {
-                    return Err(io::Error::other("a child ended without a row, and without a reason"));
+                    let before = rows.len();
+                    ended = self.child(&block[before..], left, &mut claim, before);
+                    rows = claim.rows()?;
+                    if ended.is_ok() && rows.len() == before && signals::received().is_none() {
+                        ended = Err(io::Error::other("a child ended without a row, and without a reason"));
+                    }
+                }
+                self.write(block, &rows)?;
+                block = &block[rows.len()..];
+                ended?;
+                if signals::received().is_some() {
+                    return Ok(());
                 }
             }
-            self.write(block, &rows)?;
         }
     }
 
-    /// Starts a child with runs; adds the rows that it came to, and one of the run that it did not survive.
-    fn child(&self, runs: &[Due], seconds: f64, rows_so_far: &mut Vec<Measured>) -> io::Result<()> {
+    /// Starts a child with runs, which adds its rows behind the `before` that are there; one of the run that it did not
+    /// survive is added here.
+    fn child(&self, runs: &[Due], seconds: f64, claim: &mut Claim, before: usize) -> io::Result<()> {
         let numbers: Vec<usize> = runs.iter().map(|due| due.run).collect();
         let sweep = self.sweep.part(&numbers);
         let need = self.need(&numbers);
@@ -236,13 +269,11 @@ impl Office<'_> {
         let batch = Batch { folder, sweep, seconds: seconds.clamp(0.0, 1e9) };
         let (mut told, told_path) = shared_file()?;
         told.write_all(&serde_json::to_vec(&batch)?)?;
-        let (_heard, heard_path) = shared_file()?;
-        let command: [OsString; 4] = ["sweep".into(), "batch".into(), told_path.into(), heard_path.clone().into()];
+        let heard: OsString = fs::canonicalize(claim.path())?.into();
+        let command: [OsString; 4] = ["sweep".into(), "batch".into(), told_path.into(), heard];
         let start = Instant::now();
         let ended = isolation::supervise(&Job { command: &command, ..Job::default() }, &need)?;
-        let new = rows(&fs::read(&heard_path)?);
-        let count = new.len();
-        rows_so_far.extend(new);
+        let count = claim.rows()?.len() - before;
         match ended {
             End::Done(0) => Ok(()),
             End::Done(code) => Err(io::Error::other(format!("a child of the sweep ended with exit code {code}"))),
@@ -251,8 +282,7 @@ impl Office<'_> {
                 let document = self.sweep.document(runs[count].run);
                 let mut row = crash(&failure, &document, self, runs[count].run);
                 row.times = [start.elapsed().as_secs_f64(), 0.0];
-                rows_so_far.push(row);
-                Ok(())
+                claim.add(&row)
             }
         }
     }
@@ -281,7 +311,7 @@ impl Office<'_> {
         let place = |k: usize| rows[k].failed_at.filter(|at| at.step > 0);
         let mut columns = vec![
             ("key".to_owned(), text(&|k| Some(runs[k].key.clone()))),
-            ("status".to_owned(), text(&|k| Some(state(rows[k].failed_at).into()))),
+            ("status".to_owned(), text(&|k| Some(state(&rows[k]).into()))),
             ("message".to_owned(), text(&|k| rows[k].message.clone())),
             ("at_step".to_owned(), count(&|k| place(k).map(|at| at.step.into()))),
             ("at_increment".to_owned(), count(&|k| place(k).map(|at| at.increment.into()))),
@@ -317,6 +347,16 @@ impl Office<'_> {
             ("time".to_owned(), number(&|_| Some(now))),
         ]);
         Table { columns }
+    }
+}
+
+/// The row of a run that was lost with its worker.
+fn lost(head: &Head, attempt: u32, keep: &Keep) -> Measured {
+    let again = if attempt < MOST_LOSSES { "it is run again" } else { "it is not run again unless it is asked for" };
+    Measured {
+        is_lost: true,
+        message: Some(format!("the worker on {} ended without a word (attempt {attempt}): {again}", head.host)),
+        ..Measured::without_numbers(keep)
     }
 }
 

@@ -176,12 +176,76 @@ fn nothing_is_lost_or_twice_after_kills_at_any_moment() {
         child.wait().expect("ended");
     }
     assert!(work.status().expect("the program starts").success());
-    let keys: Vec<String> = rows(&store).iter().flat_map(|table| texts(table, "key")).collect();
+    let done = |table: &Table| -> Vec<String> {
+        let ended = texts(table, "key").into_iter().zip(texts(table, "status"));
+        ended.filter(|(_, status)| status == "done").map(|(key, _)| key).collect()
+    };
+    let keys: Vec<String> = rows(&store).iter().flat_map(done).collect();
     assert_eq!(keys.len(), COUNT);
     assert_eq!(keys.iter().collect::<BTreeSet<_>>().len(), COUNT);
+    // a kill costs the runs that the two children were at
+    let all: usize = rows(&store).iter().map(Table::rows).sum();
+    assert!(all - COUNT <= 2 * 10, "{all} rows");
     assert_eq!(collected(&desk, &store).rows(), COUNT);
+    assert_eq!(fs::read_dir(store.join("running")).expect("a folder").count(), 0);
     let status = desk.pullout(["sweep".as_ref(), "status".as_ref(), store.as_os_str()]).expect(0);
     assert!(status.stdout.contains("300 runs, 300 over (300 done), 0 left"), "{}", status.stdout);
+}
+
+/// Ends the process that watches over it, where the first parameter asks for that.
+const KILLER: &str = r#"
+#include <signal.h>
+#include <unistd.h>
+#include "pullout_umat.h"
+void umat_(double *stress, double *statev, double *ddsdde, double *sse, double *spd, double *scd, double *rpl, double *ddsddt,
+           double *drplde, double *drpldt, const double *stran, const double *dstran, const double *time, const double *dtime,
+           const double *temp, const double *dtemp, const double *predef, const double *dpred, const char *cmname,
+           const int *ndi, const int *nshr, const int *ntens, const int *nstatv, const double *props) {
+    if (props[0] == 1.0 && stran[0] + dstran[0] > 0.5) {
+        kill(getppid(), SIGKILL);
+        sleep(60);
+    }
+    for (int i = 0; i < *ntens * *ntens; i++) ddsdde[i] = i % (*ntens + 1) ? 0.0 : 1.0;
+    for (int i = 0; i < *ntens; i++) stress[i] += dstran[i];
+}
+"#;
+
+#[test]
+fn what_ends_its_worker_three_times_is_lost_and_nothing_else() {
+    let desk = Desk::new();
+    let Some(mut compiler) = find(Tool::C) else { return };
+    let (library, source) = (desk.path("libkiller.so"), desk.write("killer.c", KILLER));
+    let include = workspace("umat-abi/include");
+    compile(compiler.args(["-shared", "-fPIC", "-O1", "-I"]).arg(include).arg("-o").arg(&library).arg(source));
+    let material = json!({ "plugin": "./libkiller.so", "nstatv": 1, "props": [0.0] });
+    let base = json!({ "kind": "point", "mode": "3d", "material": material,
+        "steps": [{ "increments": 4, "target": { "e11": 1.0 } }] });
+    let points: Vec<Value> = (0..6)
+        .map(|k| json!({ "material.props.0": u8::from(k == 2), "steps.0.target.g12": 0.1 * f64::from(k) }))
+        .collect();
+    let sweep = desk.case("sweep.json", &json!({ "kind": "sweep", "base": base, "points": points }));
+    let store = desk.path("store");
+    desk.pullout(["sweep".as_ref(), "plan".as_ref(), sweep.as_os_str(), "--out".as_ref(), store.as_os_str()]).expect(0);
+    let work = |more: &str| {
+        let mut work = command();
+        work.args(["sweep", "work", "--quiet", "--jobs", "1"]).args(more.split_whitespace()).arg(&store);
+        work.status().expect("the program starts")
+    };
+    let status = || desk.pullout(["sweep".as_ref(), "status".as_ref(), store.as_os_str()]).expect(0).stdout;
+    for _ in 0..3 {
+        assert!(!work("").success(), "killed");
+    }
+    // the third loss is known once another worker looks
+    assert!(work("").success());
+    assert!(status().contains("6 runs, 6 over (5 done, 1 lost), 0 left"), "{}", status());
+    let table = collected(&desk, &store);
+    assert_eq!(texts(&table, "status"), ["done", "done", "lost", "done", "done", "done"]);
+    assert_eq!(table.column("attempt").and_then(|column| column.number(2)), Some(3.0));
+    assert!(texts(&table, "message")[2].contains("attempt 3"), "{:?}", texts(&table, "message"));
+    // what the workers that were killed had done was not done again
+    let all: usize = rows(&store).iter().map(Table::rows).sum();
+    assert_eq!(all, 5 + 3);
+    assert!(work("").success() && !work("--again").success(), "only on request");
 }
 
 /// The keys of a sweep.

@@ -1,0 +1,207 @@
+//! What a worker is at: the runs that it has taken with the rows that they came to, in a file of the store that outlives
+//! it. The worker holds a lock on the file. What is found unlocked was left by one that is gone: its rows are kept, and the
+//! run that it was at is lost.
+//!
+//! Where a file system has no locks, nothing is taken over: those runs have no row, and are run anew.
+
+use crate::run::Measured;
+use crate::store::Store;
+use serde::{Deserialize, Serialize};
+use std::fs::{self, File, TryLockError};
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+/// A claim of another machine counts as left only if nothing was added for so long: some file systems lock within one
+/// machine alone.
+const PATIENCE: Duration = Duration::from_secs(600);
+
+/// A run that is to be run.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+pub(crate) struct Due {
+    /// Number.
+    pub run: usize,
+    pub key: String,
+    /// Which attempt it is.
+    pub attempt: u32,
+}
+
+/// Who has taken what.
+#[derive(Debug, Serialize, Deserialize)]
+pub(crate) struct Head {
+    /// The program, in hexadecimal: rows of another may have another form.
+    pub engine: String,
+    pub host: String,
+    pub runs: Vec<Due>,
+}
+
+/// The file, which is there as long as this is.
+pub(crate) struct Claim {
+    file: File,
+    path: PathBuf,
+    /// Bytes of the head.
+    head: u64,
+}
+
+impl Claim {
+    /// Takes runs.
+    pub fn new(store: &Store, head: &Head) -> io::Result<Self> {
+        let head = framed(&serde_json::to_vec(head)?)?;
+        let (file, path) = store.running(&head)?;
+        Ok(Self { file, path, head: head.len() as u64 })
+    }
+
+    /// The file, to which children add rows.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Adds a row.
+    pub fn add(&mut self, row: &Measured) -> io::Result<()> {
+        self.file.write_all(&framed(&encoded(row)?)?)
+    }
+
+    /// Says that a run begins.
+    pub fn begin(&mut self) -> io::Result<()> {
+        self.file.write_all(&BEGINS)
+    }
+
+    /// The rows so far. Half a row, of a child that was ended, goes.
+    pub fn rows(&mut self) -> io::Result<Vec<Measured>> {
+        let mut content = Vec::new();
+        self.file.seek(SeekFrom::Start(self.head))?;
+        self.file.read_to_end(&mut content)?;
+        let (rows, _, length) = rows(&content);
+        self.file.set_len(self.head + length as u64)?;
+        Ok(rows)
+    }
+}
+
+impl Drop for Claim {
+    fn drop(&mut self) {
+        let _ = fs::remove_file(&self.path);
+    }
+}
+
+/// Stands before a run in place of a row's length.
+pub(crate) const BEGINS: [u8; 4] = [0; 4];
+
+pub(crate) fn encoded(row: &Measured) -> io::Result<Vec<u8>> {
+    postcard::to_stdvec(row).map_err(io::Error::other)
+}
+
+/// Something with its length before it.
+pub(crate) fn framed(content: &[u8]) -> io::Result<Vec<u8>> {
+    let length = u32::try_from(content.len()).map_err(io::Error::other)?;
+    Ok([&length.to_le_bytes()[..], content].concat())
+}
+
+/// What stands in a frame at the beginning, and behind it.
+fn unframed(content: &[u8]) -> Option<(&[u8], &[u8])> {
+    let (length, rest) = content.split_first_chunk()?;
+    rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
+}
+
+/// The whole rows, whether another run has begun behind them, and how many bytes that is.
+fn rows(content: &[u8]) -> (Vec<Measured>, bool, usize) {
+    let (mut rows, mut has_begun, mut rest) = (Vec::new(), false, content);
+    while let Some((frame, behind)) = unframed(rest) {
+        if frame.is_empty() {
+            has_begun = true;
+        } else {
+            let Ok(row) = postcard::from_bytes(frame) else { break };
+            rows.push(row);
+            has_begun = false;
+        }
+        rest = behind;
+    }
+    (rows, has_begun, content.len() - rest.len())
+}
+
+/// What a worker that is gone has left.
+pub(crate) struct Left {
+    pub head: Head,
+    /// Rows in the order of the runs.
+    pub rows: Vec<Measured>,
+    /// Whether it was at the run behind them.
+    pub has_begun: bool,
+    /// Removed once this is dropped: the rows are to be kept before.
+    _claim: Claim,
+}
+
+/// Takes over what workers have left; only one of several that ask gets it.
+pub(crate) fn left_behind(store: &Store, engine: &str, host: &str) -> io::Result<Vec<Left>> {
+    let mut found = Vec::new();
+    for path in store.claims()? {
+        let Ok(mut file) = File::options().read(true).append(true).open(&path) else { continue };
+        match file.try_lock() {
+            Ok(()) => {}
+            // its worker is there, or nobody can know
+            Err(TryLockError::WouldBlock | TryLockError::Error(_)) => continue,
+        }
+        // another was faster, and has removed it meanwhile
+        if !path.exists() {
+            continue;
+        }
+        let mut content = Vec::new();
+        file.read_to_end(&mut content)?;
+        let Some((head, behind)) = unframed(&content) else { continue };
+        let Ok(head) = serde_json::from_slice::<Head>(head) else { continue };
+        let age = file.metadata()?.modified()?.elapsed().unwrap_or_default();
+        if head.host != host && age < PATIENCE {
+            continue;
+        }
+        let claim = Claim { file, path, head: 0 };
+        if head.engine == engine {
+            let (rows, has_begun, _) = rows(behind);
+            found.push(Left { head, rows, has_begun, _claim: claim });
+        }
+    }
+    Ok(found)
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    fn head(count: usize) -> Head {
+        let due = |run| Due { run, key: format!("key {run}"), attempt: 1 };
+        Head { engine: "e".into(), host: "h".into(), runs: (0..count).map(due).collect() }
+    }
+
+    #[test]
+    fn what_a_worker_that_is_gone_has_left_is_taken_over_once() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let store = Store::new(folder.path());
+        let mut claim = Claim::new(&store, &head(3)).expect("a claim");
+        claim.begin().expect("written");
+        claim.add(&Measured { message: Some("one".into()), ..Measured::default() }).expect("written");
+        claim.begin().expect("written");
+        assert!(left_behind(&store, "e", "h").expect("read").is_empty(), "its worker is there");
+        // half a row
+        claim.file.write_all(&[9, 0, 0, 0, 1]).expect("written");
+        // the lock goes with the process; the file stays
+        claim.file.unlock().expect("unlocked");
+        std::mem::forget(claim);
+        assert!(left_behind(&store, "e", "another").expect("read").is_empty(), "too early to say from elsewhere");
+        let left = left_behind(&store, "e", "h").expect("read");
+        assert_eq!(left.len(), 1);
+        assert_eq!((left[0].rows.len(), left[0].has_begun, left[0].head.runs.len()), (1, true, 3));
+        assert_eq!(left[0].rows[0].message.as_deref(), Some("one"));
+        assert!(left_behind(&store, "e", "h").expect("read").is_empty(), "taken already");
+        drop(left);
+        assert!(store.claims().expect("read").is_empty());
+    }
+
+    #[test]
+    fn half_a_row_goes_and_what_begins_is_no_row() {
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let store = Store::new(folder.path());
+        let mut claim = Claim::new(&store, &head(2)).expect("a claim");
+        claim.begin().expect("written");
+        claim.file.write_all(&[200, 0, 0, 0, 1, 2, 3]).expect("written");
+        assert!(claim.rows().expect("read").is_empty());
+        claim.add(&Measured::default()).expect("written");
+        assert_eq!(claim.rows().expect("read").len(), 1);
+    }
+}
