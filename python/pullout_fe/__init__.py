@@ -19,7 +19,7 @@ from .errors import (
 from .law import Law, Parameter, State, Update, plugins
 from .model import Fit, Model
 from .fields import Mesh
-from .run import Failure, History, Peak, Run, point, ramp, read, run
+from .run import Failure, History, Peak, Run, View, point, ramp, read, run
 from .sweep import Sweep, sweep
 
 __all__ = [
@@ -43,6 +43,7 @@ __all__ = [
     "TimeLimit",
     "Update",
     "UpdateFailed",
+    "View",
     "__version__",
     "plugins",
     "point",

@@ -63,4 +63,5 @@ def run(
     listener: Callable[[float, dict[str, float]], Any] | None,
     in_process: bool,
     records: bool,
-) -> tuple[list[tuple[str, str, NDArray[float64]]], str, str | None, str | None]: ...
+    views: bool,
+) -> tuple[list[tuple[str, str, NDArray[float64]]], str, str | None, str | None, str | None]: ...

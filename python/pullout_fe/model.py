@@ -92,7 +92,7 @@ class Model:
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         case = self.case.with_(dict(zip(self._paths, values.tolist())))
         try:
-            made = run(case, in_process=self.in_process, record=record)
+            made = run(case, in_process=self.in_process, record=record, view=False)
         except RunFailed:
             if isinstance(self.on_failure, str):
                 raise

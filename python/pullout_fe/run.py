@@ -5,6 +5,7 @@ from __future__ import annotations
 import html
 import json
 import os
+import re
 import subprocess
 import sys
 import time
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from .law import Law, Props
 
-__all__ = ["Failure", "History", "Peak", "Progress", "Run", "point", "ramp", "read", "run"]
+__all__ = ["Failure", "History", "Peak", "Progress", "Run", "View", "point", "ramp", "read", "run"]
 
 #: hears which part is done, and the present row by columns; an exception ends the run
 Progress = Callable[[float, "dict[str, float]"], None]
@@ -124,6 +125,26 @@ class History(Mapping[str, "NDArray[np.float64]"]):
         return f"<table><thead><tr>{head}</tr></thead><tbody>{''.join(lines)}</tbody></table>"
 
 
+class View:
+    """A specimen over a run, to be looked at in a notebook or a browser: a page that needs nothing but itself."""
+
+    def __init__(self, page: str, height: int) -> None:
+        #: the page
+        self.html = page
+        self.height = height
+
+    def _repr_html_(self) -> str:
+        # a page within the page: neither sees the names and the style of the other
+        return f'<iframe srcdoc="{html.escape(self.html)}" style="width: 100%; height: {self.height}px; border: 0"></iframe>'
+
+    def save(self, file: str | os.PathLike[str]) -> None:
+        """Write the page into a file, which a browser opens."""
+        Path(file).write_text(self.html, encoding="utf-8")
+
+    def __repr__(self) -> str:
+        return f"<View, {len(self.html) / 1e6:.1f} MB: a notebook shows it, save(FILE) writes it>"
+
+
 class Run:
     """What came out of a run."""
 
@@ -142,6 +163,7 @@ class Run:
         self.replay = None if replay is None else Case(json.loads(replay))
         #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
         self.increments: dict[str, Any] | None = None
+        self._view: str | None = None
         failed = summary.get("failed_at")
         #: how and where it failed, if it did
         self.failure: Failure | None = None
@@ -187,6 +209,23 @@ class Run:
             raise KeyError(f"{name!r} is none of {', '.join(fields)}")
         return fields[name]
 
+    def view(self, height: int = 900) -> View:
+        """The viewer of ``report.html``: the deformed specimen with its fields over the run, and the load–slip curve."""
+        page = self._view or self._view_of_report()
+        if page is None:
+            raise PulloutError("there is no view: it is of specimens, run with view=True, or with out=… and their pictures")
+        return View(page, height)
+
+    def _view_of_report(self) -> str | None:
+        """What ``report.html`` of the folder has of it."""
+        report = None if self.folder is None else self.folder / "report.html"
+        if report is None or not report.is_file():
+            return None
+        text = report.read_text(encoding="utf-8")
+        head, _, body = text.partition("</head>")
+        found = re.search(r'<div id="viewer">(?:.*?</script>){3}</div>', body, re.S)
+        return f"{head}</head><body>{found[0]}</body></html>" if found else None
+
     def __repr__(self) -> str:
         title = self.summary.get("title", "")
         return f"<Run {title!r}: {self.status}, {self.summary['increments']} increments, {self.history.rows} rows>"
@@ -194,7 +233,9 @@ class Run:
     def _repr_html_(self) -> str:
         words = html.escape(repr(self)[1:-1])
         message = f"<br>{html.escape(self.failure.message)}" if self.failure else ""
-        return f"<b>{words}</b>{message}{self.history._repr_html_()}"
+        page = self._view or self._view_of_report()
+        view = "" if page is None else View(page, 900)._repr_html_()
+        return f"<b>{words}</b>{message}{view}{self.history._repr_html_()}"
 
 
 def run(
@@ -206,6 +247,7 @@ def run(
     on_failure: str = "raise",
     out: str | os.PathLike[str] | None = None,
     record: bool = False,
+    view: bool = True,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -214,6 +256,8 @@ def run(
     ``threads`` share the work of a specimen; the results have the same bits with any number. ``progress``: ``True`` shows a
     bar; a function hears which part is done and the present row, at most 20 times a second, and ends the run by an exception.
     Ctrl-C ends it too.
+
+    ``view`` keeps what :meth:`Run.view` shows of a specimen: up to some MB, and as many percent of the time.
 
     ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them.
 
@@ -231,13 +275,16 @@ def run(
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, replay, increments = _core.run(case._parts(), int(threads), listener, in_process, record)
+        columns, summary, replay, increments, page = _core.run(
+            case._parts(), int(threads), listener, in_process, record, view
+        )
     finally:
         if bar is not None:
             bar.close()
     history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
     made = Run(case, history, json.loads(summary), replay)
     made.increments = None if increments is None else {"recorded": json.loads(increments)}
+    made._view = page
     return _ended(made, on_failure)
 
 

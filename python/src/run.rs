@@ -24,8 +24,11 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// A case as Python has it: a file or a document, the folder of a document, changes, folders of plugins.
 pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
 
-/// Columns with their units, `summary.json`, the replay case, and the increments.
-type Results<'py> = (Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>, String, Option<String>, Option<String>);
+/// A column with its unit.
+type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
+
+/// Columns, `summary.json`, the replay case, the increments, and the page of the viewer.
+type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, Option<String>);
 
 /// How far a run is: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
@@ -83,9 +86,10 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
     })
 }
 
-/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept.
+/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept;
+/// `views`: the viewer of a specimen is made.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process, records))]
+#[pyo3(signature = (case, threads, listener, in_process, records, views))]
 pub fn run(
     py: Python<'_>,
     case: Parts,
@@ -93,6 +97,7 @@ pub fn run(
     listener: Option<Py<PyAny>>,
     in_process: bool,
     records: bool,
+    views: bool,
 ) -> PyResult<Results<'_>> {
     without_panic(|| {
         let source = source(case)?;
@@ -106,6 +111,7 @@ pub fn run(
             threads: NonZeroUsize::new(threads),
             stop: Arc::clone(&stop),
             records,
+            views,
             listener: listener.as_ref().map(|_| {
                 let state = Arc::clone(&state);
                 let hear = move |part: f64, row: &pullout_run::path::Row<'_>| {
@@ -183,7 +189,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay, increments))
+    Ok((columns.collect(), summary, replay, increments, outcome.view))
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

@@ -5,9 +5,12 @@ use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
+use pullout_report::history::History;
+use pullout_report::page;
 use pullout_report::progress::{Extent, Progress};
 use pullout_report::record::Record;
 use pullout_report::summary::Status;
+use pullout_report::viewer::States;
 use pullout_run::path::{self, Statistics, Stop};
 use pullout_run::pullout;
 use pullout_run::pullout::checkpoint::Checkpoints;
@@ -52,9 +55,15 @@ pub fn extent(case: &Case) -> Extent {
     }
 }
 
+/// The viewer as a page of its own.
+fn view(program: &pullout::Program, history: &History, states: &States) -> io::Result<Option<String>> {
+    let curve = ["slip", "load"].map(|name| history.column(name).unwrap_or_default().to_vec());
+    Ok(states.page(program, curve)?.map(|viewer| page::around("Over the run", &viewer)))
+}
+
 /// Runs a case; what it would write is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
-    let Settings { threads, stop, records, listener } = settings;
+    let Settings { threads, stop, records, views, listener } = settings;
     let threads = threads.unwrap_or(NonZeroUsize::MIN);
     let with_own;
     let case = match case {
@@ -72,6 +81,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let progress = Progress::to(listener, extent(case));
     let mut record = Record::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
     record.recorded = records.then(Recorded::default);
+    if views {
+        record.keep_states();
+    }
     let Followed { statistics, result, mut specimen } =
         follow(case, &mut record, Path::new(""), &Checkpoints::default());
     let (message, failed_at, replay) = match result {
@@ -90,5 +102,9 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let increments = recorded.map(serde_json::to_value).transpose()?;
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;
-    Ok(Outcome { history, summary, replay, increments })
+    let view = match specimen {
+        Some((program, _)) => view(program, &history, &end.states)?,
+        None => None,
+    };
+    Ok(Outcome { history, summary, replay, increments, view })
 }

@@ -63,6 +63,8 @@ pub struct Settings {
     pub stop: Arc<AtomicBool>,
     /// Keeps the increments, so that another run can repeat them.
     pub records: bool,
+    /// Makes the viewer of a specimen; not of a run in a child.
+    pub views: bool,
     /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.
     pub listener: Option<Listener>,
 }
@@ -78,6 +80,8 @@ pub struct Outcome {
     pub replay: Option<Value>,
     /// The increments of a run that is done, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
     pub increments: Option<Value>,
+    /// A specimen over the run, as a page of HTML: the viewer of `report.html` by itself.
+    pub view: Option<String>,
 }
 
 impl Outcome {

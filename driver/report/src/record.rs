@@ -123,6 +123,11 @@ impl Record {
         Self { stop: Some(stop), ..Self::begin(rows, peaks, progress, clock) }
     }
 
+    /// Keeps states of a specimen although there is no report.
+    pub fn keep_states(&mut self) {
+        self.states = Some(States::default());
+    }
+
     /// Goes on with the record of a run that goes on.
     pub fn resume(history: &Path, columns: &[String], progress: Progress, kept: Kept) -> io::Result<Self> {
         let Kept { history_bytes, history_sha256: _, peaks, states, done, times_s: earlier_s } = kept;

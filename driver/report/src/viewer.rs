@@ -94,7 +94,6 @@ impl States {
         // no `</script>` can end the scripts: names are letters, figures and signs of JSON
         let head = head.to_string().replace('<', "\\u003c");
         Ok(Some(html! {
-            h2 { "Over the run" }
             div #viewer {
                 p.none hidden { "This browser has no WebGL 2, which the viewer needs; the pictures below show the peak and the end." }
                 div.stage hidden {

@@ -42,7 +42,7 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
         @if let Some(findings) = &summary.specimen { (specimen::load(findings)) }
         @if !account.description.is_empty() { p.description { (account.description) } }
         (warnings(&summary.warnings))
-        @if let Some(viewer) = viewer { (viewer) }
+        @if let Some(viewer) = viewer { h2 { "Over the run" } (viewer) }
         (what_was_run(account, summary))
         @if !pictures.is_empty() {
             h2 { "Pictures" }
@@ -58,6 +58,15 @@ fn page_of(account: &Account, summary: &Summary, pictures: &[Picture], viewer: O
 
 /// A page with this title as its heading.
 pub fn page(title: &str, body: &Markup) -> Markup {
+    document(title, &html! { h1 { (title) } (body) })
+}
+
+/// A page around something that is shown within another one.
+pub fn around(title: &str, body: &Markup) -> String {
+    document(title, body).into_string()
+}
+
+fn document(title: &str, body: &Markup) -> Markup {
     html! {
         (DOCTYPE)
         html lang="en" {
@@ -67,10 +76,7 @@ pub fn page(title: &str, body: &Markup) -> Markup {
                 title { (title) }
                 style { (PreEscaped(STYLE)) }
             }
-            body {
-                h1 { (title) }
-                (body)
-            }
+            body { (body) }
         }
     }
 }

@@ -1,0 +1,110 @@
+"""The viewer of a specimen in `report.html` and in a notebook, looked at in headless Chromium."""
+
+from __future__ import annotations
+
+import html
+import os
+import shutil
+import subprocess
+from pathlib import Path
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import pullout_fe as po
+
+ROOT = Path(__file__).resolve().parents[2]
+WIDTH, HEIGHT = 700, 700
+
+#: goes to a state once the viewer is there, and shows the viewer alone
+MOVE = """<script>
+const timer = setInterval(() => {
+  const viewer = document.getElementById("viewer");
+  if (!viewer || viewer.querySelector(".stage").hidden || !viewer.querySelector(".told").textContent) return;
+  clearInterval(timer);
+  document.body.replaceChildren(viewer);
+  const slider = viewer.querySelector(".state");
+  slider.value = %s;
+  slider.oninput();
+}, 20);
+</script>"""
+
+
+@pytest.fixture(scope="module")
+def fibre(tmp_path_factory: pytest.TempPathFactory) -> po.Run:
+    case = po.Case(ROOT / "cases/chapter-6/6.14-plane.json").with_({"steps[0].slip": 0.1})
+    return po.run(case, out=tmp_path_factory.mktemp("fibre") / "out")
+
+
+def test_a_run_in_memory_has_the_view_of_the_report(fibre: po.Run) -> None:
+    alone = po.run(fibre.case)
+    report = (fibre.folder / "report.html").read_text(encoding="utf-8")
+    for view in (alone.view(), fibre.view()):
+        head = view.html.split('<script class="head"')[1].split("</script>")[0]
+        assert head in report
+        assert view._repr_html_().startswith("<iframe srcdoc=")
+    assert "<iframe" in alone._repr_html_() and "<iframe" in fibre._repr_html_()
+    without = po.run(fibre.case.with_({"steps[0].slip": 0.01}), view=False)
+    assert "<iframe" not in without._repr_html_()
+    with pytest.raises(po.PulloutError, match="view=True"):
+        without.view()
+
+
+def test_a_view_is_a_page_of_its_own(fibre: po.Run, tmp_path: Path) -> None:
+    fibre.view().save(tmp_path / "view.html")
+    assert (tmp_path / "view.html").read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+    point = po.run(po.point("linear_elastic", {"E": 1.0}, "3d", [po.ramp(2, e11=1e-3)]))
+    with pytest.raises(po.PulloutError, match="specimens"):
+        point.view()
+
+
+@pytest.mark.slow
+def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> None:
+    chromium = shutil.which("chromium")
+    if not os.environ.get("PULLOUT_REQUIRE_CHROMIUM"):
+        pytest.importorskip("PIL")
+        if chromium is None:
+            pytest.skip("no chromium")
+    from PIL import Image
+
+    assert chromium is not None
+    report = (fibre.folder / "report.html").read_text(encoding="utf-8")
+    notebook = fibre.view(HEIGHT)
+    pages = []
+    for state in ("0", "slider.max"):
+        # the report as it is, and what a notebook puts into its page, with the frame within the frame
+        pages.append(report + MOVE % state)
+        pages.append(po.View(notebook.html + MOVE % state, HEIGHT)._repr_html_())
+    frames = "".join(f'<iframe srcdoc="{html.escape(page)}"></iframe>' for page in pages)
+    style = f"body {{ margin: 0; display: grid; grid-template-columns: 1fr 1fr; }} iframe {{ width: {WIDTH}px; height: {HEIGHT}px; border: 0; }}"
+    (tmp_path / "page.html").write_text(f"<!DOCTYPE html><style>{style}</style>{frames}", encoding="utf-8")
+    shot = tmp_path / "shot.png"
+    options = ["--headless=new", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars"]
+    options += [f"--user-data-dir={tmp_path / 'profile'}", f"--window-size={2 * WIDTH},{2 * HEIGHT + 100}", "--virtual-time-budget=20000"]
+    command = [chromium, *options, f"--screenshot={shot}", (tmp_path / "page.html").as_uri()]
+    ended = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    assert shot.is_file(), ended.stderr
+    if kept := os.environ.get("PULLOUT_KEEP_SCREENSHOT"):
+        shutil.copy(shot, kept)
+    image = np.asarray(Image.open(shot).convert("RGB"))
+    assert image.shape[0] >= 2 * HEIGHT and image.shape[1] == 2 * WIDTH
+    found = {}
+    for k, name in enumerate(["report, begin", "notebook, begin", "report, end", "notebook, end"]):
+        row, column = divmod(k, 2)
+        found[name] = coloured(image[row * HEIGHT : (row + 1) * HEIGHT, column * WIDTH : (column + 1) * WIDTH])
+    for place in ("report", "notebook"):
+        begin, end = found[f"{place}, begin"], found[f"{place}, end"]
+        # without stress the specimen has one colour, later many
+        assert sum(begin.values()) > 0.05 * WIDTH * HEIGHT, f"{place}: nothing is drawn"
+        assert max(begin.values()) > 0.8 * sum(begin.values()) and max(end.values()) < 0.8 * sum(end.values()), place
+        assert len(end) > 2 * len(begin), (place, len(begin), len(end))
+
+
+def coloured(image: NDArray[np.uint8]) -> dict[int, int]:
+    """How often which colour is there, greys and what is between two colours at an edge left out."""
+    coarse = (image >> 4).astype(int)
+    is_coloured = coarse.max(axis=2) - coarse.min(axis=2) > 2
+    codes, counts = np.unique(coarse[is_coloured] @ [256, 16, 1], return_counts=True)
+    return {int(code): int(count) for code, count in zip(codes, counts) if count > 50}
+
