@@ -14,6 +14,10 @@ const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
 /// The profile of what is for others. What is built of another profile is for tests.
 pub const FOR_OTHERS: &str = "dist";
 
+/// The target of what is to run with older C libraries than this machine's, as cargo-zigbuild has it: glibc 2.17 is that of
+/// manylinux2014, the oldest for which the standard library of Rust is built.
+const OLDER: &str = "x86_64-unknown-linux-gnu.2.17";
+
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Products {
@@ -30,19 +34,36 @@ pub struct Products {
 ///
 /// Where it is for tests, the whole workspace is built: dependencies have other features then, and the tests build them so.
 ///
+/// `zig`: the folder with cargo-zigbuild, and with the Python that has zig, if it is linked by zig.
+///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
-pub fn build(workspace: &Path, profile: &str) -> Result<Products, String> {
-    products(&messages(workspace, profile)?)
+pub fn build(workspace: &Path, profile: &str, zig: Option<&Path>) -> Result<Products, String> {
+    products(&messages(workspace, profile, zig)?)
+}
+
+/// Puts a folder first where programs are looked for.
+pub fn search_first(command: &mut Command, folder: &Path) -> Result<(), String> {
+    let others = std::env::var_os("PATH").unwrap_or_default();
+    let folders = std::iter::once(folder.to_owned()).chain(std::env::split_paths(&others));
+    let joined = std::env::join_paths(folders).map_err(|error| format!("{}: {error}", folder.display()))?;
+    command.env("PATH", joined);
+    Ok(())
 }
 
 /// Cargo's messages of the build.
-fn messages(workspace: &Path, profile: &str) -> Result<String, String> {
+fn messages(workspace: &Path, profile: &str, zig: Option<&Path>) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
+    command.current_dir(workspace);
+    if let Some(folder) = zig {
+        search_first(&mut command, folder)?;
+        command.args(["zigbuild", "--target", OLDER]);
+    } else {
+        command.arg("build");
+    }
     command
-        .current_dir(workspace)
-        .args(["build", "--lib", "--bins", "--examples"])
+        .args(["--lib", "--bins", "--examples"])
         .args(if profile == FOR_OTHERS { &INSTALLED[..] } else { &["--workspace"] })
         .args(["--profile", profile, "--message-format=json-render-diagnostics"])
         .stderr(Stdio::inherit());

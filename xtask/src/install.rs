@@ -1,6 +1,7 @@
 //! What goes where under the prefix.
 
 use crate::build::Products;
+use crate::licences;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -24,10 +25,16 @@ const TEMPLATES: [(&str, &str); 3] = [
 ];
 
 /// Files that are copied as they are, from the workspace.
-const SOURCES: [(&str, &str); 2] = [
+const SOURCES: [(&str, &str); 4] = [
     ("include/pullout_umat.h", "umat-abi/include/pullout_umat.h"),
     ("include/pullout_umat.f90", "umat-abi/fortran/pullout_umat.f90"),
+    ("share/doc/pullout/LICENSE-MIT", "LICENSE-MIT"),
+    ("share/doc/pullout/LICENSE-APACHE", "LICENSE-APACHE"),
 ];
+
+/// The licences of others, and the list of what is from others.
+const LICENCES: &str = "share/doc/pullout/THIRD-PARTY.txt";
+const BILL: &str = "share/doc/pullout/pullout.cdx.json";
 
 /// Puts everything under the prefix; the result is the files, in the order in which they were written.
 ///
@@ -52,9 +59,13 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
     for (to, from) in SOURCES {
         put(&workspace.join(from), prefix.join(to))?;
     }
-    for (to, text) in TEMPLATES {
+    let version = env!("CARGO_PKG_VERSION");
+    let others = licences::packages(workspace)?;
+    let made = [(LICENCES, licences::collected(&others)), (BILL, licences::bill(&others, version))];
+    let filled = TEMPLATES.map(|(to, text)| (to, text.replace("@VERSION@", version)));
+    for (to, text) in made.into_iter().chain(filled) {
         let to = prefix.join(to);
-        write(&to, |unfinished| fs::write(unfinished, text.replace("@VERSION@", env!("CARGO_PKG_VERSION"))))?;
+        write(&to, |unfinished| fs::write(unfinished, &text))?;
         files.push(to);
     }
     files.extend(pages(&products.program, &prefix.join("share"))?);
@@ -168,6 +179,10 @@ mod test {
                 "lib/pullout/kratos/libother.so",
                 "lib/pullout/libother.so",
                 laws.as_str(),
+                "share/doc/pullout/LICENSE-APACHE",
+                "share/doc/pullout/LICENSE-MIT",
+                "share/doc/pullout/THIRD-PARTY.txt",
+                "share/doc/pullout/pullout.cdx.json",
                 "share/man/man1/pullout.1",
             ];
             expected.sort();

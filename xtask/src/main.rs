@@ -1,7 +1,9 @@
 //! `cargo xtask`: what Cargo itself does not do for this workspace.
 
 mod build;
+mod deb;
 mod install;
+mod licences;
 mod wheel;
 
 use clap::{Parser, Subcommand};
@@ -28,12 +30,24 @@ enum Task {
         #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
     },
+    /// Make a package for Debian of what `install` puts, and print its name.
+    Deb {
+        /// Where it is put.
+        #[arg(long, value_name = "DIR", default_value = "target")]
+        out: PathBuf,
+        /// Cargo profile to build with. Packages of others than "dist" are not compressed: they are for tests.
+        #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
+        profile: String,
+    },
     /// Build the wheel of the Python package, with the program, the laws and what belongs to them, and print its name: it is
     /// put into target/wheel.
     Wheel {
         /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
         #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
+        /// Link with zig, for Linux from 2014 on (manylinux_2_17): the Python has ziglang and cargo-zigbuild too.
+        #[arg(long)]
+        zig: bool,
         /// A Python that has maturin. If it has auditwheel and abi3audit too, they must find nothing.
         #[arg(long, value_name = "PYTHON", default_value = "python3")]
         python: PathBuf,
@@ -47,11 +61,16 @@ fn main() -> ExitCode {
     let workspace = workspace();
     let (name, done) = match Arguments::parse().task {
         Task::Install { prefix, profile } => {
-            let products = build::build(&workspace, &profile);
+            let products = build::build(&workspace, &profile, None);
             ("install", products.and_then(|products| install::install(&workspace, &products, &prefix)))
         }
-        Task::Wheel { profile, python, maturin } => {
-            ("wheel", wheel::make(&workspace, &profile, &python, &maturin).map(|wheel| vec![wheel]))
+        Task::Deb { out, profile } => {
+            let products = build::build(&workspace, &profile, None);
+            let made = products.and_then(|products| deb::make(&workspace, &products, &profile, &out));
+            ("deb", made.map(|package| vec![package]))
+        }
+        Task::Wheel { profile, zig, python, maturin } => {
+            ("wheel", wheel::make(&workspace, &profile, zig, &python, &maturin).map(|wheel| vec![wheel]))
         }
     };
     match done {
@@ -82,7 +101,7 @@ mod test {
         let profile = |more: &[&str]| {
             let line = ["xtask", "install", "--prefix", "P"].iter().chain(more);
             match Arguments::parse_from(line).task {
-                Task::Install { profile, .. } | Task::Wheel { profile, .. } => profile,
+                Task::Install { profile, .. } | Task::Deb { profile, .. } | Task::Wheel { profile, .. } => profile,
             }
         };
         assert_eq!(profile(&["--profile", "dev"]), "dev");

@@ -1,6 +1,6 @@
 //! The wheel: extension, program, laws and headers in one file for Python.
 
-use crate::build::{self, FOR_OTHERS};
+use crate::build::{self, FOR_OTHERS, search_first};
 use crate::install;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -10,21 +10,23 @@ use std::process::{Command, Stdio};
 const FOLDER: &str = "target/wheel";
 /// What Python's installers put under the prefix.
 const DATA: &str = "pullout_fe.data";
-/// A wheel should have no more: it is refused by nobody, but waited for by everybody.
+/// A wheel for others has no more: it is waited for by everybody.
 const BYTES: u64 = 12_000_000;
 
 /// Builds everything, and makes the wheel of it; the result is its file.
 ///
-/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. `maturin` is told more.
+/// `python` has maturin; where it has auditwheel and abi3audit as well, they must find nothing. With `zig` it has ziglang and
+/// cargo-zigbuild, which link. `maturin` is told more.
 ///
 /// # Errors
 /// In words; what a tool has said about it is on the standard error.
-pub fn make(workspace: &Path, profile: &str, python: &Path, maturin: &[String]) -> Result<PathBuf, String> {
+pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: &[String]) -> Result<PathBuf, String> {
     let folder = workspace.join(FOLDER);
     if folder.exists() {
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
-    let products = build::build(workspace, profile)?;
+    let scripts = if zig { Some(scripts(python)?) } else { None };
+    let products = build::build(workspace, profile, scripts.as_deref())?;
     install::install(workspace, &products, &folder.join(DATA).join("data"))?;
     let mut command = Command::new(python);
     command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
@@ -34,6 +36,10 @@ pub fn make(workspace: &Path, profile: &str, python: &Path, maturin: &[String]) 
         // unstripped and used at once
         _ => ["--compression-method", "stored", "--auditwheel", "skip"],
     });
+    if let Some(scripts) = &scripts {
+        search_first(&mut command, scripts)?;
+        command.args(["--zig", "--compatibility", "manylinux2014"]);
+    }
     run(&mut command, "maturin")?;
     let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let wheel = files.flatten().map(|file| file.path()).find(|file| file.extension().is_some_and(|end| end == "whl"));
@@ -49,7 +55,7 @@ fn audit(wheel: &Path, python: &Path) -> Result<(), String> {
     let size = fs::metadata(wheel).map_err(|error| format!("{}: {error}", wheel.display()))?.len();
     eprintln!("{}: {:.2} MB", wheel.display(), size as f64 / 1e6);
     if size > BYTES {
-        eprintln!("warning: that is more than {:.0} MB", BYTES as f64 / 1e6);
+        return Err(format!("the wheel has {size} bytes; {BYTES} are wanted at most"));
     }
     if has(python, "auditwheel") {
         // "is consistent with the following platform tag: manylinux_…"; maturin does not look at the libraries beside
@@ -79,6 +85,19 @@ fn tag_is_kept(name: &str, words: &str) -> Result<(), String> {
         (named, needed) => {
             Err(format!("the wheel is named for the C library {named:?}, its libraries need {needed:?}"))
         }
+    }
+}
+
+/// The folder of a Python's programs.
+fn scripts(python: &Path) -> Result<PathBuf, String> {
+    let told =
+        Command::new(python).args(["-c", "import sysconfig; print(sysconfig.get_path('scripts'), end='')"]).output();
+    let told = told.map_err(|error| format!("{}: {error}", python.display()))?;
+    let folder = PathBuf::from(String::from_utf8_lossy(&told.stdout).into_owned());
+    if has(python, "ziglang") && folder.join("cargo-zigbuild").is_file() {
+        Ok(folder)
+    } else {
+        Err(format!("{} has no zig: pip install ziglang cargo-zigbuild", python.display()))
     }
 }
 
