@@ -1,5 +1,6 @@
 """The book: Markdown to HTML that needs no network, with every warning an error (`docs/build`)."""
 
+import importlib.util
 import sys
 from pathlib import Path
 
@@ -8,7 +9,7 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 project = "Pullout"
 author = "The Pullout developers"
 copyright = author
-extensions = ["myst_parser", "formulas", "tree"]
+extensions = ["myst_nb", "formulas", "tree"]
 exclude_patterns = ["_build", ".venv", "requirements.txt"]
 
 # a prime is a prime
@@ -18,6 +19,15 @@ myst_enable_extensions = ["dollarmath", "deflist", "colon_fence"]
 myst_fence_as_directive = ["formula"]
 myst_heading_anchors = 3
 myst_dmath_double_inline = False
+
+# notebooks/: run where the package is installed; what goes wrong in one is an error of the book
+is_there = importlib.util.find_spec("pullout_fe") is not None
+nb_execution_mode = "force" if is_there else "off"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_merge_streams = True
+if not is_there:
+    print("pullout_fe is not installed in this environment: notebooks/ is shown without results")
 
 html_theme = "furo"
 html_title = "Pullout"

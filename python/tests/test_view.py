@@ -95,10 +95,11 @@ def test_it_is_drawn_and_follows_the_slider(fibre: po.Run, tmp_path: Path) -> No
         found[name] = coloured(image[row * HEIGHT : (row + 1) * HEIGHT, column * WIDTH : (column + 1) * WIDTH])
     for place in ("report", "notebook"):
         begin, end = found[f"{place}, begin"], found[f"{place}, end"]
-        # without stress the specimen has one colour, later many
+        # without stress the specimen has one colour (three quarters of what is coloured, with that under the lines of elements
+        # and the key another), later many (a seventh)
         assert sum(begin.values()) > 0.05 * WIDTH * HEIGHT, f"{place}: nothing is drawn"
-        assert max(begin.values()) > 0.8 * sum(begin.values()) and max(end.values()) < 0.8 * sum(end.values()), place
-        assert len(end) > 2 * len(begin), (place, len(begin), len(end))
+        assert max(begin.values()) > 0.5 * sum(begin.values()) and max(end.values()) < 0.3 * sum(end.values()), place
+        assert len(end) > 1.5 * len(begin), (place, len(begin), len(end))
 
 
 def coloured(image: NDArray[np.uint8]) -> dict[int, int]:

@@ -131,7 +131,11 @@ fn both(words: &[&str], place: &mut usize, allowed: &BTreeSet<String>) -> bool {
 }
 
 fn one(words: &[&str], place: &mut usize, allowed: &BTreeSet<String>) -> bool {
-    let Some(word) = words.get(*place) else { return false };
+    let Some(word) = words.get(*place) else {
+        // no end of an expression
+        *place += 1;
+        return false;
+    };
     *place += 1;
     if *word == "(" {
         let is_so = either(words, place, allowed);
