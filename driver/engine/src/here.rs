@@ -71,7 +71,8 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             let mut program = program.clone();
             program.threads = Threads::new(threads).map_err(io::Error::other)?;
             program.fields_every = None;
-            program.about.plots = false;
+            // what is drawn is told of while the run goes on
+            program.about.plots = views;
             with_own = Case::Pullout(program);
             &with_own
         }
