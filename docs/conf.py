@@ -27,6 +27,8 @@ nb_execution_raise_on_error = True
 nb_execution_timeout = 120
 nb_merge_streams = True
 if not is_there:
+    # a cell that is not run does not say its language
+    suppress_warnings = ["myst-nb.lexer"]
     print("pullout_fe is not installed in this environment: notebooks/ is shown without results")
 
 html_theme = "furo"

@@ -192,7 +192,7 @@ def crashes(place: Path, library: Path, runs: int, slurm: Slurm | None) -> list[
 
 def kills(place: Path, library: Path, runs: int, count: int) -> list[str]:
     """A driver that is killed at moments of chance, started again each time."""
-    sweep = planned(place / "kills", library, runs, {}, 20_000)
+    sweep = planned(place / "kills", library, runs, {}, 3000)
     command = [PROGRAM, "sweep", "work", "--quiet", f"--jobs={WORKERS}", str(sweep.folder)]
     chance = random.Random(23)
     for _ in range(count):
@@ -240,6 +240,8 @@ def main() -> None:
         else:
             rows = crashes(place, library, wishes.runs, None)
         notes = kills(place, library, 200, wishes.kills)
+    if os.path.getsize(PROGRAM) > 6e7:
+        notes.append("Made with a wheel of the development profile: its runs take several times as long as those of a wheel for others.")
     most = max(row[4] for row in rows)
     reached = "reached" if most <= 10.0 and all(row[5] == "right" for row in rows) else "**missed**"
     notes.insert(0, f"Names are to be right, and at most 10 s more: {most:.2g} s at most: {reached}.")
