@@ -26,6 +26,7 @@ __all__ = [
 VERSION: str
 UTILITIES: str
 
+_Columns = list[tuple[str, str, NDArray[float64]]]
 _Parts = tuple[Path | None, str | None, Path, list[str], list[Path]]
 
 @final
@@ -63,4 +64,5 @@ def run(
     listener: Callable[[float, dict[str, float]], Any] | None,
     in_process: bool,
     records: bool,
-) -> tuple[list[tuple[str, str, NDArray[float64]]], str, str | None, str | None]: ...
+    derivatives: list[str],
+) -> tuple[_Columns, str, str | None, str | None, _Columns | None]: ...

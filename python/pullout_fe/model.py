@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import copy
+import warnings
 from concurrent.futures import Executor, ThreadPoolExecutor
-from typing import Any, Mapping, NamedTuple, Union
+from typing import Any, Callable, Mapping, NamedTuple, Union
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -45,6 +46,16 @@ class Fit(NamedTuple):
         return dict(zip(self.values, np.sqrt(np.diag(self.covariance)).tolist()))
 
 
+class _Result(NamedTuple):
+    """What a run gives a model."""
+
+    curve: Array
+    increments: dict[str, Any] | None
+    #: by the parameters (columns); NaN where they are not known
+    derivatives: Array | None
+    warnings: list[str]
+
+
 class Model:
     """A case as a function of some numbers in it.
 
@@ -83,24 +94,33 @@ class Model:
 
     def __call__(self, x: ArrayLike) -> Array:
         """The curve of these parameters."""
-        return self._run(x, record=False)[0]
+        return self._run(x).curve
 
-    def _run(self, x: ArrayLike, record: bool) -> tuple[Array, dict[str, Any] | None]:
-        """The curve, and the increments of the run."""
+    def _run(self, x: ArrayLike, record: bool = False, differentiate: bool = False) -> _Result:
         values = np.atleast_1d(np.asarray(x, dtype=float))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         case = self.case.with_(dict(zip(self._paths, values.tolist())))
+        paths = [dotted(path) for path in self._paths] if differentiate else []
         try:
-            made = run(case, in_process=self.in_process, record=record)
+            made = run(case, in_process=self.in_process, record=record, derivatives=paths)
         except RunFailed:
             if isinstance(self.on_failure, str):
                 raise
-            return np.full(1 if self.grid is None else self.grid.shape, self.on_failure), None
-        history, increments = made.history, made.increments
-        along, values = (history[name] for name in self.curve)
+            return _Result(np.full(1 if self.grid is None else self.grid.shape, self.on_failure), None, None, [])
+        along, values = (made.history[name] for name in self.curve)
+        on_grid = self._on_grid(along)
+        slopes = made.derivatives
+        derivatives = None
+        if slopes is not None:
+            by = [[slopes[f"d({name})/d({path})"] for name in self.curve] for path in paths]
+            derivatives = np.array([on_grid(values, dx, dy) for dx, dy in by]).T
+        return _Result(on_grid(values), made.increments, derivatives, made.warnings)
+
+    def _on_grid(self, along: Array) -> Callable[..., Array]:
+        """What takes a column, or its derivative where both columns change, from the rows to the grid."""
         if self.grid is None:
-            return np.array(values), increments
+            return lambda values, dx=None, dy=None: np.array(values if dy is None else dy)
         # the first passage on the way to the farthest value: a snap-back goes back along the first column
         ways = self.grid - along[0]
         way = float(ways[np.argmax(np.abs(ways))])
@@ -111,8 +131,21 @@ class Model:
         # what was rounded is at the ends
         wanted, rounding = direction * self.grid, ROUNDING * abs(way)
         is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
-        found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
-        return found, increments
+
+        def on_grid(values: Array, dx: Array | None = None, dy: Array | None = None) -> Array:
+            def interpolated(column: Array) -> Array:
+                return np.interp(wanted, passed, column[first])
+
+            if dx is None or dy is None:
+                found = interpolated(values)
+            else:
+                # of a chord whose ends move: y' − x' Δy/Δx
+                ends = np.clip(np.searchsorted(passed, wanted, side="right"), 1, max(len(passed) - 1, 1))
+                chords = np.diff(values[first]) / np.diff(passed)
+                found = interpolated(dy) - interpolated(direction * dx) * chords[ends - 1]
+            return np.where(is_inside, found, np.nan)
+
+        return on_grid
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
@@ -123,25 +156,51 @@ class Model:
             return np.array(list(threads.map(self, rows)))
 
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
-        """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`.
+        """Derivatives of the curve (rows) by the parameters (columns).
 
-        The runs repeat the increments of that at ``x``: what a specimen chooses by itself would make steps in the curve.
+        A specimen is differentiated as it runs, all parameters together for about as much as another run. Where that is not
+        possible, which a warning tells, and for points, they are forward differences of :data:`STEP` between runs that repeat
+        the increments of that at ``x``: what a specimen chooses by itself would make steps in the curve.
         """
         start = np.atleast_1d(np.asarray(x, dtype=float))
+        return self._derivatives(start, self._differentiated(start), executor)[0]
+
+    def _differentiated(self, x: Array) -> _Result:
+        """The curve with what derivatives need."""
+        if self.case.document.get("kind") == "pullout":
+            try:
+                return self._run(x, record=True, differentiate=True)
+            except CaseError as error:
+                made = self._run(x, record=True)
+                _warn(str(error))
+                return made
+        return self._run(x, record=True)
+
+    def _derivatives(self, start: Array, base: _Result, executor: Executor | None = None) -> tuple[Array, int]:
+        """The derivatives at a run, and how many more runs they took."""
+        derivatives = np.full((len(base.curve), len(start)), np.nan) if base.derivatives is None else base.derivatives
+        is_known = np.isfinite(derivatives) | ~np.isfinite(base.curve)[:, None]
+        missing = np.flatnonzero(~is_known.all(axis=0))
+        if len(missing) == 0:
+            return derivatives, 0
+        if base.derivatives is not None:
+            _warn("; ".join(text for text in base.warnings if "derivatives" in text))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
         # the step that the sum has
-        moved = start + np.diag(steps)
-        base, increments = self._run(start, record=True)
+        moved = start + np.diag(steps)[missing]
         frozen = copy.copy(self)
-        if increments is not None:
-            frozen.case = self.case.with_({"increments": increments})
+        if base.increments is not None:
+            frozen.case = self.case.with_({"increments": base.increments})
         curves = frozen.batch(moved, executor)
-        derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
-        return derivatives
+        derivatives[:, missing] = ((curves - base.curve) / (moved[range(len(missing)), missing] - start[missing])[:, None]).T
+        return derivatives, len(missing)
 
     def residual(self, x: ArrayLike, data: ArrayLike, sigma: ArrayLike = 1.0) -> Array:
         """Curve less data, in standard deviations; 0 where the data are NaN."""
-        difference = (self(x) - np.asarray(data, dtype=float)) / np.asarray(sigma, dtype=float)
+        return self._residual(self(x), data, sigma)
+
+    def _residual(self, curve: Array, data: ArrayLike, sigma: ArrayLike) -> Array:
+        difference = (curve - np.asarray(data, dtype=float)) / np.asarray(sigma, dtype=float)
         return np.where(np.isnan(np.asarray(data, dtype=float)), 0.0, difference)
 
     def fit(self, data: ArrayLike, sigma: ArrayLike = 1.0, x0: ArrayLike | None = None, **options: Any) -> Fit:
@@ -165,17 +224,27 @@ class Model:
         def inner(x: Array) -> Array:
             return np.where(logarithmic, np.log(np.where(logarithmic, x, 1.0)), x)
 
+        # the last run: derivatives are asked for where a curve was
+        runs = 0
+        last: tuple[Array, _Result] | None = None
+
+        def at(x: Array) -> _Result:
+            nonlocal runs, last
+            if last is None or not np.array_equal(last[0], x):
+                runs += 1
+                last = (x, self._differentiated(x))
+            return last[1]
+
         def derivatives(z: Array) -> Array:
+            nonlocal runs
             x = outer(z)
-            matrix: Array = self.jac(x) * weight[:, None] * np.where(logarithmic, x, 1.0)
+            found, more = self._derivatives(x, at(x))
+            runs += more
+            matrix: Array = found * weight[:, None] * np.where(logarithmic, x, 1.0)
             return matrix
 
-        runs = 0
-
         def residual(z: Array) -> Array:
-            nonlocal runs
-            runs += 1
-            return self.residual(outer(z), target, sigma)
+            return self._residual(at(outer(z)).curve, target, sigma)
 
         lower, upper = (np.array([bound[side] for bound in self.bounds], dtype=float) for side in (0, 1))
         with np.errstate(divide="ignore"):
@@ -194,8 +263,12 @@ class Model:
             correlations,
             [name for name, is_unknown in zip(self.names, unknown) if is_unknown],
             float(found.cost),
-            runs + int(found.njev or 0) * (1 + len(self.names)),
+            runs,
         )
+
+
+def _warn(reason: str) -> None:
+    warnings.warn(f"differences between runs instead of derivatives of one: {reason}", stacklevel=3)
 
 
 def _covariance(jacobian: Array, values: Array) -> tuple[Array, NDArray[np.bool_]]:

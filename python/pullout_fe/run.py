@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from . import _core
-from .case import Case, CaseLike
+from .case import Case, CaseLike, dotted
 from .errors import CaseError, PluginCrashed, PulloutError, RunFailed, TimeLimit
 from .fields import Mesh, Series
 
@@ -142,6 +142,8 @@ class Run:
         self.replay = None if replay is None else Case(json.loads(replay))
         #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
         self.increments: dict[str, Any] | None = None
+        #: of a run with ``derivatives``: columns ``d(load)/d(PATH)``, row by row of the history; NaN where they are not known
+        self.derivatives: History | None = None
         failed = summary.get("failed_at")
         #: how and where it failed, if it did
         self.failure: Failure | None = None
@@ -206,6 +208,7 @@ def run(
     on_failure: str = "raise",
     out: str | os.PathLike[str] | None = None,
     record: bool = False,
+    derivatives: Sequence[str] = (),
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
 
@@ -217,6 +220,9 @@ def run(
 
     ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them.
 
+    ``derivatives``: places of numbers in a case of kind "pullout" (``"contact.law.props.k_e"``) by which the history is
+    differentiated, each for about a fifth of a run: ``run.derivatives["d(load)/d(contact.law.props.k_e)"]``.
+
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.
 
@@ -226,19 +232,26 @@ def run(
     case = case if isinstance(case, Case) else Case(case)
     if threads < 1:
         raise CaseError([("threads", "is 1 or more")])
+    paths = [dotted(path) for path in derivatives]
     if out is not None:
-        return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record), on_failure)
+        return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record, paths), on_failure)
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, replay, increments = _core.run(case._parts(), int(threads), listener, in_process, record)
+        columns, summary, replay, increments, slopes = _core.run(
+            case._parts(), int(threads), listener, in_process, record, paths
+        )
     finally:
         if bar is not None:
             bar.close()
-    history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
-    made = Run(case, history, json.loads(summary), replay)
+    made = Run(case, _history(columns), json.loads(summary), replay)
+    made.derivatives = None if slopes is None else _history(slopes)
     made.increments = None if increments is None else {"recorded": json.loads(increments)}
     return _ended(made, on_failure)
+
+
+def _history(columns: Sequence[tuple[str, str, NDArray[np.float64]]]) -> History:
+    return History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
 
 
 def _ended(made: Run, on_failure: str) -> Run:
@@ -248,7 +261,7 @@ def _ended(made: Run, on_failure: str) -> Run:
     return made
 
 
-def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool) -> Run:
+def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: bool, derivatives: Sequence[str]) -> Run:
     """A run of the program."""
     case.check()
     file, document, folder, overrides, plugin_paths = case._parts()
@@ -256,6 +269,7 @@ def _run_into(case: Case, out: Path, threads: int, in_process: bool, record: boo
     command: list[str | Path] = [_core.program(), "run", "--quiet", f"--threads={threads}", f"--out={out}"]
     command += ["--in-process"] if in_process else []
     command += ["--record-increments"] if record else []
+    command += [f"--derivatives={path}" for path in derivatives]
     command += [f"--plugin-path={path}" for path in plugin_paths] + [f"--set={text}" for text in overrides]
     command += ["--", "/dev/stdin" if file is None else file]
     ended = subprocess.run(command, cwd=folder, input=document or "", capture_output=True, text=True)
@@ -271,22 +285,31 @@ def read(folder: str | os.PathLike[str]) -> Run:
     folder = Path(folder).absolute()
     # of a case of kind "bridging", its tables beside each other
     others = [table for table in (folder / "bridging.csv", folder / "beam.csv") if table.is_file()]
-    columns: dict[str, NDArray[np.float64]] = {}
+    slopes = folder / "derivatives.csv"
     try:
         summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-        for table in others or [folder / "history.csv"]:
-            with open(table, encoding="utf-8") as file:
-                names = file.readline().strip().split(",")
-                values = np.loadtxt(file, delimiter=",", ndmin=2)
-            columns.update(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
+        columns = _tables(others or [folder / "history.csv"])
+        derivatives = _tables([slopes]) if slopes.is_file() else None
     except (OSError, ValueError) as error:
         raise PulloutError(f"{folder} has no results: {error}") from None
     replay = folder / "replay.json"
     text = replay.read_text(encoding="utf-8") if replay.is_file() else None
-    made = Run(None, History(columns, {name: _core.unit(name) for name in columns}), summary, text, folder)
+    made = Run(None, columns, summary, text, folder)
+    made.derivatives = derivatives
     if (folder / "increments.json").is_file():
         made.increments = {"recorded": json.loads((folder / "increments.json").read_text(encoding="utf-8"))}
     return made
+
+
+def _tables(files: Sequence[Path]) -> History:
+    """The columns of tables."""
+    columns: dict[str, NDArray[np.float64]] = {}
+    for table in files:
+        with open(table, encoding="utf-8") as file:
+            names = file.readline().strip().split(",")
+            values = np.loadtxt(file, delimiter=",", ndmin=2)
+        columns.update(zip(names, np.ascontiguousarray(values.reshape(-1, len(names)).T)))
+    return History(columns, {name: _core.unit(name) for name in columns})
 
 
 def ramp(increments: int, time: float | None = None, **target: Union[float, str]) -> dict[str, Any]:

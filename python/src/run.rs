@@ -3,7 +3,7 @@
 use crate::errors::{Exception, case_error, of_panic, without_panic};
 use numpy::{IntoPyArray, PyArray1};
 use pullout_case::CaseErrors;
-use pullout_engine::{Error, Outcome, Settings, Source};
+use pullout_engine::{Error, History, Outcome, Settings, Source};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pyo3::prelude::*;
@@ -24,8 +24,11 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// A case as Python has it: a file or a document, the folder of a document, changes, folders of plugins.
 pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<PathBuf>);
 
-/// Columns with their units, `summary.json`, the replay case, and the increments.
-type Results<'py> = (Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>, String, Option<String>, Option<String>);
+/// Columns with their units.
+type Columns<'py> = Vec<(String, &'static str, Bound<'py, PyArray1<f64>>)>;
+
+/// The history, `summary.json`, the replay case, the increments, and the derivatives.
+type Results<'py> = (Columns<'py>, String, Option<String>, Option<String>, Option<Columns<'py>>);
 
 /// How far a run is: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
@@ -83,9 +86,10 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
     })
 }
 
-/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept.
+/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept;
+/// `derivatives`: numbers by which the history is differentiated.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process, records))]
+#[pyo3(signature = (case, threads, listener, in_process, records, derivatives))]
 pub fn run(
     py: Python<'_>,
     case: Parts,
@@ -93,9 +97,10 @@ pub fn run(
     listener: Option<Py<PyAny>>,
     in_process: bool,
     records: bool,
+    derivatives: Vec<String>,
 ) -> PyResult<Results<'_>> {
     without_panic(|| {
-        let source = source(case)?;
+        let source = Source { derivatives, ..source(case)? };
         if in_process {
             source.need().iter().flat_map(|need| need.libraries.keys()).for_each(|library| isolation::let_in(library));
         }
@@ -177,13 +182,18 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
     let summary = outcome.summary.text()?;
     let replay = outcome.replay.map(|replay| replay.to_string());
     let increments = outcome.increments.map(|increments| increments.to_string());
-    let columns = outcome.history.into_columns();
-    // the memory is handed over, not copied
+    let derivatives = outcome.derivatives.map(|derivatives| columns(py, derivatives));
+    Ok((columns(py, outcome.history), summary, replay, increments, derivatives))
+}
+
+/// The columns of a history, whose memory is handed over, not copied.
+fn columns(py: Python<'_>, history: History) -> Columns<'_> {
+    let columns = history.into_columns();
     let columns = columns.map(|(name, values)| {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay, increments))
+    columns.collect()
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

@@ -25,6 +25,7 @@ mod structure;
 mod table;
 #[cfg(test)]
 mod test;
+mod vary;
 
 pub use document::{Piece, Positive, study, sweep};
 pub use plugin::{not_found, where_to_look};
@@ -36,3 +37,4 @@ pub use read::{
 pub use reader::Reader;
 pub use structure::schema;
 pub use table::CsvFile;
+pub use vary::{number_at, vary};

@@ -19,6 +19,11 @@ impl Place {
         Self(format!("--set {text}"))
     }
 
+    /// A number by which the history is to be differentiated, likewise.
+    pub fn derivative(path: &str) -> Self {
+        Self(format!("--derivatives {path}"))
+    }
+
     /// A member of an object.
     #[must_use]
     pub fn key(&self, key: &str) -> Self {

@@ -57,6 +57,7 @@ fn command(source: &Source, settings: &Settings, out: &Path) -> io::Result<Comma
     command.arg("--parent").arg(std::process::id().to_string());
     command.args(settings.threads.map(|count| format!("--threads={count}")));
     command.args(settings.records.then_some("--record-increments"));
+    command.args(source.derivatives.iter().map(|path| format!("--derivatives={path}")));
     command.arg("--out").arg(out);
     command.args(all_are_let_in().then_some("--in-process"));
     for folder in &source.plugin_paths {
@@ -105,5 +106,7 @@ fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
     }
     let history = History::of_run(out, |table| table.read()).unwrap_or_default();
     let json = |name: &str| serde_json::from_slice(&input::read(&out.join(name), Input::Case).ok()?).ok();
-    Ok(Outcome { history, summary, replay: json("replay.json"), increments: json("increments.json") })
+    let derivatives = History::read(&out.join("derivatives.csv")).ok().filter(|_| !source.derivatives.is_empty());
+    let (replay, increments) = (json("replay.json"), json("increments.json"));
+    Ok(Outcome { history, derivatives, summary, replay, increments })
 }

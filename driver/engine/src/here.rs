@@ -5,6 +5,7 @@ use fe_core::stepping::Recorded;
 use fe_core::threads::Threads;
 use pullout_case::Case;
 use pullout_report::ending::{RunEnd, Specimen, compare_all, summarise};
+use pullout_report::history::History;
 use pullout_report::progress::{Extent, Progress};
 use pullout_report::record::Record;
 use pullout_report::summary::Status;
@@ -52,6 +53,14 @@ pub fn extent(case: &Case) -> Extent {
     }
 }
 
+/// Returns where the derivatives of a case go, if there are any.
+pub fn derivatives(case: &Case) -> Option<History> {
+    match case {
+        Case::Pullout(program) => program.columns_of_derivatives().map(History::empty),
+        Case::Path(_) | Case::Bridging(_) => None,
+    }
+}
+
 /// Runs a case; what it would write is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let Settings { threads, stop, records, listener } = settings;
@@ -72,6 +81,7 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     let progress = Progress::to(listener, extent(case));
     let mut record = Record::in_memory(case.columns(), progress, stop, threads == NonZeroUsize::MIN);
     record.recorded = records.then(Recorded::default);
+    record.derivatives = derivatives(case);
     let Followed { statistics, result, mut specimen } =
         follow(case, &mut record, Path::new(""), &Checkpoints::default());
     let (message, failed_at, replay) = match result {
@@ -88,7 +98,8 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     // those of a run that was not at its end would repeat a part of it
     let recorded = record.recorded.take().filter(|_| summary.status == Status::Done);
     let increments = recorded.map(serde_json::to_value).transpose()?;
+    let derivatives = record.derivatives.take();
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;
-    Ok(Outcome { history, summary, replay, increments })
+    Ok(Outcome { history, derivatives, summary, replay, increments })
 }

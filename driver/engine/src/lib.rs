@@ -11,11 +11,11 @@
 mod apart;
 mod here;
 
-pub use here::{Followed, extent, follow};
+pub use here::{Followed, derivatives, extent, follow};
+pub use pullout_report::history::History;
 pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
 use pullout_case::{Case, CaseErrors};
-use pullout_report::history::History;
 use pullout_report::progress::Listener;
 use pullout_report::summary::{Status, Summary};
 use pullout_run::columns;
@@ -38,6 +38,8 @@ pub struct Source {
     pub overrides: Vec<String>,
     /// Folders where plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,
+    /// Numbers of a case of kind "pullout" by which its history is differentiated, by their paths.
+    pub derivatives: Vec<String>,
 }
 
 /// A case that was read.
@@ -72,6 +74,8 @@ pub struct Settings {
 pub struct Outcome {
     /// All rows by columns; of a case of kind "bridging", its tables beside each other.
     pub history: History,
+    /// Derivatives of the rows, if they were asked for: step, increment, and `d(load)/d(PATH)`; NaN where they are not known.
+    pub derivatives: Option<History>,
     /// What `summary.json` holds. [`Status::Interrupted`]: the run was told to end.
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
@@ -109,7 +113,13 @@ pub enum Error {
 impl Source {
     /// A case file.
     pub fn file(file: &Path) -> Self {
-        Self { file: file.into(), document: None, overrides: Vec::new(), plugin_paths: Vec::new() }
+        Self {
+            file: file.into(),
+            document: None,
+            overrides: Vec::new(),
+            plugin_paths: Vec::new(),
+            derivatives: Vec::new(),
+        }
     }
 
     /// A document, which names other files relative to a folder.
@@ -130,6 +140,17 @@ impl Source {
         isolation::need(&self.text()?, &self.file, &self.plugin_paths)
     }
 
+    fn case(&self, overrides: &[String]) -> Result<Case, CaseErrors> {
+        match self.document.clone() {
+            Some(document) => {
+                let wrong = |problems| CaseErrors { file: self.file.clone(), problems };
+                let document = pullout_case::overridden(document, overrides).map_err(wrong)?;
+                pullout_case::read_document(document, &self.file, &self.plugin_paths)
+            }
+            None => pullout_case::read(&self.file, overrides, &self.plugin_paths),
+        }
+    }
+
     /// Reads and checks the case. One that is not to be run in this process is checked by its run.
     ///
     /// # Errors
@@ -138,14 +159,9 @@ impl Source {
         if self.need().is_some() {
             return Ok(Prepared { source: self, place: Place::Apart });
         }
-        let case = match self.document.clone() {
-            Some(document) => {
-                let wrong = |problems| CaseErrors { file: self.file.clone(), problems };
-                let document = pullout_case::overridden(document, &self.overrides).map_err(wrong)?;
-                pullout_case::read_document(document, &self.file, &self.plugin_paths)
-            }
-            None => pullout_case::read(&self.file, &self.overrides, &self.plugin_paths),
-        }?;
+        let mut case = self.case(&self.overrides)?;
+        let read = |text: &str| self.case(&[&self.overrides[..], &[text.to_owned()]].concat());
+        pullout_case::vary(&mut case, &self.text().unwrap_or_default(), &self.derivatives, &read)?;
         let place = if let Case::Bridging(_) = case { Place::Apart } else { Place::Here(Box::new(case)) };
         Ok(Prepared { source: self, place })
     }

@@ -1,22 +1,24 @@
 //! `pullout fit CASE`: the numbers of any case by which its curve is nearest to a measured one.
 //!
 //! Least squares by Levenberg and Marquardt's method. Bounds are kept by what is sought instead of the numbers: z with
-//! x = lo + (hi − lo)(1 + sin z)/2. Derivatives are forward differences on the increments of the run at the same place, so
-//! that increments which a run chooses by itself make no steps in them.
+//! x = lo + (hi − lo)(1 + sin z)/2. Specimens are differentiated as they run. Where that is not possible, and of points,
+//! derivatives are forward differences on the increments of the run at the same place, so that increments which a run
+//! chooses by itself make no steps in them.
 
 use super::inverse::{NO_CURVE, root_mean_square};
 use super::uncertainty::{IDENTIFIABLE, spread};
 use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationReason};
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
-use pullout_case::CsvFile;
-use pullout_engine::{Outcome, Settings, Source};
+use pullout_case::{CsvFile, number_at};
+use pullout_engine::{Settings, Source};
 use pullout_report::directory::ResultDirectory;
 use pullout_run::PLUGIN_STACK;
+use pullout_run::columns;
 use pullout_run::input::folder_of;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
-use std::cell::Cell;
+use std::cell::{Cell, RefCell};
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -75,6 +77,8 @@ pub struct CaseFit {
     pub runs: usize,
     /// Why it is not the best.
     pub trouble: Option<String>,
+    /// Why derivatives were differences between runs, if they were and might not have been.
+    pub remark: Option<String>,
     /// The case with these numbers.
     pub case: Value,
     /// Data: both columns, and what the case computes.
@@ -102,14 +106,22 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         scale,
         runs: Cell::new(0),
         sought: DVector::from_iterator(starts.len(), starts.iter().zip(&request.free).map(|(x, free)| free.sought(*x))),
+        differentiates: document["kind"] == "pullout",
         present: None,
-        increments: None,
+        run: None,
         best: None,
         trouble: Cell::new(None),
+        remark: RefCell::default(),
         progress,
     };
-    match problem.run(&starts, None) {
-        Ok((computed, increments)) => problem.take(&starts, &computed, increments),
+    let mut first = problem.run(&starts);
+    if let (Err(message), true) = (&first, problem.differentiates) {
+        problem.remark = RefCell::new(Some(message.clone()));
+        problem.differentiates = false;
+        first = problem.run(&starts);
+    }
+    match first {
+        Ok(run) => problem.take(&starts, run),
         Err(message) => return Err(vec![format!("{file}: {message}")]),
     }
     let method = LevenbergMarquardt::new().with_ftol(SMALLEST).with_xtol(SMALLEST).with_patience(request.max_runs);
@@ -124,7 +136,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         other => Some(format!("the search ended with {other:?}")),
     };
     let Some(best) = &problem.best else { return Err(vec![format!("{file}: no run gives a curve")]) };
-    let derivatives = problem.derivatives(&best.values, &best.computed, best.increments.as_ref());
+    let derivatives = problem.derivatives(&best.values, &best.run);
     let trouble = trouble.or_else(|| derivatives.as_ref().err().cloned());
     let count = best.values.len();
     // relative changes of the numbers, so that all are of one size
@@ -134,7 +146,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         Ok(derivatives) => spread(&residuals, &(derivatives * &sizes), &vec![1.0; data.len()], &sizes),
         Err(_) => (vec![f64::INFINITY; count], DMatrix::identity(count, count)),
     };
-    let rows = data.iter().zip(&best.computed).map(|(row, computed)| [row[0], row[1], *computed]).collect();
+    let rows = data.iter().zip(&best.run.computed).map(|(row, computed)| [row[0], row[1], *computed]).collect();
     Ok(CaseFit {
         free: request.free.clone(),
         starts,
@@ -143,6 +155,7 @@ pub fn fit_case(request: &CaseRequest, progress: &dyn Fn(usize, f64)) -> Result<
         rms: root_mean_square(&residuals),
         runs: problem.runs.get(),
         trouble,
+        remark: problem.remark.take(),
         case: kept(request, document, &best.values),
         values: best.values.clone(),
         rows,
@@ -212,11 +225,8 @@ fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<Strin
         if request.free[..k].iter().any(|other| other.path == *path) {
             problems.push(format!("--free {path}: is given twice"));
         }
-        let found = path
-            .split('.')
-            .try_fold(document, |value, name| value.get(name).or_else(|| value.get(name.parse::<usize>().ok()?)));
-        match found.map(|found| (found, found.as_f64())) {
-            Some((_, Some(value))) if (*low..=*high).contains(&value) => {
+        match number_at(document, path) {
+            Ok(value) if (*low..=*high).contains(&value) => {
                 let inwards = INWARDS * (high - low);
                 starts.push(if value == *low {
                     low + inwards
@@ -226,11 +236,10 @@ fn starts(request: &CaseRequest, document: &Value) -> Result<Vec<f64>, Vec<Strin
                     value
                 });
             }
-            Some((_, Some(value))) => {
+            Ok(value) => {
                 problems.push(format!("--free {path}: the case begins with {value}, which is not within {low}:{high}"));
             }
-            Some((found, None)) => problems.push(format!("{file}: $.{path} is {found}, and no number")),
-            None => problems.push(format!("{file}: $.{path} is not there: give it the value to start from")),
+            Err(message) => problems.push(format!("{file}: {message}")),
         }
     }
     if problems.is_empty() { Ok(starts) } else { Err(problems) }
@@ -301,16 +310,28 @@ fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
     free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
 }
 
+/// What came out of a run.
+#[derive(Clone)]
+struct Run {
+    /// The curve at the points of the data.
+    computed: Vec<f64>,
+    /// For runs that repeat them.
+    increments: Option<Value>,
+    /// Its derivatives by the numbers, those that are known.
+    derivatives: Vec<Option<DVector<f64>>>,
+    /// Why some are not.
+    warnings: Vec<String>,
+}
+
 /// The best run so far.
 struct Best {
     values: Vec<f64>,
-    computed: Vec<f64>,
-    increments: Option<Value>,
+    run: Run,
 }
 
 impl Best {
     fn differences(&self, data: &[[f64; 2]]) -> Vec<f64> {
-        self.computed.iter().zip(data).map(|(computed, row)| computed - row[1]).collect()
+        self.run.computed.iter().zip(data).map(|(computed, row)| computed - row[1]).collect()
     }
 }
 
@@ -322,12 +343,16 @@ struct Problem<'a> {
     scale: f64,
     runs: Cell<usize>,
     sought: DVector<f64>,
+    /// Whether runs are differentiated.
+    differentiates: bool,
     /// Differences at the present place.
     present: Option<DVector<f64>>,
-    /// Increments of the run there.
-    increments: Option<Value>,
+    /// The run there.
+    run: Option<Run>,
     best: Option<Best>,
     trouble: Cell<Option<String>>,
+    /// See [`CaseFit::remark`].
+    remark: RefCell<Option<String>>,
     progress: &'a dyn Fn(usize, f64),
 }
 
@@ -336,14 +361,13 @@ impl Problem<'_> {
         self.request.free.iter().zip(&self.sought).map(|(free, sought)| free.value(*sought)).collect()
     }
 
-    /// The curve at the data's points, and the increments.
-    fn run(&self, values: &[f64], increments: Option<&Value>) -> Result<(Vec<f64>, Option<Value>), String> {
+    fn run(&self, values: &[f64]) -> Result<Run, String> {
         self.runs.set(self.runs.get() + 1);
-        curve(self.request, self.data, values, increments)
+        run(self.request, self.data, values, How::Afresh { differentiates: self.differentiates })
     }
 
-    fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Value>) {
-        let new = Best { values: values.to_vec(), computed: computed.to_vec(), increments: increments.clone() };
+    fn take(&mut self, values: &[f64], run: Run) {
+        let new = Best { values: values.to_vec(), run: run.clone() };
         let differences = DVector::from_vec(new.differences(self.data));
         (self.progress)(self.runs.get(), root_mean_square(&differences));
         let differences = differences / self.scale;
@@ -351,27 +375,27 @@ impl Problem<'_> {
         if self.best.as_ref().is_none_or(|best| norm(&new) < norm(best)) {
             self.best = Some(new);
         }
-        (self.present, self.increments) = (Some(differences), increments);
+        (self.present, self.run) = (Some(differences), Some(run));
     }
 
-    /// ∂curve/∂values on the increments of a run, in threads.
-    fn derivatives(
-        &self,
-        values: &[f64],
-        computed: &[f64],
-        increments: Option<&Value>,
-    ) -> Result<DMatrix<f64>, String> {
-        self.runs.set(self.runs.get() + values.len());
+    /// ∂curve/∂values: what the run tells, and differences on its increments, in threads.
+    fn derivatives(&self, values: &[f64], here: &Run) -> Result<DMatrix<f64>, String> {
+        let unknown = here.unknown();
+        self.runs.set(self.runs.get() + unknown);
+        if self.differentiates && unknown > 0 {
+            *self.remark.borrow_mut() = Some(here.warnings.join("; "));
+        }
+        let Run { computed, increments, derivatives, .. } = here;
+        let increments = increments.as_ref();
         let column = |k: usize| -> Result<DVector<f64>, String> {
+            if let Some(known) = &derivatives[k] {
+                return Ok(known.clone());
+            }
             let mut moved = values.to_vec();
             let step = STEP * size(values[k]);
             moved[k] += if moved[k] + step > self.request.free[k].bounds[1] { -step } else { step };
-            let (curve, _) = curve(self.request, self.data, &moved, increments)?;
-            let step = moved[k] - values[k];
-            Ok(DVector::from_iterator(
-                curve.len(),
-                curve.iter().zip(computed).map(|(there, here)| (there - here) / step),
-            ))
+            let there = run(self.request, self.data, &moved, How::As(increments))?;
+            Ok(slope(&there.computed, computed, moved[k] - values[k]))
         };
         let processors = std::thread::available_parallelism().map_or(1, usize::from);
         let mut columns = Vec::new();
@@ -395,30 +419,47 @@ impl Problem<'_> {
     }
 }
 
-/// The curve of a case with other numbers, at the points of the data, and the increments of the run.
-fn curve(
-    request: &CaseRequest,
-    data: &[[f64; 2]],
-    values: &[f64],
-    increments: Option<&Value>,
-) -> Result<(Vec<f64>, Option<Value>), String> {
+impl Run {
+    /// How many derivatives are not known.
+    fn unknown(&self) -> usize {
+        self.derivatives.iter().filter(|derivative| derivative.is_none()).count()
+    }
+}
+
+/// How a run is made.
+#[derive(Clone, Copy)]
+enum How<'a> {
+    /// With increments of its own, which are kept.
+    Afresh { differentiates: bool },
+    /// With those of another one.
+    As(Option<&'a Value>),
+}
+
+fn slope(there: &[f64], here: &[f64], step: f64) -> DVector<f64> {
+    DVector::from_iterator(here.len(), there.iter().zip(here).map(|(there, here)| (there - here) / step))
+}
+
+/// A run of the case with other numbers.
+fn run(request: &CaseRequest, data: &[[f64; 2]], values: &[f64], how: How<'_>) -> Result<Run, String> {
     let mut source = request.source.clone();
     source.overrides.extend(overrides(&request.free, values));
-    source.overrides.extend(increments.map(|recorded| format!("increments={}", json!({ "recorded": recorded }))));
+    match how {
+        How::Afresh { differentiates: false } | How::As(None) => {}
+        How::Afresh { differentiates: true } => {
+            source.derivatives = request.free.iter().map(|free| free.path.clone()).collect();
+        }
+        How::As(Some(recorded)) => {
+            source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
+        }
+    }
     let prepared = source.read().map_err(|errors| {
         errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
     })?;
-    let settings = Settings { records: increments.is_none(), ..Settings::default() };
+    let settings = Settings { records: matches!(how, How::Afresh { .. }), ..Settings::default() };
     let outcome = prepared.run(settings).map_err(|error| error.to_string())?;
     if !outcome.is_done() {
         return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
     }
-    let computed = at_data(&outcome, &request.curve, data)?;
-    Ok((computed, outcome.increments))
-}
-
-/// The second column where the first passes the data's values for the first time, on its way to the farthest of them.
-fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     let column = |name: &String| {
         let columns = || outcome.history.columns().join(", ");
         outcome
@@ -426,7 +467,25 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
             .column(name)
             .ok_or_else(|| format!("--curve: the history has no column '{name}', but {}", columns()))
     };
+    let names = &request.curve;
     let (x, y) = (column(&names[0])?, column(&names[1])?);
+    let computed = at_data([x, y], &names[0], data)?;
+    // of both columns, moved along their derivatives
+    let derivative = |(free, value): (&Free, &f64)| {
+        let step = STEP * size(*value);
+        let by = |name: &String| outcome.derivatives.as_ref()?.column(&columns::derivative(name, &free.path));
+        let moved = |column: &[f64], by: &[f64]| column.iter().zip(by).map(|(y, dy)| y + step * dy).collect::<Vec<_>>();
+        let (there, upwards) = (moved(x, by(&names[0])?), moved(y, by(&names[1])?));
+        let there = at_data([&there, &upwards], &names[0], data).ok()?;
+        Some(slope(&there, &computed, step)).filter(|slope| slope.iter().all(|entry| entry.is_finite()))
+    };
+    let derivatives = request.free.iter().zip(values).map(derivative).collect();
+    let warnings = outcome.summary.warnings.into_iter().filter(|warning| warning.starts_with("derivatives")).collect();
+    Ok(Run { computed, increments: outcome.increments, derivatives, warnings })
+}
+
+/// The second column where the first passes the data's values for the first time, on its way to the farthest of them.
+fn at_data([x, y]: [&[f64]; 2], name: &str, data: &[[f64; 2]]) -> Result<Vec<f64>, String> {
     let Some(&start) = x.first() else { return Err("the run has no rows".into()) };
     let way =
         data.iter().map(|row| row[0] - start).fold(0.0_f64, |far, way| if way.abs() > far.abs() { way } else { far });
@@ -447,8 +506,8 @@ fn at_data(outcome: &Outcome, names: &[String; 2], data: &[[f64; 2]]) -> Result<
             (Some(a), Some(b)) => Ok(a[1] + (x - a[0]) / (b[0] - a[0]) * (b[1] - a[1])),
             (None, Some(first)) if first[0] - x <= rounding => Ok(first[1]),
             (Some(last), None) if x - last[0] <= rounding => Ok(last[1]),
-            (None, _) => Err(format!("the run begins at {} {start}, the data also have {}", names[0], row[0])),
-            (Some(_), None) => Err(format!("the run ends at {} {last}, the data go on to {}", names[0], row[0])),
+            (None, _) => Err(format!("the run begins at {name} {start}, the data also have {}", row[0])),
+            (Some(_), None) => Err(format!("the run ends at {name} {last}, the data go on to {}", row[0])),
         }
     };
     data.iter().map(at).collect()
@@ -469,10 +528,10 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
             return;
         }
         let values = self.values();
-        match self.run(&values, None) {
-            Ok((computed, increments)) => self.take(&values, &computed, increments),
+        match self.run(&values) {
+            Ok(run) => self.take(&values, run),
             // so far off that the method turns back and takes a shorter step
-            Err(_) => self.present = Some(DVector::from_element(self.data.len(), NO_CURVE)),
+            Err(_) => (self.present, self.run) = (Some(DVector::from_element(self.data.len(), NO_CURVE)), None),
         }
     }
 
@@ -485,13 +544,11 @@ impl LeastSquaresProblem<f64, Dyn, Dyn> for Problem<'_> {
     }
 
     fn jacobian(&self) -> Option<DMatrix<f64>> {
-        let values = self.values();
-        if self.runs.get() + values.len() > self.request.max_runs {
+        let here = self.run.as_ref().filter(|_| self.present.is_some())?;
+        if self.runs.get() + here.unknown() > self.request.max_runs {
             return None;
         }
-        let here = self.present.as_ref()?;
-        let computed: Vec<f64> = here.iter().zip(self.data).map(|(part, row)| part * self.scale + row[1]).collect();
-        match self.derivatives(&values, &computed, self.increments.as_ref()) {
+        match self.derivatives(&self.values(), here) {
             Ok(mut derivatives) => {
                 for ((mut column, free), sought) in
                     derivatives.column_iter_mut().zip(&self.request.free).zip(&self.sought)
@@ -526,6 +583,9 @@ impl CaseFit {
             let _ = writeln!(text, "  {} = {} ± {error}{known}{bound}", free.path, significant(value, 6));
         }
         let _ = writeln!(text, "  RMS difference {}, {} runs", significant(self.rms, 4), self.runs);
+        if let Some(remark) = &self.remark {
+            let _ = writeln!(text, "  differences between runs instead of derivatives of one: {remark}");
+        }
         text
     }
 
@@ -552,6 +612,7 @@ impl CaseFit {
         let summary = json!({
             "status": if self.trouble.is_none() { "done" } else { "failed" },
             "message": self.trouble,
+            "remark": self.remark,
             "case": request.source.file,
             "data": request.data,
             "curve": request.curve,

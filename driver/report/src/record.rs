@@ -35,6 +35,8 @@ pub struct Record {
     done: u64,
     /// Increments, if they are kept for another run that repeats them.
     pub recorded: Option<Recorded>,
+    /// Derivatives of the rows, if there are any.
+    pub derivatives: Option<History>,
     /// Step and increment of the last row.
     place: [u32; 2],
     /// Whether the run was told to end.
@@ -98,6 +100,7 @@ impl Record {
             warnings: Vec::new(),
             done: 0,
             recorded: None,
+            derivatives: None,
             place: [0; 2],
             ended: Cell::new(false),
             start,
@@ -173,6 +176,12 @@ impl Observer for Record {
                 history.push(&row);
                 Ok(())
             }
+        }
+    }
+
+    fn derivatives(&mut self, row: &[f64]) {
+        if let Some(derivatives) = &mut self.derivatives {
+            derivatives.push_values(row.iter().copied());
         }
     }
 

@@ -436,6 +436,32 @@ pub fn fill<R>(
     to.iter_mut().zip(before.chain(states).chain(behind)).for_each(|(to, value)| *to = value);
 }
 
+/// Places, among the values of a specimen's rows, of those that depend on the numbers of its case smoothly, where they do.
+pub fn smooth_in_specimen(fibres: &[MeasuredFibre]) -> impl Iterator<Item = usize> {
+    let is_smooth = |column: &Column<Record>| column.group != Count && !OF_INCREMENTS.contains(&column.name);
+    let own = SPECIMEN.iter().enumerate().filter(move |(_, column)| is_smooth(column)).map(|(place, _)| place);
+    own.chain(SPECIMEN.len()..count_in_specimen(fibres))
+}
+
+/// Columns of a specimen that tell of increments.
+const OF_INCREMENTS: [&str; 3] = ["time", "energy_error", "cutbacks"];
+
+/// Columns of the derivatives of a specimen's history by numbers of its case, by their paths, number by number.
+pub fn of_derivatives<'p>(fibres: &[MeasuredFibre], paths: impl Iterator<Item = &'p str>) -> Vec<String> {
+    let columns = of_specimen(fibres);
+    let by = |path: &str| -> Vec<String> {
+        let smooth = smooth_in_specimen(fibres).map(|place| &columns[LEADING.len() + place]);
+        smooth.map(|column| derivative(column, path)).collect()
+    };
+    let all = paths.flat_map(by);
+    LEADING.into_iter().map(str::to_owned).chain(all).collect()
+}
+
+/// Returns what the derivative of a column by a number of the case is called.
+pub fn derivative(column: &str, path: &str) -> String {
+    format!("d({column})/d({path})")
+}
+
 /// Returns where the column of this name stands among the values of a specimen's rows.
 pub fn place_in_specimen(name: &str) -> Option<usize> {
     SPECIMEN.iter().position(|column| column.name == name)

@@ -144,6 +144,18 @@ impl Reading {
         read(file, &self.overrides, &self.plugin_paths)
     }
 
+    /// Reads a case whose history is to be differentiated.
+    fn case_with(&self, file: &Path, derivatives: &[String]) -> Result<Case, CaseErrors> {
+        let mut case = self.case(file)?;
+        let document = pullout_case::document(file, &self.overrides).unwrap_or_default();
+        let read = |text: &str| {
+            let overrides = [&self.overrides[..], &[text.to_owned()]].concat();
+            Self { overrides, plugin_paths: self.plugin_paths.clone(), ..*self }.case(file)
+        };
+        pullout_case::vary(&mut case, &document, derivatives, &read)?;
+        Ok(case)
+    }
+
     /// Returns what a case needs a process of its own for, if it does.
     fn need(&self, file: &Path) -> Option<isolation::Need> {
         pullout_case::need(file, &self.overrides, &self.plugin_paths)

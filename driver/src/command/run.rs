@@ -51,6 +51,10 @@ pub(super) struct Arguments {
     /// Write increments.json: what a case that repeats the increments of this run names as "increments": {"recorded": FILE}.
     #[arg(long, conflicts_with = "restart")]
     record_increments: bool,
+    /// Write derivatives.csv: the derivatives of the history of a case of kind "pullout" by numbers of it, for about a
+    /// fifth of a run each.
+    #[arg(long, value_name = "PATH", value_delimiter = ',', conflicts_with_all = ["restart", "checkpoint_every"])]
+    derivatives: Vec<String>,
     /// Say nothing but errors.
     #[arg(long)]
     pub(super) quiet: bool,
@@ -77,6 +81,7 @@ impl Arguments {
         line.extend(self.interruption.checkpoint_every.map(|every| format!("--checkpoint-every={every}").into()));
         line.extend(self.overwrite.then(|| "--overwrite".into()));
         line.extend(self.record_increments.then(|| "--record-increments".into()));
+        line.extend(self.derivatives.iter().map(|path| format!("--derivatives={path}").into()));
         line.extend(self.quiet.then(|| "--quiet".into()));
         line.extend(self.threads.map(|count| format!("--threads={count}").into()));
         line.extend(self.parent.map(|parent| format!("--parent={parent}").into()));
@@ -194,7 +199,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
                 }
                 jobs.push((Job::Isolated { file, need }, file, folder));
             }
-            None => match reading.case(file) {
+            None => match reading.case_with(file, &arguments.derivatives) {
                 Ok(mut case) => match interruption.checkpoints(&case) {
                     Ok(checkpoints) => {
                         if let Case::Pullout(program) = &mut case {
@@ -363,10 +368,14 @@ fn run_case(
         Some(kept) => Record::resume(&history_file, &columns, progress, kept)?,
     };
     record.recorded = telling.records.then(Recorded::default);
+    record.derivatives = pullout_engine::derivatives(case);
     let Followed { statistics, result, specimen } = follow(case, &mut record, &folder, checkpoints);
     // those of a run that was not at its end would repeat a part of it
     if let Some(recorded) = record.recorded.take().filter(|_| result.is_ok() && !record.was_ended()) {
         directory.write("increments.json", serde_json::to_string(&recorded)?)?;
+    }
+    if let Some(derivatives) = record.derivatives.take() {
+        directory.write("derivatives.csv", derivatives.csv()?)?;
     }
     // what plugins printed is complete before the results are listed
     drop(prints);

@@ -105,7 +105,8 @@ fn a_run_that_was_not_at_its_end_leaves_no_increments() {
     assert!(!record());
 }
 
-/// Five parameters at five slips across the peak, against central differences with the same increments.
+/// Five parameters at five slips across the peak, told by the run itself and by differences of runs with the same increments,
+/// against central differences of such.
 #[test]
 fn gradients_of_a_pull_out_curve() {
     const PARAMETERS: [&str; 5] = [
@@ -120,17 +121,30 @@ fn gradients_of_a_pull_out_curve() {
     let increments = repeats(&case);
     assert!(refused(&increments) > 0);
     let value = |path: &str| path.split('.').fold(&case, |value, key| &value[key]).as_f64().unwrap();
+    let at_slips = |slip: &[f64], values: &[f64]| -> Vec<f64> {
+        let at = |s: f64| {
+            let k = slip.iter().position(|slip| *slip > s).unwrap();
+            values[k - 1] + (values[k] - values[k - 1]) * (s - slip[k - 1]) / (slip[k] - slip[k - 1])
+        };
+        SLIPS.map(at).to_vec()
+    };
     let loads = |path: &str, relative: f64| -> Vec<f64> {
         let outcome = run(with(&case, &[(path, value(path) * (1.0 + relative))], Some(&increments)), false);
         assert!(outcome.is_done(), "{:?}", outcome.summary.message);
         let column = |name: &str| outcome.history.column(name).unwrap();
-        let (slip, load) = (column("slip"), column("load"));
-        let at = |s: f64| {
-            let k = slip.iter().position(|slip| *slip > s).unwrap();
-            load[k - 1] + (load[k] - load[k - 1]) * (s - slip[k - 1]) / (slip[k] - slip[k - 1])
-        };
-        SLIPS.map(at).to_vec()
+        at_slips(column("slip"), column("load"))
     };
+    let mut differentiated = with(&case, &[], None);
+    differentiated.derivatives = PARAMETERS.map(str::to_owned).to_vec();
+    let told = run(differentiated, true);
+    assert!(told.is_done() && told.increments.as_ref() == Some(&increments), "{:?}", told.summary.message);
+    assert!(
+        told.summary.warnings.iter().all(|warning| !warning.contains("derivatives")),
+        "{:?}",
+        told.summary.warnings
+    );
+    let (slopes, slip) = (told.derivatives.as_ref().unwrap(), told.history.column("slip").unwrap());
+    assert_eq!(slopes.column("increment"), told.history.column("increment"));
     let base = loads(PARAMETERS[0], 0.0);
     assert!(base[2] > base[0] && base[2] > base[4], "the peak is in between: {base:?}");
     for path in PARAMETERS {
@@ -141,8 +155,14 @@ fn gradients_of_a_pull_out_curve() {
         let (forward, central) = (derivatives(1e-6, 0.0), derivatives(1e-4, -1e-4));
         let greatest = central.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
         let worst = forward.iter().zip(&central).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max);
-        println!("{path}: {central:?}, {worst:.1e}");
+        // all slips are led to by the drive, which depends on nothing
+        assert!(slopes.column(&format!("d(slip)/d({path})")).unwrap().iter().all(|slope| *slope == 0.0));
+        let by_path = slopes.column(&format!("d(load)/d({path})")).unwrap();
+        let own = at_slips(slip, by_path).into_iter().map(|slope| slope * value(path));
+        let own_worst = own.zip(&central).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max);
+        println!("{path}: {central:?}, {worst:.1e}, told by the run {own_worst:.1e}");
         assert!(worst < 1e-4, "{path}: {forward:?}, {central:?}");
+        assert!(own_worst < 1e-4, "{path}: {by_path:?}, {central:?}");
     }
 }
 
@@ -168,6 +188,45 @@ fn the_program_writes_increments_and_reads_them() {
     let again = desk.run(&desk.case("again.json", &case), &[], "again", 0);
     let rows = |folder: &Path| std::fs::read_to_string(folder.join("history.csv")).unwrap();
     assert_eq!(rows(&again.folder), rows(&base.folder));
+}
+
+#[test]
+fn the_program_writes_derivatives_and_says_by_what_there_are_none() {
+    let desk = Desk::new();
+    let mut case = fibre(0.004);
+    case["output"] = json!({ "plots": false, "vtu": false });
+    let file = desk.case("fibre.json", &case);
+    let run = |file: &Path, path: &str, folder: &str| {
+        let mut command = program::command();
+        command.args(["run", "--quiet", "--overwrite", &format!("--derivatives={path}"), "--out"]);
+        let output = command.arg(desk.path(folder)).arg(file).output().unwrap();
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let alone = desk.run(&file, &[], "alone", 0);
+    let (code, words) = run(&file, "contact.law.props.k_e,parts.matrix.material.props.E", "both");
+    assert_eq!(code, Some(0), "{words}");
+    let text = |folder: &Path, name: &str| std::fs::read_to_string(folder.join(name)).unwrap();
+    assert_eq!(text(&alone.folder, "history.csv"), text(&desk.path("both"), "history.csv"));
+    let table = text(&desk.path("both"), "derivatives.csv");
+    let header: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+    assert_eq!(header[..2], ["step", "increment"]);
+    for column in ["d(load)/d(contact.law.props.k_e)", "d(load)/d(parts.matrix.material.props.E)"] {
+        let place = header.iter().position(|name| *name == column).unwrap();
+        let last: f64 = table.lines().last().unwrap().split(',').nth(place).unwrap().parse().unwrap();
+        assert!(last > 0.0, "{column}: what is stiffer bears more at a small slip: {last}");
+    }
+    assert_eq!(table.lines().count(), text(&alone.folder, "history.csv").lines().count());
+    let bond = desk.case("bond.json", &bond());
+    for (file, path, part) in [
+        (&file, "contact.law.props.k", "is not there"),
+        (&file, "contact.law.props.law", "no number"),
+        (&file, "mesh.specimen.embedded_elements", "cannot be read"),
+        (&file, "steps.0.slip,steps.0.slip", "twice"),
+        (&bond, "material.props.k_e", "kind \"pullout\""),
+    ] {
+        let (code, words) = run(file, path, "none");
+        assert!(code == Some(2) && words.contains(part) && !desk.path("none").exists(), "{path}: {code:?} {words}");
+    }
 }
 
 #[test]

@@ -340,6 +340,12 @@ impl Contact {
         slips.sum::<f64>() / self.area()
     }
 
+    /// Returns whether another one has as many pairs, each of as many points.
+    pub fn has_points_of(&self, other: &Self) -> bool {
+        let counts = |contact: &Self| -> Vec<usize> { contact.pairs.iter().map(|pair| pair.points.len()).collect() };
+        counts(self) == counts(other)
+    }
+
     /// Returns whether there is such a point.
     pub fn has(&self, point: PointIndex) -> bool {
         self.pairs.get(point.pair).is_some_and(|pair| point.point < pair.points.len())
@@ -353,6 +359,16 @@ impl Contact {
     pub fn slip_of(&self, point: PointIndex) -> f64 {
         let pair = &self.pairs[point.pair];
         sliding_direction(pair) * pair.trial.points[point.point].slip
+    }
+
+    /// The slip of a point at the start of the increment, likewise.
+    ///
+    /// # Panics
+    ///
+    /// If there is no such point.
+    pub fn slip_at_start(&self, point: PointIndex) -> f64 {
+        let pair = &self.pairs[point.pair];
+        sliding_direction(pair) * pair.committed.points[point.point].slip
     }
 
     /// The derivative of [`Self::slip_of`] along a change of all displacements; 0 of a point without contact.

@@ -1,22 +1,22 @@
 //! What follows when Newton has converged: points that open, multipliers that grow.
 
-use super::Contact;
 use super::law::PointLaw;
 use super::pair::Pair;
+use super::{Contact, PointIndex};
 use crate::model::Enforcement;
 
 /// The part of the points over the tension cap that open at a time.
 const OPENING_SHARE: f64 = 0.1;
 
 /// What [`Contact::settle`] changed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settlement {
     /// Whether the increment must be iterated again, at the same load.
     pub again: bool,
-    /// Multipliers that were updated.
-    pub updated: usize,
+    /// Indices of the pairs of which multipliers were updated.
+    pub updated: Vec<usize>,
     /// Points that opened for good.
-    pub opened: usize,
+    pub opened: Vec<PointIndex>,
     /// Largest |g_N| of points held under Uzawa's rule, mm.
     pub worst_gap: f64,
     /// Indices of its pair and of the point in it.
@@ -40,34 +40,46 @@ impl Contact {
                 wanting.push(index);
             }
         }
-        if settlement.opened == 0 && !wanting.is_empty() {
+        if settlement.opened.is_empty() && !wanting.is_empty() {
             self.updates += 1;
-            settlement.updated = wanting.iter().map(|&index| update_multipliers(&mut self.pairs[index])).sum();
+            wanting.retain(|&index| update_multipliers(&mut self.pairs[index]));
+            settlement.updated = wanting;
         }
-        settlement.again = settlement.opened > 0 || settlement.updated > 0;
+        settlement.again = !settlement.opened.is_empty() || !settlement.updated.is_empty();
         settlement
+    }
+
+    /// Opens and updates what another contact with as many points did, whatever its own tensions and gaps are.
+    pub fn settle_as(&mut self, other: &Settlement) {
+        other.opened.iter().for_each(|point| latch(&mut self.pairs, *point));
+        for &index in &other.updated {
+            update_multipliers(&mut self.pairs[index]);
+        }
     }
 }
 
-/// Latches the points that are furthest over the cap; how many.
-fn open_worst(pairs: &mut [Pair]) -> usize {
+fn latch(pairs: &mut [Pair], PointIndex { pair, point }: PointIndex) {
+    let normal = &mut pairs[pair].trial.points[point].normal;
+    (normal.latched, normal.multiplier) = (true, 0.0);
+}
+
+/// Latches the points that are furthest over the cap.
+fn open_worst(pairs: &mut [Pair]) -> Vec<PointIndex> {
     let mut over = Vec::new();
     for (index, pair) in pairs.iter().enumerate() {
         let PointLaw::Fric { normal, .. } = &pair.law else { continue };
         for (point, state) in pair.trial.points.iter().enumerate() {
             if let Some(excess) = normal.excess(state.pressure, &state.normal) {
-                over.push((excess, index, point));
+                over.push((excess, PointIndex { pair: index, point }));
             }
         }
     }
     over.sort_by(|a, b| b.0.total_cmp(&a.0));
     let share = (OPENING_SHARE * over.len() as f64).floor() as usize;
-    let count = share.max(1).min(over.len());
-    for &(_, pair, point) in &over[..count] {
-        let normal = &mut pairs[pair].trial.points[point].normal;
-        (normal.latched, normal.multiplier) = (true, 0.0);
-    }
-    count
+    over.truncate(share.max(1));
+    let opened: Vec<PointIndex> = over.into_iter().map(|(_, point)| point).collect();
+    opened.iter().for_each(|point| latch(pairs, *point));
+    opened
 }
 
 /// The largest |g_N| of held points, and its point.
@@ -79,14 +91,14 @@ fn worst_gap(pair: &Pair) -> (f64, usize) {
     )
 }
 
-/// λ ← p of held points, and of those that were held and are capped or open now.
-fn update_multipliers(pair: &mut Pair) -> usize {
-    let mut updated = 0;
+/// λ ← p of held points, and of those that were held and are capped or open now; whether that changes any.
+fn update_multipliers(pair: &mut Pair) -> bool {
+    let mut changes = false;
     for state in &mut pair.trial.points {
         if (state.held || state.normal.multiplier != 0.0) && state.normal.multiplier != state.pressure {
             state.normal.multiplier = state.pressure;
-            updated += 1;
+            changes = true;
         }
     }
-    updated
+    changes
 }

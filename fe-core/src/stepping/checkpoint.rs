@@ -88,6 +88,7 @@ impl<'m> Analysis<'m> {
             resumed: Some(checkpoint.position.clone()),
             tried: Vec::new(),
             repeats: None,
+            neighbours: Vec::new(),
         })
     }
 

@@ -67,7 +67,16 @@ impl Analysis<'_> {
         if found.is_empty() {
             return findings;
         }
-        for part in found {
+        self.disbelieve(found);
+        self.findings(converged)
+    }
+
+    /// Counts the work of the stresses of parts whose reported energies nobody believes any more.
+    pub(super) fn disbelieve(&mut self, parts: Vec<usize>) {
+        if parts.is_empty() {
+            return;
+        }
+        for part in parts {
             let Some(account) = self.present.datum_accounts.get(part) else { continue };
             let SolidEnergies { stored, plastic, damage, .. } = account.reported();
             let datum = &mut self.present.datum;
@@ -78,7 +87,6 @@ impl Analysis<'_> {
         }
         let external_work = self.present.energies.external_work;
         self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
-        self.findings(converged)
     }
 
     /// The imbalance of the energies, and what an increment would add to it, relative to the work at its end.

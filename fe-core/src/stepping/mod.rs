@@ -6,6 +6,7 @@ mod energy;
 mod error;
 mod findings;
 pub mod line_search;
+mod neighbours;
 mod newton;
 mod record;
 mod recorded;
@@ -33,6 +34,7 @@ use crate::model::{IncrementContext, Model, Step};
 use crate::threads::Threads;
 use checkpoint::Position;
 use control::{Advance, Judgement, LoadHistory, StepRun};
+use neighbours::Neighbour;
 use newton::{Attempt, Committed, Converged, Equilibrium, Target};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -119,6 +121,8 @@ pub struct Analysis<'m> {
     tried: Vec<Tried>,
     /// Increments that are repeated.
     repeats: Option<Recorded>,
+    /// Runs of other models that go along.
+    neighbours: Vec<Neighbour<'m>>,
 }
 
 impl<'m> Analysis<'m> {
@@ -159,6 +163,7 @@ impl<'m> Analysis<'m> {
             resumed: None,
             tried: Vec::new(),
             repeats: None,
+            neighbours: Vec::new(),
         })
     }
 
@@ -217,6 +222,7 @@ impl<'m> Analysis<'m> {
                 found => found?,
             }
             let initial = self.record(0, 0, 0, Vec::new());
+            observer.neighbours(&self.records_of_neighbours(0, 0))?;
             if observer.increment(&initial, &self.snapshot())? == Directive::EndRun {
                 return Ok(());
             }
@@ -291,17 +297,25 @@ impl<'m> Analysis<'m> {
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
         let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
         self.databases.increment_starts(clock_of_first);
-        let converged = self
-            .equilibrium
-            .attempt(Attempt::new(&self.present.committed, &target, context))
-            .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
-        self.commit(converged, 0.0);
+        let converged = self.attempt_from(None, &target, context).map_err(|trouble| RunError::Failed {
+            step: 1,
+            increment: 0,
+            progress: 0.0,
+            trouble,
+        })?;
+        self.accept(converged, 0.0);
+        self.set_datum();
+        self.neighbours.iter_mut().for_each(Neighbour::set_datum);
+        Ok(())
+    }
+
+    /// The present state is the datum of the energies.
+    fn set_datum(&mut self) {
         self.present.datum = self.equilibrium.energies();
         self.present.datum_accounts = self.equilibrium.solids.accounts();
         self.present.energies = Energies::default();
         self.present.greatest_work = 0.0;
         self.equilibrium.memory.statistics.increments = 0;
-        Ok(())
     }
 
     /// One step from a position to its end.
@@ -322,7 +336,7 @@ impl<'m> Analysis<'m> {
                 total_time: self.present.total_time,
                 time_increment: run.time_increment(step_time),
             };
-            let mut attempt = self.attempt(&target, context);
+            let mut attempt = self.attempt(&target, run.way(None), context);
             if let Ok(converged) = &attempt
                 && self.equilibrium.solids.has_unproven_energies()
             {
@@ -332,7 +346,7 @@ impl<'m> Analysis<'m> {
                     self.believed_findings(findings, converged, Some(run.attempted()));
                     self.tell_look(&run, context.time_increment);
                     self.look_closer(looks, context);
-                    attempt = self.attempt(&target, context);
+                    attempt = self.attempt(&target, run.way(None), context);
                 }
             }
             let to = self.way(&run);
@@ -389,18 +403,39 @@ impl<'m> Analysis<'m> {
     ) -> Result<Directive, RunError> {
         let iterations = converged.iterations.clone();
         let passed = context.time_increment;
-        self.commit(converged, passed);
+        self.accept(converged, passed);
         self.equilibrium.solids.energies_stand();
         self.databases.increment_ends(clock(&context, passed));
         let tried = std::mem::take(&mut self.tried);
         let record = Record { tried, ..self.record(context.step, context.increment, cutbacks, iterations) };
+        if !self.neighbours.is_empty() {
+            observer.neighbours(&self.records_of_neighbours(context.step, context.increment))?;
+        }
         Ok(observer.increment(&record, &self.snapshot())?)
     }
 
     /// One attempt at an increment from the present state.
-    fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
+    fn attempt(&mut self, target: &Target, to: Way, context: IncrementContext) -> Result<Converged, Trouble> {
         self.databases.increment_starts(clock(&context, 0.0));
-        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context))
+        self.attempt_from(Some(to), target, context)
+    }
+
+    fn attempt_from(
+        &mut self,
+        to: Option<Way>,
+        target: &Target,
+        context: IncrementContext,
+    ) -> Result<Converged, Trouble> {
+        self.begin_neighbours(to, context);
+        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context), &mut self.neighbours)
+    }
+
+    /// Makes a converged increment the present state, and leads the neighbours there.
+    fn accept(&mut self, converged: Converged, time: f64) {
+        self.lead_neighbours(&converged);
+        self.commit(converged, time);
+        let released = self.spall();
+        self.commit_neighbours(time, &released);
     }
 
     /// Attempts smaller increments, until one shows that a law's report of energies contradicts the work whatever their
@@ -410,7 +445,7 @@ impl<'m> Analysis<'m> {
             self.equilibrium.restore();
             let target = look.target();
             let context = IncrementContext { time_increment: look.time_increment(context.step_time), ..context };
-            let attempt = self.attempt(&target, context);
+            let attempt = self.attempt(&target, look.way(None), context);
             self.tell_look(&look, context.time_increment);
             let Ok(converged) = attempt else { break };
             self.believed_findings(self.findings(&converged), &converged, Some(look.attempted()));
@@ -448,7 +483,6 @@ impl<'m> Analysis<'m> {
         self.present.load.last = load;
         self.present.load.noise = self.equilibrium.memory.rounding;
         self.equilibrium.memory.statistics.increments += 1;
-        self.spall();
     }
 }
 

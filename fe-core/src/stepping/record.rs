@@ -117,6 +117,16 @@ pub trait Observer {
     /// Whatever kept it from being written; the run stops.
     fn increment(&mut self, record: &Record, snapshot: &Snapshot<'_>) -> io::Result<Directive>;
 
+    /// The records of the runs that go along ([`Analysis::accompany`]), in their order, of the increment that is told next;
+    /// `None` of one that could not go along any further.
+    ///
+    /// # Errors
+    ///
+    /// Whatever kept them from being written; the run stops.
+    fn neighbours(&mut self, _records: &[Option<Record>]) -> io::Result<()> {
+        Ok(())
+    }
+
     /// The run may be resumed from here: the increment that was told last is done, another one follows.
     ///
     /// # Errors

@@ -117,7 +117,7 @@ impl Recorded {
 
 impl StepRun {
     /// Returns where a recorded attempt leads.
-    fn recorded_target(&self, to: Way) -> Target {
+    pub(super) fn recorded_target(&self, to: Way) -> Target {
         let led = |by, growth, point| Target::Led { by, growth, direction: self.direction(), point };
         match to {
             Way::Drives(part) => Target::Drives(self.drives_at(part)),
@@ -167,7 +167,7 @@ impl Analysis<'_> {
                     total_time: self.present.total_time,
                     time_increment: tried.time,
                 };
-                let attempt = self.attempt(&run.recorded_target(tried.to), context);
+                let attempt = self.attempt(&run.recorded_target(tried.to), tried.to, context);
                 if let Ok(converged) = &attempt {
                     let findings = self.findings(converged);
                     self.believed_findings(findings, converged, tried.imbalanced);

@@ -31,10 +31,34 @@ impl Spalled {
 }
 
 impl Analysis<'_> {
-    /// Lets forces of released elements fade and releases what is torn for long enough, with what then is loose.
-    pub(super) fn spall(&mut self) {
-        let Some(spalling) = self.model.controls.spalling else { return };
+    /// Lets forces of released elements fade and releases what is torn for long enough, with what then is loose: these.
+    pub(super) fn spall(&mut self) -> Vec<usize> {
+        let Some(spalling) = self.model.controls.spalling else { return Vec::new() };
+        self.fade();
         let mesh = &self.model.mesh;
+        let (solids, spalled) = (&self.equilibrium.solids, &mut self.present.spalled);
+        let slip = spalled.slip;
+        let Spalling { opening, stress, wait, .. } = spalling;
+        let candidates =
+            (0..mesh.elements().len()).filter(|&element| solids.damages(element) && !solids.is_spalled(element));
+        let torn = candidates.filter(|&element| solids.is_torn(element, opening, stress));
+        let since = torn.map(|element| (element, spalled.torn.get(&element).copied().unwrap_or(slip)));
+        spalled.torn = since.collect();
+        let (mut gone, torn): (BTreeMap<_, _>, _) = spalled.torn.iter().partition(|(_, from)| slip - **from >= wait);
+        if gone.is_empty() {
+            return Vec::new();
+        }
+        spalled.torn = torn;
+        let loose = self.loose(|element| solids.is_spalled(element) || gone.contains_key(&element));
+        gone.extend(loose.into_iter().map(|element| (element, slip)));
+        let gone: Vec<usize> = gone.into_keys().collect();
+        self.release(&gone);
+        gone
+    }
+
+    /// Lets forces of released elements fade.
+    pub(super) fn fade(&mut self) {
+        let Some(spalling) = self.model.controls.spalling else { return };
         let (solids, spalled) = (&mut self.equilibrium.solids, &mut self.present.spalled);
         let slip = self.model.measured.slip_of(&self.present.committed.drives);
         spalled.slip = spalled.slip.max(slip);
@@ -44,32 +68,18 @@ impl Analysis<'_> {
             solids.set_share(element, share);
             share > 0.0
         });
-        let Spalling { opening, stress, wait, .. } = spalling;
-        let candidates =
-            (0..mesh.elements().len()).filter(|&element| solids.damages(element) && !solids.is_spalled(element));
-        let torn = candidates.filter(|&element| solids.is_torn(element, opening, stress));
-        let since = torn.map(|element| (element, spalled.torn.get(&element).copied().unwrap_or(slip)));
-        spalled.torn = since.collect();
-        let (mut gone, torn): (BTreeMap<_, _>, _) = spalled.torn.iter().partition(|(_, from)| slip - **from >= wait);
-        if gone.is_empty() {
-            return;
-        }
-        spalled.torn = torn;
-        let solids = &self.equilibrium.solids;
-        let loose = self.loose(|element| solids.is_spalled(element) || gone.contains_key(&element));
-        gone.extend(loose.into_iter().map(|element| (element, slip)));
-        self.release(gone.into_keys().collect(), slip);
     }
 
-    /// Releases elements at a slip.
-    fn release(&mut self, elements: Vec<usize>, slip: f64) {
+    /// Releases elements at the greatest slip so far.
+    pub(super) fn release(&mut self, elements: &[usize]) {
         let mesh = &self.model.mesh;
         let measured = &self.model.measured;
         let along = |[x, y]: [f64; 2]| x * measured.direction[0] + y * measured.direction[1];
         let exit = measured.exit_node.or(measured.fibres.first().map(|fibre| fibre.exit_node));
         let face = exit.map(|node| along(mesh.nodes()[node]));
         let (solids, spalled) = (&self.equilibrium.solids, &mut self.present.spalled);
-        for &element in &elements {
+        let slip = spalled.slip;
+        for &element in elements {
             spalled.torn.remove(&element);
             spalled.fading.insert(element, slip);
             spalled.volume +=
@@ -78,7 +88,7 @@ impl Analysis<'_> {
             let lowest = lowest.fold(f64::INFINITY, f64::min);
             spalled.depth = spalled.depth.max(face.map_or(0.0, |face| face - lowest));
         }
-        self.equilibrium.release(&elements);
+        self.equilibrium.release(elements);
         let external_work = self.present.energies.external_work;
         self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
     }

@@ -1,5 +1,6 @@
 //! Whole runs against closed forms: what the parts of an increment give together.
 
+mod neighbours;
 mod pull_out;
 mod recorded;
 mod skipping;

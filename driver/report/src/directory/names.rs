@@ -24,7 +24,7 @@ pub enum Kind {
 }
 
 /// What a run writes while it goes on. `#` is a number, `*` any text.
-const GROWING: [&str; 13] = [
+const GROWING: [&str; 14] = [
     "history.csv",
     "checkpoint.bin",
     "checkpoint.partial",
@@ -39,6 +39,7 @@ const GROWING: [&str; 13] = [
     "umat.msg",
     "replay.json",
     "increments.json",
+    "derivatives.csv",
 ];
 /// What else would be replaced, or taken for a result.
 const RUN: [&str; 9] = [

@@ -148,8 +148,30 @@ impl History {
     /// Adds a row. The first two columns are step and increment, the last is the iterations.
     pub fn push(&mut self, row: &Row<'_>) {
         let place = [row.step, row.increment].map(f64::from);
-        let values = place.into_iter().chain(row.values.iter().copied()).chain([f64::from(row.iterations)]);
+        self.push_values(place.into_iter().chain(row.values.iter().copied()).chain([f64::from(row.iterations)]));
+    }
+
+    /// Adds a row of other columns.
+    pub fn push_values(&mut self, values: impl IntoIterator<Item = f64>) {
         self.data.iter_mut().zip(values).for_each(|(column, value)| column.push(value));
+    }
+
+    /// Returns what a file of it holds.
+    ///
+    /// # Errors
+    /// None that could happen in memory.
+    pub fn csv(&self) -> io::Result<Vec<u8>> {
+        let mut header = csv::Writer::from_writer(Vec::new());
+        header.write_record(&self.columns)?;
+        let mut text = header.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
+        for row in 0..self.rows() {
+            for (k, column) in self.data.iter().enumerate() {
+                text.extend((k > 0).then_some(b','));
+                number::push_exact(&mut text, column[row]);
+            }
+            text.push(b'\n');
+        }
+        Ok(text)
     }
 
     /// Names and values of the columns.

@@ -43,6 +43,10 @@ pub trait Observer {
     /// Whatever prevented it from being written; the run stops.
     fn row(&mut self, row: Row<'_>) -> io::Result<()>;
 
+    /// The derivatives of the row that is written next by numbers of the case, behind its step and increment
+    /// ([`crate::columns::of_derivatives`]); NaN where they are not known.
+    fn derivatives(&mut self, _row: &[f64]) {}
+
     /// An increment is done, whether its row is written or not; the run has cost so much by now.
     fn increment_done(&mut self, row: Row<'_>, so_far: Statistics);
 

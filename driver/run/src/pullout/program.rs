@@ -36,12 +36,31 @@ pub struct Program {
     pub rupture_strain: f64,
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
+    /// By what the history is differentiated.
+    pub varied: Vec<Varied>,
+}
+
+/// A number of the case by which the history is differentiated.
+#[derive(Clone, Debug)]
+pub struct Varied {
+    /// Its path, as `--set` has it.
+    pub path: String,
+    /// By how much it is moved.
+    pub step: f64,
+    /// The model with the moved number.
+    pub model: Model,
 }
 
 impl Program {
     /// The history's columns.
     pub fn columns(&self) -> Vec<String> {
         columns::of_specimen(&self.model.measured.fibres)
+    }
+
+    /// The columns of the derivatives; none if there are no derivatives.
+    pub fn columns_of_derivatives(&self) -> Option<Vec<String>> {
+        let paths = self.varied.iter().map(|varied| varied.path.as_str());
+        (!self.varied.is_empty()).then(|| columns::of_derivatives(&self.model.measured.fibres, paths))
     }
 
     /// All laws with what they are of, those of contact first; pairs of the same law stand together.

@@ -91,6 +91,12 @@ pub fn run<'p>(
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }
+    for varied in &program.varied {
+        if let Err(error) = analysis.accompany(&varied.model) {
+            let message = format!("no derivatives by {}: {error}", varied.path);
+            return Outcome::stopped(failure(1, 1, message, Value::Null));
+        }
+    }
     if let Some(recorded) = &program.about.recorded {
         analysis.repeat(recorded.as_ref().clone());
     }
@@ -127,6 +133,11 @@ pub fn run<'p>(
     analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
         recorder.observer.warn(remark);
     });
+    for (varied, lost) in program.varied.iter().zip(analysis.lost_neighbours()) {
+        if let Some(reason) = lost {
+            recorder.observer.warn(format!("derivatives by {} end before {reason}", varied.path));
+        }
+    }
     findings.stabilisation_share = analysis.stabilisation_share();
     if findings.stabilisation_share > LARGE_STABILISATION {
         recorder.observer.warn(format!(
@@ -225,6 +236,8 @@ struct Recorder<'p, 'o> {
     moments: Option<Moments<'p>>,
     ruptures: IndexMap<String, Rupture>,
     present: Present,
+    /// Values of the columns of models with a moved number.
+    beside: Vec<Option<Vec<f64>>>,
     energies: Energies,
     /// What finished increments cost, but for calls of plugins and attempts that were given up.
     so_far: Statistics,
@@ -314,6 +327,7 @@ impl<'p, 'o> Recorder<'p, 'o> {
             moments: mesh.map(|mesh| Moments::new(mesh, &program.pictures_at)),
             ruptures: IndexMap::new(),
             present,
+            beside: Vec::new(),
             energies: Energies::default(),
             so_far: Statistics::default(),
             energy_error: 0.0,
@@ -360,7 +374,25 @@ impl<'p, 'o> Recorder<'p, 'o> {
     }
 
     fn finish_history(&mut self) -> io::Result<()> {
-        if self.present.written { Ok(()) } else { self.observer.row(self.present.row()) }
+        if self.present.written { Ok(()) } else { self.write() }
+    }
+
+    /// Writes the present row and its derivatives.
+    fn write(&mut self) -> io::Result<()> {
+        self.present.written = true;
+        if !self.beside.is_empty() {
+            let Present { step, increment, ref values, .. } = self.present;
+            let mut row = vec![f64::from(step), f64::from(increment)];
+            for (varied, beside) in self.program.varied.iter().zip(&self.beside) {
+                let derivative = |place: usize| match beside {
+                    Some(beside) => (beside[place] - values[place]) / varied.step,
+                    None => f64::NAN,
+                };
+                row.extend(columns::smooth_in_specimen(&self.program.model.measured.fibres).map(derivative));
+            }
+            self.observer.derivatives(&row);
+        }
+        self.observer.row(self.present.row())
     }
 
     fn directive(&self) -> Directive {
@@ -408,14 +440,12 @@ impl<'p, 'o> Recorder<'p, 'o> {
             written: false,
         };
         if record.step == 0 {
-            self.present.written = true;
-            self.observer.row(self.present.row())?;
+            self.write()?;
             return Ok(Directive::GoOn);
         }
         let directive = self.directive();
         if self.is_due(directive, self.program.about.every) {
-            self.present.written = true;
-            self.observer.row(self.present.row())?;
+            self.write()?;
         }
         self.so_far.increments += 1;
         self.so_far.iterations += u64::from(self.present.iterations);
@@ -448,6 +478,11 @@ impl Observer for Recorder<'_, '_> {
             fields.write(snapshot)?;
         }
         Ok(directive)
+    }
+
+    fn neighbours(&mut self, records: &[Option<Record>]) -> io::Result<()> {
+        self.beside = records.iter().map(|record| record.as_ref().map(columns::values_of_specimen)).collect();
+        Ok(())
     }
 
     fn checkpoint(&mut self, checkpoint: &Checkpoint) -> io::Result<()> {

@@ -293,6 +293,19 @@ impl Solids {
         self.set_tangent_sources(|part| replaced[part].then_some(TangentSource::Numerical));
     }
 
+    /// Believes the laws as far as other solids do those of the same parts. Returns the parts whose energies are not believed from
+    /// now on.
+    pub fn trust_as(&mut self, other: &Self) -> Vec<usize> {
+        let pairs = || self.trust.iter().zip(&other.trust);
+        let found = pairs().enumerate().filter(|(_, (own, other))| own.believes() && !other.believes());
+        let found: Vec<usize> = found.map(|(part, _)| part).collect();
+        let is_replaced = |trust: &Trust| trust.tangent_deviation.is_some();
+        if !found.is_empty() || pairs().any(|(own, other)| is_replaced(own) != is_replaced(other)) {
+            self.take_trust(&other.trust);
+        }
+        found
+    }
+
     /// Returns what users should know of the laws, after a run.
     pub fn remarks(&self) -> Vec<String> {
         let mut remarks = self.notes.clone();

@@ -1,7 +1,7 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
 use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, trouble, unsolvable};
-use crate::assembly::{Place, Trouble, loads};
+use crate::assembly::{Place, System, Trouble, loads};
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Model};
 use crate::stepping::line_search;
@@ -35,6 +35,16 @@ struct Progress {
     along_drives: f64,
 }
 
+/// What a correction is for.
+pub(super) struct Wanted {
+    /// What is left of the forces, by rows.
+    pub(super) residual: Vec<f64>,
+    /// How far what leads shall have grown in the increment.
+    pub(super) growth: f64,
+    /// Whether the drives move as well, to where they shall be.
+    pub(super) moves_drives: bool,
+}
+
 /// A correction of displacements and drives.
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
@@ -60,22 +70,37 @@ impl Direction {
 impl Equilibrium<'_> {
     /// The correction of this iteration.
     pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, Trouble> {
+        let growth = match attempt.target {
+            Target::Led { growth, .. } => *growth,
+            Target::Drives(_) => 0.0,
+        };
+        let wanted = Wanted { residual: self.memory.residual.clone(), growth, moves_drives: attempt.predicts() };
+        self.direction_to(attempt, wanted, None)
+    }
+
+    /// The correction that takes a residual away and lets what leads grow, by a factor of its own or another one.
+    pub(super) fn direction_to(
+        &mut self,
+        attempt: &Attempt<'_>,
+        wanted: Wanted,
+        mut factor: Option<&mut System>,
+    ) -> Result<Direction, Trouble> {
         let &Attempt { start, target, ref trial, .. } = attempt;
-        let mut correction = self.memory.residual.clone();
+        let Wanted { residual: mut correction, growth, moves_drives } = wanted;
         match target {
             Target::Drives(goal) => {
                 let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
-                if attempt.predicts() {
+                if moves_drives {
                     let change = self.drive_force(start, &drives);
                     correction.iter_mut().zip(&change).for_each(|(c, f)| *c += f);
                 }
-                self.solve(&mut correction)?;
+                self.solve(&mut correction, factor)?;
                 Ok(self.as_direction(&correction, drives))
             }
-            Target::Led { by, growth, direction, point } => {
+            Target::Led { by, direction, point, .. } => {
                 let mut along = self.drive_force(start, direction);
-                self.solve(&mut correction)?;
-                self.solve(&mut along)?;
+                self.solve(&mut correction, factor.as_deref_mut())?;
+                self.solve(&mut along, factor)?;
                 let zero = vec![0.0; direction.len()];
                 let from_residual = self.as_direction(&correction, zero);
                 let from_drives = self.as_direction(&along, direction.clone());
@@ -93,9 +118,10 @@ impl Equilibrium<'_> {
         }
     }
 
-    fn solve(&mut self, right_side: &mut [f64]) -> Result<(), Trouble> {
+    fn solve(&mut self, right_side: &mut [f64], factor: Option<&mut System>) -> Result<(), Trouble> {
         self.memory.statistics.solutions += 1;
         let Self { system, times, .. } = self;
+        let system = factor.unwrap_or(system);
         timed(&mut times.solution, || system.solve(right_side)).map_err(|error| unsolvable(&error))
     }
 

@@ -12,13 +12,16 @@
 //! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c₀ + Δc − c − c,_u·Tδq_r) / c,_u·(Tδq_d + S d)
 //! ```
 
+mod beside;
 mod correction;
 mod iteration;
 mod policy;
 mod state;
 
+pub(super) use beside::{Ahead, Beside};
 pub(super) use state::{EquilibriumState, foreign_state};
 
+use super::neighbours::{self, Neighbour};
 use super::times::timed;
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Times};
@@ -115,6 +118,16 @@ impl<'a> Attempt<'a> {
         &self.iterations[self.before..]
     }
 
+    /// Where the increment starts, and where the attempt is.
+    pub(super) fn between(&self) -> [&Committed; 2] {
+        [self.start, &self.trial]
+    }
+
+    /// Iterations so far.
+    pub(super) fn iteration_count(&self) -> usize {
+        self.iterations.len()
+    }
+
     /// Returns whether the next correction predicts: it takes the drives to where they shall be.
     fn predicts(&self) -> bool {
         self.iterations.is_empty()
@@ -204,9 +217,17 @@ impl<'m> Equilibrium<'m> {
         self.threads = threads;
     }
 
+    pub(super) fn threads(&self) -> &Threads {
+        &self.threads
+    }
+
     /// Finds equilibrium for a target from the committed state: rounds of iterations until contact has settled and the far
-    /// field is elastic.
-    pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
+    /// field is elastic. Neighbours settle their contact with it.
+    pub(super) fn attempt(
+        &mut self,
+        mut attempt: Attempt<'_>,
+        neighbours: &mut [Neighbour<'_>],
+    ) -> Result<Converged, Trouble> {
         if !self.memory.at_committed_state {
             self.evaluate(&attempt)?;
         }
@@ -215,7 +236,9 @@ impl<'m> Equilibrium<'m> {
         self.contact.foretell_nothing();
         loop {
             self.newton(&mut attempt)?;
-            if self.contact.settle().again {
+            let settlement = self.contact.settle();
+            if settlement.again {
+                neighbours::settle(neighbours, self, &attempt, &settlement);
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
                     return Err(trouble(Place::System, "contact multipliers do not settle".into(), CUT));
@@ -231,12 +254,16 @@ impl<'m> Equilibrium<'m> {
             }
             self.evaluate(&attempt)?;
         }
+        Ok(self.converged(attempt))
+    }
+
+    fn converged(&self, attempt: Attempt<'_>) -> Converged {
         let Attempt { trial: mut end, iterations, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
-        Ok(Converged { end, iterations })
+        Converged { end, iterations }
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
@@ -245,18 +272,7 @@ impl<'m> Equilibrium<'m> {
         if !self.zone.condenses() {
             return Ok(true);
         }
-        let context = attempt.context();
-        let trial = &mut attempt.trial;
-        self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
-        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
-        let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
-        self.solids.set_active(&far);
-        let Self { solids, memory, times, .. } = self;
-        let called = timed(&mut times.solids, || {
-            solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut memory.internal)
-        });
-        self.solids.set_active(self.zone.active());
-        called?;
+        self.expand(attempt)?;
         let equations = self.system.equations();
         let mut residual = vec![0.0; equations.count()];
         equations.reduce(&self.memory.unbalanced(), &mut residual);
@@ -268,19 +284,40 @@ impl<'m> Equilibrium<'m> {
         let equations = self.system.equations();
         let at_fault = |freedom: &usize| equations.equations_of(*freedom).iter().any(|(e, _)| unbalanced[*e]);
         let freedoms: Vec<usize> = (0..equations.freedom_count()).filter(at_fault).collect();
-        let equations = equations.clone();
-        if !self.zone.take_in(&self.model.mesh, &freedoms) {
+        let mut zone = self.zone.clone();
+        if !zone.take_in(&self.model.mesh, &freedoms) {
             let reason = "equilibrium is lost between the far field and the zone".into();
             return Err(trouble(Place::System, reason, CUT));
         }
-        self.system = self
-            .zone
-            .system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)
-            .map_err(|error| unsolvable(&error))?;
-        self.system.set_threads(&self.threads);
-        self.solids.set_active(self.zone.active());
-        self.memory.factorised = false;
+        self.set_zone(zone).map_err(|error| unsolvable(&error))?;
         Ok(false)
+    }
+
+    /// Expands the far field and calls its laws, whose forces take the place of the condensed ones.
+    fn expand(&mut self, attempt: &mut Attempt<'_>) -> Result<(), Trouble> {
+        let context = attempt.context();
+        let trial = &mut attempt.trial;
+        self.system.expand(&mut trial.displacements).map_err(|error| unsolvable(&error))?;
+        self.system.add_far_forces(&trial.displacements, -1.0, &mut self.memory.internal);
+        let far: Vec<bool> = self.zone.active().iter().map(|active| !active).collect();
+        self.solids.set_active(&far);
+        let Self { solids, memory, times, .. } = self;
+        let called = timed(&mut times.solids, || {
+            solids.evaluate_unstabilised(&trial.displacements, &context, Request::Stress, &mut memory.internal)
+        });
+        self.solids.set_active(self.zone.active());
+        called
+    }
+
+    /// Lets the elements of a zone iterate that is no smaller. What it condenses has the stiffness of the virgin state.
+    fn set_zone(&mut self, zone: Zone) -> Result<(), SolverError> {
+        let coupled = coupled_freedoms(self.model, &self.contact);
+        self.system = zone.system(self.model, self.system.equations().clone(), &coupled, &self.solids)?;
+        self.system.set_threads(&self.threads);
+        self.solids.set_active(zone.active());
+        self.zone = zone;
+        self.memory.factorised = false;
+        Ok(())
     }
 
     /// The last attempt becomes the committed state.
@@ -342,12 +379,16 @@ impl<'m> Equilibrium<'m> {
 
     /// Forces, residual and tangents at the trial state.
     pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
-        let request = Request::StressAndTangent;
+        self.evaluate_for(attempt, Request::StressAndTangent)
+    }
+
+    /// Forces and residual at the trial state, and tangents if they are asked for.
+    fn evaluate_for(&mut self, attempt: &Attempt<'_>, request: Request) -> Result<(), Trouble> {
         let (trial, context) = (&attempt.trial, attempt.context());
         let Model { mesh, nlgeom, loads, fields, steps, .. } = self.model;
         let Self { solids, contact, system, memory, times, .. } = self;
         memory.statistics.evaluations += 1;
-        memory.has_tangents = true;
+        memory.has_tangents = request.wants_tangent();
         memory.internal.fill(0.0);
         timed(&mut times.solids, || solids.evaluate(&trial.displacements, &context, request, &mut memory.internal))?;
         memory.blocks.clear();

@@ -98,7 +98,7 @@ impl Equilibrium<'_> {
     }
 
     /// Factorises what has changed since the last time.
-    fn factorise(&mut self) -> Result<(), Trouble> {
+    pub(super) fn factorise(&mut self) -> Result<(), Trouble> {
         let Self { model, solids, contact, system, memory, times, extent, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;

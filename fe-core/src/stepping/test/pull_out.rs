@@ -14,7 +14,7 @@ use crate::output::Activity::{Condensed, Damaged, Elastic, Yielded};
 use crate::stepping::{Analysis, Directive, Observer, Record, Snapshot};
 
 /// The bond of chapter 6 with friction.
-fn bond(friction: f64) -> PluginLaw {
+pub(super) fn bond(friction: f64) -> PluginLaw {
     bond_with(&[("mu", friction)])
 }
 
@@ -40,12 +40,12 @@ pub(super) fn bond_with(others: &[(&str, f64)]) -> PluginLaw {
     PluginLaw::shipped("bond_slip", &parameters.map(value))
 }
 
-fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
+pub(super) fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
     PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", poisson)])
 }
 
 /// A fibre embedded 3 mm in six elements, pulled by `slip`.
-fn fibre(
+pub(super) fn fibre(
     configuration: Configuration,
     laws: [PluginLaw; 2],
     bond: &PluginLaw,
@@ -132,9 +132,9 @@ fn fibre(
 }
 
 const AUTOMATIC: StepControl = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };
-const AXISYMMETRIC: Configuration = Configuration::Axisymmetric { outer_radius: None };
+pub(super) const AXISYMMETRIC: Configuration = Configuration::Axisymmetric { outer_radius: None };
 
-fn steel() -> PluginLaw {
+pub(super) fn steel() -> PluginLaw {
     elastic(210e3, 0.3)
 }
 

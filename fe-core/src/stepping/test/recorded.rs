@@ -4,7 +4,7 @@ use super::{Keeper, snap_back};
 use crate::model::Model;
 use crate::stepping::{Analysis, Record, Recorded, RunError, Tried, Verdict, Way};
 
-fn recorded(records: &[Record]) -> Recorded {
+pub(super) fn recorded(records: &[Record]) -> Recorded {
     let mut recorded = Recorded::default();
     for record in records.iter().filter(|record| record.step > 0) {
         recorded.push(record.step, record.tried.clone());
@@ -13,7 +13,7 @@ fn recorded(records: &[Record]) -> Recorded {
     recorded
 }
 
-fn repeat(model: &Model, recorded: &Recorded) -> Result<Vec<Record>, RunError> {
+pub(super) fn repeat(model: &Model, recorded: &Recorded) -> Result<Vec<Record>, RunError> {
     let mut analysis = Analysis::new(model).unwrap();
     analysis.repeat(recorded.clone());
     let mut keeper = Keeper::default();

@@ -42,6 +42,7 @@ fn program(every: usize) -> Program {
         },
         step_untils: vec![None, None],
         threads: Threads::default(),
+        varied: Vec::new(),
     }
 }
 
