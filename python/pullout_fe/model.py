@@ -158,7 +158,7 @@ class Model:
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
         """Derivatives of the curve (rows) by the parameters (columns).
 
-        A specimen is differentiated as it runs, all parameters together for about as much as another run. Where that is not
+        A specimen is differentiated as it runs, each parameter for about a third of a run. Where that is not
         possible, which a warning tells, and for points, they are forward differences of :data:`STEP` between runs that repeat
         the increments of that at ``x``: what a specimen chooses by itself would make steps in the curve.
         """

@@ -221,7 +221,7 @@ def run(
     ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them.
 
     ``derivatives``: places of numbers in a case of kind "pullout" (``"contact.law.props.k_e"``) by which the history is
-    differentiated, each for about a fifth of a run: ``run.derivatives["d(load)/d(contact.law.props.k_e)"]``.
+    differentiated, each for about a third of a run: ``run.derivatives["d(load)/d(contact.law.props.k_e)"]``.
 
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.

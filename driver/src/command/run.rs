@@ -52,7 +52,7 @@ pub(super) struct Arguments {
     #[arg(long, conflicts_with = "restart")]
     record_increments: bool,
     /// Write derivatives.csv: the derivatives of the history of a case of kind "pullout" by numbers of it, for about a
-    /// fifth of a run each.
+    /// third of a run each.
     #[arg(long, value_name = "PATH", value_delimiter = ',', conflicts_with_all = ["restart", "checkpoint_every"])]
     derivatives: Vec<String>,
     /// Say nothing but errors.

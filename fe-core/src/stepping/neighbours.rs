@@ -163,6 +163,11 @@ impl<'m> Analysis<'m> {
         self.neighbours.iter().map(|neighbour| neighbour.lost.as_deref())
     }
 
+    /// Returns of each neighbour which part of what it differs by is rounding.
+    pub fn uncertainty_of_neighbours(&self) -> impl Iterator<Item = f64> {
+        self.neighbours.iter().map(|neighbour| neighbour.ahead.uncertainty())
+    }
+
     /// Neighbours begin an attempt; `to`: not that of the datum.
     pub(super) fn begin_neighbours(&mut self, to: Option<Way>, context: IncrementContext) {
         for neighbour in &mut self.neighbours {

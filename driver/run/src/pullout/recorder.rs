@@ -133,9 +133,16 @@ pub fn run<'p>(
     analysis.remarks().into_iter().chain(imbalance(model, recorder.energy_error)).for_each(|remark| {
         recorder.observer.warn(remark);
     });
-    for (varied, lost) in program.varied.iter().zip(analysis.lost_neighbours()) {
+    let known = analysis.lost_neighbours().zip(analysis.uncertainty_of_neighbours());
+    for (varied, (lost, uncertainty)) in program.varied.iter().zip(known) {
+        let path = &varied.path;
         if let Some(reason) = lost {
-            recorder.observer.warn(format!("derivatives by {} end before {reason}", varied.path));
+            recorder.observer.warn(format!("derivatives by {path} end before {reason}"));
+        } else if uncertainty > LARGE_UNCERTAINTY {
+            let share = significant(100.0 * uncertainty, 2);
+            recorder
+                .observer
+                .warn(format!("derivatives by {path}: up to {share} % of them is rounding, so little it matters"));
         }
     }
     findings.stabilisation_share = analysis.stabilisation_share();
@@ -223,6 +230,8 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
     }
 }
 
+/// A part of derivatives that rounding may be without a warning.
+const LARGE_UNCERTAINTY: f64 = 1e-2;
 /// A part of the work that stabilisation may take without a warning.
 const LARGE_STABILISATION: f64 = 0.01;
 

@@ -10,6 +10,8 @@ use umat_abi::law::Request;
 const TOLERANCE: f64 = 1e-6;
 /// What rounding of positions makes of them, as part of what it might at most: 2·10⁻³ to 6·10⁻³ were seen.
 const NOISE: f64 = 1e-2;
+/// A new factor that leaves more than this, where no more than rounding may be left, has nothing to correct.
+const STALLED: f64 = 0.3;
 /// A factor that leaves more of them than this is not that of the present tangents.
 const SLOW: f64 = 1e-2;
 /// Corrections of one equilibrium.
@@ -24,6 +26,8 @@ pub(in crate::stepping) struct Ahead {
     drives: Vec<f64>,
     /// The greatest unbalanced force, N, and the most that what leads has missed, that the difference has made so far.
     greatest: [f64; 2],
+    /// The greatest unbalanced force that was left, N.
+    left: f64,
 }
 
 impl Ahead {
@@ -32,6 +36,11 @@ impl Ahead {
         let difference = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a - b).collect();
         self.displacements = difference(&own.displacements, &other.displacements);
         self.drives = difference(&own.drives, &other.drives);
+    }
+
+    /// Returns how much of what the difference makes is rounding.
+    pub(in crate::stepping) fn uncertainty(&self) -> f64 {
+        if self.left > 0.0 { self.left / self.greatest[0] } else { 0.0 }
     }
 
     fn added_to(&self, other: &Committed) -> Committed {
@@ -92,8 +101,10 @@ impl Equilibrium<'_> {
             }
             let noise = [NOISE * other.memory.rounding, 0.0];
             let is_small = |k: usize| sizes[k] <= (TOLERANCE * ahead.greatest[k]).max(noise[k]);
+            let is_stalled = has_own_factor && sizes[0] > STALLED * before && sizes[0] <= other.memory.rounding;
             // a correction of less than the noise is still the best that is known
-            if (correction > 0 || sizes == [0.0; 2]) && is_small(0) && is_small(1) {
+            if (correction > 0 || sizes == [0.0; 2]) && (is_small(0) || is_stalled) && is_small(1) {
+                ahead.left = ahead.left.max(sizes[0]);
                 if ends && self.zone.condenses() {
                     self.expand(&mut attempt)?;
                 }

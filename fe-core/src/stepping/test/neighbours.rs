@@ -60,27 +60,23 @@ fn with_part(model: &Model, part: usize, name: &str, factor: f64) -> Model {
     model
 }
 
-/// Compares derivatives of numbers told of each increment with central differences of repeated runs; as part of the greatest.
+/// Compares derivatives of numbers told of each increment, of neighbours moved by a part, with central differences of repeated
+/// runs; as part of the greatest.
 fn error_against_differences(
     run: &Accompanied,
-    which: usize,
+    (which, moved): (usize, f64),
     vary: &dyn Fn(f64) -> Model,
     value: fn(&Record) -> f64,
 ) -> f64 {
     let own: Vec<f64> = (run.neighbours.iter().zip(&run.records))
-        .map(|(neighbours, record)| (value(neighbours[which].as_ref().unwrap()) - value(record)) / STEP)
+        .map(|(neighbours, record)| (value(neighbours[which].as_ref().unwrap()) - value(record)) / moved)
         .collect();
     let increments = recorded(&run.records);
-    let [high, low] = [STEP, -STEP].map(|step| repeat(&vary(1.0 + step), &increments).unwrap());
-    let central = high.iter().zip(&low).map(|(high, low)| (value(high) - value(low)) / (2.0 * STEP));
+    let step = 10.0 * moved;
+    let [high, low] = [step, -step].map(|step| repeat(&vary(1.0 + step), &increments).unwrap());
+    let central = high.iter().zip(&low).map(|(high, low)| (value(high) - value(low)) / (2.0 * step));
     let greatest = own.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
     assert!(greatest > 0.0);
-    let central: Vec<f64> = central.collect();
-    if std::env::var_os("ROWS").is_some() {
-        for ((a, b), r) in own.iter().zip(&central).zip(&run.records) {
-            eprintln!("{a:.6e} {b:.6e} {:.1e} slip {:.5e} load {:.5e} {:?} its {}", (a - b).abs() / greatest, r.slip, r.load, r.tried.last().map(|t| t.to), r.iterations.len());
-        }
-    }
     own.iter().zip(central).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max)
 }
 
@@ -110,28 +106,29 @@ fn derivatives_of_a_pull_out_are_those_of_differences() {
     let last = run.records.last().unwrap();
     assert!(last.counts.damaged > 0 && last.load < run.records.iter().map(|record| record.load).fold(0.0, f64::max));
     for which in 0..count {
-        let error = error_against_differences(&run, which, &|factor| vary(which, factor), |record| record.load);
-        let work = error_against_differences(&run, which, &|factor| vary(which, factor), |r| r.energies.external_work);
-        eprintln!("{which}: load {error:.1e}, work {work:.1e}");
-        // of the last, d(load) is 1e-4 of the load and the noise of both that much more of it
-        let tolerance = if which == count - 1 { 0.05 } else { 1e-4 };
-        assert!(error < tolerance && work < tolerance, "{which}: {error:e} {work:e}");
+        let error = |value| error_against_differences(&run, (which, STEP), &|factor| vary(which, factor), value);
+        let errors = [error(|record| record.load), error(|record| record.energies.external_work)];
+        // the last matters so little (it moves the load by 1e-4 of itself) that the noise of positions shows
+        let tolerance = if which == count - 1 { 2e-3 } else { 1e-4 };
+        assert!(errors.iter().all(|error| *error < tolerance), "{which}: {errors:?}");
     }
 }
 
-/// What leads is differentiated too: the drive turns back.
+/// What leads is differentiated too: the drive turns back. At the last increment before, next to the limit point, the curve
+/// bends so much that a step of 1e-5 would show as 4 % there, and in all that follows.
 #[test]
 fn derivatives_through_a_snap_back_are_those_of_differences() {
     let mut model = snap_back::bar();
     // differences see how far from its target Newton's method stops
     model.controls = Controls { force_tolerance: 1e-11, displacement_tolerance: 1e-9, ..model.controls };
     let vary = |factor: f64| with_part(&model, 1, "Y_0", factor);
-    let (run, lost) = accompanied(&model, &[vary(1.0 + STEP)]);
+    let moved = 1e-8;
+    let (run, lost) = accompanied(&model, &[vary(1.0 + moved)]);
     assert_eq!(lost, [None]);
     assert!(run.records.windows(2).any(|pair| pair[1].slip < pair[0].slip));
     let values: [fn(&Record) -> f64; 3] =
         [|record| record.slip, |record| record.load, |record| record.energies.elastic];
-    let errors = values.map(|value| error_against_differences(&run, 0, &vary, value));
+    let errors = values.map(|value| error_against_differences(&run, (0, moved), &vary, value));
     assert!(errors.iter().all(|error| *error < 1e-4), "{errors:?}");
 }
 
@@ -152,7 +149,6 @@ fn the_derivative_of_an_elastic_bond_is_that_of_shear_lag() {
     let record = run.records.last().unwrap();
     let slope = (run.neighbours.last().unwrap()[0].as_ref().unwrap().load - record.load) / (STEP * stiffness);
     let exact = (load(stiffness * 1.001) - load(stiffness * 0.999)) / (0.002 * stiffness);
-    eprintln!("{} {} {slope} {exact}", record.load, load(stiffness));
     approx::assert_relative_eq!(record.load, load(stiffness), max_relative = 1e-2);
     approx::assert_relative_eq!(slope, exact, max_relative = 2e-2);
 }
