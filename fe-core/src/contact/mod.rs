@@ -78,6 +78,15 @@ pub struct Energies {
     pub released: f64,
 }
 
+impl Energies {
+    /// Returns the part of the work that is neither stored nor dissipated, by the laws' reports, nor lost by opening or release:
+    /// the trapezoids' error, N·mm.
+    pub fn unexplained(&self) -> f64 {
+        let Self { work, leaning, plugin_stored, plugin_dissipated, normal_stored, opening, released } = *self;
+        work + leaning - (plugin_stored + normal_stored) - plugin_dissipated - opening - released
+    }
+}
+
 /// A contact point for output, as of the last evaluation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PointRecord<'a> {

@@ -52,6 +52,8 @@ enum Lead {
     Drives,
     /// Drives follow.
     Other(Led),
+    /// The drives, where all else has failed: no equilibrium is near, and the specimen snaps to one that may be far.
+    Snap,
 }
 
 /// Increments of what leads instead of the drives.
@@ -200,7 +202,7 @@ impl StepRun {
             return false;
         }
         let is_led = match lead {
-            Lead::Drives => true,
+            Lead::Drives | Lead::Snap => true,
             Lead::Other(Led { increment, first, advances, .. }) => {
                 *first > 0.0 && are_finite(&[*increment, *first]) && u64::from(*advances) < MOST_COUNTED
             }
@@ -229,9 +231,9 @@ impl StepRun {
     /// Returns where the next attempt leads.
     pub(super) fn target(&mut self) -> Target {
         match self.lead {
-            Lead::Drives => {
+            Lead::Drives | Lead::Snap => {
                 self.attempted = self.size.next(1.0 - self.progress);
-                Target::Drives(self.drives_at(self.aim()))
+                Target::Drives { goal: self.drives_at(self.aim()), snaps: self.lead == Lead::Snap }
             }
             Lead::Other(Led { by, increment, .. }) => {
                 Target::Led { by, growth: increment, direction: self.direction(), point: None }
@@ -248,6 +250,7 @@ impl StepRun {
     pub(super) fn way(&self, leading: Option<[usize; 2]>) -> Way {
         match self.lead {
             Lead::Drives => Way::Drives(self.aim()),
+            Lead::Snap => Way::Snap(self.aim()),
             Lead::Other(Led { by: Leader::PointSlip, increment, .. }) => {
                 Way::Slip { growth: increment, point: leading }
             }
@@ -261,7 +264,7 @@ impl StepRun {
     pub(super) fn time_increment(&self, step_time: f64) -> f64 {
         let left = 1.0 - self.progress;
         let part = match self.lead {
-            Lead::Drives => self.attempted / left,
+            Lead::Drives | Lead::Snap => self.attempted / left,
             Lead::Other(_) => (self.last_progress.abs().max(self.size.minimum()) / left).min(LARGEST_PART_OF_TIME),
         };
         part * (self.duration - step_time)
@@ -302,6 +305,11 @@ impl StepRun {
         self.usual_dissipation = (converged.end.dissipation - start.dissipation).max(FADING * self.usual_dissipation);
         let before = self.progress;
         match &mut self.lead {
+            Lead::Snap => {
+                self.progress = self.aim();
+                self.last_progress = self.progress - before;
+                self.lead = Lead::Drives;
+            }
             Lead::Drives => {
                 self.largest_slip = self.largest_slip.max(slip);
                 self.progress = self.aim();
@@ -352,6 +360,10 @@ impl StepRun {
         }
         self.failures = if has_failed { self.failures + 1 } else { 0 };
         let (possible, creeps) = match &mut self.lead {
+            Lead::Snap => {
+                let possible = self.size.cut(self.attempted, fraction);
+                return if possible { Advance::Repeated } else { Advance::Failed };
+            }
             Lead::Drives => {
                 let possible = self.size.cut(self.attempted, fraction);
                 let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
@@ -377,6 +389,11 @@ impl StepRun {
                 Advance::Repeated
             }
             None if possible => Advance::Repeated,
+            None if self.follows_slip => {
+                self.lead = Lead::Snap;
+                self.size.restart(self.usual_progress);
+                Advance::Repeated
+            }
             None => Advance::Failed,
         }
     }
@@ -397,6 +414,7 @@ impl StepRun {
             Lead::Other(Led { by: Leader::PointSlip, .. }) => dissipation(),
             // Where all that can fail has failed, nothing dissipates until the drives have advanced.
             Lead::Other(Led { by: Leader::Dissipation, .. }) => (self.last_progress > 0.0).then_some(Lead::Drives),
+            Lead::Snap => None,
         }
     }
 }

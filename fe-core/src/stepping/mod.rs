@@ -52,6 +52,8 @@ pub struct Statistics {
     pub settlements: u64,
     /// Times that elements left the condensed far field.
     pub expansions: u64,
+    /// Increments in which the specimen snapped: no equilibrium was near.
+    pub snaps: u64,
     /// Evaluations of all forces.
     pub evaluations: u64,
     /// Factorisations of the matrix with other elements.
@@ -65,9 +67,9 @@ pub struct Statistics {
 impl Statistics {
     /// Returns whether a run can have come to it.
     fn is_sound(&self) -> bool {
-        let Self { increments, iterations, cutbacks, settlements, expansions, .. } = *self;
+        let Self { increments, iterations, cutbacks, settlements, expansions, snaps, .. } = *self;
         let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
-        let of_increments = [increments, iterations, cutbacks, settlements, expansions];
+        let of_increments = [increments, iterations, cutbacks, settlements, expansions, snaps];
         let of_the_solver = [evaluations, factorisations, block_factorisations, solutions];
         of_increments.into_iter().chain(of_the_solver).all(|count| count < GREATEST_COUNT)
     }
@@ -285,7 +287,7 @@ impl<'m> Analysis<'m> {
 
     /// Equilibrium at zero drives: contact that repels at gap 0 finds its place.
     fn find_datum(&mut self) -> Result<(), RunError> {
-        let target = Target::Drives(self.present.committed.drives.clone());
+        let target = Target::Drives { goal: self.present.committed.drives.clone(), snaps: false };
         let context = IncrementContext { step: 1, increment: 1, iteration: 1, ..IncrementContext::default() };
         // to UEXTERNALDB this is the beginning of the first increment
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
@@ -420,7 +422,15 @@ impl<'m> Analysis<'m> {
 
     /// Returns what users should know of the laws of parts, after a run: what was found out of them, and how far they are believed.
     pub fn remarks(&self) -> Vec<String> {
-        self.equilibrium.solids.remarks()
+        let mut remarks = self.equilibrium.solids.remarks();
+        let snaps = self.equilibrium.memory.statistics.snaps;
+        if snaps > 0 {
+            remarks.push(format!(
+                "{snaps} increment(s) snapped: no equilibrium was near, and the next one under the same drives was taken; \
+                 what was set free is in stabilisation_energy"
+            ));
+        }
+        remarks
     }
 
     /// The load and the lateral load, N.
@@ -434,12 +444,22 @@ impl<'m> Analysis<'m> {
 
     /// Makes a converged increment the present state.
     fn commit(&mut self, converged: Converged, time: f64) {
-        let end = converged.end;
+        let Converged { end, snapped, .. } = converged;
         let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, &end);
+        let doubted = self.equilibrium.contact.energies().unexplained();
         self.equilibrium.commit(&self.present.committed, &end);
         self.present.committed = end;
         self.present.total_time += time;
         let external_work = self.present.energies.external_work + work;
+        if snapped {
+            // over so long a slip a trapezoid is no measure of the work: what the laws report is
+            self.present.datum.interface += self.equilibrium.contact.energies().unexplained() - doubted;
+            // what is set free becomes motion that nobody follows, and heat
+            let after =
+                Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) }.imbalance();
+            self.present.datum.stabilisation -= (after - self.present.energies.imbalance()).max(0.0);
+            self.equilibrium.memory.statistics.snaps += 1;
+        }
         self.present.energies = Energies { external_work, ..self.equilibrium.energies().since(&self.present.datum) };
         self.present.greatest_work = self.present.greatest_work.max(external_work.abs());
         let load = self.measured_load(&self.snapshot())[0].abs();

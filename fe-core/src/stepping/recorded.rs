@@ -53,6 +53,8 @@ pub enum Way {
     },
     /// What the solids' laws dissipate grows by so much, N·mm.
     Dissipation(f64),
+    /// The drives, to an equilibrium that may be far: to this part of the step.
+    Snap(f64),
 }
 
 /// What became of an attempt.
@@ -86,9 +88,14 @@ impl Recorded {
             for (increment, attempts) in increments.iter().enumerate() {
                 let place = |attempt: usize| format!("steps[{step}][{increment}][{attempt}]");
                 for (index, tried) in attempts.iter().enumerate() {
-                    let (Way::Drives(number) | Way::Slip { growth: number, .. } | Way::Dissipation(number)) = tried.to;
+                    let (Way::Drives(number)
+                    | Way::Slip { growth: number, .. }
+                    | Way::Dissipation(number)
+                    | Way::Snap(number)) = tried.to;
                     let is_sound = number.is_finite() && tried.time >= 0.0 && tried.time.is_finite();
-                    if !is_sound || matches!(tried.to, Way::Drives(part) if !(0.0..=1.0).contains(&part)) {
+                    if !is_sound
+                        || matches!(tried.to, Way::Drives(part) | Way::Snap(part) if !(0.0..=1.0).contains(&part))
+                    {
                         return Some((place(index), "is no part of a step, or takes no time that is a number ≥ 0"));
                     }
                 }
@@ -120,7 +127,8 @@ impl StepRun {
     fn recorded_target(&self, to: Way) -> Target {
         let led = |by, growth, point| Target::Led { by, growth, direction: self.direction(), point };
         match to {
-            Way::Drives(part) => Target::Drives(self.drives_at(part)),
+            Way::Drives(part) => Target::Drives { goal: self.drives_at(part), snaps: false },
+            Way::Snap(part) => Target::Drives { goal: self.drives_at(part), snaps: true },
             Way::Slip { growth, point } => {
                 led(Leader::PointSlip, growth, point.map(|[pair, point]| PointIndex { pair, point }))
             }

@@ -81,6 +81,9 @@ impl StepRun {
         load: LoadHistory,
         findings: Findings,
     ) -> Result<(), Judgement> {
+        if self.lead == Lead::Snap {
+            return Ok(());
+        }
         if let Lead::Other(Led { by, .. }) = self.lead {
             let progress = self.progress_of(&converged.end.drives);
             if progress >= 1.0 {
@@ -101,7 +104,9 @@ impl StepRun {
         }
         let fall = (load.last - findings.load) / load.greatest;
         let jumps = match self.lead {
-            Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
+            Lead::Drives | Lead::Snap => {
+                self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL
+            }
             Lead::Other(_) => fall.abs() > LARGEST_FALL,
         };
         if jumps && load.greatest > load.noise && self.jumps_refused < MAX_REFUSALS && !self.is_least() {
@@ -160,7 +165,7 @@ impl StepRun {
     /// A part of the attempted increment that is not below the least: what converged is no reason to fail.
     fn allowed(&self, fraction: f64) -> f64 {
         match self.lead {
-            Lead::Drives => fraction.max(self.size.minimum() / self.attempted),
+            Lead::Drives | Lead::Snap => fraction.max(self.size.minimum() / self.attempted),
             Lead::Other(_) => fraction,
         }
     }
@@ -184,7 +189,7 @@ impl StepRun {
     /// Returns whether a smaller increment is not allowed.
     pub(super) fn is_least(&self) -> bool {
         match self.lead {
-            Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
+            Lead::Drives | Lead::Snap => self.attempted * 0.5 < self.size.minimum(),
             Lead::Other(led) => led.increment * 0.5 < led.least(),
         }
     }

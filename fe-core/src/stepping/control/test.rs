@@ -13,7 +13,7 @@ fn a_lead_that_unloads_elastically_is_refused_until_the_run_fails() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
     let end = Committed { drives: vec![0.01], ..Committed::default() };
-    let converged = Converged { end, iterations: Vec::new() };
+    let converged = Converged { end, iterations: Vec::new(), snapped: false };
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
     let unloads = Findings { load: 10.0, gives_back: true, ..Findings::default() };
     let fails = Findings { gives_back: false, ..unloads };
@@ -49,6 +49,49 @@ fn with_stabilisation_slip_leads_where_the_drives_fail_again_and_again() {
     assert!(matches!(run.lead, Lead::Other(Led { by: Leader::PointSlip, .. })));
 }
 
+/// Where no lead is left a specimen with contact snaps, once; the drives lead on from there. Without contact the run ends.
+#[test]
+fn a_specimen_with_contact_snaps_where_nothing_leads_on() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-3 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let trouble = repeat("no equilibrium", 0.25).trouble;
+    let converged = Converged {
+        end: Committed { drives: vec![0.01], ..Committed::default() },
+        iterations: Vec::new(),
+        snapped: true,
+    };
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let jumps = Findings { load: 1.0, pulls_on: true, energy_error: 0.5, ..Findings::default() };
+    for has_contact in [true, false] {
+        let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+        (run.follows_slip, run.extrapolates, run.stabilised) = (has_contact, true, true);
+        (run.usual_progress, run.progress) = (0.1, 0.2);
+        run.target();
+        let snaps = (0..100).find(|_| {
+            run.target();
+            run.reject(&trouble, true) == Advance::Failed || run.lead == Lead::Snap
+        });
+        assert!(snaps.is_some());
+        assert_eq!(run.lead == Lead::Snap, has_contact);
+        if !has_contact {
+            continue;
+        }
+        assert!(matches!(run.target(), Target::Drives { snaps: true, .. }));
+        assert!(run.judge(&converged, load, jumps).is_ok(), "a snap may jump");
+        let mut failing = run.clone();
+        assert!(
+            (0..100).any(|_| {
+                failing.target();
+                failing.reject(&trouble, true) == Advance::Failed
+            }),
+            "nor does a snap go on for ever"
+        );
+        run.accept(&Committed::default(), &converged, jumps, load);
+        assert!(run.lead == Lead::Drives && run.progress > 0.0);
+    }
+}
+
 /// What a first increment misses where contact opens is the same part of its work, however small it is.
 #[test]
 fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
@@ -57,7 +100,11 @@ fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let begun = StepRun::new(&model.steps[0], &[0.0], &model);
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
-    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    let converged = Converged {
+        end: Committed { drives: vec![0.01], ..Committed::default() },
+        iterations: Vec::new(),
+        snapped: false,
+    };
     // of the error's order: how many attempts are refused before one stands, and how large it is
     let refusals = |order: f64| {
         let mut run = begun.clone();
@@ -88,7 +135,11 @@ fn a_judgement_leaves_the_least_increment() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
-    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    let converged = Converged {
+        end: Committed { drives: vec![0.01], ..Committed::default() },
+        iterations: Vec::new(),
+        snapped: false,
+    };
     let findings = Findings { load: 10.0, energy_error: 1.0, ..Findings::default() };
     let judgement = run.judge(&converged, load, findings).expect_err("the energies miss the work");
     assert_eq!(run.reject(&judgement.trouble, judgement.has_failed), Advance::Repeated);

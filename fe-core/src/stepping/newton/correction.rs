@@ -50,6 +50,14 @@ impl Direction {
         }
     }
 
+    /// Makes no displacement larger than this, mm.
+    pub(super) fn shorten(&mut self, limit: f64) {
+        let greatest = largest(&self.displacements);
+        if greatest > limit {
+            self.displacements.iter_mut().for_each(|change| *change *= limit / greatest);
+        }
+    }
+
     fn plus(mut self, factor: f64, other: &Self) -> Self {
         self.displacements.iter_mut().zip(&other.displacements).for_each(|(a, b)| *a += factor * b);
         self.drives.iter_mut().zip(&other.drives).for_each(|(a, b)| *a += factor * b);
@@ -63,7 +71,7 @@ impl Equilibrium<'_> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
         match target {
-            Target::Drives(goal) => {
+            Target::Drives { goal, .. } => {
                 let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
                 if attempt.predicts() {
                     let change = self.drive_force(start, &drives);
@@ -191,7 +199,13 @@ impl Equilibrium<'_> {
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);
         let full = largest(&self.memory.residual);
         let contact_changes = self.contact_changes > 0 && attempt.context().iteration <= BEFORE_HALVING;
-        if !self.model.controls.line_search || predicts || moves_drives || contact_changes || full <= before {
+        if !self.model.controls.line_search
+            || attempt.snaps()
+            || predicts
+            || moves_drives
+            || contact_changes
+            || full <= before
+        {
             return Ok(1.0);
         }
         let spreads = if self.model.contacts.is_empty() { WORK_REDUCTION } else { 0.0 };

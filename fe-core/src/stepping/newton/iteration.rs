@@ -1,6 +1,6 @@
 //! The iterations of a round, and when they end.
 
-use super::{Attempt, CUT, Equilibrium, Iteration, largest, largest_difference, trouble};
+use super::{Attempt, CUT, Equilibrium, Iteration, dot, largest, largest_difference, trouble};
 use crate::assembly::solids::TangentChoice;
 use crate::assembly::{Place, Trouble};
 
@@ -11,6 +11,14 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
 /// Residuals that grow as often in a row, after as many iterations, diverge.
 const DIVERGENCE: usize = 4;
+/// A snap may take so many times as many iterations,
+const SNAP_ITERATIONS: usize = 10;
+/// in each of which it moves by this part of the specimen at most,
+const LONGEST_SNAP: f64 = 1e-3;
+/// and not farther than so many times what it is held back for, where the stiffness is negative;
+const FARTHEST: f64 = 2.0;
+/// by this part of that at least.
+const LEAST_SNAP: f64 = 1e-4;
 
 impl Equilibrium<'_> {
     /// Newton's iterations until the residual is small, from the present evaluation.
@@ -35,15 +43,23 @@ impl Equilibrium<'_> {
                 self.evaluate(attempt)?;
                 continue;
             }
-            if attempt.round().len() >= self.model.controls.max_iterations || growing >= DIVERGENCE {
+            let snaps = attempt.snaps();
+            let most = self.model.controls.max_iterations * if snaps { SNAP_ITERATIONS } else { 1 };
+            if attempt.round().len() >= most || (growing >= DIVERGENCE && !snaps) {
                 return Err(self.not_converged(attempt, residual, scale));
             }
             self.memory.statistics.iterations += 1;
             self.prepare_factor(attempt)?;
-            let direction = self.direction(attempt)?;
+            let mut direction = self.direction(attempt)?;
+            if snaps && !predicts {
+                direction.shorten(FARTHEST * self.snap.reach);
+            }
             let step_length = self.advance(attempt, &direction)?;
             let after = largest(&self.memory.residual);
-            self.memory.last_reduction = if predicts { 1.0 } else { after / residual };
+            self.memory.last_reduction = if predicts || snaps { 1.0 } else { after / residual };
+            if snaps {
+                self.resist(after, &direction.displacements);
+            }
             growing = if !predicts && after > residual { growing + 1 } else { 0 };
             attempt.iterations.push(Iteration {
                 residual: after,
@@ -52,6 +68,18 @@ impl Equilibrium<'_> {
                 step_length,
             });
         }
+    }
+
+    /// Chooses what resists the motion of contact in the next iteration of a snap: it takes up the residual over a move, which
+    /// doubles while corrections go on in one direction and is halved where they turn round.
+    fn resist(&mut self, residual: f64, correction: &[f64]) {
+        let longest = LONGEST_SNAP * self.extent;
+        let turns = dot(&self.snap.last, correction) < 0.0;
+        let reach = if turns { 0.5 } else { 2.0 } * self.snap.reach;
+        self.snap.reach = reach.clamp(LEAST_SNAP * longest, longest);
+        self.snap.resistance = residual / self.snap.reach;
+        self.snap.last.clear();
+        self.snap.last.extend_from_slice(correction);
     }
 
     fn is_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {

@@ -64,8 +64,8 @@ impl Committed {
 /// What the increment shall reach.
 #[derive(Clone, Debug)]
 pub(super) enum Target {
-    /// These values of the drives.
-    Drives(Vec<f64>),
+    /// These values of the drives. `snaps`: the equilibrium may be far.
+    Drives { goal: Vec<f64>, snaps: bool },
     /// This growth of what leads, with the drives on the line from where they are along a direction. `point`: the contact
     /// point that leads, if it is known.
     Led { by: Leader, growth: f64, direction: Vec<f64>, point: Option<PointIndex> },
@@ -120,10 +120,26 @@ impl<'a> Attempt<'a> {
         self.iterations.is_empty()
     }
 
+    /// Returns whether the equilibrium may be far from where the increment starts.
+    fn snaps(&self) -> bool {
+        matches!(self.target, Target::Drives { snaps: true, .. })
+    }
+
     /// Returns what laws are told in the next iteration.
     fn context(&self) -> IncrementContext {
         IncrementContext { iteration: u32::try_from(self.iterations.len() + 1).unwrap_or(u32::MAX), ..self.context }
     }
+}
+
+/// What holds a specimen back that snaps.
+#[derive(Debug, Default)]
+struct Snap {
+    /// Force over a move in one iteration, N/mm at each freedom of contact; 0: none.
+    resistance: f64,
+    /// About how far it moves in one iteration, mm.
+    reach: f64,
+    /// The last correction of the displacements, mm.
+    last: Vec<f64>,
 }
 
 /// An attempt that converged.
@@ -131,6 +147,8 @@ impl<'a> Attempt<'a> {
 pub(super) struct Converged {
     pub(super) end: Committed,
     pub(super) iterations: Vec<Iteration>,
+    /// Whether the specimen snapped to it.
+    pub(super) snapped: bool,
 }
 
 /// Solids, contact and equations with the memory of an iteration.
@@ -149,6 +167,7 @@ pub(super) struct Equilibrium<'m> {
     pub(super) leading_point: Option<(PointIndex, f64)>,
     /// A point that broke in this attempt: if the attempt fails it leads the next.
     breaking_point: Option<PointIndex>,
+    snap: Snap,
     pub(super) times: Times,
     threads: Threads,
     /// See [`super::Analysis::stop_at`].
@@ -186,6 +205,7 @@ impl<'m> Equilibrium<'m> {
             contact_changes: 0,
             leading_point: None,
             breaking_point: None,
+            snap: Snap::default(),
             times: Times::default(),
             threads: Threads::default(),
             stop: None,
@@ -211,6 +231,7 @@ impl<'m> Equilibrium<'m> {
             self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
+        self.snap = Snap { reach: self.memory.last_move, ..Snap::default() };
         let mut settlements = 0;
         self.contact.foretell_nothing();
         loop {
@@ -231,12 +252,13 @@ impl<'m> Equilibrium<'m> {
             }
             self.evaluate(&attempt)?;
         }
+        let snapped = attempt.snaps();
         let Attempt { trial: mut end, iterations, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
-        Ok(Converged { end, iterations })
+        Ok(Converged { end, iterations, snapped })
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
@@ -426,7 +448,7 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 impl Equilibrium<'_> {
     /// The residual at a trial state.
     pub(super) fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Result<Vec<f64>, Trouble> {
-        self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context))?;
+        self.evaluate(&Attempt::new(trial, &Target::Drives { goal: Vec::new(), snaps: false }, context))?;
         Ok(self.memory.residual.clone())
     }
 

@@ -99,14 +99,21 @@ impl Equilibrium<'_> {
 
     /// Factorises what has changed since the last time.
     fn factorise(&mut self) -> Result<(), Trouble> {
-        let Self { model, solids, contact, system, memory, times, extent, .. } = self;
+        let Self { model, solids, contact, system, memory, times, extent, snap, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;
         let elements_changed = !keep || solids.latest_version() != memory.assembled_version;
         timed(&mut times.assembly, || {
             if elements_changed {
                 system.assemble_elements(solids);
             }
-            system.set_blocks(&memory.blocks);
+            if snap.resistance > 0.0 {
+                // what contact touches moves as through a fluid: c (u_{k+1} − u_k), no force where it ends
+                let mut blocks = memory.blocks.clone();
+                contact.freedoms().iter().for_each(|&freedom| blocks.push(&[freedom], &[snap.resistance]));
+                system.set_blocks(&blocks);
+            } else {
+                system.set_blocks(&memory.blocks);
+            }
         });
         let symmetry = if solids.symmetric() { Symmetry::Symmetric } else { Symmetry::Unsymmetric };
         memory.assembled_version = solids.latest_version();

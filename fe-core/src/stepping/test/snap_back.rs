@@ -5,7 +5,9 @@
 //! ```
 
 use super::patch::Looking;
+use super::pull_out::{bond_with, fibre};
 use super::*;
+use crate::mesh::specimen::Configuration;
 use crate::model::{FieldValues, Fields as ModelFields};
 use umat_abi::host::recorder::UmatRecord;
 
@@ -69,7 +71,7 @@ fn elastic_unloading_is_told_from_loading() {
     assert!(analysis.present.energies.damage > 0.0);
     let context = IncrementContext { step: 1, increment: 2, iteration: 1, ..IncrementContext::default() };
     for (drive, unloads) in [(0.9 * reached, true), (1.01 * reached, false)] {
-        let converged = analysis.attempt(&Target::Drives(vec![drive]), context).unwrap();
+        let converged = analysis.attempt(&Target::Drives { goal: vec![drive], snaps: false }, context).unwrap();
         assert_eq!(analysis.findings(&converged).gives_back, unloads, "{drive}");
         analysis.equilibrium.restore();
     }
@@ -188,4 +190,43 @@ fn stabilisation_adds_the_stress_of_a_dashpot_beside_an_elastic_strip_that_may_l
             approx::assert_relative_eq!(record.energies.stabilisation, spent, max_relative = tolerance);
         }
     }
+}
+
+/// Where the drives cannot go on, a fibre whose brittle bond fails at once snaps to the equilibrium that indirect control comes
+/// to beyond the turn, and what it sets free is booked.
+#[test]
+fn a_snap_ends_in_the_equilibrium_beyond_the_turn() {
+    let elastic = |modulus, poisson| PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", poisson)]);
+    // a soft fibre stores much; beyond 0.02 mm its bond falls with the square of the slip
+    let bond = bond_with(&[("a_2", 8e-4), ("b_2", -2.0)]);
+    let control = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };
+    let mut model = fibre(Configuration::PLANE, [elastic(500.0, 0.3), elastic(23.7e3, 0.15)], &bond, 0.6, control);
+    let (path, _) = run(&model);
+    let turn = path.windows(2).find(|pair| pair[1].slip < pair[0].slip).expect("a turn")[0].slip;
+    let after = path.windows(2).rposition(|pair| pair[1].slip < pair[0].slip).expect("a turn");
+    let goal = 1.02 * turn;
+    let beyond = path[after..].windows(2).find(|pair| pair[0].slip <= goal && goal < pair[1].slip).expect("beyond");
+    let share = (goal - beyond[0].slip) / (beyond[1].slip - beyond[0].slip);
+    let expected = beyond[0].load + share * (beyond[1].load - beyond[0].load);
+    let peak = path.iter().map(|record| record.load).fold(0.0, f64::max);
+    assert!(expected < 0.5 * peak, "{expected} N after {peak} N");
+
+    model.steps[0].targets = vec![Some(0.98 * turn)];
+    let mut analysis = Analysis::new(&model).unwrap();
+    analysis.run(&mut Keeper::default()).unwrap();
+    let stored = analysis.present.energies;
+    let context = IncrementContext { step: 1, increment: 9, iteration: 1, ..IncrementContext::default() };
+    let snapped = analysis.attempt(&Target::Drives { goal: vec![goal], snaps: true }, context).unwrap();
+    analysis.commit(snapped, 0.1);
+    let load = analysis.measured_load(&analysis.snapshot())[0];
+    assert!((load - expected).abs() < 1e-3 * peak, "{load} N instead of {expected} N");
+    let energies = analysis.present.energies;
+    assert!(energies.elastic < stored.elastic, "{energies:?}");
+    // both ways end in the same state: what the snap took more work for was set free
+    let [work, more] = [0, 1].map(|k| beyond[k].energies.external_work);
+    let free = energies.external_work - (work + share * (more - work));
+    assert!(free > 0.05 * work && (energies.stabilisation / free - 1.0).abs() < 0.02, "{free} N·mm, {energies:?}");
+    assert!(energies.imbalance().abs() < 1e-3 * energies.external_work, "{energies:?}");
+    assert_eq!(analysis.equilibrium.memory.statistics.snaps, 1);
+    assert!(analysis.remarks().iter().any(|remark| remark.contains("snapped")));
 }
