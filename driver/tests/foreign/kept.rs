@@ -114,9 +114,12 @@ fn a_host_of_the_first_header_calls_the_laws_of_today() {
     assert_eq!(numbers("status ")[0], [0.0]);
 }
 
+/// Parameters with their defaults, and states, of a law.
+type Contract = (Vec<(String, f64)>, Vec<String>);
+
 /// Names of parameters, in order, and of states, by law.
-fn contracts(told: &str) -> BTreeMap<String, (Vec<(String, f64)>, Vec<String>)> {
-    let mut contracts: BTreeMap<String, (Vec<(String, f64)>, Vec<String>)> = BTreeMap::new();
+fn contracts(told: &str) -> BTreeMap<String, Contract> {
+    let mut contracts: BTreeMap<String, Contract> = BTreeMap::new();
     let mut law = String::new();
     for line in told.lines() {
         let words: Vec<&str> = line.split_whitespace().collect();
