@@ -1,6 +1,6 @@
 //! Many runs in a child: what it is told, and how it tells what came out.
 //!
-//! A row is kept once it is written ([`crate::claim`]); what ends the child takes nothing but the run that it is at.
+//! A row is kept once it is written (`claim`); what ends the child takes nothing but the run that it is at.
 
 use crate::claim::{BEGINS, encoded, framed};
 use crate::run::measure;
