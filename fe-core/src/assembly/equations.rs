@@ -181,7 +181,7 @@ impl Equations {
     ///
     /// # Panics
     ///
-    /// If the lengths are not [`Self::freedom_count`], [`Self::count`] and `drive_count`.
+    /// If the lengths are not [`Self::freedom_count`], [`Self::count`] and the number of drives.
     pub fn add_displacements(&self, unknowns: &[f64], drives: &[f64], displacements: &mut [f64]) {
         assert!(unknowns.len() == self.count() && drives.len() == self.drive_count);
         assert_eq!(displacements.len(), self.freedom_count());
