@@ -3,7 +3,8 @@
 //! A step goes from progress 0 to 1 on the line between the drives' values at its start and its end. Increments follow
 //! the drives; where these would have to turn back (snap-back), the contact point that slides fastest leads and the drives
 //! follow, until they advance again. Where that does not help (an element that fails unloads all else), the dissipation of
-//! the solids leads.
+//! the solids leads. Where nothing leads on, no equilibrium is near: the drives stand, and the specimen goes through a fluid that
+//! drags at its contact to the next one.
 //!
 //! Automatic increments under the drives are repeated with less where their energies do not balance.
 //!
@@ -30,6 +31,8 @@ pub(super) use judgement::{Findings, Judgement};
 const FAILURES_BEFORE_CHANGE: u32 = 4;
 /// or when increments under the drives are cut to this part of the usual: they creep towards a limit point.
 const CREEPING: f64 = 1e-2;
+/// After as many changes of the lead without an increment all have failed.
+const LEADS: u32 = 6;
 /// What is usual fades by this factor with each increment.
 const FADING: f64 = 0.8;
 /// The first increment of what leads now, as part of the usual one.
@@ -43,6 +46,19 @@ const LOAD_CHANGE: f64 = 0.02;
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
 const RECOVERED: f64 = 0.5;
+/// Where increments under the drives would be shorter than this part of the greatest, no equilibrium is near.
+const CRAWLING: f64 = 1e-5;
+/// Part of the usual increment that the drives go before drag leads, and by which it is more where the next equilibrium was no
+/// better.
+const NUDGE: f64 = 0.1;
+const LARGER_NUDGE: f64 = 4.0;
+/// The first resistance, as part of the load over the nudge: with some hundred freedoms of contact, drag adds a hundredth to the
+/// load. The greatest, as a multiple of the first; and how it falls.
+const RESISTANCE: f64 = 1e-5;
+const GREATEST_RESISTANCE: f64 = 1e8;
+const EASING: f64 = 0.4;
+/// Increments through drag in a row.
+const MOST_THROUGH: u32 = 1000;
 /// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
 const LARGEST_PART_OF_TIME: f64 = 0.5;
 
@@ -52,6 +68,17 @@ enum Lead {
     Drives,
     /// Drives follow.
     Other(Led),
+    /// What is out of balance leads, held back by drag.
+    Drag(Dragged),
+}
+
+/// Increments through drag: the first takes the drives a little on, in the others they stand.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+struct Dragged {
+    /// N/mm at each freedom of contact.
+    resistance: f64,
+    greatest: f64,
+    increments: u32,
 }
 
 /// Increments of what leads instead of the drives.
@@ -131,6 +158,12 @@ pub(super) struct StepRun {
     energy_looks: u32,
     /// The largest increment of the mean slip under the drives.
     largest_slip: f64,
+    /// Load over slip of the last increments, N/mm.
+    usual_stiffness: f64,
+    /// Leads that were tried since an increment stood.
+    changes: u32,
+    /// Equilibria that drag has led to since the drives led to one.
+    nudges: u32,
     follows_slip: bool,
     stabilised: bool,
     /// Whether the stabilisation is that of laws that extrapolate: their points are led well by nothing but the drives.
@@ -161,6 +194,9 @@ impl StepRun {
             missed: None,
             energy_looks: 0,
             largest_slip: 0.0,
+            usual_stiffness: 0.0,
+            changes: 0,
+            nudges: 0,
             follows_slip: !model.contacts.is_empty(),
             stabilised: model.controls.relaxation_time > 0.0 || model.extrapolates(),
             extrapolates: model.extrapolates(),
@@ -189,14 +225,21 @@ impl StepRun {
             missed,
             energy_looks,
             largest_slip,
+            usual_stiffness,
+            changes,
+            nudges,
             follows_slip,
             stabilised,
             extrapolates,
             locates_peak,
         } = self;
         let numbers = [progress, attempted, last_progress, usual_progress, usual_slip, usual_dissipation, largest_slip];
+        let numbers = [&numbers[..], &[usual_stiffness]].concat();
         let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
-        if start.len() != model.drives.len() || !are_finite(start) || !are_finite(&numbers.map(|number| *number)) {
+        if start.len() != model.drives.len()
+            || !are_finite(start)
+            || !numbers.into_iter().all(|number| number.is_finite())
+        {
             return false;
         }
         let is_led = match lead {
@@ -204,9 +247,12 @@ impl StepRun {
             Lead::Other(Led { increment, first, advances, .. }) => {
                 *first > 0.0 && are_finite(&[*increment, *first]) && u64::from(*advances) < MOST_COUNTED
             }
+            Lead::Drag(Dragged { resistance, greatest, .. }) => {
+                *resistance > 0.0 && are_finite(&[*resistance, *greatest])
+            }
         };
         let begun = Self::new(step, start, model);
-        let counts = [failures, jumps_refused, energy_refused, energy_looks];
+        let counts = [failures, jumps_refused, energy_refused, energy_looks, changes, nudges];
         is_led
             && *progress < 1.0
             && missed.is_none_or(|missed| are_finite(&missed))
@@ -236,6 +282,7 @@ impl StepRun {
             Lead::Other(Led { by, increment, .. }) => {
                 Target::Led { by, growth: increment, direction: self.direction(), point: None }
             }
+            Lead::Drag(Dragged { resistance, .. }) => Target::Through { goal: self.drives_at(self.aim()), resistance },
         }
     }
 
@@ -252,6 +299,7 @@ impl StepRun {
                 Way::Slip { growth: increment, point: leading }
             }
             Lead::Other(Led { by: Leader::Dissipation, increment, .. }) => Way::Dissipation(increment),
+            Lead::Drag(Dragged { resistance, .. }) => Way::Through { to: self.aim(), resistance },
         }
     }
 
@@ -262,7 +310,9 @@ impl StepRun {
         let left = 1.0 - self.progress;
         let part = match self.lead {
             Lead::Drives => self.attempted / left,
-            Lead::Other(_) => (self.last_progress.abs().max(self.size.minimum()) / left).min(LARGEST_PART_OF_TIME),
+            Lead::Other(_) | Lead::Drag(_) => {
+                (self.last_progress.abs().max(self.size.minimum()) / left).min(LARGEST_PART_OF_TIME)
+            }
         };
         part * (self.duration - step_time)
     }
@@ -297,7 +347,22 @@ impl StepRun {
         self.missed = None;
         let iterations = converged.iterations.len();
         self.failures = 0;
+        self.changes = 0;
         let slip = converged.end.mean_slip - start.mean_slip;
+        if let Lead::Drag(dragged) = &mut self.lead {
+            dragged.increments += 1;
+            if iterations <= EASY {
+                dragged.resistance *= EASING;
+            }
+            self.progress = self.aim();
+            self.attempted = 0.0;
+            if converged.end.drag <= 1.0 {
+                self.nudges += 1;
+                self.lead = Lead::Drives;
+                self.size.restart(self.usual_progress);
+            }
+            return;
+        }
         self.usual_slip = slip.max(FADING * self.usual_slip);
         self.usual_dissipation = (converged.end.dissipation - start.dissipation).max(FADING * self.usual_dissipation);
         let before = self.progress;
@@ -309,6 +374,7 @@ impl StepRun {
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
                     self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);
                 }
+                self.nudges = 0;
                 self.last_progress = self.progress - before;
                 self.usual_progress = self.last_progress.max(FADING * self.usual_progress);
             }
@@ -318,6 +384,10 @@ impl StepRun {
                 self.last_progress = self.progress - before;
                 self.after_led_increment(iterations, (findings.load - load.last).abs() / load.greatest);
             }
+            Lead::Drag(_) => {}
+        }
+        if self.usual_slip > 0.0 {
+            self.usual_stiffness = load.last / self.usual_slip;
         }
     }
 
@@ -356,19 +426,28 @@ impl StepRun {
                 let possible = self.size.cut(self.attempted, fraction);
                 let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
                 // stabilised solids may creep for a while
-                (possible, is_small && has_failed && !self.stabilised)
+                let crawls = self.follows_slip && self.attempted * fraction < CRAWLING * self.size.maximum();
+                (possible && !(crawls && has_failed), is_small && has_failed && !self.stabilised)
             }
             Lead::Other(led) => {
                 led.increment *= fraction;
                 led.easy = false;
                 (led.increment >= led.least(), false)
             }
+            Lead::Drag(dragged) => {
+                dragged.resistance /= fraction;
+                let possible = dragged.resistance <= dragged.greatest && dragged.increments < MOST_THROUGH;
+                return if possible { Advance::Repeated } else { Advance::Failed };
+            }
         };
         if self.failures < FAILURES_BEFORE_CHANGE && possible && !creeps {
             return Advance::Repeated;
         }
-        match self.next_lead() {
+        let next = self.next_lead().filter(|_| self.changes < LEADS);
+        let next = if next.is_some() || (possible && self.changes < LEADS) { next } else { self.drag() };
+        match next {
             Some(next) => {
+                self.changes += 1;
                 if next == Lead::Drives {
                     self.size.restart(self.last_progress);
                 }
@@ -379,6 +458,17 @@ impl StepRun {
             None if possible => Advance::Repeated,
             None => Advance::Failed,
         }
+    }
+
+    /// Returns drag as what leads: no equilibrium is near.
+    fn drag(&mut self) -> Option<Lead> {
+        let nudge = NUDGE * LARGER_NUDGE.powi(self.nudges.min(10).cast_signed());
+        let resistance = RESISTANCE * self.usual_stiffness / nudge;
+        let may_lead = self.follows_slip && self.usual_progress > 0.0 && resistance > 0.0 && resistance.is_finite();
+        may_lead.then(|| {
+            self.attempted = (nudge * self.usual_progress).max(self.size.minimum()).min(0.5 * (1.0 - self.progress));
+            Lead::Drag(Dragged { resistance, greatest: GREATEST_RESISTANCE * resistance, increments: 0 })
+        })
     }
 
     /// Returns what may lead where the present lead fails: what helped last time first. With stabilisation the drives lead while they
@@ -397,6 +487,7 @@ impl StepRun {
             Lead::Other(Led { by: Leader::PointSlip, .. }) => dissipation(),
             // Where all that can fail has failed, nothing dissipates until the drives have advanced.
             Lead::Other(Led { by: Leader::Dissipation, .. }) => (self.last_progress > 0.0).then_some(Lead::Drives),
+            Lead::Drag(_) => None,
         }
     }
 }

@@ -34,7 +34,7 @@ pub struct Energies {
     pub interface_stored: f64,
     /// Spent on opening bonded interfaces and lost where contact fades at an end.
     pub opening: f64,
-    /// Spent on what helps over instabilities: viscous stress, and the overstress of laws that extrapolate.
+    /// Spent on what helps over instabilities: viscous stress, the overstress of laws that extrapolate, drag on contact.
     pub stabilisation: f64,
 }
 

@@ -52,6 +52,8 @@ pub struct Statistics {
     pub settlements: u64,
     /// Times that elements left the condensed far field.
     pub expansions: u64,
+    /// Increments in which contact went through drag.
+    pub dragged: u64,
     /// Evaluations of all forces.
     pub evaluations: u64,
     /// Factorisations of the matrix with other elements.
@@ -65,9 +67,9 @@ pub struct Statistics {
 impl Statistics {
     /// Returns whether a run can have come to it.
     fn is_sound(&self) -> bool {
-        let Self { increments, iterations, cutbacks, settlements, expansions, .. } = *self;
+        let Self { increments, iterations, cutbacks, settlements, expansions, dragged, .. } = *self;
         let Self { evaluations, factorisations, block_factorisations, solutions, .. } = *self;
-        let of_increments = [increments, iterations, cutbacks, settlements, expansions];
+        let of_increments = [increments, iterations, cutbacks, settlements, expansions, dragged];
         let of_the_solver = [evaluations, factorisations, block_factorisations, solutions];
         of_increments.into_iter().chain(of_the_solver).all(|count| count < GREATEST_COUNT)
     }
@@ -139,6 +141,7 @@ impl<'m> Analysis<'m> {
             external: vec![0.0; freedoms],
             mean_slip: 0.0,
             dissipation: 0.0,
+            drag: 0.0,
         };
         Ok(Self {
             model,
@@ -447,7 +450,9 @@ impl<'m> Analysis<'m> {
         self.present.load.greatest = self.present.load.greatest.max(load);
         self.present.load.last = load;
         self.present.load.noise = self.equilibrium.memory.rounding;
-        self.equilibrium.memory.statistics.increments += 1;
+        let statistics = &mut self.equilibrium.memory.statistics;
+        statistics.increments += 1;
+        statistics.dragged += u64::from(self.present.committed.drag > 0.0);
         self.spall();
     }
 }

@@ -53,6 +53,13 @@ pub enum Way {
     },
     /// What the solids' laws dissipate grows by so much, N·mm.
     Dissipation(f64),
+    /// Drag on contact holds the specimen back, which is out of balance.
+    Through {
+        /// The part of the step that the drives are at.
+        to: f64,
+        /// N/mm at each freedom of contact.
+        resistance: f64,
+    },
 }
 
 /// What became of an attempt.
@@ -86,9 +93,13 @@ impl Recorded {
             for (increment, attempts) in increments.iter().enumerate() {
                 let place = |attempt: usize| format!("steps[{step}][{increment}][{attempt}]");
                 for (index, tried) in attempts.iter().enumerate() {
-                    let (Way::Drives(number) | Way::Slip { growth: number, .. } | Way::Dissipation(number)) = tried.to;
+                    let (part, number) = match tried.to {
+                        Way::Drives(part) => (part, 0.0),
+                        Way::Slip { growth, .. } | Way::Dissipation(growth) => (0.0, growth),
+                        Way::Through { to, resistance } => (to, resistance),
+                    };
                     let is_sound = number.is_finite() && tried.time >= 0.0 && tried.time.is_finite();
-                    if !is_sound || matches!(tried.to, Way::Drives(part) if !(0.0..=1.0).contains(&part)) {
+                    if !is_sound || !(0.0..=1.0).contains(&part) {
                         return Some((place(index), "is no part of a step, or takes no time that is a number ≥ 0"));
                     }
                 }
@@ -125,6 +136,7 @@ impl StepRun {
                 led(Leader::PointSlip, growth, point.map(|[pair, point]| PointIndex { pair, point }))
             }
             Way::Dissipation(growth) => led(Leader::Dissipation, growth, None),
+            Way::Through { to, resistance } => Target::Through { goal: self.drives_at(to), resistance },
         }
     }
 }

@@ -147,6 +147,7 @@ pub fn statistics(analysis: &Analysis<'_>) -> IndexMap<String, u64> {
         ("solutions", done.solutions),
         ("contact_settlements", done.settlements),
         ("far_field_expansions", done.expansions),
+        ("increments_through_drag", done.dragged),
     ];
     named.into_iter().map(|(name, value)| (name.to_owned(), value)).collect()
 }

@@ -1,6 +1,6 @@
 //! Whether an increment that converged may stand.
 
-use super::{Lead, Led, LoadHistory, StepRun};
+use super::{Dragged, Lead, Led, LoadHistory, StepRun};
 use crate::assembly::{Place, Trouble};
 use crate::stepping::newton::{Converged, Leader};
 
@@ -36,6 +36,11 @@ const MAX_REFUSALS: u32 = 12;
 const JUMP_CUT: f64 = 0.3;
 /// Aim a little below the greatest admissible slip.
 pub(super) const SLIP_MARGIN: f64 = 0.9;
+/// Through drag the load changes by this part of it in an increment at most, or this part of the greatest load: what is dissipated is
+/// a trapezoidal sum over the way. Drag becomes thicker by this factor otherwise, by division.
+const THROUGH_DRAG: f64 = 0.1;
+const LEAST_THROUGH_DRAG: f64 = 0.01;
+const THICKENING: f64 = 0.3;
 /// No single judgement makes an increment smaller than this part.
 const LEAST_FRACTION: f64 = 0.05;
 
@@ -81,6 +86,15 @@ impl StepRun {
         load: LoadHistory,
         findings: Findings,
     ) -> Result<(), Judgement> {
+        if let Lead::Drag(_) = self.lead {
+            let change = (findings.load - load.last).abs();
+            let jumps = change > (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
+            if (jumps || self.refuses_energies(&findings).is_some()) && !self.is_least() {
+                self.energy_refused += 1;
+                return Err(repeat("the specimen goes too fast through drag", THICKENING));
+            }
+            return Ok(());
+        }
         if let Lead::Other(Led { by, .. }) = self.lead {
             let progress = self.progress_of(&converged.end.drives);
             if progress >= 1.0 {
@@ -102,6 +116,7 @@ impl StepRun {
         let fall = (load.last - findings.load) / load.greatest;
         let jumps = match self.lead {
             Lead::Drives => self.follows_slip && !self.stabilised && findings.pulls_on && fall > LARGEST_FALL,
+            Lead::Drag(_) => false,
             Lead::Other(_) => fall.abs() > LARGEST_FALL,
         };
         if jumps && load.greatest > load.noise && self.jumps_refused < MAX_REFUSALS && !self.is_least() {
@@ -146,13 +161,13 @@ impl StepRun {
 
     /// Returns whether an increment under the drives adds more to the imbalance of the energies than it may.
     fn misses_energies(&self, findings: &Findings) -> bool {
-        matches!(self.lead, Lead::Drives) && self.energy_excess(findings) > 1.0
+        !matches!(self.lead, Lead::Other(_)) && self.energy_excess(findings) > 1.0
     }
 
     /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
     /// What snaps back costs its overstress in increments of any size: it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
-        let cuts = self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
+        let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
         let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
         findings.imbalance_excess().max(overstress)
     }
@@ -161,7 +176,7 @@ impl StepRun {
     fn allowed(&self, fraction: f64) -> f64 {
         match self.lead {
             Lead::Drives => fraction.max(self.size.minimum() / self.attempted),
-            Lead::Other(_) => fraction,
+            Lead::Other(_) | Lead::Drag(_) => fraction,
         }
     }
 
@@ -186,6 +201,7 @@ impl StepRun {
         match self.lead {
             Lead::Drives => self.attempted * 0.5 < self.size.minimum(),
             Lead::Other(led) => led.increment * 0.5 < led.least(),
+            Lead::Drag(Dragged { resistance, greatest, .. }) => resistance * 2.0 > greatest,
         }
     }
 }

@@ -5,6 +5,15 @@ use super::*;
 use crate::model::{PluginLaw, StepControl};
 use crate::stepping::test::strip;
 
+impl StepRun {
+    /// The same step, led by drag in its first half.
+    pub(in crate::stepping) fn through_drag(mut self, stiffness: f64) -> Self {
+        (self.usual_progress, self.usual_stiffness) = (0.5 / NUDGE, stiffness);
+        self.lead = self.drag().expect("there is contact");
+        self
+    }
+}
+
 /// An increment that the drives lead may unload: a step may ask for it. Under another lead it would run the step backwards.
 #[test]
 fn a_lead_that_unloads_elastically_is_refused_until_the_run_fails() {
@@ -47,6 +56,54 @@ fn with_stabilisation_slip_leads_where_the_drives_fail_again_and_again() {
     }
     assert_eq!(run.reject(&trouble, true), Advance::Repeated);
     assert!(matches!(run.lead, Lead::Other(Led { by: Leader::PointSlip, .. })));
+}
+
+/// Where no lead is left a specimen with contact goes through drag: the drives go a little on and stand, until it is in balance.
+/// Drag thickens where attempts fail, and not without end. Without contact the run ends.
+#[test]
+fn drag_leads_where_nothing_else_does() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-3 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let trouble = repeat("no equilibrium", 0.25).trouble;
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let falls = Findings { load: 9.5, pulls_on: true, ..Findings::default() };
+    let end = |drag| Committed { drives: vec![0.01], drag, ..Committed::default() };
+    let converged = |drag| Converged { end: end(drag), iterations: Vec::new() };
+    for has_contact in [true, false] {
+        let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+        (run.follows_slip, run.extrapolates, run.stabilised) = (has_contact, true, true);
+        (run.usual_progress, run.usual_stiffness, run.progress) = (0.1, 1e3, 0.2);
+        let ends = (0..100).find(|_| {
+            run.target();
+            run.reject(&trouble, true) == Advance::Failed || matches!(run.lead, Lead::Drag(_))
+        });
+        assert!(ends.is_some());
+        assert_eq!(matches!(run.lead, Lead::Drag(_)), has_contact);
+        if !has_contact {
+            continue;
+        }
+        let Target::Through { goal, resistance } = run.target() else { panic!("no drag") };
+        assert!(goal[0] > run.drives_at(0.2)[0] && resistance > 0.0);
+        assert!(run.judge(&converged(5.0), load, falls).is_ok(), "the load may fall");
+        let imbalanced = Findings { energy_error: 0.5, ..falls };
+        assert!(run.judge(&converged(5.0), load, imbalanced).is_err(), "it missed energy");
+        let judgement = run.judge(&converged(5.0), load, Findings { load: 5.0, ..falls }).expect_err("a jump");
+        let mut failing = run.clone();
+        assert_eq!(failing.reject(&judgement.trouble, false), Advance::Repeated);
+        let Target::Through { resistance: thicker, .. } = failing.target() else { panic!("no drag") };
+        assert!(thicker > 2.0 * resistance);
+        assert!((0..100).any(|_| failing.reject(&trouble, true) == Advance::Failed), "drag thickens for ever");
+
+        run.accept(&Committed::default(), &converged(5.0), falls, load);
+        let stood = run.progress;
+        let Target::Through { goal: stands, resistance: thinner } = run.target() else {
+            panic!("it is out of balance")
+        };
+        assert!(stands == goal && thinner < resistance && stood > 0.2);
+        run.accept(&Committed::default(), &converged(0.5), falls, load);
+        assert!(run.lead == Lead::Drives && run.progress == stood);
+    }
 }
 
 /// What a first increment misses where contact opens is the same part of its work, however small it is.

@@ -63,7 +63,7 @@ impl Equilibrium<'_> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();
         match target {
-            Target::Drives(goal) => {
+            Target::Drives(goal) | Target::Through { goal, .. } => {
                 let drives: Vec<f64> = goal.iter().zip(&trial.drives).map(|(to, from)| to - from).collect();
                 if attempt.predicts() {
                     let change = self.drive_force(start, &drives);

@@ -54,13 +54,17 @@ impl Equilibrium<'_> {
         }
     }
 
+    /// Returns the greatest residual of an equilibrium, N.
+    pub(super) fn tolerance(&self, scale: f64) -> f64 {
+        (self.model.controls.force_tolerance * scale).max(self.memory.rounding)
+    }
+
     fn is_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
-        let controls = &self.model.controls;
-        let tolerance = (controls.force_tolerance * scale).max(self.memory.rounding);
+        let tolerance = self.tolerance(scale);
         let displacements = &attempt.trial.displacements;
         let moved = largest_difference(displacements, &attempt.start.displacements);
         let moved = moved.max(LEAST_RELATIVE_MOVE * largest(displacements));
-        let is_small = |last: &Iteration| last.correction <= controls.displacement_tolerance * moved;
+        let is_small = |last: &Iteration| last.correction <= self.model.controls.displacement_tolerance * moved;
         residual <= (NEGLIGIBLE_RESIDUAL * tolerance).max(self.memory.rounding)
             || (residual <= tolerance && attempt.round().last().is_none_or(is_small))
     }

@@ -13,6 +13,7 @@
 //! ```
 
 mod correction;
+mod drag;
 mod iteration;
 mod policy;
 mod state;
@@ -45,12 +46,14 @@ pub(super) struct Committed {
     pub(super) mean_slip: f64,
     /// Energy that the solids' laws dissipated so far, N mm.
     pub(super) dissipation: f64,
+    /// The largest force of drag, as a multiple of what a residual may be.
+    pub(super) drag: f64,
 }
 
 impl Committed {
     /// Returns whether it is of this model: lengths of arrays, and all numbers are finite.
     pub(super) fn fits(&self, model: &Model) -> bool {
-        let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
+        let Self { displacements, drives, reactions, external, mean_slip, dissipation, drag } = self;
         let freedoms = 2 * model.mesh.nodes().len();
         let arrays =
             [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
@@ -58,6 +61,7 @@ impl Committed {
             // without contact there is none
             && (mean_slip.is_finite() || model.contacts.is_empty())
             && dissipation.is_finite()
+            && drag.is_finite()
     }
 }
 
@@ -66,6 +70,8 @@ impl Committed {
 pub(super) enum Target {
     /// These values of the drives.
     Drives(Vec<f64>),
+    /// These values of the drives, in balance with drag on contact: `resistance`, N/mm at each of its freedoms.
+    Through { goal: Vec<f64>, resistance: f64 },
     /// This growth of what leads, with the drives on the line from where they are along a direction. `point`: the contact
     /// point that leads, if it is known.
     Led { by: Leader, growth: f64, direction: Vec<f64>, point: Option<PointIndex> },
@@ -118,6 +124,11 @@ impl<'a> Attempt<'a> {
     /// Returns whether the next correction predicts: it takes the drives to where they shall be.
     fn predicts(&self) -> bool {
         self.iterations.is_empty()
+    }
+
+    /// The resistance of drag, N/mm.
+    fn resistance(&self) -> f64 {
+        if let Target::Through { resistance, .. } = self.target { *resistance } else { 0.0 }
     }
 
     /// Returns what laws are told in the next iteration.
@@ -234,6 +245,8 @@ impl<'m> Equilibrium<'m> {
         let Attempt { trial: mut end, iterations, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
+        let drag = self.memory.drag.largest();
+        end.drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
         Ok(Converged { end, iterations })
@@ -291,7 +304,9 @@ impl<'m> Equilibrium<'m> {
         self.memory.last_move = largest_difference(&end.displacements, &start.displacements);
         self.solids.commit(&end.displacements);
         self.contact.commit();
-        self.memory.at_committed_state = true;
+        self.memory.drag.commit();
+        // the next increment begins out of balance by what drag has held back
+        self.memory.at_committed_state = end.drag == 0.0;
     }
 
     /// Releases torn elements after an increment was accepted, and the points of contact on them.
@@ -311,12 +326,12 @@ impl<'m> Equilibrium<'m> {
 
     /// Energies of the committed state but for the external work.
     pub(super) fn energies(&self) -> Energies {
-        stored_and_spent(self.solids.energies(), self.contact.energies())
+        stored_and_spent(self.solids.energies(), self.contact.energies(), self.memory.drag.work())
     }
 
     /// Energies of the state of the last evaluation but for the external work.
     pub(super) fn trial_energies(&self) -> Energies {
-        stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies())
+        stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies(), self.memory.drag.trial_work())
     }
 
     pub(super) fn counts(&self) -> Counts {
@@ -364,6 +379,9 @@ impl<'m> Equilibrium<'m> {
         })?;
         self.contact_changes = evaluation.changes;
         memory.internal.iter_mut().zip(&memory.contact_forces).for_each(|(sum, force)| *sum += force);
+        let moved = |freedom: usize| trial.displacements[freedom] - attempt.start.displacements[freedom];
+        let Memory { drag, internal, blocks, .. } = memory;
+        drag.evaluate(attempt.resistance(), contact.freedoms(), moved, system.equations(), internal, blocks);
         memory.external.fill(0.0);
         for load in loads {
             let factor = trial.drives[load.drive];
@@ -438,7 +456,7 @@ impl Equilibrium<'_> {
     }
 }
 
-fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energies {
+fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies, drag: f64) -> Energies {
     let opening = contact.opening + contact.released;
     Energies {
         external_work: 0.0,
@@ -450,6 +468,6 @@ fn stored_and_spent(solids: SolidEnergies, contact: contact::Energies) -> Energi
         interface: contact.work + contact.leaning - opening,
         interface_stored: contact.plugin_stored + contact.normal_stored,
         opening,
-        stabilisation: solids.viscous + solids.overstress,
+        stabilisation: solids.viscous + solids.overstress + drag,
     }
 }

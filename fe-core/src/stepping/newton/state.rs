@@ -1,5 +1,6 @@
 //! What an equilibrium remembers between increments, as it is kept between runs.
 
+use super::drag::Drag;
 use super::{Equilibrium, coupled_freedoms};
 use crate::assembly::solids::SolidsState;
 use crate::assembly::{Equations, SystemState};
@@ -34,6 +35,7 @@ pub(in crate::stepping) struct Memory {
     pub(super) last_iterations: usize,
     /// Whether the last evaluation is of the committed state, with the tangents that led there.
     pub(super) at_committed_state: bool,
+    pub(super) drag: Drag,
     /// The largest force scale of an accepted increment.
     pub(super) greatest_scale: f64,
     /// Elements whose stiffness is not the consistent one.
@@ -68,6 +70,7 @@ impl Memory {
         [&self.internal, &self.contact_forces, &self.external].into_iter().all(|forces| forces.len() == freedoms)
             && self.residual.len() == made.system.row_count()
             && self.blocks.is_sound(freedoms)
+            && self.drag.fits(freedoms)
             && self.fallen_back.iter().all(|&element| element < made.model.mesh.elements().len())
     }
 }

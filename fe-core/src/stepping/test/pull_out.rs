@@ -45,7 +45,7 @@ fn elastic(modulus: f64, poisson: f64) -> PluginLaw {
 }
 
 /// A fibre embedded 3 mm in six elements, pulled by `slip`.
-fn fibre(
+pub(super) fn fibre(
     configuration: Configuration,
     laws: [PluginLaw; 2],
     bond: &PluginLaw,

@@ -5,7 +5,9 @@
 //! ```
 
 use super::patch::Looking;
+use super::pull_out::{bond_with, fibre};
 use super::*;
+use crate::mesh::specimen::Configuration;
 use crate::model::{FieldValues, Fields as ModelFields};
 use umat_abi::host::recorder::UmatRecord;
 
@@ -188,4 +190,45 @@ fn stabilisation_adds_the_stress_of_a_dashpot_beside_an_elastic_strip_that_may_l
             approx::assert_relative_eq!(record.energies.stabilisation, spent, max_relative = tolerance);
         }
     }
+}
+
+/// Where the drives cannot go on, a fibre whose brittle bond fails at once goes through drag to the equilibrium that indirect control
+/// comes to beyond the turn. What it sets free is the work of the drag; what is dissipated is the same on both ways.
+#[test]
+fn drag_leads_to_the_equilibrium_beyond_the_turn() {
+    let elastic = |modulus, poisson| PluginLaw::shipped("linear_elastic", &[("E", modulus), ("nu", poisson)]);
+    // a soft fibre stores much; beyond 0.02 mm its bond falls with the square of the slip
+    let bond = bond_with(&[("a_2", 8e-4), ("b_2", -2.0)]);
+    let control = StepControl::Automatic { initial: 1e-3, maximum: 0.05, minimum: 1e-9 };
+    let mut model = fibre(Configuration::PLANE, [elastic(500.0, 0.3), elastic(23.7e3, 0.15)], &bond, 0.6, control);
+    let (path, _) = run(&model);
+    let turn = path.windows(2).find(|pair| pair[1].slip < pair[0].slip).expect("a turn")[0].slip;
+    let after = path.windows(2).rposition(|pair| pair[1].slip < pair[0].slip).expect("a turn");
+    let goal = 1.06 * turn;
+    let beyond = path[after..].windows(2).find(|pair| pair[0].slip <= goal && goal < pair[1].slip).expect("beyond");
+    let share = (goal - beyond[0].slip) / (beyond[1].slip - beyond[0].slip);
+    let there = |of: fn(&Record) -> f64| of(&beyond[0]) + share * (of(&beyond[1]) - of(&beyond[0]));
+    let expected = there(|record| record.load);
+    let peak = path.iter().map(|record| record.load).fold(0.0, f64::max);
+    assert!(expected < 0.5 * peak, "{expected} N after {peak} N");
+
+    model.steps[0].targets = vec![Some(0.98 * turn)];
+    let mut analysis = Analysis::new(&model).unwrap();
+    let mut keeper = Keeper::default();
+    analysis.run(&mut keeper).unwrap();
+    let onward = Step { targets: vec![Some(goal)], ..model.steps[0].clone() };
+    let run = StepRun::new(&onward, &analysis.present.committed.drives, &model).through_drag(peak / (0.1 * turn));
+    analysis.step(Position { step: 2, run, increment: 0, step_time: 0.0 }, &mut keeper).unwrap();
+    assert!(analysis.statistics().dragged > 0);
+    let load = keeper.0.last().expect("increments").load;
+    assert!((load - expected).abs() < 1e-3 * peak, "{load} N instead of {expected} N");
+    let energies = analysis.present.energies;
+    let work = there(|record| record.energies.external_work);
+    assert!(energies.imbalance().abs() < 2e-3 * work, "{energies:?}");
+    let dissipated = there(|record| record.energies.interface_dissipation());
+    let error = energies.interface_dissipation() / dissipated - 1.0;
+    assert!(error.abs() < 0.02, "{error:e}: {energies:?}");
+    // both ways end in the same state: what this one took more work for was set free
+    let free = energies.external_work - work;
+    assert!(free > 0.05 * work && (energies.stabilisation / free - 1.0).abs() < 0.05, "{free} N·mm, {energies:?}");
 }
