@@ -91,6 +91,7 @@ fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for(
     assert_eq!([&rupture["slip"], &rupture["load"]].map(Value::as_f64), [Some(slip[row]), Some(load[row])]);
     exists(&run, &["deformed_mesh_at_1", "principal_stress_max_at_1", "deformed_mesh"]);
     assert!(!run.folder.join("plots/deformed_mesh_at_2.svg").exists(), "the slip did not reach 5 mm");
+    assert!(run.summary["warnings"].to_string().contains("did not reach a slip of 5 mm"), "{}", run.summary["warnings"]);
     let first = slip.iter().position(|slip| *slip >= 0.05).expect("a row");
     let time = run.history.column("time")[first];
     assert!(series(&run.folder).iter().any(|(other, _)| (other - time).abs() < 1e-12), "no fields at {time}");

@@ -136,8 +136,9 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
         let properties = Properties::read(props)?;
         let Properties { law, form, normal_law, normal_stiffness, p_0, delta_n, g_0, .. } = properties;
         let Properties { k_e, rise, fall, tau_res, k_u, mu, k_f, c_n, points, .. } = properties;
-        let is_mixed = law == Tangential::B && normal_law == Normal::Hard;
-        require(c_n == 0.0 || is_mixed, "mixed mode (c_N > 0) needs law B and the hard normal law", c_n)?;
+        // law none ignores what is of the bond: surfaces without bond have the props of those with it
+        let may_mix = law != Tangential::A && normal_law == Normal::Hard;
+        require(c_n == 0.0 || may_mix, "mixed mode (c_N > 0) needs law B and the hard normal law", c_n)?;
         let envelope = || match form {
             Form::Powers => Envelope::powers(k_e, rise, fall, tau_res),
             Form::Piecewise => Envelope::piecewise(k_e, points, tau_res),

@@ -324,6 +324,10 @@ fn an_inclined_fibre_may_touch_its_exit_and_separate_there() {
     };
     let model = accepted(&case, &["nlgeom=true", "parts.matrix.nlgeom=false"]).model;
     assert_eq!(names(&model), ["interface_left", "interface_right", "exit_left", "exit_right"]);
+    // the bond's own parameters do not keep the law from surfaces without it
+    let mixed = ["nlgeom=true", "parts.matrix.nlgeom=false", "contact.law.props.law=B", "contact.law.props.c_N=3"];
+    let mixed = accepted(&case, &mixed).model;
+    assert_eq!(["interface_left", "exit_left"].map(|name| props(&mixed, name)[0]), [1.0, 2.0]);
     assert_eq!(model.nlgeom, [true, false]);
     assert_eq!(model.measured.axis, Some(std::f64::consts::FRAC_PI_4.sin_cos().into()));
     assert_eq!(model.measured.interface_lines, [[0], [1]]);

@@ -65,6 +65,17 @@ impl<'p> Moments<'p> {
         is_one
     }
 
+    /// Returns a warning that names what was wanted and did not come.
+    pub fn missed(&self) -> Option<String> {
+        let missed = self.wanted.iter().zip(&self.states).filter(|(_, state)| state.is_none());
+        let names = missed.map(|(wanted, _)| match wanted {
+            PictureAt::Slip(slip) => format!("a slip of {slip} mm"),
+            PictureAt::Increment(increment) => format!("increment {increment}"),
+        });
+        let names: Vec<String> = names.collect();
+        (!names.is_empty()).then(|| format!("pictures_at: the run did not reach {}: no picture of it", names.join(", ")))
+    }
+
     /// What was wanted and came, in the order of the case.
     pub fn into_states(self) -> Vec<(PictureAt, State<'p>)> {
         self.wanted.iter().copied().zip(self.states).filter_map(|(wanted, state)| Some((wanted, state?))).collect()

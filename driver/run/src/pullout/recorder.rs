@@ -135,6 +135,9 @@ pub fn run<'p>(
             100.0 * findings.stabilisation_share
         ));
     }
+    if let Some(warning) = recorder.moments.as_ref().and_then(Moments::missed) {
+        recorder.observer.warn(warning);
+    }
     let spalled = snapshot.solids().spalled();
     let (at_peak, at_end) = (recorder.peak.shape(), (snapshot.displacements(), spalled.as_slice()));
     if let Some(warning) = overlap::measure(program, at_peak, at_end, &mut findings) {
