@@ -7,7 +7,7 @@ use umat_abi::law::StressState;
 /// ε split into the n-dimensional deviator e (with the shears) and the trace θ.
 #[derive(Clone, Copy, Debug)]
 pub struct IsotropicSplit {
-    /// How many normal directions, 2 or 3.
+    /// Number of normal directions, 2 or 3.
     directions: usize,
     /// e, engineering shear.
     pub deviator: [f64; 6],

@@ -34,7 +34,7 @@ use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What PNEWDT becomes when an increment cannot be computed at all.
+/// PNEWDT on return when an increment cannot be computed at all.
 const CUT_BACK: f64 = 0.5;
 
 /// The first error of the process has been printed: a host that goes on calling must not drown in

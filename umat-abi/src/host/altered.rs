@@ -9,7 +9,7 @@ use crate::fric::FricArguments;
 use crate::uinter::UinterArguments;
 use crate::umat::UmatArguments;
 
-/// What is wrong with a call.
+/// Fault that is put into a call on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alteration<'a> {
     /// Nothing.

@@ -12,7 +12,7 @@ use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
 use std::ops::{Deref, DerefMut};
 
-/// What a call came back with.
+/// Outcome of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CallOutcome {
     /// The arrays hold the new values.
@@ -105,7 +105,7 @@ pub struct UmatCall {
     /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
     /// before a call, that of the end behind it.
     pub strain_33: f64,
-    /// How calls are made that are not plain.
+    /// Way of calls that are not plain: through six components, or with a tangent by differences.
     pub(super) detour: Option<Box<Detour>>,
 }
 

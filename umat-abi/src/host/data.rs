@@ -41,7 +41,7 @@ mod segments {
     use super::{CStr, DataSnapshot, Path, is_file};
     use std::ffi::{c_int, c_void};
 
-    /// What the loader's walk is looking for, and what it found.
+    /// Library sought while walking through the loader's list, and the data found.
     struct Search<'p> {
         path: &'p Path,
         found: DataSnapshot,

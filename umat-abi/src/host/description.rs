@@ -42,7 +42,7 @@ pub struct Parameter {
     pub unit: String,
     /// One sentence.
     pub doc: String,
-    /// What the host may fill in when the value is 0.
+    /// Quantity that the host may fill in when the value is 0.
     pub role: String,
     /// Default.
     pub default_value: f64,
@@ -112,7 +112,7 @@ pub struct Group {
     pub minimum: usize,
     /// Index of the parameter that holds the number of occurrences.
     pub count_parameter: Option<usize>,
-    /// How many parameters, the last before the group, the law got later: PROPS may lack them.
+    /// Number of parameters, the last before the group, that were added to the law later: PROPS may lack them.
     pub added: usize,
 }
 
@@ -148,7 +148,7 @@ impl Derived {
     }
 }
 
-/// What a law says of parameters.
+/// A law's verdict on its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Validation {
     /// Usable.

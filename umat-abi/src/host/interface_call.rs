@@ -204,11 +204,11 @@ impl SurfaceFields {
     }
 }
 
-/// What both calls share, and give access to by [`Deref`].
+/// Part that UINTER and FRIC calls share and give access to by [`Deref`].
 #[derive(Debug)]
 pub struct Contact<I, O> {
     common: PluginCall<I, O>,
-    /// What both surfaces have.
+    /// Temperatures and field variables of both surfaces.
     pub fields: SurfaceFields,
     calls: u64,
 }
@@ -405,7 +405,7 @@ impl UinterCall {
     }
 }
 
-/// What FRIC answers.
+/// Answer of FRIC (LM on return).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FricAnswer {
     /// LM = 0: TAU, DDTDDG, DDTDDP and DSLIP are given.

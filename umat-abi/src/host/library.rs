@@ -14,7 +14,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What `plugin build --debug` puts into a library.
+/// Symbol that `plugin build --debug` puts into a library.
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
 
 /// A shared library that can be loaded is no plugin, or no library.
@@ -43,7 +43,7 @@ pub enum LoadError {
     Metadata {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault found.
         message: String,
     },
 }
@@ -72,7 +72,7 @@ impl std::error::Error for LoadError {}
 pub struct Routine {
     /// Plain symbol.
     pub symbol: &'static str,
-    /// Whether hosts call it.
+    /// Whether the host calls it.
     pub is_called: bool,
 }
 

@@ -44,7 +44,7 @@ pub struct NotFinite {
     pub argument: &'static str,
     /// The element, from 1.
     pub element: usize,
-    /// What it is.
+    /// Its value: NaN or infinity.
     pub value: f64,
 }
 

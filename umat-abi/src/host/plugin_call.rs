@@ -1,4 +1,4 @@
-//! What calls of UMAT, UINTER and FRIC share: the arrays that the plugin writes, the properties, the inputs and outputs.
+//! Part that calls of UMAT, UINTER and FRIC share: the arrays that the plugin writes, the properties, the inputs and outputs.
 
 use super::call::CallOutcome;
 use super::exchange::{Exchange, Inputs, Outputs};

@@ -24,7 +24,7 @@ enum Occasion {
     StepEnd = 6,
 }
 
-/// What UEXTERNALDB is told of an increment.
+/// Times and numbers of an increment that UEXTERNALDB is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     /// Step time and total time now: at the increment's start or at its end, s.

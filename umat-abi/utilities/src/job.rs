@@ -1,4 +1,4 @@
-//! What a routine may ask about the run: GETJOBNAME, GETOUTDIR, GETRANK, GETNUMCPUS, GETPARTINFO, GETVRM.
+//! Enquiries of a routine about the run: GETJOBNAME, GETOUTDIR, GETRANK, GETNUMCPUS, GETPARTINFO, GETVRM.
 
 use crate::character::{assign, trimmed};
 use crate::messages::{forget_issued, say};

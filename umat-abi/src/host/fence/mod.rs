@@ -17,7 +17,7 @@ const FENCE: usize = 1 << 16;
 /// The least that is protected at once.
 const PAGE: usize = 1 << 12;
 
-/// What becomes of an access outside an array.
+/// Consequence of an access outside an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outside {
     /// Access ends the process.

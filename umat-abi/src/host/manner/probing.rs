@@ -1,4 +1,4 @@
-//! Whether a plugin without metadata knows the components of a plane call, found out by calls.
+//! Trial calls that find out whether a plugin without metadata handles the components of a plane call.
 
 use super::super::call::{CallOutcome, UmatCall};
 #[cfg(unix)]
@@ -20,7 +20,7 @@ impl Manner {
     /// plain call.
     ///
     /// # Errors
-    /// What `make` says.
+    /// The error of `make`.
     pub fn prepare(
         self,
         stress_state: StressState,
@@ -48,7 +48,7 @@ impl Manner {
     /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
     ///
     /// # Errors
-    /// What `make` says.
+    /// The error of `make`.
     pub fn probe(
         self,
         call: &mut UmatCall,

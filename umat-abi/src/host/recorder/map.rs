@@ -30,7 +30,7 @@ pub(super) mod word {
     /// A sequence, odd while a library is loaded.
     pub(in super::super) const LOADING: usize = 32;
     pub(in super::super) const NOTES: usize = 64;
-    /// What a call touched outside its arrays: 1 + length of the argument's name, element, length of the array, access.
+    /// Access of a call outside its arrays: 1 + length of the argument's name, element, length of the array, access.
     pub(in super::super) const TRESPASS: usize = NOTES + 8 * super::super::NOTES;
     /// The argument's name.
     pub(in super::super) const ARGUMENT: usize = TRESPASS + 4 * super::WORD;

@@ -1,4 +1,4 @@
-//! What a plugin was last called with, in memory that outlives the process.
+//! Arguments of the last call of a plugin, in memory that outlives the process.
 //!
 //! A plugin may end the process that calls it: Fortran's STOP, a segmentation fault, an endless loop. So the process
 //! that calls plugins, the *worker*, maps a file that its parent, the *supervisor*, maps as well ([`install`],
