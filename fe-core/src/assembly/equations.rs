@@ -20,7 +20,7 @@ struct Expression {
     drives: Vec<(usize, f64)>,
 }
 
-/// How a freedom is known before chains of couplings are resolved: by other freedoms and drives.
+/// Dependence of a freedom on other freedoms and drives, before chains of couplings are resolved.
 #[derive(Clone, Debug, PartialEq)]
 struct Dependence {
     terms: Vec<(usize, f64)>,
@@ -49,7 +49,7 @@ pub enum ConstraintError {
         /// Index of a node in the circle.
         node: usize,
     },
-    /// A direction without length, an index out of range, a number that is none.
+    /// A direction without length, an index out of range, NaN or infinity.
     #[error("{by}: {problem}")]
     Unusable {
         /// The support or coupling.

@@ -7,7 +7,7 @@ use std::f64::consts::E;
 /// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
 const LINEAR_FROM: f64 = 7.0;
 
-/// What the host's normal law remembers of a point.
+/// State of the host's normal law at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct NormalState {
     /// λ, MPa.

@@ -12,7 +12,8 @@ const MOST_ITERATIONS: usize = 60;
 /// Places of an edge are within this × the distance of its farthest node from any centre: Σ|N| ≤ 5/4 on a quadratic edge,
 /// and something for rounding.
 const REACH: f64 = 1.26;
-/// How far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
+/// Distance past a smoothed end of its edge, in ξ, within which a foot stays on it until the increment is over: see the
+/// module's page.
 const OVERSHOOT: f64 = 1e-3;
 
 /// Newton without a bracket.
@@ -23,7 +24,7 @@ const POSITION_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Small step of ξ: its square is rounding.
 const SMALL_STEP: f64 = 1e-9;
 
-/// What the nearest place of an edge is.
+/// Nearest place of an edge: inside it, or before or after it.
 enum OnEdge {
     Inside(f64),
     Before,

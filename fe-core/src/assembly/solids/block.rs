@@ -22,7 +22,7 @@ pub(super) struct BlockPlace {
 pub(super) struct Evaluation<'a> {
     /// Two per node, mm.
     pub(super) displacements: &'a [[f64; 2]],
-    /// Which elements are evaluated.
+    /// True for elements that are evaluated.
     pub(super) active: &'a [bool],
     pub(super) request: Request,
     pub(super) skip_unchanged: bool,
@@ -41,7 +41,7 @@ pub(super) struct Block {
     /// Internal forces of the last evaluation, likewise.
     pub(super) forces: Vec<[f64; 2]>,
     pub(super) stiffnesses: Vec<f64>,
-    /// How many stiffnesses are unsymmetric.
+    /// Number of unsymmetric stiffnesses.
     pub(super) unsymmetric: usize,
     /// All but the calls of the UMAT, which the points count.
     pub(super) counters: Counters,
@@ -155,7 +155,7 @@ impl Block {
         Ok(())
     }
 
-    /// What is left of a released element at the end displacements of its nodes.
+    /// Evaluates the forces left of a released element at the end displacements of its nodes.
     fn evaluate_spalled<const N: usize>(&mut self, local: usize, end: &Nodal<N>, evaluation: &Evaluation<'_>) {
         if self.records[local].moduli_changed {
             self.build_stiffness::<N>(local, None, evaluation);

@@ -65,7 +65,7 @@ mod test;
 /// Below this det F an increment is given up: the element is as good as inverted.
 pub const LEAST_VOLUME_RATIO: f64 = 0.2;
 
-/// Which tangent of its points an element's stiffness is made of.
+/// Tangent of its points from which an element's stiffness is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum TangentChoice {
     /// DDSDDE of the increment: Newton's method converges quadratically.
@@ -98,11 +98,11 @@ pub struct Solids {
     fields: Fields,
     /// Steps over which the fields change.
     steps: Vec<Step>,
-    /// What was counted before the present state was taken over.
+    /// Counts of before the present state was taken over.
     earlier: Counters,
     /// Notes on the laws for users.
     notes: Vec<String>,
-    /// How far each part's law is believed.
+    /// Trust in each part's law.
     trust: Vec<Trust>,
 }
 
@@ -146,7 +146,7 @@ impl Solids {
         self.threads.count()
     }
 
-    /// Which elements are evaluated: the others are left as they are, and give no forces.
+    /// Sets the elements that are evaluated: the others are left as they are, and give no forces.
     ///
     /// # Panics
     ///
@@ -174,7 +174,7 @@ impl Solids {
         self.block(element).body.part.softens
     }
 
-    /// Which tangent an element's stiffness is made of from the next evaluation on.
+    /// Sets the tangent from which an element's stiffness is built from the next evaluation on.
     pub fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
         let BlockPlace { block, local } = self.places[element];
         let record = &mut self.blocks[block].records[local];

@@ -76,7 +76,7 @@ impl States {
     }
 }
 
-/// What a point starts its increment from, and how far it goes.
+/// Increment of a point: the strain increment, and under large displacements its motion.
 pub(super) struct PointIncrement<'a> {
     pub(super) strain: Components,
     /// Motion under large displacements: F at the start and at the end.
@@ -103,10 +103,10 @@ const THICKNESS_STEP: f64 = 1e-8;
 #[derive(Debug)]
 pub(super) struct Points {
     pub(super) call: UmatCall,
-    /// Which of the four components the UMAT has.
+    /// Indices, among the four components, of those that the UMAT has.
     components: &'static [usize],
     nstatv: usize,
-    /// Which state is the strain 33 of plane stress, if the law says so.
+    /// Index of the state that is the strain 33 of plane stress, if the law names one.
     strain_33: Option<usize>,
     /// A law for small strains, whose SSE grows by σ : Δε per present volume, as its metadata let us know. What others say is
     /// stored is a potential.
@@ -177,7 +177,7 @@ impl Points {
         Ok(reason.map(|reason| format!("part '{part}': {} is called with NTENS = 6: {reason}", law.name)))
     }
 
-    /// What [`Self::prepare`] found for other points of the part.
+    /// Takes over the findings of [`Self::prepare`] for the first points of the part.
     pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), SolidsError> {
         self.elastic = first.elastic;
         if first.call.is_through_solid() && !self.call.is_through_solid() {

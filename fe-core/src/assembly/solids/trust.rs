@@ -1,4 +1,4 @@
-//! How far the laws of parts are believed: laws with metadata in everything, anybody's UMAT as long as it does not
+//! Trust in the laws of parts: laws with metadata are believed in everything, any other UMAT as long as it does not
 //! contradict itself.
 //!
 //! # Energies
@@ -36,7 +36,7 @@ const LARGEST_DEVIATION: f64 = 0.05;
 const FIRST_PAUSE: u64 = 2;
 const LONGEST_PAUSE: u64 = 128;
 
-/// What is made of the energies that a law reports.
+/// Treatment of the energies that a law reports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Reports {
     /// Metadata vouch for them.
@@ -49,7 +49,7 @@ enum Reports {
     Wrong { ratio: f64 },
 }
 
-/// How far a part's law is believed.
+/// Trust in a part's law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trust {
     reports: Reports,
@@ -59,9 +59,9 @@ pub(super) struct Trust {
     judges_tangent: bool,
     /// Increments until the next comparison, and between comparisons.
     pause: [u64; 2],
-    /// How far its tangent was off when it was replaced.
+    /// Deviation of its tangent when that was replaced.
     tangent_deviation: Option<f64>,
-    /// What comparisons that the model asks for came to before the present calls.
+    /// Result, up to the present calls, of the comparisons that the model asks for.
     compared: Option<Compared>,
 }
 
@@ -129,7 +129,7 @@ impl Trust {
     }
 }
 
-/// What a part's law has reported, and the work of its stresses, N·mm.
+/// Energies that a part's law has reported, and the work of its stresses, N·mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartAccount {
     /// SSE.
@@ -148,7 +148,7 @@ impl PartAccount {
         [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
     }
 
-    /// Returns what it has reported, as sums have it.
+    /// Returns the reported energies as entries of the sums.
     pub fn reported(&self) -> SolidEnergies {
         let Self { stored, dissipated, damages, .. } = *self;
         if damages {
@@ -169,7 +169,7 @@ pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
 }
 
 impl Solids {
-    /// Returns what each part's law has reported of the committed state, and the work of its stresses.
+    /// Returns the energies that each part's law has reported of the committed state, and the work of its stresses.
     pub fn accounts(&self) -> Vec<PartAccount> {
         self.accounts_of(|body| &body.points.committed)
     }
