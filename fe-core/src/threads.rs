@@ -1,7 +1,7 @@
 //! Threads that share the work of one analysis.
 //!
-//! What is shared is cut into pieces by the model alone, and joined in their order: results have the same bits for any
-//! number of threads.
+//! Shared work is cut into pieces by the model alone, and the pieces are joined in their order: results have the same bits
+//! for any number of threads.
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -16,8 +16,8 @@ const STACK: usize = 1 << 24;
 pub struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
-    /// Makes a pool of so many threads. The caller's is one of them where it can be: to wake another one takes up to half a millisecond,
-    /// and this one has the data. It can be once in its life, so one `Threads` serves all that it does.
+    /// Makes a pool of so many threads. The caller's is one of them if possible: waking another one takes up to half a
+    /// millisecond, and the caller's has the data. A thread can join a pool once only, so one `Threads` serves all its work.
     ///
     /// # Errors
     ///

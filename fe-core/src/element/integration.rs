@@ -2,7 +2,7 @@
 
 use super::ElementKind;
 
-/// How many points an element is integrated with.
+/// Rule of integration of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Integration {
     /// Exact for the stiffness of an undistorted element.

@@ -10,7 +10,7 @@ pub enum MappingError {
     NodeCount {
         /// The kind of element.
         kind: ElementKind,
-        /// How many positions there were.
+        /// Number of positions given.
         found: usize,
     },
     /// The element is inverted, collapsed, or not finite at this point.

@@ -60,7 +60,7 @@ mod test;
 pub struct Part {
     /// A name that no other part has.
     pub name: String,
-    /// What it assumes about the third direction.
+    /// Assumption about the third direction.
     pub model: PlaneModel,
     /// Reference thickness of its elements, but for those with one of their own, mm; unused in axial symmetry.
     pub thickness: f64,

@@ -32,7 +32,7 @@ pub enum TriangulationError {
     Point {
         /// Index.
         index: usize,
-        /// Where it is.
+        /// Its position.
         position: [f64; 2],
     },
     /// An outline that touches or crosses itself.

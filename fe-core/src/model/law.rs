@@ -14,7 +14,7 @@ pub struct PluginLaw {
     pub library: Library,
     /// Metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
     pub law: Option<Law>,
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The symbol of the entry point; `None`: the usual ones are tried.
     pub symbol: Option<String>,
@@ -29,7 +29,7 @@ pub struct PluginLaw {
     /// Stress of every point of a part at the start, MPa: 11, 22, 33, 12, or r, z, θ, rz; `None`: what the library's SIGINI
     /// sets, or 0.
     pub stress0: Option<[f64; MAX_COMPONENTS]>,
-    /// How its UMAT is called.
+    /// Way in which its UMAT is called.
     pub manner: Manner,
 }
 
@@ -102,7 +102,7 @@ impl PluginLaw {
     /// STATEV of a point at the start.
     ///
     /// # Errors
-    /// What SDVINI did wrong.
+    /// A fault of SDVINI.
     pub fn states_of_point(&self, initial: &mut InitialStates, at: &InitialPoint) -> Result<Vec<f64>, LawError> {
         initial.of_point(at).map_err(|message| LawError { name: self.name.clone(), message })
     }
@@ -110,7 +110,7 @@ impl PluginLaw {
     /// Stress of a point at the start, in the order of UMAT's components.
     ///
     /// # Errors
-    /// What SIGINI did wrong.
+    /// A fault of SIGINI.
     pub fn stress_of_point(
         &self,
         initial: &mut InitialStresses,
@@ -120,7 +120,7 @@ impl PluginLaw {
         initial.of_point(at, element_type).map_err(|message| LawError { name: self.name.clone(), message })
     }
 
-    /// Returns where the stresses of its points start from in a plane model.
+    /// Returns the source of the initial stresses of its points in a plane model.
     pub fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
         let components = model.stress_state().components();
         let given = self.stress0.map(|stress| components.iter().map(|&k| stress[k]).collect::<Vec<_>>());

@@ -6,7 +6,7 @@
 pub struct Blocks {
     rows: Vec<usize>,
     values: Vec<f64>,
-    /// Where each block's rows and values end.
+    /// End of each block's rows and values.
     ends: Vec<(usize, usize)>,
 }
 

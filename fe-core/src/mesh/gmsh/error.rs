@@ -1,4 +1,4 @@
-//! What can be wrong with a Gmsh file, where, and what to do about it.
+//! Faults of a Gmsh file, their places, and remedies.
 
 use std::path::PathBuf;
 
@@ -10,9 +10,9 @@ use crate::element::MappingError;
 pub struct GmshError {
     /// The file.
     pub path: PathBuf,
-    /// Where in it.
+    /// The place in the file.
     pub place: Place,
-    /// What is wrong.
+    /// The fault.
     pub fault: GmshFault,
 }
 
@@ -37,7 +37,7 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What is wrong with a Gmsh file.
+/// Kinds of faults of a Gmsh file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
 pub enum GmshFault {

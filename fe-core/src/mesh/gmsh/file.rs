@@ -30,7 +30,7 @@ pub(super) struct FileElement {
     pub(super) place: usize,
 }
 
-/// What a Gmsh file says.
+/// Contents of a Gmsh file.
 #[derive(Default)]
 pub(super) struct File {
     version: Version,

@@ -6,7 +6,7 @@ use std::path::Path;
 /// A fault at a byte of the file.
 pub(super) type Trouble = (usize, GmshFault);
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,

@@ -308,7 +308,7 @@ fn faults_of_binary_files_tell_the_byte() {
     }
 }
 
-/// What to replace by what, and the message.
+/// Text to be replaced, its replacement, and the message.
 type Fault = (&'static str, &'static str, &'static str);
 
 #[track_caller]

@@ -64,7 +64,7 @@ pub enum StructuredError {
     Map {
         /// (ξ, η).
         reference: [f64; 2],
-        /// What the map gives.
+        /// Position that the map gives.
         position: [f64; 2],
     },
 }

@@ -1,4 +1,4 @@
-//! What the parameters of fibres must be.
+//! Requirements on the parameters of fibres.
 
 use super::{Fibre, Fibres, Laid, Segment};
 use crate::element::{EdgeKind, ElementKind};
@@ -18,7 +18,7 @@ const LEAST_GAP: f64 = 0.05;
 const APART: f64 = 3.0;
 
 impl Fibres {
-    /// What must hold of each number.
+    /// Checks each number on its own.
     pub(super) fn check(&self) -> Result<(), SpecimenError> {
         let mut required = Requirements::default();
         let mesh = &self.mesh;
