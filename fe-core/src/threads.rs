@@ -31,7 +31,7 @@ impl Threads {
         Ok(Self(Some(Arc::new(pool))))
     }
 
-    /// Does both, at the same time if there is a thread for each.
+    /// Runs both, at the same time if there is a thread for each.
     pub(crate) fn join<A: Send, B: Send>(
         &self,
         first: impl FnOnce() -> A + Send,
@@ -48,7 +48,7 @@ impl Threads {
         self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// Does some work on each piece.
+    /// Runs some work on each piece.
     pub(crate) fn for_each<P: Send>(&self, pieces: &mut [P], work: impl Fn(&mut P) + Send + Sync) {
         match &self.0 {
             None => pieces.iter_mut().for_each(work),

@@ -139,7 +139,7 @@ fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure
     }
 }
 
-/// Why a result is refused.
+/// Reason why a result is refused.
 const NO_NUMBER: &str = "a result is not a finite number";
 
 impl Response {

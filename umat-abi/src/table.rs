@@ -285,7 +285,7 @@ pub fn take<const N: usize>(values: &[f64], at: &mut usize) -> [f64; N] {
     taken
 }
 
-/// Puts the next N values.
+/// Writes the next N values.
 #[doc(hidden)]
 #[inline(always)]
 pub fn put<const N: usize>(taken: [f64; N], values: &mut [f64], at: &mut usize) {

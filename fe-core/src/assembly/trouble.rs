@@ -1,4 +1,4 @@
-//! Why an attempt of an increment cannot go on, and where.
+//! Reasons why an attempt of an increment cannot go on, and their places.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;

@@ -1,4 +1,4 @@
-//! From gap and slip to tractions: the calls of UINTER and FRIC.
+//! Tractions from gap and slip: the calls of UINTER and FRIC.
 
 use super::ContactError;
 use super::history::{PointState, PointStatus};
@@ -12,7 +12,7 @@ const FRACTION_AFTER_NAN: f64 = 0.25;
 /// STRESS(1) is on the line ε_N · RDISP(1) within this relative error.
 const ON_THE_LINE: f64 = 1e-9;
 
-/// Why a law gave no traction.
+/// Reason why a law gave no traction.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LawFailure {
     pub reason: String,
@@ -61,14 +61,14 @@ impl PointLaw {
     /// A pair's law with its penalties filled, told the initial temperature and field variables.
     ///
     /// # Errors
-    /// It refuses its parameters, cannot be called, or not be enforced as wanted.
+    /// A law that refuses its parameters, cannot be called, or cannot be enforced as requested.
     pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ContactError> {
         let mut law = Self::of(pair, penalty)?;
         law.set_fields(initial, initial);
         Ok(law)
     }
 
-    /// Tells it temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to it.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         let fields: &mut SurfaceFields = match self {
             Self::Uinter { call, .. } => &mut call.fields,

@@ -187,7 +187,7 @@ impl Contact {
         pair.law.last_call(point, pair.committed.points.get(point)?, statev)
     }
 
-    /// Tells the laws temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to the laws.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         self.pairs.iter_mut().for_each(|pair| pair.law.set_fields(start, end));
     }

@@ -4,7 +4,7 @@ use crate::model::{HardLaw, NormalLaw, SoftLaw};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::E;
 
-/// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
+/// y = 1 − gap/g_0 from which on the exponential is continued by its tangent.
 const LINEAR_FROM: f64 = 7.0;
 
 /// State of the host's normal law at a point.

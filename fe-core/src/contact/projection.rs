@@ -117,7 +117,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
         nearest
     }
 
-    /// No place of an edge is nearer: they lie in a circle around the middle of its ends.
+    /// Returns a lower bound of the distance to an edge: its places lie in a circle around the middle of its ends.
     pub fn clearance(&self, point: [f64; 2], edge: i64) -> f64 {
         let nodes = self.chain.nodes(edge);
         let [a, b] = [0, 1].map(|end| (self.position)(nodes[end]));

@@ -2,7 +2,7 @@
 
 use super::{ElementKind, ShapeFunctions};
 
-/// Why an element cannot be mapped.
+/// Reason why an element cannot be mapped.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MappingError {
     /// Not one position per node.

@@ -126,10 +126,10 @@ pub struct Skipping {
 }
 
 impl Skipping {
-    /// Everything is skipped that can be.
+    /// All of them are skipped.
     pub const ALL: Self =
         Self { unchanged_elements: true, elastic_far_field: true, factor_reuse: true, contact_search: true };
-    /// Nothing is skipped.
+    /// None is skipped.
     pub const NONE: Self =
         Self { unchanged_elements: false, elastic_far_field: false, factor_reuse: false, contact_search: false };
 }

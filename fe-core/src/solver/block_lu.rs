@@ -95,7 +95,7 @@ struct Queue {
 }
 
 impl Queue {
-    /// Puts a supernode to where the first of `rows` belongs.
+    /// Puts a supernode into the queue of the supernode to which the first of `rows` belongs.
     fn wait(&mut self, supernode: usize, rows: &[usize]) {
         if let Some(&row) = rows.first() {
             self.next[supernode] = std::mem::replace(&mut self.heads[self.owner[row]], supernode);

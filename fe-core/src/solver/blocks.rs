@@ -11,7 +11,7 @@ pub struct Blocks {
 }
 
 impl Blocks {
-    /// Forgets all blocks, keeps the memory.
+    /// Removes all blocks, and keeps the memory.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.values.clear();

@@ -1,4 +1,4 @@
-//! Why a system was not solved. Messages count equations from 1.
+//! Reasons why a system was not solved. Messages count equations from 1.
 
 /// A system that cannot be solved, or was not solved accurately.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -195,7 +195,7 @@ impl Whole {
         }
     }
 
-    /// Forgets the factor: nothing of it stays at the next factorisation.
+    /// Discards the factor: nothing of it is kept at the next factorisation.
     pub(super) fn forget_factors(&mut self) {
         self.block_lu.iter_mut().for_each(BlockLu::forget);
         self.parts.iter_mut().for_each(Parts::forget);

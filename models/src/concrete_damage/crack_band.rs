@@ -98,7 +98,7 @@ pub(super) struct Stretch {
     factor: f64,
 }
 
-/// Enough for Newton in a bracket: each step at least halves it or converges quadratically.
+/// Iterations that suffice for Newton in a bracket: each step at least halves it or converges quadratically.
 const MAX_ITERATIONS: usize = 80;
 
 /// A Newton step this small leaves an error of its square, below rounding.

@@ -1,4 +1,4 @@
-//! From a pure law to the symbols of a shared library.
+//! Symbols of a shared library, made from a pure law.
 //!
 //! The boundary stands what real hosts do (docs/reference/abi.md): NULL for what the law does not need, PNEWDT and
 //! DDSDDE full of garbage, missing CHARACTER lengths, wrong counts, NaN. It validates, embeds the
@@ -41,7 +41,7 @@ const CUT_BACK: f64 = 0.5;
 /// messages. The only global.
 static REPORTED: AtomicBool = AtomicBool::new(false);
 
-/// Why the boundary refuses a call.
+/// Reason why the boundary refuses a call.
 #[derive(Clone, Copy, Debug)]
 enum Refusal {
     /// NTENS, NDI, NSHR (NDIR, NFDIR) are not what the law supports.

@@ -64,8 +64,8 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         }
     }
 
-    /// Lets every array end where a page begins that cannot be written, where the recorder of this process wants that
-    /// ([`recorder::Recorder::fence_arrays`]): a store behind one ends the process, and the recorder tells which.
+    /// Makes every array end at a page that cannot be written, if the recorder of this process is set to that
+    /// ([`recorder::Recorder::fence_arrays`]): a store behind an array ends the process, and the recorder shows which array.
     pub fn fence(&mut self) {
         if !recorder::fences_arrays() {
             return;

@@ -58,7 +58,7 @@ struct Messages {
 static MESSAGES: Mutex<Messages> = Mutex::new(Messages { file: None, libraries: Vec::new() });
 
 impl Messages {
-    /// Does something with each library that is still loaded.
+    /// Calls a function with each library that is still loaded.
     fn each(&mut self, mut act: impl FnMut(&libloading::Library)) {
         self.libraries.retain(|library| library.upgrade().is_some());
         self.libraries.iter().filter_map(Weak::upgrade).for_each(|library| act(&library));
@@ -82,7 +82,7 @@ pub(super) fn note_loaded(library: &Arc<libloading::Library>) {
     }
 }
 
-/// Lets the runtimes write out what they hold back: of C, and of gfortran.
+/// Flushes the output that the runtimes of C and gfortran hold in buffers.
 pub fn flush_prints() {
     let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
     messages.each(|library| {
@@ -97,7 +97,7 @@ pub fn flush_prints() {
     unsafe { libc::fflush(std::ptr::null_mut()) };
 }
 
-/// Lets C's standard output be written line by line, so that nothing is lost where a plugin ends the process. To be called
+/// Sets C's standard output to line buffering, so that nothing is lost where a plugin ends the process. To be called
 /// before anything is printed.
 pub fn print_by_lines() {
     unsafe extern "C" {

@@ -84,7 +84,7 @@ impl ExternalDatabases {
         libraries.into_iter().any(|library| library.routines().iter().any(|routine| routine.symbol == SYMBOL))
     }
 
-    /// Goes on with an analysis: behind the increment of this clock. A step that had begun is not begun again.
+    /// Continues an analysis after the increment of this clock. A step that had begun is not begun again.
     pub fn resume<'l>(libraries: impl IntoIterator<Item = &'l Library>, clock: Clock) -> Self {
         let mut this = Self::begin(libraries);
         this.call(Occasion::Restart, clock);

@@ -51,7 +51,7 @@ thread_local! {
     static LOCAL: RefCell<Arrays> = const { RefCell::new(BTreeMap::new()) };
 }
 
-/// Says whose an array is.
+/// Owner of an array.
 #[derive(Clone, Copy)]
 enum Scope {
     Global,

@@ -16,7 +16,7 @@ const FLAG_LENGTH: usize = 3;
 /// Name and folder.
 static JOB: RwLock<Option<(String, String)>> = RwLock::new(None);
 
-/// Tells the job's name and folder; of this library's host.
+/// Sets the job's name and folder; called by this library's host.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn pullout_utilities_job_v1(
     name: *const u8,

@@ -16,7 +16,7 @@ const MOST_SHOWN: u32 = 10;
 /// Number of warnings and errors that the present job has issued.
 static ISSUED: AtomicU32 = AtomicU32::new(0);
 
-/// Forgets the messages of the last job.
+/// Resets the count of the last job's messages.
 pub(crate) fn forget_issued() {
     ISSUED.store(0, Ordering::Relaxed);
 }

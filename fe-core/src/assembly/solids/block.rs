@@ -69,7 +69,7 @@ impl Block {
         self.records.iter_mut().for_each(Record::forget);
     }
 
-    /// Tells the law of the increment.
+    /// Passes the increment to the law.
     pub(super) fn set_context(&mut self, context: &IncrementContext) {
         let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
         let call = &mut self.body.points.call;
@@ -80,7 +80,7 @@ impl Block {
         call.kinc = from_one(context.increment);
     }
 
-    /// Tells the law temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to the law.
     pub(super) fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         let call = &mut self.body.points.call;
         (call.temp, call.dtemp) = (start.temperature, end.temperature - start.temperature);

@@ -264,7 +264,7 @@ impl Solids {
         }
     }
 
-    /// Tells the laws of the increment. Times are arguments of a law: with others no result is kept.
+    /// Passes the increment to the laws. Times are arguments of a law: results for other times are discarded.
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
         if !same_bits(&times(&self.context), &times(context)) {
@@ -330,7 +330,7 @@ impl Solids {
         self.blocks[block].set_share(local, share);
     }
 
-    /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.
+    /// Discards the evaluations since the last commit. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
         self.blocks.iter_mut().for_each(Block::forget);
     }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentSource, UmatCall, judge};
 use umat_abi::law::Request;
 
-/// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
+/// Reason why a point gives no stress, in words, and the fraction of the increment to repeat with.
 #[derive(Clone, Debug)]
 pub(super) struct PointTrouble {
     pub(super) reason: String,

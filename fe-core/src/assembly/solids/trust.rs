@@ -26,13 +26,13 @@ const SAME: f64 = 0.02;
 /// The same limit for three increments together.
 const SIMILAR: f64 = 0.2;
 const SHRINKAGE: f64 = 0.3;
-/// A part is to blame if it makes so much of the imbalance.
+/// Share of the imbalance from which on a part is held responsible for it.
 const SHARE: f64 = 0.5;
-/// Energies that are so far from the work at the end of a run are told.
+/// Relative difference of energies from the work at the end of a run from which on it is reported.
 const NOTEWORTHY: f64 = 0.1;
 /// DDSDDE that is off by more than this part of its largest entry is replaced.
 const LARGEST_DEVIATION: f64 = 0.05;
-/// After a comparison that found nothing so many increments pass before the next, at first; then twice as many each time.
+/// Increments between the first comparison that finds nothing and the next; they double each time.
 const FIRST_PAUSE: u64 = 2;
 const LONGEST_PAUSE: u64 = 128;
 
@@ -238,13 +238,13 @@ impl Solids {
         trust.judges_tangent && trust.pause[0] == 0
     }
 
-    /// Lets the next evaluation compare the tangents in doubt.
+    /// Makes the next evaluation compare the tangents in doubt with differences.
     pub fn compare_tangents(&mut self) {
         let due: Vec<bool> = self.trust.iter().map(Self::is_due).collect();
         self.set_tangent_sources(|part| due[part].then_some(TangentSource::Compared));
     }
 
-    /// Judges by the comparison of the last evaluation; whether another tangent takes a part's place.
+    /// Judges tangents by the comparison of the last evaluation, and returns whether one was replaced.
     pub fn judge_tangents(&mut self) -> bool {
         let mut deviations: Vec<Option<TangentDeviation>> = vec![None; self.trust.len()];
         for body in self.blocks.iter_mut().map(|block| &mut block.body) {
@@ -271,7 +271,7 @@ impl Solids {
         replaces
     }
 
-    /// Says where tangents of parts come from, from the next evaluation on.
+    /// Sets the source of the tangents of parts from the next evaluation on.
     fn set_tangent_sources(&mut self, source: impl Fn(usize) -> Option<TangentSource>) {
         for block in &mut self.blocks {
             if let Some(source) = source(block.body.index) {

@@ -30,7 +30,7 @@ fn a_walk_finds_what_a_full_search_finds() {
     }
 }
 
-/// To the last bit: a law may ask whether a slip is the largest so far.
+/// Slips are the same to the last bit, since a law may compare a slip with the largest so far.
 #[test]
 fn a_committed_state_that_is_evaluated_again_has_the_same_slips() {
     for kind in [Q4, Q8] {

@@ -39,7 +39,7 @@ use std::collections::HashMap;
 
 use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 
-/// Why a block cannot be built.
+/// Reason why a block cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructuredError {
     /// A line that cannot be divided.

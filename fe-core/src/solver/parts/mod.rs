@@ -158,7 +158,7 @@ impl Parts {
         Ok(plan::plan(pattern, nodes, positions, threads)?.map(|root| Self { root, flops: 0.0 }))
     }
 
-    /// No part stays at the next factorisation.
+    /// Discards the factors: no part is kept at the next factorisation.
     pub(super) fn forget(&mut self) {
         self.root.forget();
     }

@@ -168,7 +168,7 @@ fn a_softening_point_refuses_every_length_above_the_limit() {
     }
 }
 
-/// Without a length the law would be another one: it does not go on, at whichever increment.
+/// Without a length the law would be another one: it refuses to go on, in every increment.
 #[test]
 fn a_fracture_energy_asks_for_a_length_in_every_increment() {
     for (energy, strains) in [("G_f", [1e-5, 3e-4]), ("G_c", [-1e-5, -3e-3])] {

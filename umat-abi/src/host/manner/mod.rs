@@ -1,7 +1,7 @@
 //! Calls that differ from a plain one: of a UMAT that knows six components only, and with a tangent by differences.
 //!
-//! Whoever calls does not see it: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
-//! [`UmatCall::go_through`] laid.
+//! Callers do not see the difference: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
+//! [`UmatCall::go_through`] have set.
 
 mod components;
 mod differences;
