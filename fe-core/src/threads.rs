@@ -21,7 +21,7 @@ impl Threads {
     ///
     /// # Errors
     ///
-    /// The system gives none.
+    /// The system provides no threads.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         if count.get() == 1 {
             return Ok(Self::default());
@@ -59,7 +59,7 @@ impl Threads {
         }
     }
 
-    /// Returns what `work` says of each piece where it says something: the one with the least key.
+    /// Returns, of the results that `work` gives for the pieces, the one with the least key; `None` if there are none.
     pub(crate) fn least<P: Send, R: Send, K: Ord + Send>(
         &self,
         pieces: &mut [P],

@@ -231,7 +231,7 @@ typedef struct pullout_parameter {
    */
   struct pullout_choice_table choices;
   /*
-   Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+   Least usual value: a host warns of others, which may be a slip of units. Libraries older than this entry end here:
    readers look at the stride of the table.
    */
   double typical_lower;

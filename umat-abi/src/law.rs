@@ -129,7 +129,7 @@ pub struct Response {
 /// The fraction that is suggested where an increment cannot be computed at all.
 const CUT_BACK: f64 = 0.5;
 
-/// Refuses results that are no numbers. What overflows here may not in a smaller increment.
+/// Refuses results that are not finite. A result that overflows here may not in a smaller increment.
 #[inline]
 fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure> {
     if state.is_finite() && numbers.iter().all(|numbers| all_finite(numbers)) {
@@ -143,7 +143,7 @@ fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure
 const NO_NUMBER: &str = "a result is not a finite number";
 
 impl Response {
-    /// Refuses a response or a state with a number that is none. What overflows at this strain may not at a smaller one.
+    /// Refuses a response or a state that is not finite. A result that overflows at this strain may not at a smaller one.
     ///
     /// # Errors
     /// [`Failure::CutBack`].

@@ -60,7 +60,8 @@ pub mod flags {
 /// implicit law by, N·mm/mm³, its amount. Hosts choose their increments by it.
 pub const OVERSTRESS_WORK: &CStr = c"overstress_work";
 
-/// The state variable that is the equivalent plastic strain of a law, ∫√(2/3 dεᵖ:dεᵖ). Hosts tell by it how far a fibre has been strained.
+/// The state variable that is the equivalent plastic strain of a law, ∫√(2/3 dεᵖ:dεᵖ). Hosts use it to report how far
+/// a fibre has been strained.
 pub const EQUIVALENT_PLASTIC_STRAIN: &CStr = c"peeq";
 
 /// A C string that lives as long as the library: never NULL when made by a const builder.
@@ -190,7 +191,7 @@ pub struct Parameter {
     pub reserved: u32,
     /// Named values, if this parameter selects a form.
     pub choices: Table<Choice>,
-    /// Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+    /// Least usual value: a host warns of others, which may be a slip of units. Libraries older than this entry end here:
     /// readers look at the stride of the table.
     pub typical_lower: f64,
     /// Greatest usual value; 0, as `typical_lower`: none are said.

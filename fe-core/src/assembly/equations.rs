@@ -33,7 +33,7 @@ struct Dependence {
 /// Supports and couplings that cannot be met together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConstraintError {
-    /// Two supports or couplings say different things about one displacement.
+    /// Two supports or couplings prescribe one displacement differently.
     #[error("node {} (from 1) is held twice along one direction, by {first} and by {second}", node + 1)]
     Contradiction {
         /// Index of the node.
@@ -238,7 +238,7 @@ fn add_scaled(to: &mut Vec<(usize, f64)>, terms: &[(usize, f64)], coefficient: f
     }
 }
 
-/// A unit direction in which a node is held, by which drive, and who says so.
+/// A unit direction in which a node is held, the drive that moves it, and the support's name.
 #[derive(Clone, Debug)]
 struct Held {
     direction: [f64; 2],

@@ -7,7 +7,7 @@ use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementC
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, SurfaceFields, UinterCall, Validation, judge};
 
-/// A plugin that gave a number that is none may do better with a smaller increment.
+/// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
 const FRACTION_AFTER_NAN: f64 = 0.25;
 /// STRESS(1) is on the line ε_N · RDISP(1) within this relative error.
 const ON_THE_LINE: f64 = 1e-9;
@@ -113,7 +113,7 @@ impl PointLaw {
     /// The traction at the end of an increment, with the point's law state: `end` and `statev` hold it afterwards.
     ///
     /// # Errors
-    /// The plugin wants a smaller increment, wrote where it must not, or gave no numbers.
+    /// The plugin wants a smaller increment, wrote where it must not, or returned NaN or infinity.
     pub fn advance(
         &mut self,
         situation: &Situation<'_>,

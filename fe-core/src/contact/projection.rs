@@ -4,7 +4,7 @@ use super::chain::{Chain, Foot};
 
 /// Edges that a walk passes before the neighbourhood counts as lost.
 const LONGEST_WALK: usize = 16;
-/// d·m below this × x'·m is none: rounding of ξ, of order 1.
+/// d·m below this × x'·m counts as 0: rounding of ξ, of order 1.
 const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;

@@ -7,7 +7,7 @@ use umat_abi::host::{
 use umat_abi::law::StressState;
 use umat_abi::metadata::{EQUIVALENT_PLASTIC_STRAIN, OVERSTRESS_WORK, flags};
 
-/// The plugin of a part or of a contact pair. Which law it is nobody here knows.
+/// The plugin of a part or of a contact pair; this crate knows no law in particular.
 #[derive(Clone, Debug)]
 pub struct PluginLaw {
     /// The loaded library.
@@ -53,8 +53,8 @@ impl PluginLaw {
         self.manner.prepare(model.stress_state(), self.law.as_ref(), make).map_err(|error| self.error(&error))
     }
 
-    /// Makes calls go through six components if the UMAT needs it and nobody has said so; then says why. The call has the
-    /// arguments of a virgin point.
+    /// Makes calls go through six components if the UMAT needs it and the user has not set it; then returns the reason. The
+    /// call has the arguments of a virgin point.
     ///
     /// # Errors
     /// The library has no such entry point.
@@ -147,7 +147,7 @@ impl PluginLaw {
         self.law.as_ref()?.state_index(EQUIVALENT_PLASTIC_STRAIN)
     }
 
-    /// Returns which of its states is the strain 33 of plane stress, if it says so.
+    /// Returns the index of the state that is the strain 33 of plane stress, if its metadata name one.
     pub fn strain_33(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(c"strain_33")
     }

@@ -117,7 +117,7 @@ pub struct Measured {
     pub part: Option<usize>,
     /// The lines along which fibres are bonded: indices of the contact pairs that each consists of.
     pub interface_lines: Vec<Vec<usize>>,
-    /// Each of several fibres; empty for one that is alone, of which the fields above tell.
+    /// Each of several fibres; empty for a single one, to which the fields above apply.
     pub fibres: Vec<MeasuredFibre>,
     /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
     /// circumference, 1 else.

@@ -19,7 +19,7 @@ pub struct Fields<'a> {
     pub reactions: Vec<f64>,
     /// Cauchy stresses at the points: 11, 22, 33, 12, MPa; 33 is 0 in plane stress.
     pub stresses: Vec<[f64; 4]>,
-    /// Strains at the points: 11, 22, 33 and the engineering shear 12; 33 is NaN where nobody knows it.
+    /// Strains at the points: 11, 22, 33 and the engineering shear 12; 33 is NaN where it is unknown.
     pub strains: Vec<[f64; 4]>,
     /// State variables and derived outputs at the points: as many at each as the element's part has names.
     pub states: Vec<f64>,

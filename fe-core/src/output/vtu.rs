@@ -128,7 +128,7 @@ impl Grid<'_> {
     }
 }
 
-/// A file on its way: what says where arrays stand, and the arrays.
+/// A file being written: the header that gives the places of arrays, and the arrays.
 struct File {
     xml: String,
     appended: Vec<u8>,

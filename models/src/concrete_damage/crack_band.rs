@@ -174,7 +174,7 @@ impl CrackBand {
         }
     }
 
-    /// Returns whether [`Self::check`] lets the length pass, told from its stretch; what is far below the limit is told at once.
+    /// Returns whether [`Self::check`] admits the length, from its stretch; lengths far below the limit are recognised at once.
     pub fn allows(&self, curve: &Uniaxial, stretch: &Stretch) -> bool {
         let bound = curve.slope_bound(&stretch.peak);
         stretch.factor > self.least_factor(curve, bound)

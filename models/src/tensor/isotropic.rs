@@ -22,7 +22,7 @@ fn normal_directions(stress_state: StressState) -> usize {
 }
 
 impl IsotropicSplit {
-    /// Splits a strain; in plane stress ε33 is not looked at.
+    /// Splits a strain; in plane stress ε33 is ignored.
     #[inline(always)]
     pub fn new(stress_state: StressState, strain: &[f64; 6]) -> Self {
         if normal_directions(stress_state) == 3 {

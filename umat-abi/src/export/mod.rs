@@ -152,7 +152,7 @@ pub struct Answer {
 /// that cannot be asked (PNEWDT is NULL) would take the old stress for the new one, and gets NaN.
 ///
 /// # Safety
-/// Every pointer is NULL or valid for what the number of components tells.
+/// Every pointer is NULL or valid for as many values as the number of components requires.
 #[cold]
 unsafe fn refuse(name: &CStr, refusal: &Refusal, host: &Answer) {
     report(name, refusal);

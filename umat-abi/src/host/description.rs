@@ -56,7 +56,7 @@ pub struct Parameter {
     pub upper_open: bool,
     /// Named values.
     pub choices: Vec<Choice>,
-    /// The least and the greatest usual value, if the law says them.
+    /// The least and the greatest usual value, if the law gives them.
     pub typical: Option<[f64; 2]>,
 }
 
@@ -235,7 +235,7 @@ impl Law {
     /// Reads a description and those that follow it.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with it.
+    /// A sentence that describes the fault.
     ///
     /// # Safety
     /// `plugin` is what `pullout_plugin_v1` of this library returned.

@@ -170,7 +170,7 @@ impl Library {
         &self.laws
     }
 
-    /// Returns what messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
+    /// Returns the name in messages of the law that CMNAME chooses: its own, or the file's if the library describes none.
     pub(super) fn name_of_law(&self, cmname: &str) -> String {
         let law = match &*self.laws {
             [law] => Some(law),

@@ -9,7 +9,7 @@ use std::fmt;
 pub enum CallFailure {
     /// The plugin asks for this fraction of the increment.
     CutBack(f64),
-    /// A result is no number.
+    /// A result is not finite.
     NotFinite(NotFinite),
     /// The plugin wrote outside an array.
     Overrun(Overrun),

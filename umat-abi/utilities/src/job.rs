@@ -33,7 +33,7 @@ unsafe extern "C" fn pullout_utilities_job_v1(
 /// Hands a text out with its length, that of the variable if it does not fit.
 ///
 /// # Safety
-/// As the routines' manual says.
+/// As described in the routines' manual.
 unsafe fn answer(text: &str, variable: *mut u8, length: *mut i32, room: usize) {
     // A caller in C may leave the hidden length out; the manual's is the greatest.
     let room = if room == 0 { NAME_LENGTH } else { room.min(NAME_LENGTH) };

@@ -64,7 +64,7 @@ impl Block {
         }
     }
 
-    /// The last evaluations say nothing any more.
+    /// Discards the last evaluations.
     pub(super) fn forget(&mut self) {
         self.records.iter_mut().for_each(Record::forget);
     }

@@ -14,7 +14,7 @@
 //!   the same forces again without a call;
 //! - under small strains a stiffness is built again only when a DDSDDE of the element is another one, to the last bit.
 //!
-//! Neither changes a bit of the result. [`Solids::stiffness_version`] tells which stiffnesses are new.
+//! Neither changes a bit of the result. [`Solids::stiffness_version`] shows which stiffnesses are new.
 //!
 //! # Threads
 //!
@@ -98,7 +98,7 @@ pub struct Solids {
     fields: Fields,
     /// Steps over which the fields change.
     steps: Vec<Step>,
-    /// Counts of before the present state was taken over.
+    /// Counts from before the present state was taken over.
     earlier: Counters,
     /// Notes on the laws for users.
     notes: Vec<String>,
@@ -169,7 +169,7 @@ impl Solids {
         &self.block(element).records[self.places[element].local]
     }
 
-    /// Returns whether the tangent of an element may be negative: its law damages, or does not say.
+    /// Returns whether the tangent of an element may be negative: its law damages, or has no metadata on that.
     pub fn softens(&self, element: usize) -> bool {
         self.block(element).body.part.softens
     }

@@ -150,7 +150,7 @@ pub(super) struct Part {
     pub(super) overstress_work: Option<usize>,
     /// The state of its law that is the equivalent plastic strain.
     pub(super) plastic_strain: Option<usize>,
-    /// Whether its tangent may be negative: the law damages, or does not say; not if it extrapolates.
+    /// Whether its tangent may be negative: the law damages, or has no metadata on that; not if it extrapolates.
     pub(super) softens: bool,
     /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
     /// while it still hardens (Rudnicki and Rice 1975).
@@ -206,7 +206,7 @@ impl Body {
         plastic + creep > 0.0
     }
 
-    /// A point as user subroutines are told of it: its element, and its number in it.
+    /// A point as user subroutines get it: its element, and its number in it.
     fn initial_point(&self, point: usize, element: usize, number: usize) -> InitialPoint {
         let [x, y] = self.positions[point];
         InitialPoint { coordinates: [x, y, 0.0], element: number_of(element), point: number_of(number) }
@@ -289,7 +289,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
     Ok(Divided { blocks, places, notes })
 }
 
-/// Returns whether UMATs may be called from several threads: all say so, and none is watched.
+/// Returns whether UMATs may be called from several threads: all declare it, and none is watched.
 pub(super) fn may_share_threads(laws: &[PluginLaw]) -> bool {
     let is_safe = |law: &PluginLaw| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0);
     laws.iter().all(is_safe) && recorder::installed().is_none()

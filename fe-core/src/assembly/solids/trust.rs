@@ -188,7 +188,7 @@ impl Solids {
         accounts
     }
 
-    /// Returns whether some energies are taken as reported though nobody vouches for them.
+    /// Returns whether some energies are taken as reported although no metadata vouch for them.
     pub fn has_unproven_energies(&self) -> bool {
         self.trust.iter().any(|trust| trust.reports == Reports::Believed)
     }

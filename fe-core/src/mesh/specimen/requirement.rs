@@ -55,7 +55,7 @@ impl SpecimenError {
     }
 }
 
-/// Collects problems, so that all are told at once.
+/// Collects problems, so that all are reported at once.
 #[derive(Default)]
 pub(super) struct Requirements {
     problems: Vec<ParameterProblem>,

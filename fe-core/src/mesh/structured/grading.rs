@@ -160,7 +160,7 @@ pub fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> R
     Ok(positions)
 }
 
-/// A number of divisions from one that is none yet.
+/// Rounds a computed number of divisions to a whole one.
 fn rounded(count: f64, length: f64) -> Result<usize, GradingError> {
     if count <= MOST_DIVISIONS as f64 {
         Ok((count.round() as usize).max(1))

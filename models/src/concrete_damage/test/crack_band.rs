@@ -97,7 +97,7 @@ fn too_long_an_element_is_refused_with_the_limit() {
     ));
 }
 
-/// A host that changes CELENT in mid-run is told as soon as it matters.
+/// A host that changes CELENT in mid-run gets an error as soon as it matters.
 #[test]
 fn a_length_that_grows_too_large_is_refused() {
     let props = with(defaults(), &[("G_f", 0.1)]);

@@ -1,4 +1,4 @@
-//! Memory between pages that are not to be touched, and the handler that tells which of them was.
+//! Memory between protected pages, and the handler that finds out which of them was touched.
 
 mod fault;
 mod watch;

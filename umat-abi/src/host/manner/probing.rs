@@ -16,7 +16,7 @@ const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
 const SAME: f64 = 1e-3;
 
 impl Manner {
-    /// A call with these components, through one with six where the manner or the law's metadata says so. `make` makes a
+    /// A call with these components, through one with six if the manner or the law's metadata require it. `make` makes a
     /// plain call.
     ///
     /// # Errors

@@ -70,7 +70,7 @@ impl Map {
         unsafe { AtomicU64::from_ptr(self.raw.as_mut_ptr().add(offset).cast()) }
     }
 
-    /// Copies bytes to an offset; says whether there is room.
+    /// Copies bytes to an offset, and returns whether there was room.
     pub(super) fn write(&self, offset: usize, bytes: &[u8]) -> bool {
         let fits = offset.checked_add(bytes.len()).is_some_and(|end| end <= self.capacity());
         if fits {

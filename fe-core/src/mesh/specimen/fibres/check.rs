@@ -8,7 +8,7 @@ use crate::mesh::specimen::requirement::Requirements;
 
 /// Inclinations up to this, degrees.
 const LARGEST_ANGLE: f64 = 80.0;
-/// Free lengths up to this share of the diameter are none.
+/// Free lengths up to this share of the diameter count as 0.
 pub(super) const SHORTEST: f64 = 1e-6;
 /// The inner side of a curve has at least this share of the diameter as radius.
 const INNER_RADIUS: f64 = 1e-3;

@@ -211,7 +211,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     })
 }
 
-/// Returns what a report must say about a round fibre in the plane.
+/// Returns the notes for reports on a round fibre in the plane.
 pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
     let thickness = fibre_thickness(phi);
     let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
