@@ -1,4 +1,4 @@
-//! What an element costs beside its UMAT: internal forces, and forces with stiffness, small strains and large
+//! Time of an element besides its UMAT: internal forces, and forces with stiffness, for small strains and large
 //! displacements.
 //!
 //! `cargo bench -p fe-core --bench element`. The law is linear elasticity, nothing is skipped, and the time of as many

@@ -1,4 +1,4 @@
-//! What the linear solver costs: analysis, factorisation, contact alone, solution, by each method.
+//! Time of the linear solver: analysis, factorisation, contact alone, solution, by each method.
 //!
 //! `cargo bench -p fe-core --bench solver`. Two elastic bodies of Q8 elements, the upper held by contact alone, in
 //! systems of 5 000 to 80 000 equations, with 200 and 800 contact equations. Medians, milliseconds.

@@ -1,7 +1,7 @@
 //! Threads that share the work of one analysis.
 //!
-//! What is shared is cut into pieces by the model alone, and joined in their order: results have the same bits for any
-//! number of threads.
+//! Shared work is cut into pieces by the model alone, and the pieces are joined in their order: results have the same bits
+//! for any number of threads.
 
 use rayon::iter::{IndexedParallelIterator, IntoParallelRefMutIterator, ParallelIterator};
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
@@ -16,12 +16,12 @@ const STACK: usize = 1 << 24;
 pub struct Threads(Option<Arc<ThreadPool>>);
 
 impl Threads {
-    /// Makes a pool of so many threads. The caller's is one of them where it can be: to wake another one takes up to half a millisecond,
-    /// and this one has the data. It can be once in its life, so one `Threads` serves all that it does.
+    /// Makes a pool of so many threads. The caller's is one of them if possible: waking another one takes up to half a
+    /// millisecond, and the caller's has the data. A thread can join a pool once only, so one `Threads` serves all its work.
     ///
     /// # Errors
     ///
-    /// The system gives none.
+    /// The system provides no threads.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         if count.get() == 1 {
             return Ok(Self::default());
@@ -31,7 +31,7 @@ impl Threads {
         Ok(Self(Some(Arc::new(pool))))
     }
 
-    /// Does both, at the same time if there is a thread for each.
+    /// Runs both, at the same time if there is a thread for each.
     pub(crate) fn join<A: Send, B: Send>(
         &self,
         first: impl FnOnce() -> A + Send,
@@ -48,7 +48,7 @@ impl Threads {
         self.0.as_ref().map_or(1, |pool| pool.current_num_threads())
     }
 
-    /// Does some work on each piece.
+    /// Runs some work on each piece.
     pub(crate) fn for_each<P: Send>(&self, pieces: &mut [P], work: impl Fn(&mut P) + Send + Sync) {
         match &self.0 {
             None => pieces.iter_mut().for_each(work),
@@ -59,7 +59,7 @@ impl Threads {
         }
     }
 
-    /// Returns what `work` says of each piece where it says something: the one with the least key.
+    /// Returns, of the results that `work` gives for the pieces, the one with the least key; `None` if there are none.
     pub(crate) fn least<P: Send, R: Send, K: Ord + Send>(
         &self,
         pieces: &mut [P],

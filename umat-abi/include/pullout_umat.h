@@ -203,7 +203,7 @@ typedef struct pullout_parameter {
    */
   const char *doc;
   /*
-   What a host may fill in when the value is 0: "normal_penalty", "tangential_penalty", or "".
+   Quantity that a host may fill in when the value is 0: "normal_penalty", "tangential_penalty", or "".
    */
   const char *role;
   /*
@@ -231,7 +231,7 @@ typedef struct pullout_parameter {
    */
   struct pullout_choice_table choices;
   /*
-   Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+   Least usual value: a host warns of others, which may be a slip of units. Libraries older than this entry end here:
    readers look at the stride of the table.
    */
   double typical_lower;
@@ -280,8 +280,8 @@ typedef struct pullout_repeating_group {
    */
   int32_t count_parameter;
   /*
-   How many parameters, the last before the group, the law got later: PROPS without them are read as well, with their defaults.
-   0 unless occurrences are counted, since the count and NPROPS tell.
+   Number of parameters, the last before the group, that were added to the law later: PROPS without them are read as well,
+   with their defaults. 0 unless occurrences are counted, since the count and NPROPS tell.
    */
   uint32_t added;
 } pullout_repeating_group;

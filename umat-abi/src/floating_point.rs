@@ -15,7 +15,7 @@ pub(crate) fn with_traps(control: u32) -> u32 {
     modes(control) & !MASKS
 }
 
-/// Elsewhere there are none.
+/// Returns the control as it is: on other processors there are no traps.
 #[cfg(all(feature = "host", not(target_arch = "x86_64")))]
 pub(crate) fn with_traps(control: u32) -> u32 {
     control
@@ -39,13 +39,13 @@ pub(crate) fn set_control(value: u32) {
     unsafe { std::arch::asm!("ldmxcsr [{}]", in(reg) &raw const value, options(nostack, preserves_flags)) };
 }
 
-/// Elsewhere there is nothing to keep.
+/// Does nothing: on other processors there is nothing to keep.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn control() -> u32 {
     0
 }
 
-/// Elsewhere there is nothing to keep.
+/// Does nothing: on other processors there is nothing to keep.
 #[cfg(not(target_arch = "x86_64"))]
 pub(crate) fn set_control(_value: u32) {}
 
@@ -69,7 +69,7 @@ pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     result
 }
 
-/// Elsewhere the environment is taken as it is.
+/// Runs `body`: on other processors the environment is taken as it is.
 #[cfg(not(target_arch = "x86_64"))]
 pub fn in_default_environment<R>(body: impl FnOnce() -> R) -> R {
     body()

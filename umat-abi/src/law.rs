@@ -1,4 +1,4 @@
-//! What a law is: pure functions from (parameters, history, strain) to (stress, tangent, new
+//! Interface of a constitutive law: pure functions from (parameters, history, strain) to (stress, tangent, new
 //! history), and the one table that describes its parameters and states.
 //!
 //! The same table makes the metadata of the shared library, the checks of PROPS and the printed
@@ -12,7 +12,7 @@ use std::ffi::CStr;
 
 pub use crate::table::{ConfigurationError, MAX_STATES};
 
-/// Which components a stress state has. Components are always embedded in six,
+/// Stress state, which determines the components that exist. Components are always embedded in six,
 /// 11, 22, 33, 12, 13, 23, strains with engineering shear.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum StressState {
@@ -63,7 +63,7 @@ impl StressState {
     }
 }
 
-/// What a caller wants back.
+/// Results that a caller requests.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Request {
     /// Stress, states and energies only (a host that passes DDSDDE = NULL).
@@ -83,7 +83,7 @@ impl Request {
 /// stresses in MPa. Components that the stress state lacks are 0.
 #[derive(Clone, Copy, Debug)]
 pub struct Increment {
-    /// Which components exist.
+    /// Stress state, which determines the components that exist.
     pub stress_state: StressState,
     /// Total strain at the end of the increment (STRAN + DSTRAN).
     pub strain: [f64; 6],
@@ -112,7 +112,7 @@ impl Increment {
     }
 }
 
-/// What an update returns beside the new state variables.
+/// Results of an update other than the new state variables.
 #[derive(Clone, Copy, Debug)]
 pub struct Response {
     /// Stress at the end of the increment, MPa.
@@ -129,7 +129,7 @@ pub struct Response {
 /// The fraction that is suggested where an increment cannot be computed at all.
 const CUT_BACK: f64 = 0.5;
 
-/// Refuses results that are no numbers. What overflows here may not in a smaller increment.
+/// Refuses results that are not finite. A result that overflows here may not in a smaller increment.
 #[inline]
 fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure> {
     if state.is_finite() && numbers.iter().all(|numbers| all_finite(numbers)) {
@@ -139,11 +139,11 @@ fn require_finite(numbers: &[&[f64]], state: &impl States) -> Result<(), Failure
     }
 }
 
-/// Why a result is refused.
+/// Reason why a result is refused.
 const NO_NUMBER: &str = "a result is not a finite number";
 
 impl Response {
-    /// Refuses a response or a state with a number that is none. What overflows at this strain may not at a smaller one.
+    /// Refuses a response or a state that is not finite. A result that overflows at this strain may not at a smaller one.
     ///
     /// # Errors
     /// [`Failure::CutBack`].
@@ -265,9 +265,9 @@ pub trait Law {
         request: Request,
     ) -> Result<Response, Failure>;
 
-    /// The response where nothing irreversible happens and that is quickly told: [`Self::update`] is asked where this is `None`,
-    /// with `state` as it was. `increment` may hold NaN and infinity, which are no such case. `#[inline(always)]` wherever it is
-    /// implemented: an isotropic tangent stays the few numbers that it is made of.
+    /// Returns the response of an increment without irreversible change, where that is cheap to recognise. Where it returns
+    /// `None`, `state` is unchanged and [`Self::update`] is called. `increment` may hold NaN and infinity, for which it returns
+    /// `None`. Implementations are `#[inline(always)]`: an isotropic tangent stays the few numbers that it is made of.
     #[inline(always)]
     fn elastic(
         _parameters: &Self::Parameters<'_>,
@@ -302,7 +302,7 @@ pub trait Law {
 /// Reads PROPS as a host passes them.
 ///
 /// # Errors
-/// What the table or [`Law::check`] does not admit.
+/// A value that the table or [`Law::check`] does not admit.
 #[inline(always)]
 pub fn parameters_of<L: Law>(props: &[f64]) -> Result<L::Parameters<'_>, ConfigurationError> {
     let parameters = read_parameters::<L::Parameters<'_>>(&L::INFO, props)?;
@@ -313,7 +313,7 @@ pub fn parameters_of<L: Law>(props: &[f64]) -> Result<L::Parameters<'_>, Configu
 /// Reads PROPS of any law.
 ///
 /// # Errors
-/// What the table does not admit, or values that contradict each other.
+/// A value that the table does not admit, or values that contradict each other.
 #[inline(always)]
 pub fn read_parameters<'p, P: Parameters<'p>>(info: &LawInfo, props: &'p [f64]) -> Result<P, ConfigurationError> {
     if !P::admits(props) {
@@ -322,7 +322,7 @@ pub fn read_parameters<'p, P: Parameters<'p>>(info: &LawInfo, props: &'p [f64]) 
     P::read(props)
 }
 
-/// [`Law::elastic`] with its numbers looked at.
+/// Evaluates [`Law::elastic`] and checks its results.
 ///
 /// # Errors
 /// A result that is not finite.
@@ -340,7 +340,7 @@ pub fn elastic<L: Law>(
     Ok(response)
 }
 
-/// [`Law::update`] where [`elastic`] said nothing, with the strain and the results looked at.
+/// Evaluates [`Law::update`] where [`elastic`] returned `None`, and checks the strain and the results.
 ///
 /// # Errors
 /// NaN or infinity in the strain or in a result, or the law's own refusal; `state` does not matter then.
@@ -393,7 +393,7 @@ pub struct InterfaceIncrement {
     pub traction: [f64; 3],
 }
 
-/// What a UINTER update returns beside the new states.
+/// Results of a UINTER update other than the new states.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct InterfaceResponse {
     /// Traction at the end: \[0\] > 0 is compression; MPa.
@@ -417,7 +417,7 @@ pub struct TangentialIncrement {
     pub pressure: f64,
 }
 
-/// What a FRIC update returns beside the new states.
+/// Results of a FRIC update other than the new states.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TangentialResponse {
     /// TAU, MPa.

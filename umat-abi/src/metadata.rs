@@ -13,7 +13,7 @@ pub const ABI_VERSION: u32 = 1;
 /// Symbol of the function that returns the description: `const pullout_plugin *pullout_plugin_v1(void)`.
 pub const PLUGIN_SYMBOL: &str = "pullout_plugin_v1";
 
-/// Which entry points a library has (bit mask `kinds`).
+/// Entry points that a library has (bit mask `kinds`).
 pub mod kinds {
     /// `umat_`
     pub const UMAT: u32 = 1;
@@ -37,7 +37,7 @@ pub mod stress_states {
     pub const ALL: u32 = THREE_D | PLANE_STRAIN | AXISYMMETRIC | PLANE_STRESS;
 }
 
-/// What a law promises (bit mask `flags`).
+/// Properties that a law guarantees (bit mask `flags`).
 pub mod flags {
     /// The consistent tangent is symmetric for all parameters.
     pub const SYMMETRIC_TANGENT: u32 = 1;
@@ -60,7 +60,8 @@ pub mod flags {
 /// implicit law by, N·mm/mm³, its amount. Hosts choose their increments by it.
 pub const OVERSTRESS_WORK: &CStr = c"overstress_work";
 
-/// The state variable that is the equivalent plastic strain of a law, ∫√(2/3 dεᵖ:dεᵖ). Hosts tell by it how far a fibre has been strained.
+/// The state variable that is the equivalent plastic strain of a law, ∫√(2/3 dεᵖ:dεᵖ). Hosts use it to report how far
+/// a fibre has been strained.
 pub const EQUIVALENT_PLASTIC_STRAIN: &CStr = c"peeq";
 
 /// A C string that lives as long as the library: never NULL when made by a const builder.
@@ -176,7 +177,7 @@ pub struct Parameter {
     pub unit: Text,
     /// One sentence.
     pub doc: Text,
-    /// What a host may fill in when the value is 0: "normal_penalty", "tangential_penalty", or "".
+    /// Quantity that a host may fill in when the value is 0: "normal_penalty", "tangential_penalty", or "".
     pub role: Text,
     /// Used when a case names no value.
     pub default_value: f64,
@@ -190,7 +191,7 @@ pub struct Parameter {
     pub reserved: u32,
     /// Named values, if this parameter selects a form.
     pub choices: Table<Choice>,
-    /// Least usual value: a host warns of others, which may be a slip of units. Libraries of before this entry end here:
+    /// Least usual value: a host warns of others, which may be a slip of units. Libraries older than this entry end here:
     /// readers look at the stride of the table.
     pub typical_lower: f64,
     /// Greatest usual value; 0, as `typical_lower`: none are said.
@@ -301,8 +302,8 @@ pub struct RepeatingGroup {
     pub minimum: u32,
     /// Index of the parameter that holds the number of occurrences, or −1 if NPROPS tells.
     pub count_parameter: i32,
-    /// How many parameters, the last before the group, the law got later: PROPS without them are read as well, with their defaults.
-    /// 0 unless occurrences are counted, since the count and NPROPS tell.
+    /// Number of parameters, the last before the group, that were added to the law later: PROPS without them are read as well,
+    /// with their defaults. 0 unless occurrences are counted, since the count and NPROPS tell.
     pub added: u32,
 }
 
@@ -339,8 +340,8 @@ impl RepeatingGroup {
     }
 }
 
-/// How many of the `fixed` parameters before a group of `size` so many PROPS give, of which `added` may be missing and `count`
-/// holds the number of occurrences.
+/// Returns how many of the `fixed` parameters before a group of `size` are given by PROPS of this `length`: the last `added` of
+/// them may be missing, and `count` holds the number of occurrences.
 #[inline(always)]
 pub(crate) fn given(added: usize, size: usize, count: Option<&f64>, length: usize, fixed: usize) -> usize {
     let earlier = fixed - added;
@@ -383,7 +384,7 @@ impl StateVariable {
     }
 }
 
-/// How a derived output follows from its state variable s.
+/// Functions that give a derived output from its state variable s.
 pub mod derived_forms {
     /// s itself.
     pub const IDENTITY: u32 = 0;
@@ -435,7 +436,7 @@ pub type Validate = unsafe extern "C" fn(
 /// `<law>_umat_batch_v1` it is in these and in the library of all laws.
 pub const BATCH_SYMBOL: &str = "pullout_umat_batch_v1";
 
-/// What became of a point of a batch.
+/// Outcomes of the update of one point of a batch.
 pub mod batch_results {
     /// Arrays hold the new values.
     pub const DONE: i32 = 0;

@@ -33,7 +33,7 @@ pub(crate) fn all_finite(values: &[f64]) -> bool {
 pub enum ConfigurationError {
     /// NPROPS does not fit the parameter table.
     ParameterCount {
-        /// What the host passed.
+        /// Number of values that the host passed.
         given: usize,
         /// The least that the law needs.
         expected: usize,
@@ -42,37 +42,37 @@ pub enum ConfigurationError {
     OutOfBounds {
         /// Name in the parameter table.
         parameter: &'static str,
-        /// What the host passed.
+        /// Value that the host passed.
         value: f64,
         /// Least admissible value.
         lower: f64,
         /// Greatest admissible value.
         upper: f64,
-        /// Which of them are not admissible themselves ([`crate::metadata::open_bounds`]).
+        /// Bounds that are not admissible themselves ([`crate::metadata::open_bounds`]).
         open_bounds: u32,
     },
     /// A selecting parameter has a value that names no variant.
     NotAChoice {
         /// Name in the parameter table.
         parameter: &'static str,
-        /// What the host passed.
+        /// Value that the host passed.
         value: f64,
     },
     /// Two or more parameters contradict each other.
     Inconsistent {
-        /// Which rule is broken, in words.
+        /// Broken rule, in words.
         rule: &'static str,
         /// The number that breaks it.
         value: f64,
     },
     /// A crack band is asked for, and CELENT is NULL, NaN, infinite or not positive.
     CharacteristicLengthMissing {
-        /// Which fracture energy: the parameter's name.
+        /// Name of the fracture energy's parameter.
         parameter: &'static str,
     },
     /// The crack band cannot dissipate the fracture energy over so long an element.
     CharacteristicLengthTooLarge {
-        /// Which fracture energy: the parameter's name.
+        /// Name of the fracture energy's parameter.
         parameter: &'static str,
         /// CELENT, mm.
         length: f64,
@@ -168,7 +168,7 @@ pub trait States: Copy {
     }
 }
 
-/// What N rows of a table make.
+/// Value that is read from N rows of a table of parameters.
 pub trait Field<const N: usize>: Sized {
     /// Reads the values of its rows.
     ///
@@ -191,7 +191,7 @@ impl<const N: usize> Field<N> for [f64; N] {
     }
 }
 
-/// What N states make.
+/// Value that is stored in N state variables.
 pub trait StateField<const N: usize> {
     /// Makes a field from the values of its rows.
     fn of(values: [f64; N]) -> Self;
@@ -223,7 +223,7 @@ impl<const N: usize> StateField<N> for [f64; N] {
     }
 }
 
-/// What N values must be: the bounds as arrays, so that all are compared at once.
+/// Admissible values of N rows: the bounds as arrays, so that all are compared at once.
 #[doc(hidden)]
 #[derive(Debug)]
 pub struct Check<const N: usize> {
@@ -285,7 +285,7 @@ pub fn take<const N: usize>(values: &[f64], at: &mut usize) -> [f64; N] {
     taken
 }
 
-/// Puts the next N values.
+/// Writes the next N values.
 #[doc(hidden)]
 #[inline(always)]
 pub fn put<const N: usize>(taken: [f64; N], values: &mut [f64], at: &mut usize) {

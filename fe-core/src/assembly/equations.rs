@@ -20,7 +20,7 @@ struct Expression {
     drives: Vec<(usize, f64)>,
 }
 
-/// How a freedom is known before chains of couplings are resolved: by other freedoms and drives.
+/// Dependence of a freedom on other freedoms and drives, before chains of couplings are resolved.
 #[derive(Clone, Debug, PartialEq)]
 struct Dependence {
     terms: Vec<(usize, f64)>,
@@ -33,7 +33,7 @@ struct Dependence {
 /// Supports and couplings that cannot be met together.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ConstraintError {
-    /// Two supports or couplings say different things about one displacement.
+    /// Two supports or couplings prescribe one displacement differently.
     #[error("node {} (from 1) is held twice along one direction, by {first} and by {second}", node + 1)]
     Contradiction {
         /// Index of the node.
@@ -49,7 +49,7 @@ pub enum ConstraintError {
         /// Index of a node in the circle.
         node: usize,
     },
-    /// A direction without length, an index out of range, a number that is none.
+    /// A direction without length, an index out of range, NaN or infinity.
     #[error("{by}: {problem}")]
     Unusable {
         /// The support or coupling.
@@ -238,7 +238,7 @@ fn add_scaled(to: &mut Vec<(usize, f64)>, terms: &[(usize, f64)], coefficient: f
     }
 }
 
-/// A unit direction in which a node is held, by which drive, and who says so.
+/// A unit direction in which a node is held, the drive that moves it, and the support's name.
 #[derive(Clone, Debug)]
 struct Held {
     direction: [f64; 2],

@@ -6,7 +6,7 @@
 //!
 //! Far elements are computed with the tangent of their virgin state and no law is called for them while an increment
 //! iterates. Before it is accepted their displacements are expanded, their laws called, and the equilibrium of every
-//! equation checked with what the laws say: an element that is no longer elastic is noticed exactly, leaves the far field,
+//! equation checked with the laws: an element that is no longer elastic is noticed exactly, leaves the far field,
 //! and the increment goes on.
 
 use super::Equations;

@@ -15,5 +15,5 @@ pub use solids::{GreatestInPart, Solids, SolidsError};
 pub use system::{Condensation, ElementStiffness, System, SystemState};
 pub use trouble::{Place, Trouble};
 
-/// No run counts calls, evaluations or factorisations so far: with more, counters could overflow.
+/// Largest count of calls, evaluations or factorisations that is accepted: beyond it counters could overflow.
 pub const GREATEST_COUNT: u64 = 1 << 60;

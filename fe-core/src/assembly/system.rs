@@ -27,7 +27,7 @@ impl ElementStiffness for Solids {
     }
 }
 
-/// Where the entries of an element's stiffness go.
+/// Places in the matrix of the entries of an element's stiffness.
 #[derive(Clone, Debug)]
 enum Scatter {
     /// Nowhere: the element is condensed.
@@ -56,7 +56,7 @@ pub struct System {
     diagonal: Vec<usize>,
     solver: LinearSolver,
     scatter: Vec<Scatter>,
-    /// Where the places of each element are among the values.
+    /// Range of the places of each element among the values.
     spans: Vec<Range<usize>>,
     threads: Threads,
     element_freedoms: Vec<Vec<usize>>,
@@ -69,7 +69,7 @@ pub struct System {
     far_places: Vec<u32>,
 }
 
-/// What a system remembers: its matrix may be that of an earlier increment.
+/// State of a system that is stored: its matrix may be that of an earlier increment.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct SystemState {
     values: Vec<f64>,
@@ -78,7 +78,7 @@ pub struct SystemState {
     solver: (Option<Symmetry>, Option<Pattern>),
 }
 
-/// Which elements a system condenses.
+/// Elements that a system condenses.
 #[derive(Clone, Copy, Debug)]
 pub struct Condensation<'a> {
     /// The solids, with the stiffness of the virgin state in elements to condense.

@@ -1,9 +1,9 @@
-//! Why an attempt of an increment cannot go on, and where.
+//! Reasons why an attempt of an increment cannot go on, and their places.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// Where in a model something happened; indices from 0, told and written from 1.
+/// Place in a model where something happened; indices from 0, shown and written from 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Place {

@@ -1,4 +1,4 @@
-//! What can be wrong with contact pairs. Messages count points, nodes and elements from 1.
+//! Faults of contact pairs. Messages count points, nodes and elements from 1.
 
 use crate::model::LawError;
 

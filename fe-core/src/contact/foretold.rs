@@ -1,23 +1,23 @@
-//! Gaps that the tangent foretells: where laws are asked while the surfaces still turn under a correction.
+//! Gaps that the tangent predicts: laws are evaluated at them while the surfaces still turn under a correction.
 
 use super::Contact;
 use super::history::PointStatus;
 use super::pair::Pair;
 
-/// A gap that turns out otherwise than foretold by no more than what makes this part of the greatest pressure is the one
-/// that its law is asked at.
+/// Part of the greatest pressure: where the gap differs from the predicted one by less than makes this much pressure, its
+/// law is evaluated at the gap itself.
 const UNNOTICED: f64 = 0.05;
 
 /// Gaps of patches along a correction, to first order.
 #[derive(Debug, Default)]
 pub(super) struct Foretold {
-    /// Empty: nothing is foretold.
+    /// Empty where nothing is predicted.
     patches: Vec<Course>,
-    /// Which part of the correction is applied.
+    /// Part of the correction that is applied.
     part: f64,
     /// The greatest |p| at the start of the increment over ε_N, mm.
     scale: f64,
-    /// Whether a law was asked elsewhere than at its gap in the last evaluation.
+    /// Whether a law was evaluated elsewhere than at its gap in the last evaluation.
     pub elsewhere: bool,
 }
 
@@ -30,7 +30,7 @@ struct Course {
 }
 
 impl Foretold {
-    /// Returns where the law of a patch with this gap is to be asked.
+    /// Returns the gap at which the law of a patch with this gap is to be evaluated.
     pub fn gap(&self, patch: usize, gap: f64) -> f64 {
         let Some(Course { start, change, was_open }) = self.patches.get(patch) else { return gap };
         let foretold = start + self.part * change;
@@ -41,7 +41,7 @@ impl Foretold {
 }
 
 impl Pair {
-    /// `change`: of all displacements; `predicts`: laws are asked where the increment starts.
+    /// Predicts the gaps. `change`: correction of all displacements; `predicts`: laws are evaluated where the increment starts.
     fn foretell(&mut self, change: &[f64], predicts: bool) {
         let pressures = self.committed.points.iter().map(|point| point.pressure.abs());
         let scale = pressures.fold(0.0, f64::max) / self.penalty;
@@ -73,24 +73,24 @@ impl Pair {
 }
 
 impl Contact {
-    /// Foretells the gaps along a correction of all displacements from the state of the last evaluation. Until
-    /// [`Self::foretell_nothing`] laws whose gaps turn out otherwise are asked where the tangent leads, and followed from
-    /// there along their own tangents; while the drives move (`predicts`), from where the increment starts.
+    /// Predicts the gaps along a correction of all displacements from the state of the last evaluation. Until
+    /// [`Self::foretell_nothing`] is called, laws whose gaps differ from the prediction are evaluated at the predicted ones and
+    /// followed from there along their own tangents; while the drives move (`predicts`), at those of the start of the increment.
     pub fn foretell(&mut self, change: &[f64], predicts: bool) {
         self.pairs.iter_mut().for_each(|pair| pair.foretell(change, predicts));
     }
 
-    /// Which part of the correction is applied.
+    /// Sets the part of the correction that is applied.
     pub fn foretell_part(&mut self, part: f64) {
         self.pairs.iter_mut().for_each(|pair| pair.foretold.part = part);
     }
 
-    /// Laws are asked at the gaps that are.
+    /// Ends the prediction: laws are evaluated at the gaps themselves.
     pub fn foretell_nothing(&mut self) {
         self.pairs.iter_mut().for_each(|pair| pair.foretold = Foretold::default());
     }
 
-    /// Returns whether a law was asked elsewhere than at its gap in the last evaluation.
+    /// Returns whether a law was evaluated elsewhere than at its gap in the last evaluation.
     pub fn is_elsewhere(&self) -> bool {
         self.pairs.iter().any(|pair| pair.foretold.elsewhere)
     }

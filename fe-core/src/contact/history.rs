@@ -1,18 +1,18 @@
-//! What contact points remember: plain numbers in flat arrays, one set committed, one on trial.
+//! History of contact points: plain numbers in flat arrays, one set committed, one on trial.
 
 use super::chain::Foot;
 use super::normal::NormalState;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::FricCall;
 
-/// What a point does. UINTER tells no host its status: there, slipping means that the plugin's dissipation grew in the
-/// increment, open that the traction is 0.
+/// Status of a point. UINTER does not return one: there, slipping means that the plugin's dissipation grew in the
+/// increment, and open that the traction is 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Serialize, Deserialize)]
 pub enum PointStatus {
     /// Holds without dissipation.
     #[default]
     Sticking,
-    /// Slides, or its bond is being spent.
+    /// Slides, or its bond is degrading.
     Slipping,
     /// Transmits nothing.
     Open,
@@ -36,7 +36,7 @@ pub(super) struct PointState {
     /// p and τ, MPa.
     pub pressure: f64,
     pub shear: f64,
-    /// Pressure by the point's own gap, which its patch's does not tell, MPa, and what it stores, N/mm.
+    /// Pressure due to the deviation of the point's own gap from its patch's, MPa, and the energy that it stores, N/mm.
     pub own_pressure: f64,
     pub own_energy: f64,
     pub normal: NormalState,

@@ -30,7 +30,7 @@ impl SlavePoint {
     }
 }
 
-/// Why a foot gives no gap.
+/// Reason why a foot gives no gap.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum NoGap {
     /// The master edge has no length there.

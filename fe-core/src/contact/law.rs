@@ -1,4 +1,4 @@
-//! From gap and slip to tractions: the calls of UINTER and FRIC.
+//! Tractions from gap and slip: the calls of UINTER and FRIC.
 
 use super::ContactError;
 use super::history::{PointState, PointStatus};
@@ -7,12 +7,12 @@ use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementC
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
 use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, SurfaceFields, UinterCall, Validation, judge};
 
-/// A plugin that gave a number that is none may do better with a smaller increment.
+/// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
 const FRACTION_AFTER_NAN: f64 = 0.25;
 /// STRESS(1) is on the line ε_N · RDISP(1) within this relative error.
 const ON_THE_LINE: f64 = 1e-9;
 
-/// Why a law gave no traction.
+/// Reason why a law gave no traction.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LawFailure {
     pub reason: String,
@@ -61,14 +61,14 @@ impl PointLaw {
     /// A pair's law with its penalties filled, told the initial temperature and field variables.
     ///
     /// # Errors
-    /// It refuses its parameters, cannot be called, or not be enforced as wanted.
+    /// A law that refuses its parameters, cannot be called, or cannot be enforced as requested.
     pub fn new(pair: &ContactPair, penalty: f64, initial: &FieldValues) -> Result<Self, ContactError> {
         let mut law = Self::of(pair, penalty)?;
         law.set_fields(initial, initial);
         Ok(law)
     }
 
-    /// Tells it temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to it.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         let fields: &mut SurfaceFields = match self {
             Self::Uinter { call, .. } => &mut call.fields,
@@ -113,7 +113,7 @@ impl PointLaw {
     /// The traction at the end of an increment, with the point's law state: `end` and `statev` hold it afterwards.
     ///
     /// # Errors
-    /// The plugin wants a smaller increment, wrote where it must not, or gave no numbers.
+    /// The plugin wants a smaller increment, wrote where it must not, or returned NaN or infinity.
     pub fn advance(
         &mut self,
         situation: &Situation<'_>,

@@ -46,12 +46,12 @@ pub struct Contact {
     earlier_calls: u64,
 }
 
-/// How many points do what.
+/// Numbers of points by status.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Holding without dissipation.
     pub sticking: usize,
-    /// Sliding, or with a bond that is being spent.
+    /// Sliding, or with a bond that is degrading.
     pub slipping: usize,
     /// Without traction.
     pub open: usize,
@@ -66,9 +66,9 @@ pub struct Energies {
     pub work: f64,
     /// Work of pressures on slips where normals are smoothed and lean against their edges: nothing on the mean.
     pub leaning: f64,
-    /// What the plugins say is stored (SED) in what is left of the areas.
+    /// Energy stored according to the plugins (SED), over the remaining areas.
     pub plugin_stored: f64,
-    /// What the plugins say is dissipated (SFD, SPD, SVD, SCD).
+    /// Energy dissipated according to the plugins (SFD, SPD, SVD, SCD).
     pub plugin_dissipated: f64,
     /// Stored in the host's normal law, and by points that lie deeper than the edge they share a gap with.
     pub normal_stored: f64,
@@ -101,7 +101,7 @@ pub struct PointRecord<'a> {
     pub area: f64,
     /// w: the part of the area that is still over the master.
     pub weight: f64,
-    /// What it does.
+    /// Its status.
     pub status: PointStatus,
     /// Whether the host's tension cap was passed.
     pub latched: bool,
@@ -136,7 +136,7 @@ impl Contact {
     /// `contact_search`: whether feet are looked for from the last ones. `initial`: temperature and field variables.
     ///
     /// # Errors
-    /// What [`ContactError`] lists, of the first pair that has a fault.
+    /// A fault that [`ContactError`] lists, of the first pair that has one.
     ///
     /// # Panics
     /// If `moduli` does not hold one for each part.
@@ -187,7 +187,7 @@ impl Contact {
         pair.law.last_call(point, pair.committed.points.get(point)?, statev)
     }
 
-    /// Tells the laws temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to the laws.
     pub fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         self.pairs.iter_mut().for_each(|pair| pair.law.set_fields(start, end));
     }

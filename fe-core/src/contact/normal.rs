@@ -4,10 +4,10 @@ use crate::model::{HardLaw, NormalLaw, SoftLaw};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::E;
 
-/// From this y = 1 − gap/g_0 on, the tangent of the exponential takes its place.
+/// y = 1 − gap/g_0 from which on the exponential is continued by its tangent.
 const LINEAR_FROM: f64 = 7.0;
 
-/// What the host's normal law remembers of a point.
+/// State of the host's normal law at a point.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct NormalState {
     /// λ, MPa.

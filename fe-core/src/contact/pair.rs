@@ -16,19 +16,19 @@ use umat_abi::law::Request;
 
 /// A weight nearer to 1 than this is 1: the last point of a slave edge that ends with the master.
 const WEIGHT_ROUNDING: f64 = 1e-9;
-/// What is left of an increment after a point lost the master.
+/// Fraction of the increment that is tried next after a point lost the master.
 const FRACTION_AFTER_LOSS: f64 = 0.5;
 
-/// What a point's start is measured from.
+/// Reference of a point: its gap and its place on the master at the start.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Datum {
     pub gap: f64,
     pub arc_length: f64,
-    /// How much of its length lies behind the point in the direction of the master.
+    /// Part of its length that lies behind the point in the direction of the master, mm.
     pub behind: f64,
 }
 
-/// What one evaluation of a pair did.
+/// Counts of one evaluation of a pair.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Evaluation {
     /// Points evaluated.
@@ -39,7 +39,7 @@ pub struct Evaluation {
     pub changes: usize,
 }
 
-/// Where an evaluation adds to, and what it is asked for.
+/// Forces and blocks to which an evaluation adds, and the results requested of it.
 pub(super) struct Output<'a> {
     pub request: Request,
     pub forces: &'a mut [f64],
@@ -76,7 +76,7 @@ pub(super) struct Pair {
     pub data: Vec<Datum>,
     /// NSTATV.
     pub state_count: usize,
-    /// Where a correction leads the gaps of the patches.
+    /// Gaps of the patches that are predicted along a correction.
     pub foretold: Foretold,
 }
 

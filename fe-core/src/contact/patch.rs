@@ -10,7 +10,7 @@ const DEEPER: f64 = 0.01;
 /// Part of the penalty that presses it out. Torn matter turns easily; 381 increments instead of 539 with all of it at 45
 const SOFTER: f64 = 1e-3;
 
-/// What a patch's points have in common; the module's page has the equations.
+/// Quantities that the points of a patch share; the module's page has the equations.
 struct Shared {
     /// Σ A w, mm².
     area: f64,
@@ -18,7 +18,7 @@ struct Shared {
     gap: f64,
     /// p̄, MPa.
     pressure: f64,
-    /// How many points there are.
+    /// Number of points.
     points: usize,
 }
 
@@ -29,7 +29,7 @@ pub(super) struct Scratch {
     freedoms: Vec<usize>,
     /// Freedoms of each point by their place in `freedoms`, point by point.
     places: Vec<usize>,
-    /// −v̄, −∂ḡ/∂x and what ∂p̄/∂x has besides c̄ (−∂ḡ/∂x).
+    /// −v̄, −∂ḡ/∂x and the rest of ∂p̄/∂x besides c̄ (−∂ḡ/∂x).
     pushed: Vec<f64>,
     pressing: Vec<f64>,
     other: Vec<f64>,

@@ -4,7 +4,7 @@ use super::chain::{Chain, Foot};
 
 /// Edges that a walk passes before the neighbourhood counts as lost.
 const LONGEST_WALK: usize = 16;
-/// d·m below this × x'·m is none: rounding of ξ, of order 1.
+/// d·m below this × x'·m counts as 0: rounding of ξ, of order 1.
 const ROUNDING: f64 = 1e-13;
 /// Newton and bisections on one edge: bisection alone would end within as many.
 const MOST_ITERATIONS: usize = 60;
@@ -12,7 +12,8 @@ const MOST_ITERATIONS: usize = 60;
 /// Places of an edge are within this × the distance of its farthest node from any centre: Σ|N| ≤ 5/4 on a quadratic edge,
 /// and something for rounding.
 const REACH: f64 = 1.26;
-/// How far past a smoothed end of its edge, in ξ, a foot stays on it until the increment is over: see the module's page.
+/// Distance past a smoothed end of its edge, in ξ, within which a foot stays on it until the increment is over: see the
+/// module's page.
 const OVERSHOOT: f64 = 1e-3;
 
 /// Newton without a bracket.
@@ -23,7 +24,7 @@ const POSITION_ROUNDING: f64 = 16.0 * f64::EPSILON;
 /// Small step of ξ: its square is rounding.
 const SMALL_STEP: f64 = 1e-9;
 
-/// What the nearest place of an edge is.
+/// Nearest place of an edge: inside it, or before or after it.
 enum OnEdge {
     Inside(f64),
     Before,
@@ -116,7 +117,7 @@ impl<P: Fn(usize) -> [f64; 2]> Projection<'_, P> {
         nearest
     }
 
-    /// No place of an edge is nearer: they lie in a circle around the middle of its ends.
+    /// Returns a lower bound of the distance to an edge: its places lie in a circle around the middle of its ends.
     pub fn clearance(&self, point: [f64; 2], edge: i64) -> f64 {
         let nodes = self.chain.nodes(edge);
         let [a, b] = [0, 1].map(|end| (self.position)(nodes[end]));

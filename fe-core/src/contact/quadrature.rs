@@ -1,4 +1,4 @@
-//! Where the contact points of a slave surface sit, and how much of it each has.
+//! Contact points of a slave surface: their positions, and the area and length that belong to each.
 
 use super::ContactError;
 use super::chain::Chain;
@@ -28,7 +28,7 @@ pub(super) struct ContactPoint {
     pub area: f64,
     /// Tributary length ℓ along the slave surface, mm.
     pub length: f64,
-    /// How much of ℓ lies behind the point, in the direction of its edge, mm.
+    /// Part of ℓ that lies behind the point, in the direction of its edge, mm.
     pub behind: f64,
     /// Reference arc length along the slave edges in the order given, mm.
     pub coordinate: f64,

@@ -1,4 +1,4 @@
-//! What follows when Newton has converged: points that open, multipliers that grow.
+//! Changes after Newton has converged: points that open, multipliers that grow.
 
 use super::Contact;
 use super::law::PointLaw;
@@ -8,7 +8,7 @@ use crate::model::Enforcement;
 /// The part of the points over the tension cap that open at a time.
 const OPENING_SHARE: f64 = 0.1;
 
-/// What [`Contact::settle`] changed.
+/// Changes made by [`Contact::settle`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Settlement {
     /// Whether the increment must be iterated again, at the same load.
@@ -24,7 +24,7 @@ pub struct Settlement {
 }
 
 impl Contact {
-    /// To be called when an increment has converged, until it asks for no more iterations. Opens at most a tenth, and
+    /// Settles a converged increment; to be called until it asks for no more iterations. Opens at most a tenth, and
     /// at least one, of the points whose tension is over the cap of the host's hard law; if there are none, updates
     /// the multipliers of pairs with a held point whose gap is over the tolerance.
     pub fn settle(&mut self) -> Settlement {

@@ -1,4 +1,4 @@
-//! A pair from what a model says of it: numbers checked, penalty chosen, every point put on its foot.
+//! A pair made from its definition in the model: numbers checked, penalty chosen, every point put on its foot.
 
 use super::chain::Chain;
 use super::error::ContactError;

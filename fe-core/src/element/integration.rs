@@ -2,7 +2,7 @@
 
 use super::ElementKind;
 
-/// How many points an element is integrated with.
+/// Rule of integration of an element.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Integration {
     /// Exact for the stiffness of an undistorted element.
@@ -30,7 +30,7 @@ pub struct IntegrationPoint {
 }
 
 impl ElementKind {
-    /// The integration of this kind where nobody asked for another: reduced for Q8, full for the rest.
+    /// The integration of this kind by default: reduced for Q8, full for the rest.
     pub const fn default_integration(self) -> Integration {
         match self {
             Self::T3 | Self::T6 | Self::Q4 => Integration::Full,

@@ -2,7 +2,7 @@
 
 use super::{ElementKind, ShapeFunctions};
 
-/// Why an element cannot be mapped.
+/// Reason why an element cannot be mapped.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum MappingError {
     /// Not one position per node.
@@ -10,7 +10,7 @@ pub enum MappingError {
     NodeCount {
         /// The kind of element.
         kind: ElementKind,
-        /// How many positions there were.
+        /// Number of positions given.
         found: usize,
     },
     /// The element is inverted, collapsed, or not finite at this point.

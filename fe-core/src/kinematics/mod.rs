@@ -14,7 +14,7 @@ pub const MAX_COMPONENTS: usize = 4;
 /// The most degrees of freedom that an element has.
 pub const MAX_FREEDOMS: usize = 2 * MAX_NODES;
 
-/// What a part assumes about the third direction.
+/// Assumption of a part about the third direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum PlaneModel {
     /// σ₃₃ = 0.

@@ -1,8 +1,8 @@
-//! What can be wrong with a mesh. Messages count nodes, elements, parts and edges from 1.
+//! Faults of a mesh. Messages count nodes, elements, parts and edges from 1.
 
 use crate::element::{ElementKind, Integration, MappingError};
 
-/// Which kind of set a message is about.
+/// Kind of set that a message is about.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SetKind {
     /// Nodes.

@@ -11,7 +11,7 @@
 //! - thicknesses of single elements: positive, of elements that exist;
 //! - sets: not empty, in range, without repetition.
 //!
-//! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] tells them.
+//! Nodes that no element has are allowed (a grip can hang on one): [`Mesh::free_nodes`] lists them.
 //!
 //! Definitions come from [`gmsh`] files, from [`structured`] blocks and [`triangulation`]s or from the parameters of a [`specimen`];
 //! [`preflight`] finds in a checked mesh what no single element shows, [`Mesh::overlap`] where deformed bodies lie in each other.
@@ -60,7 +60,7 @@ mod test;
 pub struct Part {
     /// A name that no other part has.
     pub name: String,
-    /// What it assumes about the third direction.
+    /// Assumption about the third direction.
     pub model: PlaneModel,
     /// Reference thickness of its elements, but for those with one of their own, mm; unused in axial symmetry.
     pub thickness: f64,

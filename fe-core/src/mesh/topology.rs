@@ -1,4 +1,4 @@
-//! How elements are connected: neighbours across edges, and boundaries.
+//! Connections of elements: neighbours across edges, and boundaries.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;

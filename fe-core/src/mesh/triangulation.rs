@@ -24,7 +24,7 @@ pub struct Triangulation {
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Why an outline cannot be filled.
+/// Reason why an outline cannot be filled.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum TriangulationError {
     /// A point that is no point of the plane.
@@ -32,7 +32,7 @@ pub enum TriangulationError {
     Point {
         /// Index.
         index: usize,
-        /// Where it is.
+        /// Its position.
         position: [f64; 2],
     },
     /// An outline that touches or crosses itself.

@@ -3,10 +3,10 @@
 use super::PluginLaw;
 use crate::mesh::ElementEdge;
 
-/// Two surfaces that touch, and how.
+/// Two surfaces in contact, with law and enforcement.
 #[derive(Clone, Debug)]
 pub struct ContactPair {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The surface that carries the contact points: the concrete's hole.
     pub slave: Vec<ElementEdge>,
@@ -14,14 +14,14 @@ pub struct ContactPair {
     pub master: Vec<ElementEdge>,
     /// The law.
     pub law: ContactLaw,
-    /// Where on the slave edges the contact points sit.
+    /// Rule that places the contact points on the slave edges.
     pub quadrature: Quadrature,
     /// Contact area per length of the slave edge.
     pub width: Width,
     /// The hard normal law's penalty: this times min(E t/h of either body)/(contact width). 100 unless the case says
     /// otherwise.
     pub penalty_factor: f64,
-    /// How the hard normal law is enforced.
+    /// Enforcement of the hard normal law.
     pub enforcement: Enforcement,
     /// Whether a point's contact fades as it passes either end of the master.
     pub release: bool,
@@ -72,7 +72,7 @@ pub struct SoftLaw {
     pub g_0: f64,
 }
 
-/// Where the contact points sit.
+/// Rule that places the contact points.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Quadrature {
     /// Gauss points of each slave edge (2 by default).
@@ -98,7 +98,7 @@ pub enum Width {
     OfPart,
 }
 
-/// How the hard normal law is enforced.
+/// Enforcement of the hard normal law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Enforcement {
     /// The penalty alone.

@@ -7,16 +7,16 @@ pub struct Step {
     pub time: f64,
     /// Value of each drive at the end; `None`: stays.
     pub targets: Vec<Option<f64>>,
-    /// How far the increments go.
+    /// Choice of the increments.
     pub control: StepControl,
 }
 
-/// How the increments of a step are chosen. Sizes are fractions of the step.
+/// Choice of the increments of a step. Sizes are fractions of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepControl {
     /// Equal increments, cut back when one fails.
     Fixed {
-        /// How many.
+        /// Number of increments.
         increments: usize,
     },
     /// Automatic increments; under a snap-back the drives follow the mean contact slip.
@@ -76,22 +76,22 @@ pub struct Controls {
     /// The largest part of the work that stabilisation and overstress may have taken when a run ends: beyond it the run
     /// has failed.
     pub max_stabilisation_share: f64,
-    /// What torn matter is released; `None`: none is.
+    /// Criterion by which torn elements are released; `None`: none are.
     pub spalling: Option<Spalling>,
 }
 
-/// When an element of a law with damage is torn matter, which is released: its nodal forces fade and it is no part of its
-/// body any more, and neither is what then holds on to nothing. Under compression cracks close again, and damage alone does
-/// not say that an element bears nothing: both conditions must hold at all its points.
+/// Criterion by which an element of a law with damage counts as torn and is released: its nodal forces fade, and it is no
+/// longer part of its body, nor are elements that are then held by nothing. Since cracks close again under compression, damage
+/// alone does not show that an element carries no load: both conditions must hold at all its points.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spalling {
-    /// Crack is open by more: greatest principal strain × CELENT, mm; 10 G_f/f_t is where a falling branch has ended.
+    /// Crack opening that must be exceeded: greatest principal strain × CELENT, mm; a softening branch has ended at 10 G_f/f_t.
     pub opening: f64,
-    /// No principal stress is greater in magnitude, MPa.
+    /// Largest magnitude of the principal stresses, MPa.
     pub stress: f64,
-    /// Growth of the measured slip for which it waits, mm.
+    /// Growth of the measured slip before it is released, mm.
     pub wait: f64,
-    /// Forces then fade linearly over so much slip, mm.
+    /// Slip over which its forces then fade linearly, mm.
     pub fade: f64,
 }
 
@@ -111,8 +111,8 @@ impl Default for Controls {
     }
 }
 
-/// What a scene does not need is skipped; each item can be switched off, for the benchmark and for doubt. None changes
-/// the result by more than the solver's tolerance.
+/// Computations that are skipped if a model does not need them; each item can be switched off, for benchmarks and for checks.
+/// None changes the result by more than the solver's tolerance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Skipping {
     /// Stiffnesses of elements whose tangents and geometry did not change are kept, and what only they are factorised to.
@@ -126,10 +126,10 @@ pub struct Skipping {
 }
 
 impl Skipping {
-    /// Everything is skipped that can be.
+    /// All of them are skipped.
     pub const ALL: Self =
         Self { unchanged_elements: true, elastic_far_field: true, factor_reuse: true, contact_search: true };
-    /// Nothing is skipped.
+    /// None is skipped.
     pub const NONE: Self =
         Self { unchanged_elements: false, elastic_far_field: false, factor_reuse: false, contact_search: false };
 }

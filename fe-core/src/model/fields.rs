@@ -25,7 +25,7 @@ impl FieldValues {
     }
 }
 
-/// What laws are told of temperature and field variables: in each step they go linearly to its end values.
+/// Temperature and field variables that laws are given: in each step they change linearly to its end values.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fields {
     /// Values at the start.

@@ -7,14 +7,14 @@ use umat_abi::host::{
 use umat_abi::law::StressState;
 use umat_abi::metadata::{EQUIVALENT_PLASTIC_STRAIN, OVERSTRESS_WORK, flags};
 
-/// The plugin of a part or of a contact pair. Which law it is nobody here knows.
+/// The plugin of a part or of a contact pair; this crate knows no law in particular.
 #[derive(Clone, Debug)]
 pub struct PluginLaw {
     /// The loaded library.
     pub library: Library,
     /// Metadata for the law; `None` for a plain UMAT, of which nothing is assumed.
     pub law: Option<Law>,
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The symbol of the entry point; `None`: the usual ones are tried.
     pub symbol: Option<String>,
@@ -29,7 +29,7 @@ pub struct PluginLaw {
     /// Stress of every point of a part at the start, MPa: 11, 22, 33, 12, or r, z, θ, rz; `None`: what the library's SIGINI
     /// sets, or 0.
     pub stress0: Option<[f64; MAX_COMPONENTS]>,
-    /// How its UMAT is called.
+    /// Way in which its UMAT is called.
     pub manner: Manner,
 }
 
@@ -53,8 +53,8 @@ impl PluginLaw {
         self.manner.prepare(model.stress_state(), self.law.as_ref(), make).map_err(|error| self.error(&error))
     }
 
-    /// Makes calls go through six components if the UMAT needs it and nobody has said so; then says why. The call has the
-    /// arguments of a virgin point.
+    /// Makes calls go through six components if the UMAT needs it and the user has not set it; then returns the reason. The
+    /// call has the arguments of a virgin point.
     ///
     /// # Errors
     /// The library has no such entry point.
@@ -102,7 +102,7 @@ impl PluginLaw {
     /// STATEV of a point at the start.
     ///
     /// # Errors
-    /// What SDVINI did wrong.
+    /// A fault of SDVINI.
     pub fn states_of_point(&self, initial: &mut InitialStates, at: &InitialPoint) -> Result<Vec<f64>, LawError> {
         initial.of_point(at).map_err(|message| LawError { name: self.name.clone(), message })
     }
@@ -110,7 +110,7 @@ impl PluginLaw {
     /// Stress of a point at the start, in the order of UMAT's components.
     ///
     /// # Errors
-    /// What SIGINI did wrong.
+    /// A fault of SIGINI.
     pub fn stress_of_point(
         &self,
         initial: &mut InitialStresses,
@@ -120,7 +120,7 @@ impl PluginLaw {
         initial.of_point(at, element_type).map_err(|message| LawError { name: self.name.clone(), message })
     }
 
-    /// Returns where the stresses of its points start from in a plane model.
+    /// Returns the source of the initial stresses of its points in a plane model.
     pub fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
         let components = model.stress_state().components();
         let given = self.stress0.map(|stress| components.iter().map(|&k| stress[k]).collect::<Vec<_>>());
@@ -147,7 +147,7 @@ impl PluginLaw {
         self.law.as_ref()?.state_index(EQUIVALENT_PLASTIC_STRAIN)
     }
 
-    /// Returns which of its states is the strain 33 of plane stress, if it says so.
+    /// Returns the index of the state that is the strain 33 of plane stress, if its metadata name one.
     pub fn strain_33(&self) -> Option<usize> {
         self.law.as_ref()?.state_index(c"strain_33")
     }

@@ -1,4 +1,4 @@
-//! What is to be computed: a mesh with laws, contact pairs, supports, loads and steps.
+//! Model of an analysis: a mesh with laws, contact pairs, supports, loads and steps.
 //!
 //! A [`Model`] is data. Whoever writes one (a case file, a test) fills these structs; [`crate::stepping::Analysis`]
 //! checks them together and runs them.
@@ -41,7 +41,7 @@ impl Freedom {
 /// Nodes held, or moved, along one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Support {
-    /// What messages and reactions call it.
+    /// Name in messages and of its reaction.
     pub name: String,
     /// Nodes.
     pub nodes: Vec<usize>,
@@ -56,18 +56,18 @@ pub struct Support {
 pub struct Coupling {
     /// The freedom that is eliminated.
     pub dependent: Freedom,
-    /// What it follows.
+    /// Freedoms that it follows, with coefficients.
     pub terms: Vec<(Freedom, f64)>,
 }
 
 /// A load: a drive's value times this.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Load {
-    /// What messages call it.
+    /// Name in messages.
     pub name: String,
     /// The drive that multiplies it.
     pub drive: usize,
-    /// Where, and how much of it at a drive of 1.
+    /// Kind and place, and size at a drive of 1.
     pub kind: LoadKind,
 }
 
@@ -97,7 +97,7 @@ pub enum LoadKind {
     },
 }
 
-/// What the history calls slip and load.
+/// Definition of slip and load in the history.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Measured {
     /// The drives whose mean is the `slip` of the history; none: 0.
@@ -117,14 +117,14 @@ pub struct Measured {
     pub part: Option<usize>,
     /// The lines along which fibres are bonded: indices of the contact pairs that each consists of.
     pub interface_lines: Vec<Vec<usize>>,
-    /// Each of several fibres; empty for one that is alone, of which the fields above tell.
+    /// Each of several fibres; empty for a single one, to which the fields above apply.
     pub fibres: Vec<MeasuredFibre>,
     /// A bearing pressure t_N/(φ L) over the contact pressure: π/2 for a round fibre of which each line has half the
     /// circumference, 1 else.
     pub bearing_factor: f64,
 }
 
-/// What is measured of one of several fibres.
+/// Quantities that are measured of one of several fibres.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredFibre {
     /// Name.
@@ -208,7 +208,7 @@ pub struct Model {
     /// Large displacements of each part: updated Lagrangian, `DROT`. Contact is on the deformed surfaces and slides far
     /// either way.
     pub nlgeom: Vec<bool>,
-    /// What the history calls slip and load.
+    /// Definition of slip and load in the history.
     pub measured: Measured,
     /// Temperature and field variables.
     pub fields: Fields,
@@ -216,7 +216,7 @@ pub struct Model {
     pub steps: Vec<Step>,
     /// Tolerances and limits.
     pub controls: Controls,
-    /// What may be skipped.
+    /// Computations that may be skipped.
     pub skipping: Skipping,
 }
 

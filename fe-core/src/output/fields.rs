@@ -1,4 +1,4 @@
-//! What a model looks like at the end of an increment.
+//! State of a model at the end of an increment.
 
 use crate::mesh::Mesh;
 use serde::{Deserialize, Serialize};
@@ -19,13 +19,13 @@ pub struct Fields<'a> {
     pub reactions: Vec<f64>,
     /// Cauchy stresses at the points: 11, 22, 33, 12, MPa; 33 is 0 in plane stress.
     pub stresses: Vec<[f64; 4]>,
-    /// Strains at the points: 11, 22, 33 and the engineering shear 12; 33 is NaN where nobody knows it.
+    /// Strains at the points: 11, 22, 33 and the engineering shear 12; 33 is NaN where it is unknown.
     pub strains: Vec<[f64; 4]>,
     /// State variables and derived outputs at the points: as many at each as the element's part has names.
     pub states: Vec<f64>,
     /// Names, of each part.
     pub state_names: Vec<Vec<String>>,
-    /// What each element does.
+    /// Activity of each element.
     pub activities: Vec<Activity>,
     /// Parts in front of which others slide ([`crate::model::Model::parts_behind`]).
     pub behind: Vec<usize>,
@@ -35,7 +35,7 @@ pub struct Fields<'a> {
     pub contact: Vec<ContactPoint>,
 }
 
-/// What an element does at one time.
+/// Activity of an element at one time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Activity {
     /// Part of the condensed far field: elastic, and not computed.
@@ -46,7 +46,7 @@ pub enum Activity {
     Damaged,
     /// A point of a law without damage has dissipated.
     Yielded,
-    /// Torn matter that was released.
+    /// Torn and released.
     Spalled,
 }
 
@@ -55,7 +55,7 @@ pub enum Activity {
 pub struct ContactPoint {
     /// Index of its pair.
     pub pair: usize,
-    /// Where it is now, mm.
+    /// Present position, mm.
     pub position: [f64; 2],
     /// Arc length along the slave surface in the reference configuration, mm.
     pub arc: f64,
@@ -79,11 +79,11 @@ pub enum FieldsError {
     /// A vector of the wrong length.
     #[error("there are {found} {what}, the mesh needs {expected}")]
     Length {
-        /// What the vector holds.
+        /// Contents of the vector.
         what: &'static str,
         /// Length.
         found: usize,
-        /// What it should be.
+        /// Length that the mesh needs.
         expected: usize,
     },
     /// A contact point of a pair that does not exist.

@@ -1,4 +1,4 @@
-//! From integration points to nodes.
+//! Recovery of nodal values from integration points.
 
 use super::fields::{FieldsError, expect_length};
 use crate::element::{ElementKind, IntegrationPoint};

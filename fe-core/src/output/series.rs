@@ -93,7 +93,7 @@ impl Series {
         Ok(Self { directory, recovery, files: SeriesFiles::default() })
     }
 
-    /// Goes on with a series after these files; later ones are removed.
+    /// Continues a series after these files; later ones are removed.
     ///
     /// # Errors
     ///

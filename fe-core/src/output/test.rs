@@ -199,7 +199,7 @@ fn principal_stresses_are_eigenvalues_along_their_direction() {
     assert_eq!(Principal::new([0.0, 2.0, 0.0, 0.0]).angle, std::f64::consts::FRAC_PI_2);
 }
 
-/// A state of the mesh in which every value tells where it is.
+/// A state of the mesh in which every value identifies its place.
 struct Snapshot {
     displacements: Vec<f64>,
     names: Vec<Vec<String>>,

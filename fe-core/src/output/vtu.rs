@@ -17,7 +17,7 @@ pub(super) struct Array<'a> {
     pub data: Data,
 }
 
-/// What an array holds, tuple by tuple.
+/// Contents of an array, tuple by tuple.
 pub(super) enum Data {
     Real(Vec<f64>),
     Integer(Vec<i32>),
@@ -27,7 +27,7 @@ pub(super) enum Data {
 /// Cells of a grid.
 pub(super) struct Cells {
     pub connectivity: Vec<i64>,
-    /// Where each cell ends in `connectivity`.
+    /// End of each cell in `connectivity`.
     pub offsets: Vec<i64>,
     pub types: Vec<u8>,
 }
@@ -128,7 +128,7 @@ impl Grid<'_> {
     }
 }
 
-/// A file on its way: what says where arrays stand, and the arrays.
+/// A file being written: the header that gives the places of arrays, and the arrays.
 struct File {
     xml: String,
     appended: Vec<u8>,

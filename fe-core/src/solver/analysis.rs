@@ -101,11 +101,11 @@ pub(super) struct Analysis {
     pub order: Vec<usize>,
     /// Lower triangle of the matrix in that order, rows unsorted.
     pub lower: SymbolicSparseColMat<usize>,
-    /// Where the value of each entry of `lower` is in the pattern.
+    /// Index in the pattern of the value of each entry of `lower`.
     pub from: Vec<usize>,
-    /// Where the value of its mirror image is.
+    /// Index of the value of its mirror image.
     pub mirror_from: Vec<usize>,
-    /// Where `lower` has its diagonal.
+    /// Index in `lower` of each diagonal entry.
     pub diagonal: Vec<usize>,
     /// Columns of one shape, and their rows. Simplicial factors are six times slower on small systems.
     pub supernodes: supernodal::SymbolicSupernodalCholesky<usize>,

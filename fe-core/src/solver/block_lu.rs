@@ -51,14 +51,14 @@ pub(super) struct BlockLu {
     memory: MemBuffer,
 }
 
-/// Where a supernode is.
+/// Place of a supernode in the factors.
 #[derive(Clone, Copy)]
 struct Panel {
     start: usize,
     columns: usize,
-    /// How many rows are below its block.
+    /// Number of rows below its block.
     below: usize,
-    /// Where its values start in L and in U.
+    /// Starts of its values in L and in U.
     lower: usize,
     upper: usize,
 }
@@ -78,24 +78,24 @@ impl Panel {
         MatRef::from_column_major_slice(values, self.height(), self.columns)
     }
 
-    /// Returns what is right of its block, transposed.
+    /// Returns the part to the right of its block, transposed.
     fn upper<'a>(&self, upper: &'a [f64]) -> MatRef<'a, f64> {
         MatRef::from_column_major_slice(&upper[self.upper..][..self.below * self.columns], self.below, self.columns)
     }
 }
 
-/// Which earlier supernodes the present one has to subtract: each waits at the supernode that has its next row.
+/// Queue of earlier supernodes that the present one has to subtract: each waits at the supernode that has its next row.
 struct Queue {
     heads: Vec<usize>,
     next: Vec<usize>,
-    /// How many of its rows a supernode has passed.
+    /// Number of its rows that a supernode has passed.
     passed: Vec<usize>,
     /// The supernode of each row.
     owner: Vec<usize>,
 }
 
 impl Queue {
-    /// Puts a supernode to where the first of `rows` belongs.
+    /// Puts a supernode into the queue of the supernode to which the first of `rows` belongs.
     fn wait(&mut self, supernode: usize, rows: &[usize]) {
         if let Some(&row) = rows.first() {
             self.next[supernode] = std::mem::replace(&mut self.heads[self.owner[row]], supernode);
@@ -145,12 +145,12 @@ impl BlockLu {
         self.lower.len() + self.upper.len()
     }
 
-    /// Multiplications and additions of the last factorisation: what was done, not what could stay.
+    /// Returns the multiplications and additions of the last factorisation, without supernodes that were kept.
     pub(super) fn flops(&self) -> f64 {
         self.flops
     }
 
-    /// Forgets it: nothing of it stays at the next factorisation.
+    /// Discards the factor: nothing of it is kept at the next factorisation.
     pub(super) fn forget(&mut self) {
         self.is_factor = false;
     }

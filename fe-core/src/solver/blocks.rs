@@ -6,12 +6,12 @@
 pub struct Blocks {
     rows: Vec<usize>,
     values: Vec<f64>,
-    /// Where each block's rows and values end.
+    /// End of each block's rows and values.
     ends: Vec<(usize, usize)>,
 }
 
 impl Blocks {
-    /// Forgets all blocks, keeps the memory.
+    /// Removes all blocks, and keeps the memory.
     pub fn clear(&mut self) {
         self.rows.clear();
         self.values.clear();

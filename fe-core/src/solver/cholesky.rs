@@ -65,7 +65,7 @@ impl Cholesky {
         self.check_pivots()
     }
 
-    /// No pivot is lost in the rounding of the diagonal that it was left over from.
+    /// Checks that no pivot is lost in the rounding of the diagonal entry from which it was left over.
     fn check_pivots(&self) -> Result<(), Refusal> {
         let factor = self.view();
         for index in 0..self.analysis.supernodes.n_supernodes() {

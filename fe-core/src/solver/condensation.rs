@@ -69,7 +69,7 @@ impl Superelement {
     }
 }
 
-/// Whether a list has equations of the system, each once.
+/// Checks that a list has equations of the system, each once.
 fn check_list(size: usize, equations: &[usize]) -> Result<(), SolverError> {
     let mut is_listed = vec![false; size];
     for &equation in equations {

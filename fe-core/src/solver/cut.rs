@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use super::graph::Graph;
 
-/// How many directions are tried, over half a turn.
+/// Number of directions that are tried, over half a turn.
 const DIRECTIONS: usize = 8;
 
 /// The least part of the nodes that a half may have. The more the halves differ, the longer one thread waits.

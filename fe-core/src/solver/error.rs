@@ -1,4 +1,4 @@
-//! Why a system was not solved. Messages count equations from 1.
+//! Reasons why a system was not solved. Messages count equations from 1.
 
 /// A system that cannot be solved, or was not solved accurately.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,13 +25,13 @@ pub enum SolverError {
     /// No unique solution.
     #[error("the system is singular{}: is a body free to move?", equation.map_or(String::new(), |equation| format!(" at equation {}", equation + 1)))]
     Singular { equation: Option<usize> },
-    /// What must be positive definite is not.
+    /// A matrix that must be positive definite is not.
     #[error("the matrix is not positive definite: no positive pivot at equation {}", equation + 1)]
     NotDefinite { equation: usize },
     /// Solved without a factor.
     #[error("there is no factor to solve with")]
     NotFactorised,
-    /// The answer is wrong by more than accepted.
+    /// The residual of the solution is larger than accepted.
     #[error("the solution leaves {residual:.1e} of the right side, more than {tolerance:.0e}, after refinement")]
     Residual { residual: f64, tolerance: f64 },
     /// Out of memory, or of indices.

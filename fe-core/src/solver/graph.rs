@@ -5,7 +5,7 @@ use super::Pattern;
 /// Marks a place where there is no index.
 pub(super) const NONE: usize = usize::MAX;
 
-/// Which nodes are coupled. Each has its neighbours without itself, in any order.
+/// Graph of coupled nodes. Each has its neighbours without itself, in any order.
 pub(super) struct Graph {
     starts: Vec<usize>,
     neighbours: Vec<usize>,

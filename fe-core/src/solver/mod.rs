@@ -32,15 +32,15 @@ pub const REFINED_RESIDUAL: f64 = 1e-10;
 /// residual force.
 pub const ACCEPTED_RESIDUAL: f64 = 1e-8;
 
-/// What rounding alone leaves, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. A soft mode
+/// Residual due to rounding alone, relative to ‖K‖ ‖x‖: products in a row of some thirty entries, each to 1e-16. A soft mode
 /// beside a stiff contact may leave more than the tolerances this way, and no solver leaves less: such a solution is
 /// refined only above this, and accepted up to [`ROUNDING_MARGIN`] times this.
 pub const ROUNDING: f64 = 1e-15;
 
-/// How many times the rounding of a product a solution may leave: it has the rounding of its factors too.
+/// Accepted residual of a solution over [`ROUNDING`]: it has the rounding of its factors too.
 pub const ROUNDING_MARGIN: f64 = 10.0;
 
-/// The most that may be left in spite of [`ROUNDING`]: one digit, or two, are no solution.
+/// Largest residual that is accepted because of [`ROUNDING`]: with one digit or two a solution is useless.
 pub const LARGEST_RESIDUAL: f64 = 1e-4;
 
 /// A pivot of this size, relative to the entry that it is left over from, is rounding: elimination loses about one
@@ -54,7 +54,7 @@ const LARGEST_GROWTH: f64 = 1.0 / SINGULAR_PIVOT;
 /// symmetric: a block is a sum of a few products.
 const SYMMETRIC_BLOCK: f64 = 1e-13;
 
-/// Whether the values of the solids are symmetric. Told by whoever computed them, for each factorisation.
+/// Symmetry of the values of the solids. The caller who computed them states it for each factorisation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum Symmetry {
     /// Symmetric but for rounding: one triangle is read.
@@ -63,7 +63,7 @@ pub enum Symmetry {
     Unsymmetric,
 }
 
-/// How a system is factorised; in the order in which they are tried.
+/// Methods of factorisation, in the order in which they are tried.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Method {
     /// LLᵀ in parts.
@@ -74,7 +74,7 @@ pub enum Method {
     GeneralLu,
 }
 
-/// What may be chosen about a solver.
+/// Options of a solver.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct SolverOptions {
     /// The first method to try wherever it applies; `None`: chosen by the number of operations.
@@ -83,7 +83,7 @@ pub struct SolverOptions {
     pub forgets: bool,
 }
 
-/// What a factorisation did.
+/// Report on a factorisation.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FactorisationReport {
     /// The method that succeeded.
@@ -96,10 +96,10 @@ pub struct FactorisationReport {
     pub factor_entries: Option<usize>,
 }
 
-/// How accurate a solution is.
+/// Accuracy of a solution.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SolveReport {
-    /// What it leaves of the right side: greatest entry against greatest entry.
+    /// Residual relative to the right side: greatest entry over greatest entry.
     pub relative_residual: f64,
     /// Whether it was refined.
     pub refined: bool,

@@ -1,4 +1,4 @@
-//! Where a system matrix has entries, and the matrix.
+//! Pattern of the entries of a system matrix, and the matrix.
 
 use std::sync::Arc;
 

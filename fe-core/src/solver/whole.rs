@@ -10,10 +10,10 @@ use super::parts::Parts;
 use super::{Blocks, LARGEST_GROWTH, Method, Pattern, SolverError, SystemMatrix};
 use crate::threads::Threads;
 
-/// How many times the entries of the present matrix a pattern may have, before it is made anew.
+/// Largest number of a pattern's entries over those of the present matrix, before it is made anew.
 const LARGEST_SUPERSET: f64 = 1.25;
 
-/// One pattern that solids and contact fit, and what has been analysed for it.
+/// One pattern that solids and contact fit, and its analyses.
 pub(super) struct Whole {
     pattern: Pattern,
     /// Place of each value of the solids.
@@ -31,7 +31,7 @@ pub(super) struct Whole {
     ordered: Vec<f64>,
 }
 
-/// Where the entries of a contact block are, row by row. Most points stay where they are from one matrix to the next.
+/// Places of the entries of a contact block, row by row. Most points keep theirs from one matrix to the next.
 #[derive(Default)]
 struct Places {
     rows: Vec<usize>,
@@ -195,7 +195,7 @@ impl Whole {
         }
     }
 
-    /// Forgets the factor: nothing of it stays at the next factorisation.
+    /// Discards the factor: nothing of it is kept at the next factorisation.
     pub(super) fn forget_factors(&mut self) {
         self.block_lu.iter_mut().for_each(BlockLu::forget);
         self.parts.iter_mut().for_each(Parts::forget);

@@ -11,8 +11,8 @@ use super::graph::NONE;
 use super::ordering::elimination_order;
 use super::{Pattern, SolverError};
 
-/// What is added to the diagonal of the zone, relative to it, so that A has an LLᵀ although a body may hang on contact
-/// alone; a soft zone needs the second. It is taken off again, which costs as many digits as it has more than A.
+/// Shifts added to the diagonal of the zone, relative to it, so that A has an LLᵀ although a body may be held by contact
+/// alone; a soft zone needs the second. They are subtracted again, which costs as many digits as they have more than A.
 const SHIFTS: [f64; 2] = [1.0, 100.0];
 
 /// A condensed onto the equations of a zone: with the zone last,
@@ -24,7 +24,7 @@ pub(super) struct Zone {
     cholesky: Cholesky,
     /// The place in the zone of each equation of the system.
     place_of: Vec<usize>,
-    /// Where the values of the zone's diagonal are in the pattern.
+    /// Indices in the pattern of the values of the zone's diagonal.
     diagonal: Vec<usize>,
     shift: Vec<f64>,
     /// L_ZZ.

@@ -16,7 +16,7 @@ pub(super) struct EffectiveStress {
     strain: [f64; 6],
     /// Principal values of the strain, or in plane stress of its in-plane part.
     pub spectral: Spectral,
-    /// Which principal direction is axis 3, in plane stress.
+    /// Index of the principal direction that is axis 3, in plane stress.
     pub out_of_plane: Option<usize>,
     offset: [f64; 3],
     slope: [f64; 3],
@@ -47,7 +47,7 @@ impl Gradient {
     }
 }
 
-/// Which coincidences of the q_i kink the weights.
+/// Coincidences of the q_i that kink the weights.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Kinks {
     /// |q_i| = |q_j|: the largest changes.

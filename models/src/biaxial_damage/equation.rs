@@ -23,7 +23,7 @@ impl State {
     }
 }
 
-/// Everything that follows from m and the weights.
+/// Quantities that follow from m and the weights.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Trial {
     pub m: f64,

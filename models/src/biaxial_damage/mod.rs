@@ -45,7 +45,7 @@ umat_abi::parameters! {
             Parameter::new(c"A_m", c"1/MPa", 2.0, c"rate of the biaxial hydrostatic weight").at_least(0.0),
             Parameter::new(c"B_m", c"1/MPa", 0.7, c"decay of the biaxial hydrostatic weight").at_least(0.0),
             Parameter::new(c"beta_mode", c"-", 2.0, c"how the hydrostatic part is weighted").one_of(BetaMode::CHOICES);
-        /// Which stress gives the weights.
+        /// Stress from which the weights are computed.
         pub weights: WeightTime =
             Parameter::new(c"weights", c"-", 0.0, c"of the stress sought, or of the last converged one")
                 .one_of(WeightTime::CHOICES);

@@ -29,7 +29,7 @@ impl Root {
     }
 }
 
-/// What the search samples.
+/// Equation M(m) = m that the search samples.
 pub(super) trait Equation {
     /// All that is known at one m.
     type Sample: Copy;
@@ -39,7 +39,7 @@ pub(super) trait Equation {
     fn residual(sample: &Self::Sample) -> f64;
     /// Quantities whose falling through 0 kinks M upwards.
     fn kinks(&self, sample: &Self::Sample) -> [f64; 2];
-    /// True only if M > m everywhere between two samples of one piece.
+    /// Returns true only if M > m everywhere between two samples of one piece.
     fn excluded(&self, start: &Self::Sample, end: (f64, &Self::Sample)) -> bool;
 }
 

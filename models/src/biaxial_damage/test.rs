@@ -59,8 +59,9 @@ fn matches_the_40_digit_responses() {
     }
 }
 
-/// What the law promises: not that dissipation grows (`work_balance_may_be_negative`), and with lagged weights not that a
-/// committed strain met again changes nothing. Of its paths see `proportional_paths_do_not_depend_on_the_number_of_increments`.
+/// Properties that the law guarantees: not that dissipation grows (`work_balance_may_be_negative`), and with lagged weights not
+/// that a committed strain met again changes nothing. For its paths see
+/// `proportional_paths_do_not_depend_on_the_number_of_increments`.
 fn promises(sets: &[([f64; 12], f64); 3], steady: bool) -> Promises<'_> {
     Promises {
         samples: Sample::all(sets),

@@ -43,7 +43,7 @@ pub struct HydrostaticWeight {
     pub a: f64,
     /// B_m, 1/MPa.
     pub b: f64,
-    /// Which β.
+    /// Form of β.
     pub mode: BetaMode,
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Weights {
     pub r_t: f64,
     pub r_c: f64,
     pub beta: f64,
-    /// What β is mixed from.
+    /// Parts of which β is mixed.
     pub mixture: Mixture,
 }
 

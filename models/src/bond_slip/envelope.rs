@@ -5,7 +5,7 @@ use umat_abi::law::ConfigurationError;
 /// Rounding allowed where two slopes given by the user should be equal.
 const SLOPE_ROUNDING: f64 = 1e-9;
 
-/// How the envelope goes on after its linear start.
+/// Form of the envelope after its linear start.
 #[derive(Clone, Copy, Debug)]
 enum Form<'p> {
     /// a₁ s^b₁ up to the peak, then a₂ s^b₂ (6.24).
@@ -165,7 +165,7 @@ impl<'p> Envelope<'p> {
         (integrity, (slope - self.elastic_stiffness * integrity) / elastic)
     }
 
-    /// Whether law B can follow this envelope: τ_res below τ(g_crit), and d(κ) never decreasing.
+    /// Checks that law B can follow this envelope: τ_res below τ(g_crit), and d(κ) never decreasing.
     ///
     /// # Errors
     /// The rule that is broken.

@@ -104,7 +104,7 @@ impl LawA<'_> {
         }
     }
 
-    /// No debonding yet: the traction has the direction of the slip and depends on its size r alone.
+    /// Advances a bond without debonding so far: the traction has the direction of the slip and depends on its size r alone.
     fn first_debonding(&self, slip: Vector, fraction: f64, state: &mut State) -> Pulled {
         let r = norm(slip);
         let now = self.at(state.largest_slip.max(r));

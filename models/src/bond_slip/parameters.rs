@@ -118,7 +118,7 @@ impl BondSlipParameters<'_> {
         }
     }
 
-    /// Returns what openings so far have left of the bond; all of it in mixed mode, where damage tells.
+    /// Returns the fraction of the bond that openings so far have left; 1 in mixed mode, where damage accounts for them.
     pub(super) fn bond_fraction(&self, state: &State) -> f64 {
         if self.mixed_mode().is_some() { 1.0 } else { self.normal.bond_fraction(state) }
     }

@@ -67,14 +67,14 @@ pub(super) struct Slip {
     pub end: Vector,
 }
 
-/// How much of the bond the opening has left (1 … 0), before and after the increment.
+/// Fraction of the bond that the opening of the gap has left intact (1 … 0), before and after the increment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct BondFraction {
     pub start: f64,
     pub end: f64,
 }
 
-/// What is left of law B's bond, 1 − d, before and after the increment.
+/// Integrity of law B's bond, 1 − d, before and after the increment.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Integrity {
     pub start: f64,
@@ -83,7 +83,7 @@ pub(super) struct Integrity {
     pub by_gap: f64,
 }
 
-/// What a mechanism adds to the response.
+/// Contribution of one mechanism to the response.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Contribution {
     pub traction: Vector,
@@ -95,7 +95,7 @@ pub(super) struct Contribution {
     pub bond_fraction_tangent: Vector,
     /// ∂traction/∂gap at fixed pressure: mixed mode of law B.
     pub gap_tangent: Vector,
-    /// Of law B.
+    /// Integrity of law B's bond.
     pub integrity: Integrity,
     pub stored_energy: f64,
     /// Energy dissipated in this increment, ≥ 0.

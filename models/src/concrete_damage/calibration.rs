@@ -26,7 +26,7 @@ pub const COMPRESSIVE_EXPONENT: f64 = 1.05;
 /// Strength at −1/−1 over f_c (Kupfer).
 const BIAXIAL_STRENGTH: f64 = 1.160;
 
-/// What is known of a concrete.
+/// Measured properties of a concrete.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Concrete {
     /// E, MPa.

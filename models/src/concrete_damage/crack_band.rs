@@ -65,7 +65,7 @@ impl Parameters {
     }
 }
 
-/// What the crack band of one branch shall dissipate.
+/// Crack band of one branch: the energy that it dissipates and the length over which it does so.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct CrackBand {
     /// G_f or G_c, N/mm.
@@ -98,7 +98,7 @@ pub(super) struct Stretch {
     factor: f64,
 }
 
-/// Enough for Newton in a bracket: each step at least halves it or converges quadratically.
+/// Iterations that suffice for Newton in a bracket: each step at least halves it or converges quadratically.
 const MAX_ITERATIONS: usize = 80;
 
 /// A Newton step this small leaves an error of its square, below rounding.
@@ -174,7 +174,7 @@ impl CrackBand {
         }
     }
 
-    /// Returns whether [`Self::check`] lets the length pass, told from its stretch; what is far below the limit is told at once.
+    /// Returns whether [`Self::check`] admits the length, from its stretch; lengths far below the limit are recognised at once.
     pub fn allows(&self, curve: &Uniaxial, stretch: &Stretch) -> bool {
         let bound = curve.slope_bound(&stretch.peak);
         stretch.factor > self.least_factor(curve, bound)
@@ -214,7 +214,7 @@ fn stretchable_work(curve: &Uniaxial, peak: &Point, peak_work: f64) -> f64 {
     total_work(curve) - peak_work + 0.5 * curve.youngs_modulus * ratio * ratio
 }
 
-/// Where in q = ln η beyond the peak the steepest slope is sought, and how finely at first.
+/// Range of q = ln η beyond the peak in which the steepest slope is sought, and number of intervals of the first scan.
 const SEARCH: (f64, usize) = (20.0, 400);
 
 /// min σ'(x)/E beyond the peak: a scan, then golden sections.
@@ -298,7 +298,7 @@ pub(super) struct Damage {
     pub eta: f64,
     /// dD/dY.
     pub rate: f64,
-    /// Where it is that of the stretched curve.
+    /// Stretch and state of the stretched curve, where the damage is taken from it.
     pub stretched: Option<(Stretch, Stretched)>,
 }
 

@@ -1,4 +1,4 @@
-//! What one increment dissipates: damage and inelastic strain (doc.md).
+//! Energy dissipated in one increment: by damage and by inelastic strain (doc.md).
 
 use super::crack_band::{Damage, Softening};
 use super::criteria::Criteria;

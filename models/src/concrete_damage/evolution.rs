@@ -58,7 +58,7 @@ pub(super) struct Evolution {
 }
 
 /// Advances one branch to the energy release rate Y: D = max(D_n, D̂(Y)); returns how D grows, if
-/// it does. An excess over the maximum within `rounding` is none.
+/// it does. An excess over the maximum within `rounding` counts as 0.
 #[inline]
 fn advance(branch: &mut Branch, softening: &Softening, energy: f64, rounding: f64) -> Option<Damage> {
     if energy - rounding <= branch.maximum.max(softening.curve.law.threshold) {

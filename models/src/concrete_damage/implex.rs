@@ -13,7 +13,7 @@ pub struct ConcreteDamageImplex;
 
 /// η of D = 1 − 10⁻⁶, beyond which nothing is extrapolated.
 const LARGEST_EXTRAPOLATED_ETA: f64 = 999_999.0;
-/// How fast τ falls where increments are shorter.
+/// Rate at which τ falls where increments are shorter.
 const FADING: f64 = 0.5;
 /// R: of the virgin stiffness of a crack against its opening.
 const RESISTANCE: f64 = 2e-5;
@@ -183,20 +183,20 @@ impl Law for ConcreteDamageImplex {
     }
 }
 
-/// η_n + (Δt/Δt_n)(η_n − η_{n−1}), which the rate of the last increment tells.
+/// Returns η_n + (Δt/Δt_n)(η_n − η_{n−1}) from the rate of the last increment, at most [`LARGEST_EXTRAPOLATED_ETA`].
 #[inline(always)]
 fn extrapolated(eta_reached: f64, rate: f64, time_increment: f64) -> f64 {
     (eta_reached + rate * time_increment).min(eta_reached.max(LARGEST_EXTRAPOLATED_ETA))
 }
 
-/// The η whose integrity 1/(1 + η) is a share of the way from one to another.
+/// Returns the η whose integrity 1/(1 + η) lies at a share of the way from that of `from` to that of `to`.
 #[inline(always)]
 fn approached(from: f64, to: f64, share: f64) -> f64 {
     let [from, to] = [from, to].map(|eta| 1.0 / (1.0 + eta));
     (1.0 / (from + share * (to - from)) - 1.0).max(0.0)
 }
 
-/// Returns what resists the strain increment: R D̃_t τ/Δt C.
+/// Returns the stiffness that resists the strain increment: R D̃_t τ/Δt C.
 #[inline(always)]
 fn resistance(parameters: &Parameters, stress_state: StressState, eta_t: f64, share: f64) -> [[f64; 6]; 6] {
     let is_plane_stress = stress_state == StressState::PlaneStress;

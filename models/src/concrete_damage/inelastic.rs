@@ -17,7 +17,7 @@ impl Parameters {
     }
 }
 
-/// What one increment leaves behind, in the principal axes of the trial strain ε_tr = ε − ε_p,n.
+/// Inelastic strain of one increment, in the principal axes of the trial strain ε_tr = ε − ε_p,n.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Flow {
     strain: [f64; 3],
@@ -30,7 +30,7 @@ pub(super) struct Flow {
     pub thresholds: [f64; 2],
     /// c_t t⁺, the inelastic strain of this increment that cracks leave.
     pub tension: [f64; 3],
-    /// c_c t⁻, what crushing leaves.
+    /// c_c t⁻, the inelastic strain of this increment that crushing leaves.
     pub compression: [f64; 3],
     /// ε_e = ε_tr − c_t t⁺ − c_c t⁻.
     pub elastic_strain: [f64; 3],

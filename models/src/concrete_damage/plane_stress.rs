@@ -13,7 +13,7 @@ const SLOW: usize = 12;
 /// σ33 within so many roundings of its own terms counts as 0. The test is on σ33, not on the step, so
 /// that a solution passes again from the committed state, when damage and the slope no longer grow.
 const ROUNDINGS: f64 = 4.0;
-/// How the search widens while no bracket is known.
+/// Factor by which the largest step grows while no bracket is known.
 const EXPANSION: f64 = 1.3;
 
 /// A point with σ33 = 0.
@@ -138,10 +138,10 @@ pub(super) fn solve(
     None
 }
 
-/// Where |C_33| is less than this part of the largest C_3j, it is taken as such: growth of damage makes it pass 0.
+/// Least |C_33| relative to the largest |C_3j|: smaller ones are replaced by it, since growth of damage makes C_33 pass 0.
 const LEAST_PIVOT: f64 = 1e-12;
 
-/// C_ab − C_a3 C_3b/C_33 in principal axes; the shears out of the plane vanish.
+/// Returns C_ab − C_a3 C_3b/C_33 in principal axes; the shears out of the plane vanish.
 ///
 /// The row of an open direction is small as a whole, of the order (1 − D_t) E: C_3b/C_33 = −∂ε33/∂ε_b is right however
 /// small C_33 is, and C_a3, which the growth of damage fills, need not be small.

@@ -5,7 +5,7 @@
 
 use crate::tensor::Elasticity;
 
-/// How many principal directions are open.
+/// Region of strain space by the number of open principal directions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Region {
     /// R1: none; the full elastic stress is compressive.
@@ -71,9 +71,9 @@ impl Split {
         }
     }
 
-    /// d_12, d_13, d_23 with d_ij = (s_i − s_j)/(e_i − e_j), in closed form at repeated strains.
+    /// Returns d_12, d_13, d_23 with d_ij = (s_i − s_j)/(e_i − e_j), in closed form at repeated strains.
     ///
-    /// Where only one of the two carries stress the quotient is s_j/(e_j − e_i); convexity bounds it
+    /// If only one of the two carries stress, the quotient is s_j/(e_j − e_i); convexity bounds it
     /// by 2μ, which is also its limit when the two strains meet (and `min` takes 2μ against 0/0).
     #[inline]
     pub fn shear_stiffness(&self, elasticity: &Elasticity, strain: &[f64; 3]) -> [f64; 3] {

@@ -84,7 +84,7 @@ fn reproduces_the_forty_digit_references() {
 
 static VARIANTS: LazyLock<[([f64; 14], Option<f64>); 5]> = LazyLock::new(variants);
 
-/// What a variant promises.
+/// Properties that a variant guarantees.
 fn promises(number: usize) -> Promises<'static> {
     Promises {
         samples: vec![sample(&VARIANTS[number])],

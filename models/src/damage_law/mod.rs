@@ -176,8 +176,8 @@ fn upper_integral(eta: f64, p: f64) -> f64 {
     upper
 }
 
-/// How many pairs of levels of the continued fraction bring gain^levels below rounding (58 bits), where a level gains so many
-/// bits: from D = 1/2, where it is 2.54, on.
+/// Number of pairs of levels of the continued fraction that bring gain^levels below rounding (58 bits), by the number of bits
+/// that a level gains: from D = 1/2, where it is 2.54, on.
 const PAIRS: [u8; 30] = {
     let mut pairs = [12; 30];
     let mut bits = 3;

@@ -15,7 +15,7 @@ pub struct Cone {
 }
 
 umat_abi::choices! {
-    /// What cohesion and angles mean.
+    /// Meaning of cohesion and angles: the cone that is matched to them.
     pub enum Match {
         /// β and d of ABAQUS' linear model.
         Abaqus = 0.0 c"abaqus",

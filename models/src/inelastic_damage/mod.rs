@@ -34,7 +34,7 @@ umat_abi::parameters! {
         alpha: f64 = Parameter::new(
             c"alpha", c"-", 1.0, c"Poisson effect: the apparent Poisson ratio tends to nu/alpha",
         ).above(0.0);
-        /// Which λ.
+        /// Form of λ(D).
         lambda_form: LambdaForm =
             Parameter::new(c"lambda_form", c"-", 0.0, c"growth of the Poisson effect with damage")
                 .one_of(LambdaForm::CHOICES);

@@ -3,7 +3,7 @@
 use crate::damage_law::integrity;
 
 umat_abi::choices! {
-    /// Which λ.
+    /// Form of λ(D).
     pub enum LambdaForm {
         /// λ = (1 + cD)/(1 − D), c = 1/α − 1, that is 1 + η/α.
         Rational = 0.0 c"rational",

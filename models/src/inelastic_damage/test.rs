@@ -35,7 +35,7 @@ fn agrees_with_40_digits() {
     }
 }
 
-/// What the law promises at parameters whose branch is closed or marched.
+/// Properties that the law guarantees at parameters whose branch is closed or marched.
 fn promises<'p>(sets: &'p [([f64; 8], f64); 6]) -> Promises<'p> {
     Promises {
         samples: Sample::all(sets),

@@ -35,7 +35,7 @@ umat_abi::parameters! {
     }
 }
 
-/// What a return mapping finds.
+/// Result of a return mapping.
 struct Returned {
     equivalent_stress: f64,
     mean_stress: f64,

@@ -97,7 +97,7 @@ impl Law for PureDamage {
     }
 }
 
-/// What the end strain of an increment does to the solid without damage.
+/// Response of the undamaged solid to the strain at the end of an increment.
 struct Undamaged {
     twice_shear: f64,
     bulk: f64,

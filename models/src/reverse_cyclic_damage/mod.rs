@@ -26,7 +26,7 @@ umat_abi::parameters! {
         /// A_c, B_c, Y_c0.
         pub compression: DamageLaw =
             scale_parameter(c"A_c", 21.0), exponent_parameter(c"B_c", 1.05), threshold_parameter(c"Y_c0", 4e-4);
-        /// How the volumetric energy is split.
+        /// Split of the volumetric energy.
         pub variant: Variant =
             Parameter::new(c"variant", c"-", 0.0, c"how the volumetric energy is split").one_of(Variant::CHOICES);
     }

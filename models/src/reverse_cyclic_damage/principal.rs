@@ -4,7 +4,7 @@ use crate::damage_law::{DamageLaw, damage, integrity};
 use crate::tensor::{Elasticity, Spectral};
 
 umat_abi::choices! {
-    /// How the volumetric energy is split.
+    /// Split of the volumetric energy.
     pub enum Variant {
         /// Splits by the sums of the positive and of the negative principal strains (5.1).
         Thesis = 0.0 c"thesis",

@@ -28,7 +28,7 @@ fn agrees_with_40_digits() {
     }
 }
 
-/// What a variant promises.
+/// Properties that a variant guarantees.
 fn promises(regular: bool) -> Promises<'static> {
     let is_regular = |sample: &Sample<'_>| sample.props[8] == 1.0;
     Promises {

@@ -7,7 +7,7 @@ use umat_abi::law::StressState;
 /// ε split into the n-dimensional deviator e (with the shears) and the trace θ.
 #[derive(Clone, Copy, Debug)]
 pub struct IsotropicSplit {
-    /// How many normal directions, 2 or 3.
+    /// Number of normal directions, 2 or 3.
     directions: usize,
     /// e, engineering shear.
     pub deviator: [f64; 6],
@@ -22,7 +22,7 @@ fn normal_directions(stress_state: StressState) -> usize {
 }
 
 impl IsotropicSplit {
-    /// Splits a strain; in plane stress ε33 is not looked at.
+    /// Splits a strain; in plane stress ε33 is ignored.
     #[inline(always)]
     pub fn new(stress_state: StressState, strain: &[f64; 6]) -> Self {
         if normal_directions(stress_state) == 3 {

@@ -41,7 +41,7 @@ pub struct BatchArguments {
 /// Runs law `L` on many points. Those that fail keep their states.
 ///
 /// # Safety
-/// Every pointer is NULL or valid for the values that the counts tell.
+/// Every pointer is NULL or valid for as many values as the counts give.
 pub unsafe fn batch<L: Law>(a: &BatchArguments) {
     let ntens = usize::try_from(a.ntens).ok().filter(|ntens| (1..=6).contains(ntens)).unwrap_or(0);
     for k in 0..a.n {

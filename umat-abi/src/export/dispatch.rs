@@ -8,7 +8,7 @@ use std::ffi::{CStr, c_char};
 pub struct NamedEntry<A> {
     /// The law's name, lower case.
     pub name: &'static CStr,
-    /// What to call.
+    /// Entry point of the law.
     pub function: unsafe fn(&A),
 }
 
@@ -40,7 +40,7 @@ unsafe fn law_named<A>(entries: &[NamedEntry<A>], name: *const c_char) -> Option
     named.max_by_key(|entry| entry.name.count_bytes()).map(|entry| entry.function)
 }
 
-/// What messages call a library of several laws.
+/// Name of a library of several laws in messages.
 const LIBRARY: &CStr = c"pullout_laws";
 
 /// Runs the law that CMNAME or CINAME names.

@@ -38,7 +38,7 @@ macro_rules! batch_symbol {
             /// UMAT for many points; see the C header.
             ///
             /// # Safety
-            /// Every pointer is NULL or valid for the values that the counts tell.
+            /// Every pointer is NULL or valid for as many values as the counts give.
             #[allow(clippy::too_many_arguments, reason = "the argument list is the contract's")]
             #[unsafe(export_name = $symbol)]
             pub unsafe extern "C" fn batch(

@@ -1,4 +1,4 @@
-//! From a pure law to the symbols of a shared library.
+//! Symbols of a shared library, made from a pure law.
 //!
 //! The boundary stands what real hosts do (docs/reference/abi.md): NULL for what the law does not need, PNEWDT and
 //! DDSDDE full of garbage, missing CHARACTER lengths, wrong counts, NaN. It validates, embeds the
@@ -34,14 +34,14 @@ use std::io::Write;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What PNEWDT becomes when an increment cannot be computed at all.
+/// PNEWDT on return when an increment cannot be computed at all.
 const CUT_BACK: f64 = 0.5;
 
 /// The first error of the process has been printed: a host that goes on calling must not drown in
 /// messages. The only global.
 static REPORTED: AtomicBool = AtomicBool::new(false);
 
-/// Why the boundary refuses a call.
+/// Reason why the boundary refuses a call.
 #[derive(Clone, Copy, Debug)]
 enum Refusal {
     /// NTENS, NDI, NSHR (NDIR, NFDIR) are not what the law supports.
@@ -152,7 +152,7 @@ pub struct Answer {
 /// that cannot be asked (PNEWDT is NULL) would take the old stress for the new one, and gets NaN.
 ///
 /// # Safety
-/// Every pointer is NULL or valid for what the number of components tells.
+/// Every pointer is NULL or valid for as many values as the number of components requires.
 #[cold]
 unsafe fn refuse(name: &CStr, refusal: &Refusal, host: &Answer) {
     report(name, refusal);

@@ -9,7 +9,7 @@ use crate::fric::FricArguments;
 use crate::uinter::UinterArguments;
 use crate::umat::UmatArguments;
 
-/// What is wrong with a call.
+/// Fault that is put into a call on purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Alteration<'a> {
     /// Nothing.
@@ -30,7 +30,7 @@ macro_rules! nullable {
         impl $call {
             /// Arguments that a plugin with metadata does not need (docs/reference/abi.md).
             pub const OPTIONAL_ARGUMENTS: &'static [&'static str] = &[$(stringify!($name)),+];
-            /// The tangent's name: NULL means "stress only" to plugins that say so.
+            /// The tangent's name: NULL means "stress only" to plugins that declare it.
             pub const TANGENT_ARGUMENT: &'static str = stringify!($tangent);
 
             fn without(arguments: &mut $arguments, name: &str) {

@@ -1,4 +1,4 @@
-//! A safe call of a UMAT: every argument valid, buffers reused, what it must not write looked at.
+//! A safe call of a UMAT: every argument valid, buffers reused, memory that it must not write checked.
 
 use super::exchange::{Numbers, arguments, inputs, outputs, zeros};
 use super::guard::run;
@@ -12,7 +12,7 @@ use crate::metadata::flags;
 use crate::umat::{UmatArguments, UmatFunction};
 use std::ops::{Deref, DerefMut};
 
-/// What a call came back with.
+/// Outcome of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CallOutcome {
     /// The arrays hold the new values.
@@ -105,7 +105,7 @@ pub struct UmatCall {
     /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
     /// before a call, that of the end behind it.
     pub strain_33: f64,
-    /// How calls are made that are not plain.
+    /// Way of calls that are not plain: through six components, or with a tangent by differences.
     pub(super) detour: Option<Box<Detour>>,
 }
 
@@ -135,7 +135,7 @@ impl UmatCall {
     /// Prepares calls of `library`'s UMAT with these properties.
     ///
     /// `name` is passed as CMNAME (upper case). A library with metadata is trusted to keep the floating-point
-    /// modes and, if it says so, to understand DDSDDE = NULL as "stress only".
+    /// modes and, if it declares so, to understand DDSDDE = NULL as "stress only".
     ///
     /// # Errors
     /// [`LoadError::Symbol`] if the library has no such entry point.
@@ -231,7 +231,7 @@ impl UmatCall {
         NotFinite::among(states.into_iter().chain([("SSE", sse), ("SPD", spd), ("SCD", scd)]))
     }
 
-    /// Returns an entry of DDSDDE of the last call that is no number.
+    /// Returns an entry of DDSDDE of the last call that is not finite.
     #[inline]
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         NotFinite::among([("DDSDDE", self.ddsdde())])
@@ -382,7 +382,7 @@ impl UmatCall {
         Ok(self.outcome())
     }
 
-    /// Notes the arguments for whoever finds that the plugin ended the process.
+    /// Notes the arguments for the supervisor, in case the plugin ends the process.
     fn note(&mut self, stress_only: bool) {
         if let Some(mut slot) = self.common.slot.take() {
             slot.enter(|to| {

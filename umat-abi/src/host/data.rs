@@ -12,8 +12,8 @@ pub struct DataSnapshot {
 }
 
 impl DataSnapshot {
-    /// Returns what the library's writable segments hold now; empty where the system does not tell where they are. No call of
-    /// the library may be under way.
+    /// Returns the present contents of the library's writable segments; empty where the system does not reveal their
+    /// places. No call of the library may be under way.
     pub fn of(library: &Library) -> Self {
         segments::of(library.path())
     }
@@ -41,7 +41,7 @@ mod segments {
     use super::{CStr, DataSnapshot, Path, is_file};
     use std::ffi::{c_int, c_void};
 
-    /// What the loader's walk is looking for, and what it found.
+    /// Library sought while walking through the loader's list, and the data found.
     struct Search<'p> {
         path: &'p Path,
         found: DataSnapshot,

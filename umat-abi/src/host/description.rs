@@ -42,7 +42,7 @@ pub struct Parameter {
     pub unit: String,
     /// One sentence.
     pub doc: String,
-    /// What the host may fill in when the value is 0.
+    /// Quantity that the host may fill in when the value is 0.
     pub role: String,
     /// Default.
     pub default_value: f64,
@@ -56,7 +56,7 @@ pub struct Parameter {
     pub upper_open: bool,
     /// Named values.
     pub choices: Vec<Choice>,
-    /// The least and the greatest usual value, if the law says them.
+    /// The least and the greatest usual value, if the law gives them.
     pub typical: Option<[f64; 2]>,
 }
 
@@ -112,7 +112,7 @@ pub struct Group {
     pub minimum: usize,
     /// Index of the parameter that holds the number of occurrences.
     pub count_parameter: Option<usize>,
-    /// How many parameters, the last before the group, the law got later: PROPS may lack them.
+    /// Number of parameters, the last before the group, that were added to the law later: PROPS may lack them.
     pub added: usize,
 }
 
@@ -148,7 +148,7 @@ impl Derived {
     }
 }
 
-/// What a law says of parameters.
+/// A law's verdict on its parameters.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Validation {
     /// Usable.
@@ -235,7 +235,7 @@ impl Law {
     /// Reads a description and those that follow it.
     ///
     /// # Errors
-    /// A sentence that says what is wrong with it.
+    /// A sentence that describes the fault.
     ///
     /// # Safety
     /// `plugin` is what `pullout_plugin_v1` of this library returned.

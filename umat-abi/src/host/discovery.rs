@@ -1,4 +1,4 @@
-//! Where plugins are looked for (docs/reference/abi.md).
+//! Search for plugins in folders (docs/reference/abi.md).
 
 use std::env;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! What a plugin gets besides its arrays: arguments that are inputs, and numbers that it may write.
+//! Arguments of a plugin besides its arrays: inputs, and numbers that it may write.
 //!
 //! Rule: a plugin may write into an input (many UMATs use DSTRAN or PROPS as working space), but nobody but itself ever sees
 //! it. A library that nobody vouches for gets a copy of the inputs in each call; what it changed there is lost with the call,
@@ -170,7 +170,7 @@ pub(super) struct Exchange<I, O> {
     shared: Shared<O>,
 }
 
-/// What the plugin gets.
+/// Memory that the plugin is given.
 #[derive(Debug)]
 enum Shared<O> {
     /// Outputs kept here; the inputs are lent themselves.
@@ -179,7 +179,7 @@ enum Shared<O> {
     Lent(Guarded),
 }
 
-/// What lies in the memory that is lent.
+/// Layout of the memory that is lent.
 #[repr(C)]
 struct Lent<I, O> {
     outputs: O,

@@ -1,4 +1,4 @@
-//! SDVINI and SIGINI: what points start from, where the case does not say it and the library does.
+//! SDVINI and SIGINI: initial states and stresses of points, where the library sets them and the case does not.
 
 use super::guard::{Guard, run};
 use super::library::Library;
@@ -34,7 +34,7 @@ static NO_REBAR: i32 = 0;
 /// Length of each of NAMES.
 const NAME_LENGTH: usize = 80;
 
-/// A material point as SDVINI and SIGINI are told of it.
+/// Material point as SDVINI and SIGINI get it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct InitialPoint {
     /// COORDS, mm.

@@ -204,11 +204,11 @@ impl SurfaceFields {
     }
 }
 
-/// What both calls share, and give access to by [`Deref`].
+/// Part that UINTER and FRIC calls share and give access to by [`Deref`].
 #[derive(Debug)]
 pub struct Contact<I, O> {
     common: PluginCall<I, O>,
-    /// What both surfaces have.
+    /// Temperatures and field variables of both surfaces.
     pub fields: SurfaceFields,
     calls: u64,
 }
@@ -364,7 +364,7 @@ impl UinterCall {
         NotFinite::among([("STRESS", self.traction()), ("STATEV", self.statev())].into_iter().chain(energies))
     }
 
-    /// Returns an entry of DDSDDR of the last call that is no number.
+    /// Returns an entry of DDSDDR of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         NotFinite::among([("DDSDDR", self.contact.common.tangent.as_slice())])
     }
@@ -405,7 +405,7 @@ impl UinterCall {
     }
 }
 
-/// What FRIC answers.
+/// Answer of FRIC (LM on return).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FricAnswer {
     /// LM = 0: TAU, DDTDDG, DDTDDP and DSLIP are given.
@@ -510,7 +510,7 @@ impl FricCall {
         NotFinite::among(shear.chain([("STATEV", self.statev()), ("SED", sed), ("SFD", sfd)]))
     }
 
-    /// Returns an entry of DDTDDG or DDTDDP of the last call that is no number.
+    /// Returns an entry of DDTDDG or DDTDDP of the last call that is not finite.
     pub fn moduli_not_finite(&self) -> Option<NotFinite> {
         let by_pressure = &self.pressure_tangent[..self.traction().len()];
         NotFinite::among(self.given([("DDTDDG", self.contact.common.tangent.as_slice()), ("DDTDDP", by_pressure)]))
@@ -607,7 +607,7 @@ macro_rules! contact {
                 unsafe { self.call_with(0.0, |_| ()) }
             }
 
-            /// Notes the arguments for whoever finds that the plugin ended the process.
+            /// Notes the arguments for the supervisor, in case the plugin ends the process.
             fn note(&mut self) {
                 if let Some(mut slot) = self.contact.common.slot.take() {
                     slot.enter(|to| {

@@ -14,7 +14,7 @@ use std::fmt;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// What `plugin build --debug` puts into a library.
+/// Symbol that `plugin build --debug` puts into a library.
 const DEBUG_SYMBOL: &str = "pullout_debug_v1";
 
 /// A shared library that can be loaded is no plugin, or no library.
@@ -43,7 +43,7 @@ pub enum LoadError {
     Metadata {
         /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// The fault found.
         message: String,
     },
 }
@@ -72,7 +72,7 @@ impl std::error::Error for LoadError {}
 pub struct Routine {
     /// Plain symbol.
     pub symbol: &'static str,
-    /// Whether hosts call it.
+    /// Whether the host calls it.
     pub is_called: bool,
 }
 
@@ -170,7 +170,7 @@ impl Library {
         &self.laws
     }
 
-    /// Returns what messages call the law that CMNAME chooses: its name, or the file's if the library describes none.
+    /// Returns the name in messages of the law that CMNAME chooses: its own, or the file's if the library describes none.
     pub(super) fn name_of_law(&self, cmname: &str) -> String {
         let law = match &*self.laws {
             [law] => Some(law),

@@ -14,7 +14,7 @@ pub(super) const CANARY: u64 = 0x7ff8_c0de_ba5e_ba11;
 /// Doubles behind each array.
 pub(super) const CANARIES: usize = 4;
 
-/// Doubles behind them that are nobody's: what arrays for 6 components are longer than those for 3, 36 − 9.
+/// Unused doubles behind them: as many as arrays for 6 components are longer than those for 3, 36 − 9.
 const SLACK: usize = 27;
 
 /// A plugin wrote outside one of its arrays.
@@ -44,7 +44,7 @@ pub struct NotFinite {
     pub argument: &'static str,
     /// The element, from 1.
     pub element: usize,
-    /// What it is.
+    /// Its value: NaN or infinity.
     pub value: f64,
 }
 

@@ -1,4 +1,4 @@
-//! The host side: finding, loading and calling plugins, ours and anybody's.
+//! The host side: finding, loading and calling plugins, our own and others'.
 
 mod altered;
 mod call;

@@ -1,4 +1,4 @@
-//! What calls of UMAT, UINTER and FRIC share: the arrays that the plugin writes, the properties, the inputs and outputs.
+//! Part that calls of UMAT, UINTER and FRIC share: the arrays that the plugin writes, the properties, the inputs and outputs.
 
 use super::call::CallOutcome;
 use super::exchange::{Exchange, Inputs, Outputs};
@@ -64,8 +64,8 @@ impl<I: Inputs, O: Outputs + Default> PluginCall<I, O> {
         }
     }
 
-    /// Lets every array end where a page begins that cannot be written, where the recorder of this process wants that
-    /// ([`recorder::Recorder::fence_arrays`]): a store behind one ends the process, and the recorder tells which.
+    /// Makes every array end at a page that cannot be written, if the recorder of this process is set to that
+    /// ([`recorder::Recorder::fence_arrays`]): a store behind an array ends the process, and the recorder shows which array.
     pub fn fence(&mut self) {
         if !recorder::fences_arrays() {
             return;

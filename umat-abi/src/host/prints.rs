@@ -1,4 +1,4 @@
-//! Where what plugins print goes: Fortran's unit 7, and what their runtimes still hold back.
+//! Output that plugins print: Fortran's unit 7, and lines that their runtimes still hold in buffers.
 //!
 //! Unit 6, `WRITE(*,…)` and C's `printf` end in the standard output, which the host can lead elsewhere. Unit 7, the message
 //! file of ABAQUS, is no stream of the operating system: gfortran makes a file `fort.7` in the current folder of it unless
@@ -9,7 +9,7 @@ use std::os::unix::ffi::OsStrExt;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError, Weak};
 
-/// What OPEN compiles to: it takes its parameters in one block.
+/// Runtime function to which OPEN compiles: it takes its parameters in one block.
 type OpenFunction = unsafe extern "C" fn(*mut OpenParameters);
 /// FLUSH of one unit, or of all if the pointer is NULL.
 type FlushFunction = unsafe extern "C" fn(*const i32);
@@ -41,7 +41,7 @@ struct OpenParameters {
     _others: [usize; 64],
 }
 
-/// Which parameters are there.
+/// Flags of the parameters that are present.
 mod given {
     pub(super) const IOSTAT: i32 = 1 << 5;
     pub(super) const FILE: i32 = 1 << 8;
@@ -49,7 +49,7 @@ mod given {
     pub(super) const POSITION: i32 = 1 << 13;
 }
 
-/// Where unit 7 goes, and the libraries whose runtimes may be asked.
+/// File of unit 7, and the libraries whose runtimes may be asked to connect it.
 struct Messages {
     file: Option<PathBuf>,
     libraries: Vec<Weak<libloading::Library>>,
@@ -58,7 +58,7 @@ struct Messages {
 static MESSAGES: Mutex<Messages> = Mutex::new(Messages { file: None, libraries: Vec::new() });
 
 impl Messages {
-    /// Does something with each library that is still loaded.
+    /// Calls a function with each library that is still loaded.
     fn each(&mut self, mut act: impl FnMut(&libloading::Library)) {
         self.libraries.retain(|library| library.upgrade().is_some());
         self.libraries.iter().filter_map(Weak::upgrade).for_each(|library| act(&library));
@@ -82,7 +82,7 @@ pub(super) fn note_loaded(library: &Arc<libloading::Library>) {
     }
 }
 
-/// Lets the runtimes write out what they hold back: of C, and of gfortran.
+/// Flushes the output that the runtimes of C and gfortran hold in buffers.
 pub fn flush_prints() {
     let mut messages = MESSAGES.lock().unwrap_or_else(PoisonError::into_inner);
     messages.each(|library| {
@@ -97,7 +97,7 @@ pub fn flush_prints() {
     unsafe { libc::fflush(std::ptr::null_mut()) };
 }
 
-/// Lets C's standard output be written line by line, so that nothing is lost where a plugin ends the process. To be called
+/// Sets C's standard output to line buffering, so that nothing is lost where a plugin ends the process. To be called
 /// before anything is printed.
 pub fn print_by_lines() {
     unsafe extern "C" {

@@ -24,7 +24,7 @@ enum Occasion {
     StepEnd = 6,
 }
 
-/// What UEXTERNALDB is told of an increment.
+/// Times and numbers of an increment that UEXTERNALDB is given.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Clock {
     /// Step time and total time now: at the increment's start or at its end, s.
@@ -84,7 +84,7 @@ impl ExternalDatabases {
         libraries.into_iter().any(|library| library.routines().iter().any(|routine| routine.symbol == SYMBOL))
     }
 
-    /// Goes on with an analysis: behind the increment of this clock. A step that had begun is not begun again.
+    /// Continues an analysis after the increment of this clock. A step that had begun is not begun again.
     pub fn resume<'l>(libraries: impl IntoIterator<Item = &'l Library>, clock: Clock) -> Self {
         let mut this = Self::begin(libraries);
         this.call(Occasion::Restart, clock);

@@ -8,11 +8,11 @@ use std::sync::OnceLock;
 
 /// Name of the library of the utility routines, as of a plugin.
 pub const UTILITIES: &str = "pullout_utilities";
-/// Tells it the job's name and folder.
+/// Symbol of the function that passes the job's name and folder to it.
 const JOB_SYMBOL: &str = "pullout_utilities_job_v1";
 type JobFunction = unsafe extern "C" fn(name: *const u8, name_length: usize, folder: *const u8, folder_length: usize);
 
-/// Why SINV, ROTSIG, XIT and the like are not there for plugins that call them.
+/// Reason why SINV, ROTSIG, XIT and the like are not available to plugins that call them.
 #[derive(Clone, Debug)]
 pub enum UnavailableUtilities {
     /// Library is not there.
@@ -78,7 +78,7 @@ fn open_globally(path: &Path) -> Result<libloading::Library, libloading::Error> 
     unsafe { libloading::Library::new(path) }
 }
 
-/// Tells what GETJOBNAME and GETOUTDIR answer from now on. Without the utility routines nobody can ask.
+/// Sets the answers of GETJOBNAME and GETOUTDIR from now on. Has no effect without the library of the utility routines.
 pub fn announce_job(name: &str, folder: &Path) {
     let Ok(library) = load() else { return };
     let folder = folder.to_string_lossy();

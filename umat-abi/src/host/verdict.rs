@@ -1,15 +1,15 @@
-//! What a host makes of a call that came back.
+//! A host's verdict on a call that came back.
 
 use super::call::CallOutcome;
 use super::memory::{NotFinite, Overrun};
 use std::fmt;
 
-/// Why a host cannot go on with what a call came back with.
+/// Reason why a host cannot use the results of a call.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CallFailure {
     /// The plugin asks for this fraction of the increment.
     CutBack(f64),
-    /// A result is no number.
+    /// A result is not finite.
     NotFinite(NotFinite),
     /// The plugin wrote outside an array.
     Overrun(Overrun),
@@ -37,10 +37,10 @@ impl fmt::Display for CallFailure {
     }
 }
 
-/// Judges a call, with what it returned that is no number.
+/// Judges a call by its outcome and by the first result that is not finite.
 ///
 /// # Errors
-/// What a host cannot go on with.
+/// The reason why the host cannot use the results.
 #[inline]
 pub fn judge(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite>) -> Result<(), CallFailure> {
     match (outcome, not_finite) {

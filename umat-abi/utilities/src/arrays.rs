@@ -11,7 +11,7 @@ use std::ffi::c_void;
 use std::ptr;
 use std::sync::{Mutex, PoisonError};
 
-/// What an array holds.
+/// Type of an array's elements.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Int,
@@ -32,9 +32,9 @@ impl Start {
     }
 }
 
-/// What integers are that are given no value.
+/// Value of integers that are given none.
 const NO_INTEGER: i32 = i32::MAX;
-/// What reals are that are given no value: a signalling NaN.
+/// Value of reals that are given none: a signalling NaN.
 const NO_REAL: Start = Start::Eight(0x7ff4_0000_0000_0000);
 
 /// Memory in units of 64 bits, whatever is in it.
@@ -51,7 +51,7 @@ thread_local! {
     static LOCAL: RefCell<Arrays> = const { RefCell::new(BTreeMap::new()) };
 }
 
-/// Says whose an array is.
+/// Owner of an array.
 #[derive(Clone, Copy)]
 enum Scope {
     Global,

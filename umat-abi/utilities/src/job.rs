@@ -1,4 +1,4 @@
-//! What a routine may ask about the run: GETJOBNAME, GETOUTDIR, GETRANK, GETNUMCPUS, GETPARTINFO, GETVRM.
+//! Enquiries of a routine about the run: GETJOBNAME, GETOUTDIR, GETRANK, GETNUMCPUS, GETPARTINFO, GETVRM.
 
 use crate::character::{assign, trimmed};
 use crate::messages::{forget_issued, say};
@@ -16,7 +16,7 @@ const FLAG_LENGTH: usize = 3;
 /// Name and folder.
 static JOB: RwLock<Option<(String, String)>> = RwLock::new(None);
 
-/// Tells the job's name and folder; of this library's host.
+/// Sets the job's name and folder; called by this library's host.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn pullout_utilities_job_v1(
     name: *const u8,
@@ -33,7 +33,7 @@ unsafe extern "C" fn pullout_utilities_job_v1(
 /// Hands a text out with its length, that of the variable if it does not fit.
 ///
 /// # Safety
-/// As the routines' manual says.
+/// As described in the routines' manual.
 unsafe fn answer(text: &str, variable: *mut u8, length: *mut i32, room: usize) {
     // A caller in C may leave the hidden length out; the manual's is the greatest.
     let room = if room == 0 { NAME_LENGTH } else { room.min(NAME_LENGTH) };

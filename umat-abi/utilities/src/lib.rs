@@ -12,7 +12,7 @@
 //! | `MutexInit`, `MutexLock`, `MutexUnlock` | 100 locks, numbered from 1 |
 //!
 //! The host loads this library with RTLD_GLOBAL before the first plugin. It exports these names, and
-//! `pullout_utilities_job_v1`, by which the host tells job name and folder, and nothing else: it is in the way of no
+//! `pullout_utilities_job_v1`, by which the host passes job name and folder, and nothing else: it is in the way of no
 //! symbol of a plugin.
 //!
 //! Fortran passes everything by reference, and after all arguments the lengths of the CHARACTER ones by value. Every

@@ -29,7 +29,7 @@ unsafe fn lock(id: *const i32, routine: &str) -> Option<&'static Lock> {
     lock
 }
 
-/// MutexInit(ID): a lock that nobody holds. (Every lock is one from the start.)
+/// MutexInit(ID): a lock that no thread holds. (Every lock is one from the start.)
 #[unsafe(no_mangle)]
 unsafe extern "C" fn mutexinit_(id: *const i32) {
     // SAFETY: the argument is as the manual says.

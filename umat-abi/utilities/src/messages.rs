@@ -13,10 +13,10 @@ const CHARV_LENGTH: usize = 8;
 
 /// Warnings and errors of a job that are shown at once: a law that warns in every call is not to flood the terminal.
 const MOST_SHOWN: u32 = 10;
-/// How many the present job has issued.
+/// Number of warnings and errors that the present job has issued.
 static ISSUED: AtomicU32 = AtomicU32::new(0);
 
-/// Forgets the messages of the last job.
+/// Resets the count of the last job's messages.
 pub(crate) fn forget_issued() {
     ISSUED.store(0, Ordering::Relaxed);
 }

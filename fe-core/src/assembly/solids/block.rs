@@ -22,7 +22,7 @@ pub(super) struct BlockPlace {
 pub(super) struct Evaluation<'a> {
     /// Two per node, mm.
     pub(super) displacements: &'a [[f64; 2]],
-    /// Which elements are evaluated.
+    /// True for elements that are evaluated.
     pub(super) active: &'a [bool],
     pub(super) request: Request,
     pub(super) skip_unchanged: bool,
@@ -41,7 +41,7 @@ pub(super) struct Block {
     /// Internal forces of the last evaluation, likewise.
     pub(super) forces: Vec<[f64; 2]>,
     pub(super) stiffnesses: Vec<f64>,
-    /// How many stiffnesses are unsymmetric.
+    /// Number of unsymmetric stiffnesses.
     pub(super) unsymmetric: usize,
     /// All but the calls of the UMAT, which the points count.
     pub(super) counters: Counters,
@@ -64,12 +64,12 @@ impl Block {
         }
     }
 
-    /// The last evaluations say nothing any more.
+    /// Discards the last evaluations.
     pub(super) fn forget(&mut self) {
         self.records.iter_mut().for_each(Record::forget);
     }
 
-    /// Tells the law of the increment.
+    /// Passes the increment to the law.
     pub(super) fn set_context(&mut self, context: &IncrementContext) {
         let from_one = |number: u32| i32::try_from(number).unwrap_or(i32::MAX);
         let call = &mut self.body.points.call;
@@ -80,7 +80,7 @@ impl Block {
         call.kinc = from_one(context.increment);
     }
 
-    /// Tells the law temperature and field variables at the start and at the end of the increment.
+    /// Passes temperature and field variables at the start and at the end of the increment to the law.
     pub(super) fn set_fields(&mut self, start: &FieldValues, end: &FieldValues) {
         let call = &mut self.body.points.call;
         (call.temp, call.dtemp) = (start.temperature, end.temperature - start.temperature);
@@ -155,7 +155,7 @@ impl Block {
         Ok(())
     }
 
-    /// What is left of a released element at the end displacements of its nodes.
+    /// Evaluates the forces left of a released element at the end displacements of its nodes.
     fn evaluate_spalled<const N: usize>(&mut self, local: usize, end: &Nodal<N>, evaluation: &Evaluation<'_>) {
         if self.records[local].moduli_changed {
             self.build_stiffness::<N>(local, None, evaluation);

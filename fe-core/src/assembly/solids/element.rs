@@ -249,7 +249,7 @@ pub(super) fn stiffness_finite<const N: usize>(
     }
 }
 
-/// What the means over an element add to its stiffness: (∂f/∂θ̄) ⊗ ∂θ̄/∂u + (∂f/∂p̄) ⊗ ∂p̄/∂u.
+/// Contribution of the means over an element to its stiffness: (∂f/∂θ̄) ⊗ ∂θ̄/∂u + (∂f/∂p̄) ⊗ ∂p̄/∂u.
 struct Average<const N: usize> {
     force_by_dilatation: Nodal<N>,
     force_by_pressure: Nodal<N>,

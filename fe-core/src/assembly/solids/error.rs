@@ -1,4 +1,4 @@
-//! What can be wrong with the solids of a model.
+//! Faults of the solids of a model.
 
 use crate::kinematics::PlaneModel;
 use crate::model::LawError;

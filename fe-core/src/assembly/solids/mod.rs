@@ -14,7 +14,7 @@
 //!   the same forces again without a call;
 //! - under small strains a stiffness is built again only when a DDSDDE of the element is another one, to the last bit.
 //!
-//! Neither changes a bit of the result. [`Solids::stiffness_version`] tells which stiffnesses are new.
+//! Neither changes a bit of the result. [`Solids::stiffness_version`] shows which stiffnesses are new.
 //!
 //! # Threads
 //!
@@ -65,7 +65,7 @@ mod test;
 /// Below this det F an increment is given up: the element is as good as inverted.
 pub const LEAST_VOLUME_RATIO: f64 = 0.2;
 
-/// Which tangent of its points an element's stiffness is made of.
+/// Tangent of its points from which an element's stiffness is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub enum TangentChoice {
     /// DDSDDE of the increment: Newton's method converges quadratically.
@@ -98,11 +98,11 @@ pub struct Solids {
     fields: Fields,
     /// Steps over which the fields change.
     steps: Vec<Step>,
-    /// What was counted before the present state was taken over.
+    /// Counts from before the present state was taken over.
     earlier: Counters,
     /// Notes on the laws for users.
     notes: Vec<String>,
-    /// How far each part's law is believed.
+    /// Trust in each part's law.
     trust: Vec<Trust>,
 }
 
@@ -146,7 +146,7 @@ impl Solids {
         self.threads.count()
     }
 
-    /// Which elements are evaluated: the others are left as they are, and give no forces.
+    /// Sets the elements that are evaluated: the others are left as they are, and give no forces.
     ///
     /// # Panics
     ///
@@ -169,12 +169,12 @@ impl Solids {
         &self.block(element).records[self.places[element].local]
     }
 
-    /// Returns whether the tangent of an element may be negative: its law damages, or does not say.
+    /// Returns whether the tangent of an element may be negative: its law damages, or has no metadata on that.
     pub fn softens(&self, element: usize) -> bool {
         self.block(element).body.part.softens
     }
 
-    /// Which tangent an element's stiffness is made of from the next evaluation on.
+    /// Sets the tangent from which an element's stiffness is built from the next evaluation on.
     pub fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
         let BlockPlace { block, local } = self.places[element];
         let record = &mut self.blocks[block].records[local];
@@ -264,7 +264,7 @@ impl Solids {
         }
     }
 
-    /// Tells the laws of the increment. Times are arguments of a law: with others no result is kept.
+    /// Passes the increment to the laws. Times are arguments of a law: results for other times are discarded.
     fn set_context(&mut self, context: &IncrementContext) {
         let times = |context: &IncrementContext| [context.step_time, context.total_time, context.time_increment];
         if !same_bits(&times(&self.context), &times(context)) {
@@ -330,7 +330,7 @@ impl Solids {
         self.blocks[block].set_share(local, share);
     }
 
-    /// Gives the evaluations since the last commit up. Stiffnesses stay those of the last one.
+    /// Discards the evaluations since the last commit. Stiffnesses stay those of the last one.
     pub fn restore(&mut self) {
         self.blocks.iter_mut().for_each(Block::forget);
     }

@@ -9,14 +9,14 @@ use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentSource, UmatCall, judge};
 use umat_abi::law::Request;
 
-/// Why a point gives no stress, in words, and the fraction of the increment to repeat with.
+/// Reason why a point gives no stress, in words, and the fraction of the increment to repeat with.
 #[derive(Clone, Debug)]
 pub(super) struct PointTrouble {
     pub(super) reason: String,
     pub(super) fraction: Option<f64>,
 }
 
-/// The fraction to repeat with where nobody knows a better one.
+/// The fraction of the increment to repeat with by default.
 pub(super) const USUAL_FRACTION: f64 = 0.5;
 
 /// DDSDDE that differs from its transpose by less than this share of its greatest entry is symmetric: a symmetric tangent
@@ -37,7 +37,7 @@ pub(super) struct States {
     viscous_stress: Vec<Components>,
     /// Dissipated by the viscous stress, N·mm/mm³: trapezoidal, like the external work that it is compared with.
     pub(super) viscous: Vec<f64>,
-    /// ∫σ:dε per reference volume, likewise, of a law whose energies nobody vouches for; of others empty.
+    /// ∫σ:dε per reference volume, likewise, of a law without metadata that vouch for its energies; empty for others.
     pub(super) work: Vec<f64>,
 }
 
@@ -76,7 +76,7 @@ impl States {
     }
 }
 
-/// What a point starts its increment from, and how far it goes.
+/// Increment of a point: the strain increment, and under large displacements its motion.
 pub(super) struct PointIncrement<'a> {
     pub(super) strain: Components,
     /// Motion under large displacements: F at the start and at the end.
@@ -103,12 +103,12 @@ const THICKNESS_STEP: f64 = 1e-8;
 #[derive(Debug)]
 pub(super) struct Points {
     pub(super) call: UmatCall,
-    /// Which of the four components the UMAT has.
+    /// Indices, among the four components, of those that the UMAT has.
     components: &'static [usize],
     nstatv: usize,
-    /// Which state is the strain 33 of plane stress, if the law says so.
+    /// Index of the state that is the strain 33 of plane stress, if the law names one.
     strain_33: Option<usize>,
-    /// A law for small strains, whose SSE grows by σ : Δε per present volume, as its metadata let us know. What others say is
+    /// A law for small strains, whose SSE grows by σ : Δε per present volume, according to its metadata. What others report as
     /// stored is a potential.
     is_incremental: bool,
     /// Thickness of each point in plane stress; others have none.
@@ -167,8 +167,8 @@ impl Points {
         self.acting[point] = self.committed.stress[point];
     }
 
-    /// Finds out how the UMAT is called where nobody has said so, and DDSDDE at zero strain with the initial states and the
-    /// initial stress, those of the first point. Returns what users should know.
+    /// Finds out how the UMAT is to be called, unless the user has set it, and DDSDDE at zero strain with the initial states and
+    /// the initial stress, those of the first point. Returns a note for users.
     pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Option<String>, SolidsError> {
         self.set_virgin();
         let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
@@ -177,7 +177,7 @@ impl Points {
         Ok(reason.map(|reason| format!("part '{part}': {} is called with NTENS = 6: {reason}", law.name)))
     }
 
-    /// What [`Self::prepare`] found for other points of the part.
+    /// Takes over the findings of [`Self::prepare`] for the first points of the part.
     pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), SolidsError> {
         self.elastic = first.elastic;
         if first.call.is_through_solid() && !self.call.is_through_solid() {
@@ -241,7 +241,7 @@ impl Points {
         point * self.nstatv..(point + 1) * self.nstatv
     }
 
-    /// Advances a point from its committed state; says whether its tangent is another one, to the last bit.
+    /// Advances a point from its committed state, and returns whether its tangent changed in any bit.
     pub(super) fn advance(
         &mut self,
         point: usize,
@@ -326,7 +326,7 @@ impl Points {
         increment.motion.is_some() && !self.thickness.is_empty() && self.knows_thickness()
     }
 
-    /// ε₃₃ of a point in plane stress, whose logarithmic strain it is; 0 where nobody knows it.
+    /// ε₃₃ of a point in plane stress, whose logarithmic strain it is; 0 where it is unknown.
     fn thickness_strain(&self, point: usize, states: &States) -> f64 {
         if self.call.is_through_solid() {
             states.strain[point][2]
@@ -344,7 +344,7 @@ impl Points {
         [end.exp(), (0.5 * (start + end)).exp()]
     }
 
-    /// ∂ε₃₃/∂ε of an increment from a turned state, by differences: no UMAT of plane stress tells it. `None` if the law does
+    /// ∂ε₃₃/∂ε of an increment from a turned state, by differences: no UMAT of plane stress returns it. `None` if the law does
     /// not answer nearby.
     fn thickness_rate(
         &mut self,
@@ -438,7 +438,7 @@ impl Points {
         self.call.strain_33 = strain[2];
     }
 
-    /// Sets the components of the strain that the displacements tell.
+    /// Sets the components of the strain that follow from the displacements.
     pub(super) fn set_trial_strain(&mut self, point: usize, strain: Components) {
         let strain_33 = self.trial.strain[point][2];
         self.trial.strain[point] = strain;

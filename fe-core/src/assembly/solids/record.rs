@@ -1,4 +1,4 @@
-//! What stays of each element and of each part from the start.
+//! Data of each element and of each part that stay the same from the start, and each element's last evaluation.
 
 use super::TangentChoice;
 use super::block::{Block, BlockPlace};
@@ -15,11 +15,11 @@ use std::sync::Arc;
 use umat_abi::host::{InitialPoint, Validation, recorder};
 use umat_abi::metadata::{flags, stress_states};
 
-/// How many elements a block has at most: some 0.1 ms of work. Laws that may not be called by several threads have one
+/// Largest number of elements in a block: some 0.1 ms of work. Laws that may not be called by several threads have one
 /// block for each part.
 const ELEMENTS_PER_BLOCK: usize = 16;
 
-/// An element, and what is known of its last evaluation.
+/// An element and the status of its last evaluation.
 #[derive(Clone, Debug)]
 pub(super) struct Record {
     /// Index in the mesh.
@@ -48,7 +48,7 @@ pub(super) struct Record {
     pub(super) spalled: Option<Spalled>,
 }
 
-/// What is left of a released element: nodal forces that fade, a soft spring while they do, and where its energy went.
+/// Remainder of a released element: nodal forces that fade, a soft spring while they do, and its energy.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spalled {
     /// Nodal forces when it was released, N, and the displacements of its nodes, mm.
@@ -59,17 +59,17 @@ pub(super) struct Spalled {
     /// Nodal forces at the start of the increment, and of the last evaluation.
     start: Vec<[f64; 2]>,
     end: Vec<[f64; 2]>,
-    /// Stored when it was released, and the work of its forces since, N mm: trapezoidal, like the external work.
+    /// Energy stored when it was released, and the work of its forces since, N·mm: trapezoidal, like the external work.
     pub(super) energy: f64,
     /// Work in the increment of the last evaluation.
     pub(super) work: f64,
 }
 
 impl Spalled {
-    /// Stiffness while its forces fade, of its virgin one: cracked neighbours bear no force that stays as it is.
+    /// Stiffness while its forces fade, relative to its virgin one: cracked neighbours cannot carry a force that does not yield.
     const SOFT: f64 = 1e-5;
-    /// What Newton's method takes for its stiffness when it has none: nodes that only torn matter holds stay where their
-    /// neighbours lead them.
+    /// Relative stiffness that Newton's method uses once there is none: nodes held by released elements alone follow their
+    /// neighbours.
     const GHOST: f64 = 1e-8;
 
     pub(super) fn new(forces: &[[f64; 2]], displacements: &[[f64; 2]], stored: f64) -> Self {
@@ -85,13 +85,13 @@ impl Spalled {
         }
     }
 
-    /// Sets what part of its forces acts; the part of the virgin stiffness that it then has.
+    /// Sets the part of its forces that acts, and returns the part of the virgin stiffness that it then has.
     pub(super) fn set_share(&mut self, share: f64) -> f64 {
         self.share = share;
         (Self::SOFT * share).max(Self::GHOST)
     }
 
-    /// Its nodal forces over an increment of its nodes, f = share f₀ + K (u − u₀), none once nothing of them acts.
+    /// Evaluates its nodal forces over an increment of its nodes, f = share f₀ + K (u − u₀), and 0 once the share is 0.
     pub(super) fn act(&mut self, [start, end]: [&[[f64; 2]]; 2], stiffness: &[f64], forces: &mut [[f64; 2]]) {
         let moved: Vec<f64> =
             end.as_flattened().iter().zip(self.displacements.as_flattened()).map(|(u, v)| u - v).collect();
@@ -127,7 +127,7 @@ impl Record {
         &self.nodes[..self.kind.node_count()]
     }
 
-    /// The last evaluation says nothing any more.
+    /// Discards the last evaluation.
     pub(super) fn forget(&mut self) {
         (self.is_evaluated, self.has_tangent) = (false, false);
         if let Some(spalled) = &mut self.spalled {
@@ -136,7 +136,7 @@ impl Record {
     }
 }
 
-/// What all elements of a part have in common.
+/// Properties that all elements of a part share.
 #[derive(Debug)]
 pub(super) struct Part {
     pub(super) name: String,
@@ -150,7 +150,7 @@ pub(super) struct Part {
     pub(super) overstress_work: Option<usize>,
     /// The state of its law that is the equivalent plastic strain.
     pub(super) plastic_strain: Option<usize>,
-    /// Whether its tangent may be negative: the law damages, or does not say; not if it extrapolates.
+    /// Whether its tangent may be negative: the law damages, or has no metadata on that; not if it extrapolates.
     pub(super) softens: bool,
     /// Equilibrium with it may lose its stability: it softens, or its tangent is unsymmetric, so that bands may form
     /// while it still hardens (Rudnicki and Rice 1975).
@@ -206,7 +206,7 @@ impl Body {
         plastic + creep > 0.0
     }
 
-    /// A point as user subroutines are told of it: its element, and its number in it.
+    /// A point as user subroutines get it: its element, and its number in it.
     fn initial_point(&self, point: usize, element: usize, number: usize) -> InitialPoint {
         let [x, y] = self.positions[point];
         InitialPoint { coordinates: [x, y, 0.0], element: number_of(element), point: number_of(number) }
@@ -232,12 +232,12 @@ pub(super) struct Divided {
     pub(super) blocks: Vec<Block>,
     /// The place of each element.
     pub(super) places: Vec<BlockPlace>,
-    /// What was found out of its laws that users should know.
+    /// Findings on its laws that users should know.
     pub(super) notes: Vec<String>,
 }
 
-/// The elements of a model block by block, in the order of the first element of each, and the place of each element.
-/// Where threads do not share them a part is one block.
+/// Divides the elements of a model into blocks, in the order of the first element of each, and finds the place of each
+/// element. If threads do not share them, a part is one block.
 pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, SolidsError> {
     let mut notes = Vec::new();
     let Model { mesh, laws, average_dilatation, nlgeom, .. } = model;
@@ -289,7 +289,7 @@ pub(super) fn blocks(model: &Model, share_threads: bool) -> Result<Divided, Soli
     Ok(Divided { blocks, places, notes })
 }
 
-/// Returns whether UMATs may be called from several threads: all say so, and none is watched.
+/// Returns whether UMATs may be called from several threads: all declare it, and none is watched.
 pub(super) fn may_share_threads(laws: &[PluginLaw]) -> bool {
     let is_safe = |law: &PluginLaw| law.law.as_ref().is_some_and(|law| law.flags & flags::THREAD_SAFE != 0);
     laws.iter().all(is_safe) && recorder::installed().is_none()
@@ -449,7 +449,7 @@ fn largest_element(mesh: &Mesh, part: usize) -> Option<usize> {
     of_part.max_by(|a, b| length(a).total_cmp(&length(b)))
 }
 
-/// What the law itself says of the plane model, the parameters and the size of elements.
+/// Checks plane model, parameters and size of elements with the law itself.
 fn check_law(mesh: &Mesh, part: usize, plugin: &PluginLaw) -> Result<(), SolidsError> {
     let Some(law) = &plugin.law else { return Ok(()) };
     let definition = &mesh.parts()[part];

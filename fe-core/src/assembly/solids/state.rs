@@ -29,7 +29,7 @@ struct BlockState {
     built: Vec<Built>,
 }
 
-/// How the stiffness of an element was built.
+/// Choices by which the stiffness of an element was built.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Built {
     choice: TangentChoice,

@@ -1,4 +1,4 @@
-//! What the solids tell: energies, counts, single points.
+//! Output of the solids: energies, counts, single points.
 
 use super::Solids;
 use super::block::Block;
@@ -40,7 +40,7 @@ impl std::ops::AddAssign for SolidEnergies {
     }
 }
 
-/// How many points have failed: their damage has grown, or, of laws without one, they have dissipated.
+/// Numbers of points whose damage has grown or that, where the law has none, have dissipated.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct PointCounts {
     /// All points.
@@ -51,7 +51,7 @@ pub struct PointCounts {
     pub damaged: usize,
 }
 
-/// What was done since the start.
+/// Counts of operations since the start.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Counters {
     /// Calls of UMATs.

@@ -1,4 +1,4 @@
-//! How far the laws of parts are believed: laws with metadata in everything, anybody's UMAT as long as it does not
+//! Trust in the laws of parts: laws with metadata are believed in everything, any other UMAT as long as it does not
 //! contradict itself.
 //!
 //! # Energies
@@ -26,17 +26,17 @@ const SAME: f64 = 0.02;
 /// The same limit for three increments together.
 const SIMILAR: f64 = 0.2;
 const SHRINKAGE: f64 = 0.3;
-/// A part is to blame if it makes so much of the imbalance.
+/// Share of the imbalance from which on a part is held responsible for it.
 const SHARE: f64 = 0.5;
-/// Energies that are so far from the work at the end of a run are told.
+/// Relative difference of energies from the work at the end of a run from which on it is reported.
 const NOTEWORTHY: f64 = 0.1;
 /// DDSDDE that is off by more than this part of its largest entry is replaced.
 const LARGEST_DEVIATION: f64 = 0.05;
-/// After a comparison that found nothing so many increments pass before the next, at first; then twice as many each time.
+/// Increments between the first comparison that finds nothing and the next; they double each time.
 const FIRST_PAUSE: u64 = 2;
 const LONGEST_PAUSE: u64 = 128;
 
-/// What is made of the energies that a law reports.
+/// Treatment of the energies that a law reports.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Reports {
     /// Metadata vouch for them.
@@ -49,7 +49,7 @@ enum Reports {
     Wrong { ratio: f64 },
 }
 
-/// How far a part's law is believed.
+/// Trust in a part's law.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct Trust {
     reports: Reports,
@@ -59,9 +59,9 @@ pub(super) struct Trust {
     judges_tangent: bool,
     /// Increments until the next comparison, and between comparisons.
     pause: [u64; 2],
-    /// How far its tangent was off when it was replaced.
+    /// Deviation of its tangent when that was replaced.
     tangent_deviation: Option<f64>,
-    /// What comparisons that the model asks for came to before the present calls.
+    /// Result, up to the present calls, of the comparisons that the model asks for.
     compared: Option<Compared>,
 }
 
@@ -129,7 +129,7 @@ impl Trust {
     }
 }
 
-/// What a part's law has reported, and the work of its stresses, N·mm.
+/// Energies that a part's law has reported, and the work of its stresses, N·mm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct PartAccount {
     /// SSE.
@@ -148,7 +148,7 @@ impl PartAccount {
         [self.stored, self.dissipated, self.work].into_iter().all(f64::is_finite)
     }
 
-    /// Returns what it has reported, as sums have it.
+    /// Returns the reported energies as entries of the sums.
     pub fn reported(&self) -> SolidEnergies {
         let Self { stored, dissipated, damages, .. } = *self;
         if damages {
@@ -169,7 +169,7 @@ pub(super) fn work_of(work: &[f64], volumes: &[f64]) -> f64 {
 }
 
 impl Solids {
-    /// Returns what each part's law has reported of the committed state, and the work of its stresses.
+    /// Returns the energies that each part's law has reported of the committed state, and the work of its stresses.
     pub fn accounts(&self) -> Vec<PartAccount> {
         self.accounts_of(|body| &body.points.committed)
     }
@@ -188,7 +188,7 @@ impl Solids {
         accounts
     }
 
-    /// Returns whether some energies are taken as reported though nobody vouches for them.
+    /// Returns whether some energies are taken as reported although no metadata vouch for them.
     pub fn has_unproven_energies(&self) -> bool {
         self.trust.iter().any(|trust| trust.reports == Reports::Believed)
     }
@@ -238,13 +238,13 @@ impl Solids {
         trust.judges_tangent && trust.pause[0] == 0
     }
 
-    /// Lets the next evaluation compare the tangents in doubt.
+    /// Makes the next evaluation compare the tangents in doubt with differences.
     pub fn compare_tangents(&mut self) {
         let due: Vec<bool> = self.trust.iter().map(Self::is_due).collect();
         self.set_tangent_sources(|part| due[part].then_some(TangentSource::Compared));
     }
 
-    /// Judges by the comparison of the last evaluation; whether another tangent takes a part's place.
+    /// Judges tangents by the comparison of the last evaluation, and returns whether one was replaced.
     pub fn judge_tangents(&mut self) -> bool {
         let mut deviations: Vec<Option<TangentDeviation>> = vec![None; self.trust.len()];
         for body in self.blocks.iter_mut().map(|block| &mut block.body) {
@@ -271,7 +271,7 @@ impl Solids {
         replaces
     }
 
-    /// Says where tangents of parts come from, from the next evaluation on.
+    /// Sets the source of the tangents of parts from the next evaluation on.
     fn set_tangent_sources(&mut self, source: impl Fn(usize) -> Option<TangentSource>) {
         for block in &mut self.blocks {
             if let Some(source) = source(block.body.index) {

@@ -173,7 +173,7 @@ fn feet_on_random_curves_are_the_nearest_places() {
     assert!(inside > 30);
 }
 
-/// Nothing of an edge is nearer than its clearance, which is not far below the distance.
+/// No point of an edge is nearer than its clearance, which is not far below the distance.
 #[test]
 fn a_clearance_is_a_bound_of_the_distance() {
     let mut random = Random::new(12);

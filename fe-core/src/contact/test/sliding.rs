@@ -30,7 +30,7 @@ fn a_walk_finds_what_a_full_search_finds() {
     }
 }
 
-/// To the last bit: a law may ask whether a slip is the largest so far.
+/// Slips are the same to the last bit, since a law may compare a slip with the largest so far.
 #[test]
 fn a_committed_state_that_is_evaluated_again_has_the_same_slips() {
     for kind in [Q4, Q8] {
@@ -372,7 +372,7 @@ fn a_plugin_that_asks_for_less_is_trouble_with_its_fraction() {
     contact.evaluate(&back, &context(), Request::Stress, &mut forces, &mut Blocks::default()).unwrap();
 }
 
-/// What the plugin of the last point was told.
+/// Checks the arguments of the last point's plugin.
 #[test]
 fn uinter_and_fric_get_their_arguments() {
     let scene = Scene::straight(Q4);
@@ -501,8 +501,8 @@ fn no_point_opens_because_the_surfaces_turn_under_a_correction() {
     }
 }
 
-/// What closes in one iteration is asked where its pressure is one that there was: friction does not hold on to a penetration
-/// that the next iteration takes back.
+/// A patch that closes within one iteration is evaluated at a pressure no greater than those of before: friction does not hold
+/// on to a penetration that the next iteration takes back.
 #[test]
 fn a_point_that_closes_slides() {
     for kind in [Q4, Q8] {

@@ -66,7 +66,7 @@ fn stick_hardening_softening_and_unloading_of_uinter_and_fric() {
     }
 }
 
-/// With k_e and ε_N alone, unless normals are smoothed: over facets of a curve.
+/// Blocks with k_e and ε_N alone are symmetric, unless normals are smoothed: over facets of a curve.
 #[test]
 fn blocks_are_symmetric_without_friction_on_smooth_masters() {
     for (kind, curve, symmetric) in [

@@ -1,4 +1,4 @@
-//! From the elements and groups of a file to parts and sets.
+//! Conversion of the elements and groups of a file to parts and sets.
 
 use std::borrow::Cow;
 use std::collections::hash_map::Entry;

@@ -1,4 +1,4 @@
-//! What can be wrong with a Gmsh file, where, and what to do about it.
+//! Faults of a Gmsh file, their places, and remedies.
 
 use std::path::PathBuf;
 
@@ -10,9 +10,9 @@ use crate::element::MappingError;
 pub struct GmshError {
     /// The file.
     pub path: PathBuf,
-    /// Where in it.
+    /// The place in the file.
     pub place: Place,
-    /// What is wrong.
+    /// The fault.
     pub fault: GmshFault,
 }
 
@@ -37,11 +37,11 @@ impl std::fmt::Display for Place {
     }
 }
 
-/// What is wrong with a Gmsh file.
+/// Kinds of faults of a Gmsh file.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[allow(missing_docs, reason = "the message of each variant says what its fields are")]
 pub enum GmshFault {
-    /// No mesh file.
+    /// A file that is not a mesh file.
     #[error("this is no Gmsh mesh: it must start with $MeshFormat, found '{found}'")]
     NotGmsh { found: String },
     /// Another version.
@@ -50,7 +50,7 @@ pub enum GmshFault {
     /// Binary in a form that this reader does not have.
     #[error("binary data with {what} is not read; save as text with Mesh.Binary = 0")]
     Binary { what: String },
-    /// Something else than what the format wants here.
+    /// Other text than the format requires here.
     #[error("expected {expected}, found '{found}'; is a count of this section wrong, or the file edited?")]
     Expected { expected: String, found: String },
     /// Too early an end.

@@ -30,7 +30,7 @@ pub(super) struct FileElement {
     pub(super) place: usize,
 }
 
-/// What a Gmsh file says.
+/// Contents of a Gmsh file.
 #[derive(Default)]
 pub(super) struct File {
     version: Version,
@@ -369,7 +369,7 @@ fn read_position(source: &mut Source<'_>) -> Result<[f64; 3], Trouble> {
     Ok(position)
 }
 
-/// The number that a header says against what was found.
+/// Compares the number in a header with the number found.
 fn check_count(place: usize, what: &str, stated: u64, found: usize) -> Result<(), Trouble> {
     if stated == found as u64 {
         return Ok(());

@@ -18,10 +18,10 @@ use super::MeshDefinition;
 use crate::element::Integration;
 use crate::kinematics::PlaneModel;
 
-/// What a mesh file does not say about a part.
+/// Properties of a part that a mesh file does not contain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PartProperties {
-    /// What it assumes about the third direction.
+    /// Assumption about the third direction.
     pub model: PlaneModel,
     /// Reference thickness, mm; unused in axial symmetry.
     pub thickness: f64,

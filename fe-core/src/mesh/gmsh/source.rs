@@ -6,7 +6,7 @@ use std::path::Path;
 /// A fault at a byte of the file.
 pub(super) type Trouble = (usize, GmshFault);
 
-/// How numbers are written.
+/// Encoding of numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Encoding {
     Text,
@@ -149,7 +149,7 @@ impl<'a> Source<'a> {
         Err((start, GmshFault::Expected { expected, found }))
     }
 
-    /// Skips a section that says nothing about the mesh.
+    /// Skips a section that does not concern the mesh.
     pub(super) fn skip_section(&mut self, section: &str) -> Result<(), Trouble> {
         let end = format!("$End{section}");
         let rest = &self.bytes[self.position..];

@@ -308,7 +308,7 @@ fn faults_of_binary_files_tell_the_byte() {
     }
 }
 
-/// What to replace by what, and the message.
+/// Text to be replaced, its replacement, and the message.
 type Fault = (&'static str, &'static str, &'static str);
 
 #[track_caller]
@@ -508,7 +508,7 @@ fn a_name_is_held_once() {
     assert_eq!((definition.elements.len(), definition.parts.len()), (triangles, 1));
 }
 
-/// Files of Gmsh itself; `data/README.md` says of what.
+/// Files written by Gmsh itself; `data/README.md` describes them.
 const FILES: [(&str, &[u8]); 6] = [
     ("quadrilaterals, 2.2, text", include_bytes!("data/quadrilaterals_2.2_text.msh")),
     ("quadrilaterals, 2.2, binary", include_bytes!("data/quadrilaterals_2.2_binary.msh")),

@@ -1,4 +1,4 @@
-//! How far deformed bodies lie in each other, or in themselves, whether a contact pair watches over them or not.
+//! Overlap of deformed bodies with each other, or with themselves, whether or not a contact pair is defined there.
 //!
 //! # Equations
 //!
@@ -22,10 +22,10 @@ mod test;
 
 /// Part of an edge's length below which a depth is rounding of positions.
 const ROUNDING: f64 = 1e-9;
-/// Part of an edge's length: so far outside a point is tested against its own body.
+/// Distance outside its own body at which a point is tested against it, relative to the edge's length.
 const OUTSIDE: f64 = 1e-6;
-/// Where the boundary of a body turns a corner, its edges are tested against that body this far before their ends: outside
-/// of an edge's very end may be inside of the next one.
+/// Part of half an edge's length: at corners of a body's boundary its edges are tested against that body so far before their
+/// ends, since outside of an edge's very end may be inside of the next one.
 const BEFORE_CORNER: f64 = 1e-3;
 
 /// A point of a body's boundary inside of a body.
@@ -33,7 +33,7 @@ const BEFORE_CORNER: f64 = 1e-3;
 pub struct Overlap {
     /// Distance to the nearest edge of the body that it lies in, mm.
     pub depth: f64,
-    /// Where it is now, mm.
+    /// Its present position, mm.
     pub position: [f64; 2],
     /// The part that it belongs to.
     pub part: usize,

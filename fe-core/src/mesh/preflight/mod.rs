@@ -1,7 +1,7 @@
-//! What is wrong with a mesh that every element of it agrees with: nodes that hang on edges, pieces that do not hold
-//! together, bodies that nothing holds.
+//! Faults of a mesh that no single element shows: nodes that hang on edges, pieces that are not connected, bodies that
+//! nothing holds.
 //!
-//! [`findings`] looks at the mesh alone. [`bodies`] and [`rigid_body_freedom`] serve whoever knows the supports.
+//! [`findings`] looks at the mesh alone. [`bodies`] and [`rigid_body_freedom`] serve callers who know the supports.
 
 mod hanging;
 mod rigid;

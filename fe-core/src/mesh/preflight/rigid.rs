@@ -1,4 +1,4 @@
-//! How a body can still move without straining.
+//! Rigid motions that the constraints leave to a body.
 
 use super::Body;
 use crate::kinematics::PlaneModel;

@@ -185,7 +185,7 @@ fn a_body_of_revolution_can_only_move_along_its_axis() {
     assert_eq!(freedom(PlaneModel::Axisymmetric, &[(2, [0.6, 0.8])]), [""; 0]);
 }
 
-/// What is told to be free is free, and as much of it as the rank says, whatever the constraints.
+/// Motions that are reported as free are free, and as many as the rank of the constraints leaves.
 #[test]
 fn free_motions_obey_the_constraints() {
     let mesh = columns(Q8, [2, 2], 2, true);

@@ -64,7 +64,7 @@ pub fn two_blocks(parameters: &TwoBlocks) -> Result<MeshDefinition, SpecimenErro
 pub struct CylinderOnPlane {
     /// Radius of the cylinder.
     pub radius: f64,
-    /// How far both bodies reach beside the symmetry line; less than the radius.
+    /// Extent of both bodies beside the symmetry line; less than the radius.
     pub half_width: f64,
     /// Height of the cylinder's flat top above the contact; more than the arc rises over the half width.
     pub height: f64,
@@ -150,7 +150,7 @@ pub struct DragOutStrip {
     pub strip_length: f64,
     /// Half of its thickness, 0.25 mm.
     pub strip_height: f64,
-    /// Where the block starts on the strip, 2 mm: it ends with it.
+    /// Distance of the block's start from that of the strip, 2 mm: both end together.
     pub block_start: f64,
     /// Length of the block, 10 mm.
     pub block_length: f64,

@@ -32,19 +32,19 @@ use crate::kinematics::PlaneModel;
 /// Two edge sets in contact.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ContactSurfaces {
-    /// What messages call the pair.
+    /// Name of the pair in messages.
     pub name: String,
     /// The edge set that carries the contact points: the hole.
     pub slave: String,
     /// The edge set that they slide on: the fibre.
     pub master: String,
-    /// What kind of contact it is.
+    /// Kind of contact.
     pub role: SurfaceRole,
     /// Contact width, mm: πφ/2 on each of the two lines of a round fibre (6.28). `None`: 2πr, in axial symmetry.
     pub width: Option<f64>,
 }
 
-/// What holds two surfaces of a specimen together.
+/// Bond between two surfaces of a specimen.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SurfaceRole {
     /// Bond.
@@ -73,11 +73,11 @@ pub struct Specimen {
     pub pull_direction: [f64; 2],
     /// The fibres, in the order of the parameters.
     pub fibres: Vec<PulledFibre>,
-    /// What is in contact with what.
+    /// Pairs of surfaces in contact.
     pub contact_pairs: Vec<ContactSurfaces>,
     /// Nodes that follow others.
     pub couplings: Vec<NodeCoupling>,
-    /// What a report must say about the model: assumptions and their size.
+    /// Notes on the model for reports: assumptions and their size.
     pub notes: Vec<String>,
 }
 
@@ -106,7 +106,7 @@ fn contact_width(diameter: f64) -> f64 {
 pub struct BodyChoice {
     /// The kind of its elements.
     pub kind: ElementKind,
-    /// What it assumes about the third direction.
+    /// Assumption about the third direction.
     pub model: PlaneModel,
     /// Thickness, mm; unused in axial symmetry.
     pub thickness: f64,

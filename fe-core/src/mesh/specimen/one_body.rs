@@ -18,7 +18,7 @@ pub struct PlateWithHole {
     pub height: f64,
     /// Radius of the hole.
     pub radius: f64,
-    /// About how many cells; two equal blocks of n × n are made.
+    /// Approximate number of cells; two equal blocks of n × n are made.
     pub cells: usize,
     /// Size at the outside over size at the hole.
     pub grading: f64,
@@ -86,7 +86,7 @@ pub fn plate_with_hole(parameters: &PlateWithHole) -> Result<MeshDefinition, Spe
     Ok(mesh.definition())
 }
 
-/// How a thick cylinder becomes plane.
+/// Plane section of a thick cylinder.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum CylinderSection {
     /// A body of revolution of this height: x is the radius, 0 ≤ y ≤ height. Sets `inner`, `outer`, `bottom`, `top`.
@@ -119,7 +119,7 @@ pub struct ThickCylinder {
     pub radial_cells: usize,
     /// Size at the outer radius over size at the inner one.
     pub grading: f64,
-    /// What is meshed.
+    /// Section that is meshed.
     pub section: CylinderSection,
     /// Elements.
     pub kind: ElementKind,

@@ -1,9 +1,9 @@
-//! What parameters must be.
+//! Requirements on parameters.
 
 use crate::mesh::structured::{GradingError, StructuredError};
 use crate::mesh::triangulation::TriangulationError;
 
-/// A parameter that cannot be.
+/// A parameter that is not admissible.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{}{name} is {value}, it must be {requirement}", fibre.map(|index| format!("fibre {}: ", index + 1)).unwrap_or_default())]
 pub struct ParameterProblem {
@@ -11,16 +11,16 @@ pub struct ParameterProblem {
     pub fibre: Option<usize>,
     /// The parameter.
     pub name: &'static str,
-    /// What it is.
+    /// Its value.
     pub value: String,
-    /// What it must be.
+    /// Requirement that it does not meet.
     pub requirement: String,
 }
 
-/// Why a specimen cannot be made.
+/// Reason why a specimen cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SpecimenError {
-    /// All parameters that cannot be.
+    /// All parameters that are not admissible.
     #[error("{}", problems.iter().map(ToString::to_string).collect::<Vec<_>>().join("; "))]
     Parameters {
         /// Each of them.
@@ -29,9 +29,9 @@ pub enum SpecimenError {
     /// Sizes that do not divide a line.
     #[error("{line}: {source}")]
     Grading {
-        /// What was to be divided.
+        /// Line that was to be divided.
         line: &'static str,
-        /// Why it cannot be.
+        /// Reason why it cannot be divided.
         source: GradingError,
     },
     /// A fibre so near the direction of the exit face that its hole has no edge there.
@@ -55,7 +55,7 @@ impl SpecimenError {
     }
 }
 
-/// Collects problems, so that all are told at once.
+/// Collects problems, so that all are reported at once.
 #[derive(Default)]
 pub(super) struct Requirements {
     problems: Vec<ParameterProblem>,
@@ -63,22 +63,22 @@ pub(super) struct Requirements {
 }
 
 impl Requirements {
-    /// What follows belongs to the fibre of this index, or to none.
+    /// Sets the index of the fibre to which the parameters that follow belong; `None`: to no fibre.
     pub(super) fn of(&mut self, fibre: Option<usize>) {
         self.fibre = fibre;
     }
 
-    /// A number that is positive and finite.
+    /// Requires that a number is positive and finite.
     pub(super) fn positive(&mut self, name: &'static str, value: f64) {
         self.that(value > 0.0 && value.is_finite(), name, value, "positive");
     }
 
-    /// A number of at least 1.
+    /// Requires that a number is at least 1.
     pub(super) fn count(&mut self, name: &'static str, value: usize) {
         self.that(value > 0, name, value, "at least 1");
     }
 
-    /// Anything else.
+    /// Requires any other condition.
     pub(super) fn that(
         &mut self,
         holds: bool,

@@ -1,4 +1,4 @@
-//! How thick the concrete around a fibre is.
+//! Thickness of the concrete around a fibre.
 
 use super::requirement::Requirements;
 use crate::element::{ElementKind, MappedPoint};
@@ -25,14 +25,14 @@ const THINNEST: f64 = 0.02;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GradedThickness {
-    /// m: how far the cone spreads to each side, over its depth.
+    /// m: spread of the cone to each side, over its depth.
     pub slope: f64,
-    /// How far it reaches along the face on both sides of the fibre's axis, mm; `None`: 2 φ and what a cone of this slope
-    /// needs that starts from the fibre where the full thickness is reached, 2 φ + (t − φ)/2 · (1 + tan θ/m).
+    /// Extent along the face on both sides of the fibre's axis, mm; `None`: 2 φ and the width of a cone of this slope that
+    /// starts from the fibre where the full thickness is reached, 2 φ + (t − φ)/2 · (1 + tan θ/m).
     pub extent: Option<f64>,
 }
 
-/// Where a fibre leaves the block.
+/// Exit of a fibre from the block.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Exit {
     /// x of its axis at the face, mm.
@@ -55,7 +55,7 @@ pub(super) struct Thickness {
 }
 
 impl Thickness {
-    /// What must hold with a cover, and with a graded thickness.
+    /// Checks the requirements of a cover and of a graded thickness.
     pub(super) fn check(&self, has_cover: bool, required: &mut Requirements) {
         if has_cover || self.graded.is_some() {
             let thickest = self.exits.iter().map(|exit| exit.diameter).fold(0.0, f64::max);
@@ -136,7 +136,7 @@ impl Thickness {
         }
     }
 
-    /// Returns what a report must say.
+    /// Returns the notes for reports.
     pub(super) fn notes(&self, has_cover: bool) -> Vec<String> {
         let mut notes = Vec::new();
         for &exit in &self.exits {

@@ -16,7 +16,7 @@ pub enum Side {
     Left,
 }
 
-/// How a cell is cut into two triangles.
+/// Diagonal that cuts a cell into two triangles.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Diagonal {
     /// From bottom left to top right.

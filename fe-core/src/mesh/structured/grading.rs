@@ -1,6 +1,6 @@
-//! How a line is divided.
+//! Division of a line.
 
-/// How a line is divided, from its start to its end. Where a number of divisions follows from sizes, it is rounded and
+/// Division of a line, from its start to its end. If the number of divisions follows from sizes, it is rounded and
 /// all sizes are scaled to fill the line.
 ///
 /// Sizes of all gradings but [`Grading::Capped`] form a geometric series: n sizes hᵢ = h₁ qⁱ⁻¹ over the length L with
@@ -12,19 +12,19 @@
 pub enum Grading {
     /// Equal sizes.
     Uniform {
-        /// How many.
+        /// Number of divisions.
         count: usize,
     },
     /// A number of sizes, the last one `ratio` times the first.
     Ratio {
-        /// How many.
+        /// Number of divisions.
         count: usize,
         /// Last size over first size.
         ratio: f64,
     },
     /// A number of sizes that starts with a given one; q follows.
     First {
-        /// How many.
+        /// Number of divisions.
         count: usize,
         /// First size.
         first: f64,
@@ -40,7 +40,7 @@ pub enum Grading {
     },
 }
 
-/// Why a line cannot be divided.
+/// Reason why a line cannot be divided.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum GradingError {
     /// Nothing to divide.
@@ -55,7 +55,7 @@ pub enum GradingError {
     /// Not a positive number.
     #[error("{name} is {value}, it must be positive")]
     NotPositive {
-        /// What it is.
+        /// Name of the number.
         name: &'static str,
         /// Value.
         value: f64,
@@ -63,19 +63,19 @@ pub enum GradingError {
     /// A size that does not fit onto the line.
     #[error("{name} is {value}, more than the length {length} to divide")]
     TooLarge {
-        /// What it is.
+        /// Name of the number.
         name: &'static str,
         /// Value.
         value: f64,
         /// The length.
         length: f64,
     },
-    /// More divisions than anybody wants.
+    /// More divisions than are allowed.
     #[error(
         "a length of {length} would be divided {count:.0} times, more than {MOST_DIVISIONS}; are the sizes too small?"
     )]
     TooMany {
-        /// How many.
+        /// Number of divisions.
         count: f64,
         /// The length.
         length: f64,
@@ -160,7 +160,7 @@ pub fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> R
     Ok(positions)
 }
 
-/// A number of divisions from one that is none yet.
+/// Rounds a computed number of divisions to a whole one.
 fn rounded(count: f64, length: f64) -> Result<usize, GradingError> {
     if count <= MOST_DIVISIONS as f64 {
         Ok((count.round() as usize).max(1))

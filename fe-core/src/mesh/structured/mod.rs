@@ -39,7 +39,7 @@ use std::collections::HashMap;
 
 use super::{ElementDefinition, ElementEdge, MeshDefinition, Part};
 
-/// Why a block cannot be built.
+/// Reason why a block cannot be built.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructuredError {
     /// A line that cannot be divided.
@@ -64,7 +64,7 @@ pub enum StructuredError {
     Map {
         /// (ξ, η).
         reference: [f64; 2],
-        /// What the map gives.
+        /// Position that the map gives.
         position: [f64; 2],
     },
 }

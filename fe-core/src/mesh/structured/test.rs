@@ -208,7 +208,7 @@ fn blocks_that_cannot_be_are_refused() {
     );
 }
 
-/// Before anything is allocated for them.
+/// Checks that they are refused before memory is allocated for them.
 #[test]
 fn more_cells_than_a_mesh_may_have_are_refused() {
     let line = Grading::Uniform { count: MOST_DIVISIONS }.positions(1.0).unwrap();

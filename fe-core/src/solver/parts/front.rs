@@ -1,4 +1,4 @@
-//! What was cut in two: dense on the cut and the border.
+//! Two parts joined at their cut: a front, dense on the cut and the border.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltParams, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
@@ -20,11 +20,11 @@ pub(super) struct Front {
     equations: Vec<usize>,
     cut: usize,
     places: [Places; 2],
-    /// What the leaves do not have once.
+    /// Entries that the leaves do not contain exactly once.
     own: Vec<Own>,
     /// F, then L_CC, W and S: the lower triangle.
     matrix: Mat<f64>,
-    /// Whether it is that of the parts.
+    /// Whether the factor is that of the parts as they are.
     is_factorised: bool,
     x: Vec<f64>,
     memory: MemBuffer,
@@ -52,7 +52,7 @@ struct Own {
     from: usize,
     row: usize,
     column: usize,
-    /// How many times less than once the leaves have it.
+    /// 1 less the number of leaves that contain it.
     times: f64,
     value: f64,
 }

@@ -9,7 +9,7 @@ use crate::solver::{Pattern, SolverError};
 pub(super) struct Leaf {
     /// Equations in the system and those of its border, ascending.
     equations: Vec<usize>,
-    /// Where the values of its matrix are among those of the system.
+    /// Indices of the values of its matrix among those of the system.
     from: Vec<usize>,
     values: Vec<f64>,
     /// Whether there is a factor of these values.

@@ -29,15 +29,15 @@ const LEAST_EQUATIONS: usize = 10_000;
 ///
 /// This is the multifrontal method (Duff and Reid 1983) on a nested dissection (George 1973). Each leaf has the entries
 /// of A between the equations of its border, which leaves it definite if A is; what is counted twice is taken off F.
-/// Where the cuts are follows from the pattern and the positions alone, and the same values give the same S: neither
-/// the number of threads nor what could stay changes a bit.
+/// The cuts follow from the pattern and the positions alone, and the same values give the same S: neither
+/// the number of threads nor parts that are kept change a bit.
 pub(super) struct Parts {
     root: Front,
-    /// Flops of the last factorisation: what was done, not what could stay.
+    /// Flops of the last factorisation, without parts that were kept.
     flops: f64,
 }
 
-/// What came of a part.
+/// Outcome of the elimination of a part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Elimination {
     /// Values are those of the last time.
@@ -158,7 +158,7 @@ impl Parts {
         Ok(plan::plan(pattern, nodes, positions, threads)?.map(|root| Self { root, flops: 0.0 }))
     }
 
-    /// No part stays at the next factorisation.
+    /// Discards the factors: no part is kept at the next factorisation.
     pub(super) fn forget(&mut self) {
         self.root.forget();
     }

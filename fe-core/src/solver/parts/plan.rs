@@ -1,4 +1,4 @@
-//! Where a matrix is cut.
+//! Plan of the cuts of a matrix.
 
 use super::Part;
 use super::front::Front;

@@ -9,7 +9,7 @@ use super::{
 pub struct Bodies {
     /// The node of each equation.
     pub nodes: Vec<usize>,
-    /// Where that node is, from the lower left corner of its body.
+    /// Position of that node, from the lower left corner of its body.
     pub positions: Vec<[f64; 2]>,
     /// The lower and the upper surface of each body, equations from left to right.
     pub surfaces: Vec<[Vec<usize>; 2]>,

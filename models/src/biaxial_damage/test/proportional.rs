@@ -8,7 +8,7 @@ use crate::damage_law::DamageLaw;
 pub struct Proportional {
     /// Principal stresses, largest magnitude 1.
     pub direction: [f64; 3],
-    /// Of the law; `beta_mode` uniaxial or biaxial.
+    /// Parameters of the law; `beta_mode` uniaxial or biaxial.
     pub parameters: Parameters,
 }
 

@@ -267,7 +267,7 @@ fn in_mixed_mode_the_tangent_is_symmetric_for_one_energy() {
     }
 }
 
-/// PROPS of before c_N, and with 0, are the same law to the last bit.
+/// PROPS from before c_N existed, and with c_N = 0, are the same law to the last bit.
 #[test]
 fn without_its_weight_the_law_is_the_one_before() {
     let mut random = Random::new(0xC);

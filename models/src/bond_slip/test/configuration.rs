@@ -1,4 +1,4 @@
-//! What PROPS and increments are refused.
+//! PROPS and increments that are refused.
 
 use super::*;
 use umat_abi::law::{ConfigurationError, InterfaceIncrement, TangentialIncrement};

@@ -97,7 +97,7 @@ fn too_long_an_element_is_refused_with_the_limit() {
     ));
 }
 
-/// A host that changes CELENT in mid-run is told as soon as it matters.
+/// A host that changes CELENT in mid-run gets an error as soon as it matters.
 #[test]
 fn a_length_that_grows_too_large_is_refused() {
     let props = with(defaults(), &[("G_f", 0.1)]);
@@ -168,7 +168,7 @@ fn a_softening_point_refuses_every_length_above_the_limit() {
     }
 }
 
-/// Without a length the law would be another one: it does not go on, at whichever increment.
+/// Without a length the law would be another one: it refuses to go on, in every increment.
 #[test]
 fn a_fracture_energy_asks_for_a_length_in_every_increment() {
     for (energy, strains) in [("G_f", [1e-5, 3e-4]), ("G_c", [-1e-5, -3e-3])] {

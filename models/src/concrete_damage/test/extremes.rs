@@ -1,4 +1,4 @@
-//! What is thrown at the law: repeated strains, full damage, strange parameters, bad numbers.
+//! Extreme inputs: repeated principal strains, full damage, unusual parameters, numbers that are not finite.
 
 use super::*;
 use umat_abi::law::{advance_values, parameters_of};

@@ -155,8 +155,8 @@ fn the_time_increment_tells_how_far_to_extrapolate() {
     assert!(told < 0.5 * untold, "{told:e} {untold:e}");
 }
 
-/// After a point has failed at one blow, which the stress has not heard of yet: what is left to release comes as slowly as
-/// increments are short, and all of it in the end.
+/// A point fails within one increment, and its stress lags behind: the rest of the stress is released the more slowly the
+/// shorter increments are, and all of it in the end.
 #[test]
 fn a_lag_is_made_up_in_as_small_parts_as_increments_are_short() {
     let props = banded();

@@ -6,7 +6,7 @@ use std::ptr;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicPtr, Ordering};
 
-/// What was done to an address.
+/// Kind of access to an address.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub(in crate::host) enum Access {
@@ -44,7 +44,7 @@ static SINK: AtomicPtr<()> = AtomicPtr::new(ptr::null_mut());
 /// The handlers that there were before.
 static FORMER: OnceLock<[libc::sigaction; 2]> = OnceLock::new();
 
-/// Lets forbidden accesses be told to `sink`, from now on; then the former handlers get them.
+/// Installs handlers that pass forbidden accesses to `sink` from now on, and then to the former handlers.
 ///
 /// # Errors
 /// The system does not let it.

@@ -1,4 +1,4 @@
-//! Memory between pages that are not to be touched, and the handler that tells which of them was.
+//! Memory between protected pages, and the handler that finds out which of them was touched.
 
 mod fault;
 mod watch;
@@ -17,7 +17,7 @@ const FENCE: usize = 1 << 16;
 /// The least that is protected at once.
 const PAGE: usize = 1 << 12;
 
-/// What becomes of an access outside an array.
+/// Consequence of an access outside an array.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Outside {
     /// Access ends the process.

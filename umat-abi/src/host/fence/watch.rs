@@ -34,7 +34,8 @@ unsafe impl Sync for Entry {}
 // SAFETY: as above.
 unsafe impl Send for Entry {}
 
-/// Lets whoever touches the fences of an array be noted; `None`: too many are watched, or there can be no handler.
+/// Watches the fences of an array, so that accesses to them are noted; `None`: too many are watched, or no handler can be
+/// installed.
 pub(in crate::host) fn watch(make: impl FnOnce() -> Option<Fenced>) -> Option<Watched> {
     static LISTENS: OnceLock<bool> = OnceLock::new();
     if COUNT.load(Ordering::Relaxed) >= MOST || !*LISTENS.get_or_init(|| listen(note).is_ok()) {

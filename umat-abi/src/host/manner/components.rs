@@ -4,13 +4,13 @@ use super::super::call::{CallOutcome, UmatCall};
 use super::super::memory::Overrun;
 use crate::law::{Request, StressState};
 
-/// σ33 of plane stress, relative to the largest stress, or to what the largest strain makes of the stiffness.
+/// Tolerance of σ33 in plane stress, relative to the largest stress, or to the stiffness times the largest strain.
 const STRESS_TOLERANCE: f64 = 1e-13;
-/// What is good enough where no iteration comes nearer.
+/// The same, accepted where no iteration comes nearer.
 const LARGEST_STRESS: f64 = 1e-9;
 /// Iterations on ε33.
 const MAX_ITERATIONS: usize = 50;
-/// What is repeated of an increment without a plane-stress state.
+/// Fraction of the increment that is tried next where no state of plane stress is found.
 const CUT: f64 = 0.5;
 /// 33 among the six components.
 const THROUGH: usize = 2;
@@ -49,7 +49,7 @@ impl UmatCall {
         self.restore_outcome();
     }
 
-    /// What a call changes, as it is at the start.
+    /// Sets stress, states and energies of the other call to those at the start.
     pub(super) fn set_start(&self, solid: &mut Self) {
         solid.stress_mut().fill(0.0);
         for (stress, &component) in self.stress().iter().zip(self.stress_state().components()) {
@@ -59,7 +59,7 @@ impl UmatCall {
         solid.energies = self.energies;
     }
 
-    /// ε33 for which σ33 = 0: Newton's first step, then secants, which need no true tangent, inside a bracket as soon as
+    /// Finds ε33 for which σ33 = 0: Newton's first step, then secants, which need no true tangent, inside a bracket as soon as
     /// there is one.
     fn call_without_through_stress(&mut self, solid: &mut Self, request: Request) -> Result<CallOutcome, Overrun> {
         let start = self.strain_33;
@@ -129,7 +129,7 @@ impl UmatCall {
         Ok(outcome)
     }
 
-    /// What the other call came back with: the plane's components, in plane stress those of C − C,₃ ⊗ C₃,/C₃₃.
+    /// Takes over the results of the other call: the plane's components, in plane stress those of C − C,₃ ⊗ C₃,/C₃₃.
     fn take_over(&mut self, solid: &Self, request: Request) {
         let components = self.stress_state().components();
         for (k, &component) in components.iter().enumerate() {

@@ -19,7 +19,7 @@ const RELATIVE_STEP: f64 = 1e-5;
 const LEAST_STRAIN: f64 = 1e-4;
 /// Differences that are unsymmetric by less than this part of the largest entry are of a symmetric tangent.
 const ASYMMETRY: f64 = 1e-7;
-/// What is repeated of an increment next to which no stress is found.
+/// Fraction of the increment that is tried next where a strain beside its end gives no stress.
 const CUT: f64 = 0.5;
 
 /// Derivatives by one component: from below, from above, from both.

@@ -1,7 +1,7 @@
 //! Calls that differ from a plain one: of a UMAT that knows six components only, and with a tangent by differences.
 //!
-//! Whoever calls does not see it: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
-//! [`UmatCall::go_through`] laid.
+//! Callers do not see the difference: [`UmatCall::call`] takes the way that [`UmatCall::set_tangent_source`] and
+//! [`UmatCall::go_through`] have set.
 
 mod components;
 mod differences;
@@ -24,12 +24,12 @@ pub enum TangentSource {
     Compared,
 }
 
-/// How a UMAT is called, as far as its user says.
+/// Way in which a UMAT is called, as far as its user sets it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Manner {
     /// Whether it is called with NTENS 6 in a plane too; `None`: where the plugin needs it.
     pub as_three_d: Option<bool>,
-    /// Where DDSDDE comes from; `None`: the plugin, as long as that serves.
+    /// Source of DDSDDE; `None`: the plugin, as long as that serves.
     pub tangent: Option<TangentSource>,
 }
 
@@ -67,26 +67,26 @@ impl TangentDeviation {
     }
 }
 
-/// The way of calls that are not plain.
+/// Way of calls that are not plain.
 #[derive(Debug, Default)]
 pub(super) struct Detour {
     /// The call with six components that is made instead.
     solid: Option<Box<UmatCall>>,
     tangent: TangentSource,
     largest: Option<TangentDeviation>,
-    /// How many columns of DDSDDE are wanted, from the first.
+    /// Number of columns of DDSDDE that are wanted, from the first.
     columns: usize,
     buffers: Buffers,
 }
 
-/// What a call starts from and what it came to, while others are made.
+/// Start and end of a call, kept while others are made.
 #[derive(Clone, Debug, Default)]
 struct Buffers {
     start: Point,
     end: Point,
 }
 
-/// What a call changes.
+/// Quantities that a call changes.
 #[derive(Clone, Debug, Default)]
 struct Point {
     stress: [f64; 6],
@@ -102,7 +102,7 @@ impl Detour {
 }
 
 impl UmatCall {
-    /// Says where DDSDDE comes from.
+    /// Sets the source of DDSDDE.
     pub fn set_tangent_source(&mut self, tangent: TangentSource) {
         if let Some(solid) = self.detour.as_mut().and_then(|detour| detour.solid.as_mut()) {
             solid.set_tangent_source(tangent);

@@ -1,4 +1,4 @@
-//! Whether a plugin without metadata knows the components of a plane call, found out by calls.
+//! Trial calls that find out whether a plugin without metadata handles the components of a plane call.
 
 use super::super::call::{CallOutcome, UmatCall};
 #[cfg(unix)]
@@ -16,11 +16,11 @@ const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
 const SAME: f64 = 1e-3;
 
 impl Manner {
-    /// A call with these components, through one with six where the manner or the law's metadata says so. `make` makes a
+    /// A call with these components, through one with six if the manner or the law's metadata require it. `make` makes a
     /// plain call.
     ///
     /// # Errors
-    /// What `make` says.
+    /// The error of `make`.
     pub fn prepare(
         self,
         stress_state: StressState,
@@ -48,7 +48,7 @@ impl Manner {
     /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
     ///
     /// # Errors
-    /// What `make` says.
+    /// The error of `make`.
     pub fn probe(
         self,
         call: &mut UmatCall,

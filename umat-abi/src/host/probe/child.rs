@@ -1,4 +1,4 @@
-//! The child process, and what it tells of its end.
+//! The child process, and its report on its end.
 
 use super::super::fence::{Access, Fenced, listen};
 use super::Probed;
@@ -85,7 +85,7 @@ fn tell(address: usize, access: u8) {
     unsafe { libc::write(CHANNEL.load(Ordering::SeqCst), message.as_ptr().cast(), MESSAGE) };
 }
 
-/// Returns what the child's message and status say.
+/// Returns the result that the child's message and status give.
 fn judge(fenced: &[Fenced], message: &[u8], status: i32) -> Probed {
     let told = message.first_chunk::<8>().zip(message.get(8)).map(|(address, access)| (*address, *access));
     match told {

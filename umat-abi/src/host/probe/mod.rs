@@ -18,7 +18,7 @@ pub enum Alignment {
     Start,
 }
 
-/// How the call ended.
+/// End of the call.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Probed {
     /// Came back and touched nothing it must not.

@@ -30,7 +30,7 @@ pub(super) mod word {
     /// A sequence, odd while a library is loaded.
     pub(in super::super) const LOADING: usize = 32;
     pub(in super::super) const NOTES: usize = 64;
-    /// What a call touched outside its arrays: 1 + length of the argument's name, element, length of the array, access.
+    /// Access of a call outside its arrays: 1 + length of the argument's name, element, length of the array, access.
     pub(in super::super) const TRESPASS: usize = NOTES + 8 * super::super::NOTES;
     /// The argument's name.
     pub(in super::super) const ARGUMENT: usize = TRESPASS + 4 * super::WORD;
@@ -70,7 +70,7 @@ impl Map {
         unsafe { AtomicU64::from_ptr(self.raw.as_mut_ptr().add(offset).cast()) }
     }
 
-    /// Copies bytes to an offset; says whether there is room.
+    /// Copies bytes to an offset, and returns whether there was room.
     pub(super) fn write(&self, offset: usize, bytes: &[u8]) -> bool {
         let fits = offset.checked_add(bytes.len()).is_some_and(|end| end <= self.capacity());
         if fits {

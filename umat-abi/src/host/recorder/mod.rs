@@ -1,4 +1,4 @@
-//! What a plugin was last called with, in memory that outlives the process.
+//! Arguments of the last call of a plugin, in memory that outlives the process.
 //!
 //! A plugin may end the process that calls it: Fortran's STOP, a segmentation fault, an endless loop. So the process
 //! that calls plugins, the *worker*, maps a file that its parent, the *supervisor*, maps as well ([`install`],
@@ -93,18 +93,18 @@ pub(super) fn fences_arrays() -> bool {
 }
 
 impl Recorder {
-    /// Says whether a plugin that writes behind an array of a run ends this process at the very store, from now on:
-    /// [`Recording::trespass`] tells which array it was. Without it canaries tell so behind the call.
+    /// Sets whether, from now on, a plugin that writes behind an array of a run ends this process at that very store:
+    /// [`Recording::trespass`] returns the array. Otherwise canaries show it after the call.
     pub fn fence_arrays(&self, fences: bool) {
         self.fences_arrays.store(fences, Ordering::Relaxed);
     }
 
-    /// Says that all is done, with the exit code.
+    /// Notes that the work is done, with the exit code.
     pub fn done(&self, code: u8) {
         self.map.word(word::DONE).store(1 + u64::from(code), Ordering::Release);
     }
 
-    /// Says what a call touched outside its arrays. Does only what a signal handler may.
+    /// Notes the access of a call outside its arrays. Does only what a signal handler may.
     pub(super) fn note_trespass(&self, trespass: &Trespass) {
         let name = trespass.argument.as_bytes();
         let name = &name[..name.len().min(word::LONGEST_ARGUMENT)];

@@ -1,4 +1,4 @@
-//! What a UMAT is told beside strain, stress and states.
+//! Arguments of a UMAT besides strain, stress and states.
 
 use super::*;
 use crate::kinematics::finite::columns;

@@ -1,4 +1,4 @@
-//! What is skipped changes no bit; what is new is told.
+//! Skipped elements change no bit of the results, and changes are not skipped.
 
 use super::*;
 

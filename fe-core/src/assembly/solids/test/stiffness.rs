@@ -147,7 +147,7 @@ fn of_large_strains_is_the_derivative_of_the_forces() {
     }
 }
 
-/// What is said of symmetry is true of the numbers.
+/// Stiffnesses that are called symmetric are symmetric.
 #[test]
 fn symmetry_is_that_of_the_moduli() {
     for sample in samples() {

@@ -25,7 +25,7 @@ fn read_and_look(bytes: &[u8], names: &[&str]) {
     }
 }
 
-/// What the reader lets through, the mesh judges.
+/// Checks a mesh that the reader has accepted: it is refused, or usable.
 fn look(definition: MeshDefinition) {
     let Ok(mesh) = Mesh::new(definition) else { return };
     for element in 0..mesh.elements().len() {

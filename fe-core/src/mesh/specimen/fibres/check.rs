@@ -1,4 +1,4 @@
-//! What the parameters of fibres must be.
+//! Requirements on the parameters of fibres.
 
 use super::{Fibre, Fibres, Laid, Segment};
 use crate::element::{EdgeKind, ElementKind};
@@ -8,7 +8,7 @@ use crate::mesh::specimen::requirement::Requirements;
 
 /// Inclinations up to this, degrees.
 const LARGEST_ANGLE: f64 = 80.0;
-/// Free lengths up to this share of the diameter are none.
+/// Free lengths up to this share of the diameter count as 0.
 pub(super) const SHORTEST: f64 = 1e-6;
 /// The inner side of a curve has at least this share of the diameter as radius.
 const INNER_RADIUS: f64 = 1e-3;
@@ -18,7 +18,7 @@ const LEAST_GAP: f64 = 0.05;
 const APART: f64 = 3.0;
 
 impl Fibres {
-    /// What must hold of each number.
+    /// Checks each number on its own.
     pub(super) fn check(&self) -> Result<(), SpecimenError> {
         let mut required = Requirements::default();
         let mesh = &self.mesh;

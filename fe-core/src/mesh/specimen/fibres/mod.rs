@@ -39,9 +39,9 @@ pub struct Fibres {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
-    /// Whether there is concrete in front of and behind the fibres, no.
+    /// Whether there is concrete in front of and behind the fibres; no by default.
     pub cover: bool,
-    /// How the thickness grows around the exits, not at all.
+    /// Growth of the thickness around the exits; none by default.
     pub graded_thickness: Option<GradedThickness>,
     /// The fibres: in any order, with different names.
     pub fibres: Vec<Fibre>,
@@ -67,7 +67,7 @@ pub struct Fibre {
     /// Diameters that differ from φ, as a line through (distance from the embedded end along the axis, diameter), mm, ascending:
     /// an enlarged end. The thickness is that of φ.
     pub profile: Vec<[f64; 2]>,
-    /// Where its axis crosses the exit face, mm from the middle of the block.
+    /// Place where its axis crosses the exit face, mm from the middle of the block.
     pub exit: f64,
     /// Angle of the axis from the outward normal of the exit face where it begins, at the embedded end, rad: positive to the
     /// right.
@@ -76,7 +76,7 @@ pub struct Fibre {
     pub path: Vec<Segment>,
     /// Length of the axis inside the block, mm.
     pub embedded_length: f64,
-    /// How much longer the hole is, mm.
+    /// Length by which the hole is longer than the fibre, mm.
     pub tail_gap: f64,
     /// Radius of the hole's edges at the exit face, mm; `None`: φ/4.
     pub exit_radius: Option<f64>,

@@ -15,7 +15,7 @@ const EXIT_TURN: f64 = 0.45;
 /// Edges of a rounded exit at least.
 const EXIT_EDGES: usize = 4;
 
-/// What an edge of the outline belongs to.
+/// Surface to which an edge of the outline belongs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Surface {
     Bottom,

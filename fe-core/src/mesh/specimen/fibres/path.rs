@@ -23,7 +23,7 @@ pub enum Segment {
         amplitude: f64,
         /// λ, mm.
         length: f64,
-        /// How many, in halves.
+        /// Number of waves, a multiple of 1/2.
         count: f64,
     },
 }
@@ -70,10 +70,10 @@ struct Piece {
     /// Arc lengths of its ends.
     from: f64,
     to: f64,
-    /// Where the place below is.
+    /// Arc length of the place below.
     anchor: f64,
     place: Place,
-    /// Angle where it ends.
+    /// Angle at its end.
     end_lean: f64,
     shape: Shape,
     least_radius: f64,

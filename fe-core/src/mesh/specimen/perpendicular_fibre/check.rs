@@ -1,4 +1,4 @@
-//! What the parameters of a fibre in a block must be.
+//! Requirements on the parameters of a fibre in a block.
 
 use super::{Configuration, PerpendicularFibre};
 use crate::element::EdgeKind;
@@ -7,7 +7,7 @@ use crate::mesh::specimen::SpecimenError;
 use crate::mesh::specimen::requirement::Requirements;
 
 impl PerpendicularFibre {
-    /// All that must hold of the parameters.
+    /// Checks the parameters.
     pub(super) fn check(&self) -> Result<(), SpecimenError> {
         let mut required = Requirements::default();
         for (name, value) in [

@@ -32,9 +32,9 @@ pub struct PerpendicularFibre {
     pub depth: f64,
     /// Thickness of the block, 3.26 mm: the share of one fibre.
     pub matrix_thickness: f64,
-    /// Whether there is concrete in front of and behind the fibre, no; plane only.
+    /// Whether there is concrete in front of and behind the fibre; no by default; plane only.
     pub cover: bool,
-    /// How the thickness grows around the exit, not at all; plane only.
+    /// Growth of the thickness around the exit; none by default; plane only.
     pub graded_thickness: Option<GradedThickness>,
     /// Diameter φ of the fibre, 0.406 mm.
     pub fibre_diameter: f64,
@@ -42,7 +42,7 @@ pub struct PerpendicularFibre {
     pub embedded_length: f64,
     /// Length outside the block, up to the grip, 3 mm.
     pub free_length: f64,
-    /// How much longer than the fibre the hole is, 0 mm.
+    /// Length by which the hole is longer than the fibre, 0 mm.
     pub tail_gap: f64,
     /// Elements of the fibre.
     pub fibre: PartMesh,
@@ -52,7 +52,7 @@ pub struct PerpendicularFibre {
     pub mesh: FibreMesh,
 }
 
-/// How the specimen becomes plane.
+/// Plane model of the specimen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Configuration {
     /// A slice with two contact lines.
@@ -211,7 +211,7 @@ pub fn perpendicular_fibre(parameters: &PerpendicularFibre) -> Result<Specimen, 
     })
 }
 
-/// Returns what a report must say about a round fibre in the plane.
+/// Returns the notes for reports on a round fibre in the plane.
 pub(super) fn section_notes(phi: f64, matrix_thickness: f64) -> Vec<String> {
     let thickness = fibre_thickness(phi);
     let (area, inertia) = (thickness / (PI / 4.0 * phi), thickness / (3.0 * PI / 16.0 * phi));
