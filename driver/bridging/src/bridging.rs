@@ -9,7 +9,7 @@ use crate::{Closed, Fibre, Inclination, Invalid, ShearLag, Sides};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where the load of one perpendicular fibre comes from.
+/// Model of the load of one perpendicular fibre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "model", rename_all = "snake_case")]
 pub enum Bond {

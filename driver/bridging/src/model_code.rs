@@ -1,4 +1,4 @@
-//! What the fib Model Code 2010 (5.6) makes of residual strengths.
+//! Strengths and classes of the fib Model Code 2010 (5.6) from residual strengths.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};

@@ -1,4 +1,4 @@
-//! What is wrong with a case, and where.
+//! Problems of a case, and their places.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -58,7 +58,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Which exit code a problem asks for.
+/// Kind of a problem, which decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProblemKind {
     /// The input is wrong.

@@ -49,7 +49,7 @@ impl Case {
     /// of one that ends at once.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Problems that the laws report.
     pub fn check_laws(&self) -> Result<(), CaseErrors> {
         let Self::Pullout(program) = self else { return Ok(()) };
         if !ExternalDatabases::is_in(program.model.libraries()) {

@@ -1,4 +1,4 @@
-//! What the parts of a case are resolved with, and what they find.
+//! Resources with which the parts of a case are resolved, and the problems found on the way.
 
 use crate::document::Piece;
 use crate::problem::{Place, Problem};

@@ -1,4 +1,4 @@
-//! What the curve says of each number of the law: standard errors and correlations, to first order.
+//! Uncertainty of each number of the law as the curve determines it: standard errors and correlations, to first order.
 
 use super::law::{BondLaw, Quantity};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};

@@ -13,7 +13,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use statrs::function::beta::beta;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// How fibres lie.
+/// Orientation of the fibres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Orientation {

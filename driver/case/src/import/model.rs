@@ -1,4 +1,4 @@
-//! What the keywords of a job mean.
+//! Interpretation of a job's keywords.
 
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, Place};

@@ -46,7 +46,7 @@ pub struct Defaults {
     pub grip: Option<(&'static str, [f64; 2])>,
     /// Direction of the embedded fibre towards its exit.
     pub fibre_direction: Option<[f64; 2]>,
-    /// Where the fibre leaves the matrix, and its inner end.
+    /// Node at which the fibre leaves the matrix, and node of its inner end.
     pub exit: Option<usize>,
     pub tail: Option<usize>,
     /// Nodes that follow others.

@@ -14,7 +14,7 @@ const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
 const HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.hdr");
 /// The same for C and C++.
 const C_HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.h");
-/// What C and C++ sources include: the Fortran compiler's spelling of a routine.
+/// Header that C and C++ sources include: the Fortran compiler's spelling of a routine.
 const FOR_C: &str = "\
 #ifndef PULLOUT_FOR_C_H
 #define PULLOUT_FOR_C_H

@@ -1,4 +1,4 @@
-//! What the operating system is asked for.
+//! Requests to the operating system.
 
 use crate::input::{self, Input};
 use rustix::event::{PollFd, PollFlags, Timespec};
@@ -10,7 +10,7 @@ use std::sync::mpsc::{self, Sender};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use umat_abi::host;
 
-/// Whether there is what isolation needs.
+/// Whether this system has the means that isolation needs.
 pub const IS_SUPPORTED: bool = cfg!(target_os = "linux");
 
 /// A file without a name, and the path by which a child opens it while this process lives.

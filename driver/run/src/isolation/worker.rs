@@ -26,7 +26,7 @@ pub struct Task {
     /// The process that supervises this one.
     #[arg(long)]
     pub supervisor: u32,
-    /// What the supervisor read from a pipe: the pipe's path, and a file with what came out of it.
+    /// Stream that the supervisor read from a pipe: the pipe's path, and a file with its content.
     #[arg(long = "stream", num_args = 2)]
     pub streams: Vec<PathBuf>,
     /// The command line that is carried out, without the program's name.

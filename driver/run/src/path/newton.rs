@@ -33,7 +33,7 @@ pub(super) struct Evaluation {
 pub(super) struct Targets<'a> {
     /// Components that exist.
     pub(super) components: &'a [usize],
-    /// What determines each component; `Strain` and `Stress` hold the values at the end.
+    /// Control of each component; `Strain` and `Stress` hold the values at the end.
     pub(super) controls: [Control; 6],
     /// The relations, with their right sides at the end.
     pub(super) constraints: &'a [Constraint],
