@@ -496,7 +496,7 @@ struct Runs<'d> {
     series: &'d [Placed<'d, SeriesOfFile>],
 }
 
-/// What claims refer to; the columns are not known if no case could be read.
+/// Members, series and columns that claims refer to; the columns are not known if no case could be read.
 struct Cast<'a> {
     members: &'a [Member],
     series: &'a [Series],

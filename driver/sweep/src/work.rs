@@ -24,10 +24,10 @@ const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
 
-/// How a sweep is worked off.
+/// Settings of a sweep's work.
 #[derive(Clone, Debug)]
 pub struct Work {
-    /// Which part of all runs: number from 0, and how many there are.
+    /// Part of all runs: its number from 0, and the number of parts.
     pub chunk: Option<(usize, usize)>,
     /// Processes or threads at a time.
     pub jobs: usize,

@@ -37,12 +37,12 @@ const PARTIAL: &str = ".pullout.partial";
 /// Names of files that a message lists.
 const MOST_NAMES: usize = 10;
 
-/// How a directory is opened.
+/// Manner of opening a directory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Access<'a> {
     /// Files that the results are made from: never touched.
     pub inputs: &'a [PathBuf],
-    /// Whether what stands in the way is replaced.
+    /// Whether files in the way are replaced.
     pub overwrite: bool,
     /// The process that started this one holds the lock.
     pub is_locked: bool,

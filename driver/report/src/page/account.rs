@@ -1,4 +1,4 @@
-//! What was run, in words and tables.
+//! Account of a run's input, in words and tables.
 
 use pullout_case::Case;
 use pullout_run::bridging;
@@ -63,7 +63,7 @@ pub struct Parameter {
     pub value: String,
     /// Unit.
     pub unit: String,
-    /// What it is.
+    /// Meaning.
     pub meaning: String,
 }
 

@@ -62,7 +62,7 @@ pub struct Figure {
     pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
-    /// What colours and dashes mean, instead of a row of the legend for each line.
+    /// Meaning of colours and dashes, instead of a row of the legend for each line.
     pub key: Option<Key>,
 }
 
@@ -100,7 +100,7 @@ impl Line {
     }
 }
 
-/// What the axes are like. Where y is not named, it shows numbers.
+/// Scale of the axes. An axis y without a name shows numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Numbers.

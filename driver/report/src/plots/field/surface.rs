@@ -25,7 +25,7 @@ pub(super) struct Surface<'a> {
     behind: Option<bool>,
 }
 
-/// How a kind of element is subdivided.
+/// Subdivision of one kind of element.
 #[derive(Clone)]
 struct Lattice {
     /// Shape functions at each lattice point.

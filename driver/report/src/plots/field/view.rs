@@ -1,4 +1,4 @@
-//! What a picture shows of the plane, to equal scales.
+//! Part of the plane that a picture shows, to equal scales.
 
 use super::super::figure::UNIT;
 use super::Window;
