@@ -1,4 +1,4 @@
-//! What a figure was measured on.
+//! Machine on which a figure was measured.
 
 use std::time::SystemTime;
 
@@ -41,7 +41,7 @@ fn processor() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// What the compiler wrote into this program.
+/// Returns the compiler's note in this program.
 fn compiler() -> Option<String> {
     use object::{Object, ObjectSection};
     let file = std::fs::read(std::env::current_exe().ok()?).ok()?;

@@ -10,7 +10,7 @@ use pullout_run::pullout::{self, Findings, Program};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What came of a case that was not refused.
+/// Outcome of a case that was not refused.
 pub(super) struct Ran {
     /// Time of the processors on this process, s, from the model to the end.
     pub seconds: f64,
@@ -28,7 +28,7 @@ pub(super) struct Ran {
     pub over_limit: bool,
 }
 
-/// When a run is given up.
+/// Limits beyond which a run is given up.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limit {
     /// Most increments.

@@ -58,7 +58,7 @@ pub(super) fn solids() -> Vec<Solid> {
     ]
 }
 
-/// Where a point is when it is measured.
+/// State of a point when it is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Situation {
     /// Virgin, far below the elastic limit.

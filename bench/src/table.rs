@@ -14,11 +14,11 @@ pub(super) struct Table {
 pub(super) enum Cell {
     /// Words.
     Text(String),
-    /// How many.
+    /// A count.
     Count(u64),
-    /// How much; not finite: there is no such number.
+    /// A number; not finite: there is no such number.
     Number(f64),
-    /// Why there is no number.
+    /// The reason why there is no number.
     Absent(&'static str),
 }
 

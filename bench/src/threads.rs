@@ -16,7 +16,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
-/// How many times as fast two threads are to be on the plate.
+/// Factor by which two threads are to be faster than one on the plate.
 const TARGET: f64 = 1.6;
 const ROUNDS: usize = 5;
 

@@ -186,7 +186,7 @@ pub fn damaged(file: &[u8], changes: &[Damage]) -> Vec<u8> {
     bytes
 }
 
-/// Where the words of a text are.
+/// Returns the positions of a text's words.
 fn words(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
     let separates = |byte: u8| byte.is_ascii_whitespace() || b",:[]{}".contains(&byte);
     let mut words: Vec<std::ops::Range<usize>> = Vec::new();

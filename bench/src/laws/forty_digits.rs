@@ -11,7 +11,7 @@ use models::pure_damage::PureDamage;
 use models::reverse_cyclic_damage::ReverseCyclicDamage;
 use std::path::Path;
 
-/// Where they are, from the folder of the repository.
+/// Their folder, relative to that of the repository.
 const FOLDER: &str = "tests/reference";
 
 /// A response and the law that has it.

@@ -20,7 +20,7 @@ pub enum Path {
     NonProportional,
 }
 
-/// How far a law is strained.
+/// Greatest strains that a law is taken to.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// e11 in tension.
@@ -62,8 +62,8 @@ impl Path {
         }
     }
 
-    /// Whether a function of the end strain and of maxima so far is met exactly in any number of increments: its maxima
-    /// are at increments.
+    /// Returns whether a function of the end strain and of maxima so far is met exactly in any number of increments:
+    /// its maxima are at increments.
     pub fn is_met_by_any_increments(self) -> bool {
         self != Self::NonProportional
     }

@@ -21,7 +21,7 @@ pub struct Subject {
     pub law: &'static str,
     /// PROPS.
     pub props: Vec<f64>,
-    /// How far it is strained.
+    /// Greatest strains that it is taken to.
     pub extent: Extent,
     /// A function of the end strain and of maxima so far: no increment is too large while it hits the maxima.
     pub is_path_exact: bool,

@@ -17,7 +17,7 @@ const STRESS_STATES: [(StressState, &str); 3] = [
     (StressState::PlaneStress, "plane stress"),
 ];
 
-/// What happened to a form of a law in a stress state.
+/// Results for a form of a law in a stress state.
 pub(super) struct Thrown {
     form: Form,
     stress_state: &'static str,

@@ -8,7 +8,7 @@ pub(super) struct Base {
     pub case: &'static str,
     /// Overrides that make it small, as texts of `--set`.
     pub set: &'static [&'static str],
-    /// What is varied.
+    /// Quantities that are varied.
     pub families: Vec<Family>,
 }
 
@@ -84,7 +84,7 @@ fn friction() -> Family {
     family("friction", values, key("contact.law.props.mu"))
 }
 
-/// What the contact of a fibre is varied by.
+/// Returns the variations of a fibre's contact.
 fn of_contact(penalty: Family) -> Vec<Family> {
     vec![
         penalty,

@@ -14,7 +14,7 @@ const NTENS: usize = 6;
 /// Increments before the measured one; the same path for all, in directions of their own.
 const INCREMENTS: usize = 8;
 
-/// What a batch gains.
+/// Gain of a batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batch {
     /// Updates per second in batches.

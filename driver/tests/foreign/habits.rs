@@ -1,4 +1,4 @@
-//! What public UMATs leave out or get wrong, against our own law on the same mesh: no energies, wrong energies, an elastic
+//! Omissions and errors of public UMATs, against our own law on the same mesh: no energies, wrong energies, an elastic
 //! tangent or none, six components only.
 
 use super::{built, point};

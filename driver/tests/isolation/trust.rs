@@ -1,4 +1,4 @@
-//! Who may run in the program's own process: what was built with it, and nothing that only says so.
+//! Libraries that may run in the program's own process: those built with it, and none that only claims to be.
 
 use super::processes::worker;
 use super::program::{Desk, Outcome, Run, command, files, json, timeless};

@@ -4,12 +4,13 @@ use super::{model, run_to_end};
 
 const DIAMETER: f64 = 0.5;
 const YIELD_STRESS: f64 = 200.0;
-/// Of the area of the round wire, mm.
+/// Thickness of the same area as the round wire, mm.
 const THICKNESS: f64 = 0.25 * std::f64::consts::PI * DIAMETER;
 /// M_p = f_y t φ²/4, N mm.
 const PLASTIC_MOMENT: f64 = YIELD_STRESS * THICKNESS * DIAMETER * DIAMETER / 4.0;
 
-/// How far the load of a case is off from M_p times a change of curvature, 1/mm, on average from a slip to the end, and at most.
+/// Returns the deviation of a case's load from M_p times a change of curvature, 1/mm, on average from a slip to the
+/// end, and at most.
 fn off_from_rigid_plastic(case: &str, change_of_curvature: f64, from: f64) -> [f64; 2] {
     let expected = PLASTIC_MOMENT * change_of_curvature;
     let (mut sum, mut length, mut worst, mut last) = (0.0, 0.0, 0.0_f64, [f64::NAN; 2]);

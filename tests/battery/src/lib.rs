@@ -1,6 +1,6 @@
-//! What every law must pass, whatever its equations: the consistent tangent against differences, rotation, states that never
-//! decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with what it promises
-//! ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
+//! Checks that every law must pass, whatever its equations: the consistent tangent against differences, rotation,
+//! states that never decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with its
+//! promises ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
 
 mod batch;
 mod differences;
@@ -129,9 +129,9 @@ impl<'p> Sample<'p> {
 
 /// A material point of law `L`, driven directly.
 pub struct Point<'p, L: Law> {
-    /// What PROPS say.
+    /// Parameters from PROPS.
     pub parameters: L::Parameters<'p>,
-    /// Which components exist.
+    /// Stress state: the components that exist.
     pub stress_state: StressState,
     /// The committed strain.
     pub strain: [f64; 6],

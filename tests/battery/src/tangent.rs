@@ -11,7 +11,7 @@ pub fn tangent_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6]) -> f64 {
     directional_error(point, strain, &columns[..point.stress_state.components().len()])
 }
 
-/// What differences say about the tangents of random states.
+/// Result of comparing the tangents of random states with differences.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TangentSummary {
     pub tried: usize,

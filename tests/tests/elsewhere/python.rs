@@ -121,7 +121,7 @@ fn script_command(script: &str, arguments: &[String]) -> Option<Command> {
     Some(command)
 }
 
-/// What a script prints as its result.
+/// Returns the numbers that a script prints as its result.
 fn python(script: &str, arguments: &[String]) -> Option<Vec<Vec<f64>>> {
     let output = run(&mut script_command(script, arguments)?);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -22,7 +22,7 @@ struct Original {
     specimen: Specimen,
     folder: PathBuf,
     content: Vec<u8>,
-    /// Where its state begins.
+    /// Place at which its state begins.
     state: usize,
 }
 

@@ -19,7 +19,7 @@ const PLACE: [u32; 2] = [2, 3];
 const AT_LOADING: &str = "FAULT_AT_LOADING";
 const LIBRARY: &str = "libmisbehaving.so";
 
-/// Who calls the plugin.
+/// Caller of the plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Host {
     /// A material point.
@@ -38,7 +38,7 @@ enum Host {
 
 const HOSTS: [Host; 6] = [Host::Point, Host::Element, Host::Uinter, Host::Fric, Host::Bond, Host::Constructor];
 
-/// What a run comes to. The rows are always those of a sound run.
+/// Class of a run's outcome. The rows are always those of a sound run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Class {
     /// All is done.

@@ -13,7 +13,7 @@ use std::thread;
 /// Seed of everything.
 const SEED: u64 = 0x70_75_6c_6c_6f_75_74;
 
-/// How much is tried.
+/// Extent of the trials.
 pub enum Form {
     /// Parts of the suite, one of each module.
     Short,
@@ -23,11 +23,11 @@ pub enum Form {
     One(String, u64),
 }
 
-/// What came out of a module.
+/// Result of a module.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub tried: usize,
-    /// What did not hold: number and reason.
+    /// Trials that failed: number and reason.
     pub broken: Vec<String>,
 }
 
@@ -42,7 +42,7 @@ impl Form {
         }
     }
 
-    /// Whether anything of a module is tried.
+    /// Returns whether anything of a module is tried.
     pub fn concerns(&self, module: &str) -> bool {
         !matches!(self, Self::One(one, _) if one != module)
     }
@@ -90,7 +90,7 @@ pub fn any_damage(number: u64) -> Vec<Damage> {
 }
 
 thread_local! {
-    /// Where the last panic of this thread was.
+    /// Place of this thread's last panic.
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 

@@ -1,5 +1,5 @@
-//! What each argument of UMAT, UINTER and FRIC is: a plugin prints them (tests/umats/print.c), and each is matched, at
-//! points on their own and in specimens.
+//! Values of each argument of UMAT, UINTER and FRIC: a plugin prints them (tests/umats/print.c), and each is compared,
+//! at points on their own and in specimens.
 
 mod contact;
 mod element;
@@ -54,7 +54,8 @@ fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names
 /// The name of an argument and its values.
 type Argument<'v> = (&'v str, &'v [f64]);
 
-/// What the printing plugin with its two constants gets in every UINTER call of a plane, wherever the point is.
+/// Arguments that the printing plugin with its two constants gets in every UINTER call of a plane, wherever the point
+/// is.
 const UINTER_ALWAYS: &[Argument<'_>] = &[
     ("ddsddr", &[0.0; 4]),
     ("dviscous", &[0.0; 4]),
