@@ -26,7 +26,7 @@ impl Machine {
         }
     }
 
-    /// In one line.
+    /// Returns it in one line.
     pub fn line(&self) -> String {
         let Self { processor, cores, system, compiler, build, date } = self;
         let cores = if *cores == 1 { "1 core".to_owned() } else { format!("{cores} cores") };

@@ -223,7 +223,7 @@ impl Settings {
     }
 }
 
-/// Why an item has no results.
+/// Reason why an item has no results.
 #[derive(Debug)]
 pub enum BenchError {
     /// A plugin cannot be loaded.

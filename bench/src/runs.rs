@@ -22,7 +22,7 @@ pub(super) struct Ran {
     pub end: [f64; 3],
     pub findings: Findings,
     pub statistics: Statistics,
-    /// Why it stopped early.
+    /// Reason why it stopped early.
     pub stopped: Option<String>,
     /// Stopped because it was over its limit.
     pub over_limit: bool,
@@ -85,7 +85,7 @@ pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder
     run_within(Limit::NONE, file, overrides, plugins, folder)
 }
 
-/// As [`run`], up to a limit.
+/// Runs a case as [`run`] does, up to a limit.
 ///
 /// # Errors
 /// As [`run`].

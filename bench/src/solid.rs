@@ -68,10 +68,10 @@ pub(super) enum Situation {
 }
 
 impl Situation {
-    /// Both.
+    /// Both situations.
     pub const ALL: [Self; 2] = [Self::Elastic, Self::Inelastic];
 
-    /// In tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Elastic => "elastic",

@@ -12,7 +12,7 @@ use umat_abi::law::{Request, StressState};
 
 /// Calls of each way in all.
 const CALLS: usize = 10_000_000;
-/// So many that each takes less than a time slice.
+/// Number of repeats: so many that each takes less than a time slice.
 const REPEATS: usize = 1000;
 /// Largest accepted surcharge (docs/reference/abi.md).
 const ACCEPTED_NANOSECONDS: f64 = 300.0;

@@ -113,7 +113,7 @@ pub(super) fn compare() -> Result<Vec<Comparison>, BenchError> {
     compare_in(Path::new(FOLDER))
 }
 
-/// The same in another folder.
+/// Compares with the references in another folder.
 pub(super) fn compare_in(folder: &Path) -> Result<Vec<Comparison>, BenchError> {
     if !folder.is_dir() {
         return Ok(Vec::new());

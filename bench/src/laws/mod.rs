@@ -50,7 +50,7 @@ struct Figures {
     error: f64,
     /// Time of a whole path, s.
     seconds: f64,
-    /// Over that of the law itself in the same turns.
+    /// Ratio of that time to the law's own in the same turns.
     time_ratio: f64,
     /// Statistics of the driver.
     statistics: Option<Statistics>,

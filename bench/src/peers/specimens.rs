@@ -124,7 +124,7 @@ impl Comparison {
         })
     }
 
-    /// With reading and meshing, as theirs is with reading; nothing but the reaction is kept.
+    /// Runs our side: with reading and meshing, as theirs is with reading; nothing but the reaction is kept.
     fn ours(&self, settings: &Settings) -> Result<Own, BenchError> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("case.json");

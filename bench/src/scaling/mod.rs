@@ -36,7 +36,7 @@ enum Family {
 impl Family {
     const ALL: [Self; 2] = [Self::Plate, Self::Fibre];
 
-    /// In tables and pictures.
+    /// Returns the name in tables and pictures.
     fn name(self) -> &'static str {
         match self {
             Self::Plate => "plate with a hole",

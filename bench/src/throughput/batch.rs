@@ -78,7 +78,7 @@ impl Points {
     }
 }
 
-/// From point by point to component by component.
+/// Rearranges values from point by point to component by component.
 fn transpose(points: &[f64], size: usize, components: &mut [f64]) {
     for (k, point) in points.chunks_exact(size).enumerate() {
         for (i, value) in point.iter().enumerate() {

@@ -146,7 +146,7 @@ impl BridgingFibre {
         Prepared { opening, embedded, base }
     }
 
-    /// Both embedded sides being shorter by what has spalled.
+    /// Returns the state of a perpendicular fibre whose embedded sides are both shorter by the spalled length.
     fn perpendicular(&self, opening: f64, embedded: f64, spalled: f64) -> Bridged {
         let short = embedded - spalled;
         if short <= 0.0 {

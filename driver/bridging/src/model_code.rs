@@ -47,7 +47,7 @@ pub struct StrengthClass {
 }
 
 impl StrengthClass {
-    /// None below all classes.
+    /// Returns the class of a concrete; `None` below all classes.
     pub fn new(limit: f64, f_r1: f64, f_r3: f64) -> Option<Self> {
         let strength = CLASSES.into_iter().rev().find(|least| f_r1 >= *least)?;
         let ratio = f_r3 / f_r1;

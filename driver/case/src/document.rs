@@ -176,7 +176,7 @@ pub struct Path<S> {
     /// Steps that the point is taken through.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<S>>>,
-    /// Amount of output.
+    /// Settings of the output.
     pub output: Option<Piece<Output>>,
     /// Iteration limits.
     pub controls: Option<Piece<Controls>>,
@@ -231,7 +231,7 @@ pub struct Material {
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
     /// Components with which the UMAT is called in a plane: "3d" with NTENS 6 (in plane stress the program finds e33),
-    /// "plane" with NTENS 4 or 3. Default: as the law declares; for a library without metadata, calls at a virgin point
+    /// "plane" with NTENS 4 or 3. Default: as the law needs; for a library without metadata, calls at a virgin point
     /// decide.
     #[serde(rename = "as")]
     pub components: Option<CalledAs>,
@@ -348,7 +348,7 @@ pub struct Compare {
     pub label: Option<String>,
 }
 
-/// Amount of output.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {

@@ -151,7 +151,7 @@ pub fn hint<S: AsRef<str>>(name: &str, valid: impl IntoIterator<Item = S>) -> St
     suggestion(nearest(name, &valid), &valid)
 }
 
-/// The same with the [`nearest`] name of the list.
+/// Returns such a hint from the [`nearest`] name of the list.
 pub fn suggestion<S: AsRef<str>>(nearest: Option<&str>, valid: &[S]) -> String {
     const MOST_LISTED: usize = 24;
     if let Some(nearest) = nearest {

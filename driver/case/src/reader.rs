@@ -36,7 +36,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The same, for a file that nobody has looked at.
+    /// Makes a reader for a file from an unknown source.
     pub fn of_untrusted(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
         Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
     }

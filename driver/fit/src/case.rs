@@ -67,13 +67,13 @@ pub struct CaseFit {
     pub values: Vec<f64>,
     /// Standard errors of the numbers; infinite if nothing is known.
     pub standard_errors: Vec<f64>,
-    /// Between the numbers.
+    /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
     /// Root mean square of the differences, in the unit of the curve.
     pub rms: f64,
     /// Runs that were made.
     pub runs: usize,
-    /// Why it is not the best.
+    /// Reason why it is not the best.
     pub trouble: Option<String>,
     /// The case with these numbers.
     pub case: Value,

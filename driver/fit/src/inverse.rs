@@ -84,7 +84,7 @@ pub struct Found {
     pub start_rms: f64,
     /// Runs that were made.
     pub runs: usize,
-    /// Why the search ended where it should not have.
+    /// Reason why the search ended where it should not have.
     pub trouble: Option<String>,
 }
 

@@ -78,7 +78,7 @@ pub struct Request {
     pub plugin_paths: Vec<PathBuf>,
 }
 
-/// Why there is no law.
+/// Reason why there is no law.
 #[derive(Debug)]
 pub enum FitError {
     /// The input is wrong.
@@ -102,11 +102,11 @@ pub struct FittedLaw {
     pub simulated: SimulatedCurve,
     /// Agreement of its curve with the measured one.
     pub quality: Quality,
-    /// The same of the regression.
+    /// RMS difference of the regression's curve.
     pub regression_rms: f64,
     /// Runs of the simulation.
     pub runs: usize,
-    /// Why it is not the best law of its form.
+    /// Reason why it is not the best law of its form.
     pub trouble: Option<String>,
     /// τ_res, MPa.
     pub residual: f64,

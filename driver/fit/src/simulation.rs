@@ -22,7 +22,7 @@ pub struct SimulatedCurve {
     pub slips: Vec<f64>,
     /// Loads, N.
     pub loads: Vec<f64>,
-    /// Why it ended early.
+    /// Reason why it ended early.
     pub failure: Option<String>,
 }
 

@@ -1,5 +1,5 @@
-//! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
-//! tables read. The crate `pullout-case` makes it; [`super`] runs it.
+//! Programs: cases checked and resolved, with plugins loaded, names looked up, cycles expanded, tables read. The crate
+//! `pullout-case` makes them; [`super`] runs them.
 
 use crate::arguments::{ContactArguments, UmatArguments};
 use crate::columns;
@@ -293,7 +293,7 @@ pub struct PointGoal {
     pub constraints: Vec<Constraint>,
 }
 
-/// Why a step is not taken whose s11 and e11 would belong to different directions.
+/// Message for a step that is not taken since its s11 and e11 would belong to different directions.
 pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so that strains along its directions and Cauchy \
                       stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
                       or take \"measure\": \"nominal\", whose stresses turn with the material";

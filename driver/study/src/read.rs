@@ -1,4 +1,5 @@
-//! From a study file to a [`Study`], with everything that is wrong with it and with the cases of its runs at once.
+//! Reading of study files into a [`Study`], with everything that is wrong with them and with the cases of their runs at
+//! once.
 
 use super::claims::Expectation;
 use super::fingerprint::Fingerprints;

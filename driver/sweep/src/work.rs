@@ -183,7 +183,7 @@ impl Office<'_> {
         self.store.add(&self.table(&runs[..rows.len()], rows), first.run)
     }
 
-    /// The same, and tells of it.
+    /// Puts rows into the store and reports the progress.
     fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
         self.put(runs, rows)?;
         let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();

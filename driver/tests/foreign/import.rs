@@ -36,7 +36,7 @@ fn imported(desk: &Desk, job: &str) -> (Value, String) {
     (serde_json::from_str(&outcome.stdout).expect("JSON"), outcome.stderr)
 }
 
-/// Why a job is refused.
+/// Returns the reason why a job is refused.
 fn refused(desk: &Desk, job: &str) -> String {
     desk.write("job.inp", job);
     desk.pullout(["import", "job.inp"]).expect(2).stderr

@@ -188,7 +188,7 @@ fn fibre(place: &Value) -> Value {
     })
 }
 
-/// The same results, to the bit, in two folders.
+/// Checks that two folders have the same results, to the bit.
 fn same(one: &Path, other: &Path) {
     let (one_files, other_files) = (files(one), files(other));
     assert!(one_files.keys().eq(other_files.keys()), "{:?} {:?}", one_files.keys(), other_files.keys());

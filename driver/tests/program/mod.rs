@@ -89,7 +89,7 @@ impl Desk {
         self.run_with(case, &settings, out, code)
     }
 
-    /// The same with any arguments.
+    /// Runs a case with any further arguments.
     pub fn run_with(&self, case: &Path, more: &[&str], out: &str, code: i32) -> Run {
         let folder = self.path(out);
         let arguments =

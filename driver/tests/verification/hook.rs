@@ -49,8 +49,8 @@ fn a_wave_takes_its_plastic_moment_for_each_change_of_curvature() {
     assert!(mean < 0.05 && worst < 0.06, "{mean:.3}, {worst:.3}");
 }
 
-/// With friction the first of its contact opens in the first increment, and what the trapezoid of that misses is the same part of
-/// the work in one of any size.
+/// The first contact with friction opens in the first increment, and the trapezoidal rule misses the same part of its
+/// work in an increment of any size.
 #[test]
 fn a_first_increment_in_which_contact_opens_stands() {
     let overrides = ["contact.law.props.mu=0.2", "steps.0.slip=0.002", "steps.0.increments.initial=0.01"];

@@ -15,7 +15,7 @@ pub fn tangent_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6]) -> f64 {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TangentSummary {
     pub tried: usize,
-    /// At kinks: the tangent itself jumps within the reach of the differences.
+    /// Number of those at kinks: the tangent itself jumps within the reach of the differences.
     pub excluded: usize,
     /// Greatest error of the others.
     pub worst: f64,

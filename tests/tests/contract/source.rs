@@ -13,7 +13,7 @@ pub struct EntryPoint {
     pub name: String,
     /// Description, line by line.
     pub doc: Vec<String>,
-    /// In order, hidden lengths last.
+    /// Arguments in order, hidden lengths last.
     pub arguments: Vec<Argument>,
 }
 
@@ -25,7 +25,7 @@ pub struct Argument {
     pub shape: String,
     /// Description.
     pub doc: String,
-    /// As in Rust.
+    /// Type in Rust.
     pub rust_type: Type,
 }
 

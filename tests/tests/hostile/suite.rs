@@ -32,7 +32,7 @@ pub struct Tally {
 }
 
 impl Form {
-    /// As `PULLOUT_HOSTILE` says.
+    /// Returns the form that `PULLOUT_HOSTILE` names.
     pub fn given() -> Self {
         let Ok(text) = std::env::var("PULLOUT_HOSTILE") else { return Self::Short };
         match text.split_once(':').map(|(module, number)| (module.to_owned(), number.parse())) {

@@ -58,7 +58,7 @@ pub struct Fitted {
     pub correlation: DMatrix<f64>,
     /// √(Σr²/m) of the data.
     pub rms: f64,
-    /// The same of the penalties.
+    /// √(Σr²/m) of the penalties.
     pub penalty: f64,
 }
 

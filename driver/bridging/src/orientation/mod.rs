@@ -316,7 +316,7 @@ impl Directions {
         &self.nodes[level][panel]
     }
 
-    /// The same of a part of one.
+    /// (θ, weight p dθ) of a part of a panel.
     pub(crate) fn nodes_between(&self, level: usize, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         rule(level).iter().map(move |(node, weight)| {
             let angle = from + (to - from) * node;

@@ -39,11 +39,11 @@ pub struct BridgingCase {
     pub beam: Option<Piece<NotchedBeam>>,
     /// Beams with fibres at random (default: none); needs a beam.
     pub scatter: Option<Piece<Scatter>>,
-    /// Amount of output.
+    /// Settings of the output.
     pub output: Option<Piece<BridgingOutput>>,
 }
 
-/// Amount of output.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgingOutput {
@@ -148,9 +148,9 @@ fibre_of_file! {
         beta: Option<f64>,
         /// Energy of debonding G_d, N/mm (default 0).
         debonding_energy: Option<f64>,
-        /// Until it slides as a whole (default elastic).
+        /// Debonding, until the fibre slides as a whole (default elastic).
         debonding: Option<Debonding>,
-        /// While it slides as a whole (default shortening).
+        /// Sliding of the fibre as a whole (default shortening).
         sliding: Option<Sliding>,
         /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,

@@ -51,7 +51,7 @@ pub struct PulloutCase {
     /// Steps that the specimen is taken through.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
-    /// Amount of output.
+    /// Settings of the output.
     pub output: Option<Piece<PulloutOutput>>,
     /// Tolerances and limits.
     pub controls: Option<Piece<PulloutControls>>,
@@ -125,7 +125,7 @@ pub enum PartModel {
 pub enum Thickness {
     /// mm.
     Value(Positive),
-    /// That of a plate as high as the round fibre.
+    /// Thickness of a plate as high as the round fibre.
     Section(Section),
 }
 
@@ -200,7 +200,7 @@ pub struct AutomaticIncrements {
     pub minimum: Option<Fraction>,
 }
 
-/// Amount of output.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PulloutOutput {

@@ -146,7 +146,7 @@ pub enum QuantityOfFile {
 pub enum NamedQuantity {
     /// The curve's greatest ordinate in magnitude.
     Peak,
-    /// Slip at which the curve has its peak.
+    /// The curve's abscissa at its peak.
     SlipAtPeak,
     /// The area below the curve up to the common end.
     Work,
@@ -172,7 +172,7 @@ pub struct ColumnValue {
     pub column: String,
     /// Place in the history (default "end").
     pub at: Option<Where>,
-    /// Over another column at the same place, or the sum of several.
+    /// Divisor: another column at the same place, or the sum of several.
     pub over: Option<OneOrMany>,
 }
 

@@ -71,7 +71,7 @@ impl Keyword {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// The same in capitals.
+    /// A parameter's value in capitals; empty for one without a value.
     pub(super) fn capitals(&self, name: &str) -> Option<String> {
         self.parameter(name).map(str::to_ascii_uppercase)
     }

@@ -54,7 +54,7 @@ pub struct Built {
     pub not_offered: Vec<String>,
 }
 
-/// Why there is no library.
+/// Reason why there is no library.
 #[derive(Debug)]
 pub enum Refusal {
     /// A source that is no file, or of no known language; an output that must not be overwritten.

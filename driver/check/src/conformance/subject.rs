@@ -214,7 +214,7 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(difference).fold(0.0, f64::max)
 }
 
-/// Why a call gave no result.
+/// Reason why a call gave no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Trouble {
     /// Failure that any host recognises; a cut-back request left the arrays as they were.

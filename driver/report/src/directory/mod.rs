@@ -48,7 +48,7 @@ pub struct Access<'a> {
     pub is_locked: bool,
 }
 
-/// Why a directory cannot be used.
+/// Reason why a directory cannot be used.
 #[derive(Debug)]
 pub enum Refusal {
     /// Record of its content.

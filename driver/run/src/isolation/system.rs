@@ -110,7 +110,7 @@ pub fn standard_streams_are_open() -> bool {
 /// Descriptors below are the first that a plugin gets, or closes in a row.
 const REACH: i32 = 512;
 
-/// The same file under a number that plugins do not meet by chance; where there is none, as it was.
+/// Returns the same file under a number that plugins do not meet by chance; if there is none, the file as it was.
 pub fn out_of_reach(file: File) -> File {
     rustix::io::fcntl_dupfd_cloexec(&file, REACH).map_or(file, File::from)
 }

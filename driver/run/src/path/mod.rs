@@ -106,7 +106,7 @@ impl Statistics {
     }
 }
 
-/// Why a run ended early.
+/// Reason why a run ended early.
 #[derive(Debug)]
 pub enum Stop {
     /// The point could not be advanced.

@@ -21,15 +21,15 @@ pub struct Findings {
     /// Share of the work taken by stabilisation and by the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
-    /// Place and moment at which the plastic strain of fibres first passed `output.rupture_strain`, by the fibres'
-    /// names ("fibre" for one without a name).
+    /// First increment in which the plastic strain of each fibre passed `output.rupture_strain`, by the fibres' names
+    /// ("fibre" for one without a name).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub ruptures: IndexMap<String, Rupture>,
     /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
     #[serde(default)]
     pub overlap_max: f64,
-    /// The same over the fibre's diameter; without a fibre over the shortest edge in contact, without contact over the
-    /// shortest outer edge.
+    /// Deepest overlap over the fibre's diameter; without a fibre over the shortest edge in contact, without contact
+    /// over the shortest outer edge.
     #[serde(default)]
     pub overlap_relative: f64,
     /// Places at which bodies overlap at the greatest load, `peak`, and at the `end`, where they do.

@@ -35,7 +35,7 @@ fn expect(call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     expect_within(ROUNDING, call, expected, names);
 }
 
-/// The same, with what rounding makes of longer computations, as a share of an array's largest value.
+/// Asserts the same with another rounding error, of longer computations, as a share of an array's largest value.
 fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     for (name, expected) in expected {
         let found = values(&call[*name]);
@@ -86,7 +86,7 @@ const UINTER_ALWAYS: &[Argument<'_>] = &[
     ("lprint", &[0.0]),
 ];
 
-/// The same of FRIC, with one constant.
+/// Arguments that the printing plugin with one constant gets in every FRIC call.
 const FRIC_ALWAYS: &[Argument<'_>] = &[
     ("ddtddg", &[0.0]),
     ("ddtddp", &[0.0]),

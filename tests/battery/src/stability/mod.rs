@@ -40,7 +40,7 @@ pub struct Subject<'p> {
     pub steady: bool,
     /// The stored energy is ½ σ : ε: no inelastic strain, σ its derivative.
     pub quadratic: bool,
-    /// In which stress states the end of a proportional path does not depend on its increments.
+    /// Stress states in which the end of a proportional path does not depend on its increments.
     pub path_exact: &'static [StressState],
 }
 

@@ -115,7 +115,7 @@ fn biaxial_damage(weights: f64, stress_state: StressState, chunk: u64, states: u
     throw::<BiaxialDamage>(&subject, stress_state, chunk, states)
 }
 
-/// With inelastic strain or a crack band, and which of the law's variants.
+/// Throws states at the law, with inelastic strain or a crack band, in one of its variants.
 fn concrete_damage(
     [inelastic, band]: [bool; 2],
     which: &[usize],

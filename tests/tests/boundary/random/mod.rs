@@ -114,9 +114,9 @@ struct Output {
     name: &'static str,
     memory: Fenced,
     before: Vec<u64>,
-    /// So many cells at its start are written by a call that is done; all others never.
+    /// Number of cells at its start that are written by a call that is done; all others never are.
     written: usize,
-    /// So many at its start become NaN in a refusal.
+    /// Number of cells at its start that become NaN in a refusal.
     spoilt: usize,
     /// The call was told of it.
     given: bool,

@@ -142,7 +142,7 @@ pub struct Terms {
 pub struct FreedomOf {
     /// The node.
     pub node: NodeReference,
-    /// Along which axis.
+    /// Axis of the displacement.
     pub component: Axis,
 }
 
@@ -152,7 +152,7 @@ pub struct FreedomOf {
 pub struct Term {
     /// The node.
     pub node: NodeReference,
-    /// Along which axis.
+    /// Axis of the displacement.
     pub component: Axis,
     /// Factor (default 1).
     pub factor: Option<f64>,

@@ -328,7 +328,7 @@ pub enum FibreShape {
 pub enum SeparationLength {
     /// mm.
     Given(f64),
-    /// By the inclination.
+    /// A length that follows from the inclination.
     Rule(SeparationRule),
 }
 

@@ -35,7 +35,7 @@ impl View {
         Self { x, y, scale: pixels * f64::from(UNIT), corner: (0, 0) }
     }
 
-    /// The same with its upper left corner here.
+    /// Returns the view with its upper left corner here.
     pub fn at(self, corner: Place) -> Self {
         Self { corner, ..self }
     }
