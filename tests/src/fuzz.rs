@@ -57,7 +57,7 @@ pub const WILD_WORDS: [&str; 34] = [
     "\u{0}",
 ];
 
-/// Numbers at the ends of all scales, and those that are none.
+/// Numbers at the ends of all scales, NaN and infinity.
 pub const WILD_NUMBERS: [f64; 24] = [
     0.0,
     -0.0,

@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Fewest samples of the angle on a panel.
 const FEWEST_ANGLES: usize = 2;
-/// Shares are told in so many bins of the right angle.
+/// Number of bins of the right angle in which shares are given.
 const BINS: usize = 9;
 
 /// Bridging at one opening.

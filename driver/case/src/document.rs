@@ -226,8 +226,8 @@ pub struct Material {
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
     pub entry: Option<Entry>,
-    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: unless
-    /// all plugins were built with the program; false is granted by --in-process only.
+    /// Run the case in a process of its own, so that a plugin that ends or blocks it is reported from outside. Default:
+    /// unless all plugins were built with the program; false is granted by --in-process only.
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
     /// Components with which the UMAT is called in a plane: "3d" with NTENS 6 (in plane stress the program finds e33),
@@ -264,7 +264,7 @@ pub enum Tangent {
     Reported,
     /// Differences of its stress.
     Numerical,
-    /// The UMAT, compared with differences; the largest deviation is told.
+    /// The UMAT, compared with differences; the largest deviation is reported.
     Compare,
 }
 

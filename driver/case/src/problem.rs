@@ -104,9 +104,9 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Problems that are told one by one; of more, how many there are.
+/// Most problems that are listed one by one; of more, only the number is given.
 pub const MOST_SHOWN: usize = 50;
-/// Characters of a problem that are told.
+/// Most characters of a problem that are shown.
 const LONGEST_LINE: usize = 1000;
 
 /// Everything that is wrong with a case file.

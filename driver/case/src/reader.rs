@@ -54,7 +54,7 @@ impl<'a> Reader<'a> {
         self.named(name).map_err(|message| self.problem(place, message)).ok()
     }
 
-    /// Warns of a value that nobody means, a slip of units perhaps.
+    /// Warns of a value that is hardly meant, a slip of units perhaps.
     pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
         let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
         let warning = format!(

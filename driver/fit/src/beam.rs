@@ -76,7 +76,7 @@ impl BeamFit {
     /// Finds it. Geometry, fibre and dosage are those of the case.
     ///
     /// # Errors
-    /// A test that is none, or a case without sense.
+    /// Data that are not those of a test, or a case without sense.
     pub fn new(program: &Program, test: &Measured) -> Result<Self, Invalid> {
         let geometry = program.beam.unwrap_or_default();
         let fast = fast_inverse(&geometry, test)?;

@@ -3,7 +3,7 @@
 use super::law::{BondLaw, Quantity};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Directions of the coordinates whose information is below this part of the greatest cannot be told.
+/// Directions of the coordinates whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
 /// A standard error above this part of the value: the curve does not tell the number.
 pub const IDENTIFIABLE: f64 = 0.25;

@@ -15,15 +15,15 @@ use std::path::PathBuf;
 
 /// CMOD to which a beam is tested, mm (EN 14651).
 const LAST_CMOD: f64 = 4.0;
-/// CMODs that are told beside those of the standard, narrower at the beginning.
+/// CMODs of the results beside those of the standard, narrower at the beginning.
 const CMODS: usize = 81;
 /// CMOD up to which f_L is taken, mm (EN 14651).
 const LIMIT_CMOD: f64 = 0.05;
 /// w_u of the Model Code's linear model, mm.
 const ULTIMATE_OPENING: f64 = 2.5;
-/// Openings up to which the work is told, mm.
+/// Openings up to which the work is given, mm.
 const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
-/// Quantiles that are told.
+/// Quantiles that are given.
 pub const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
 /// A run of fibres across a crack.
@@ -292,7 +292,7 @@ impl Spread {
     }
 }
 
-/// CMODs at which a beam is told: those of the standard among others.
+/// CMODs at which a beam's results are given: those of the standard among others.
 fn cmods() -> Vec<f64> {
     let even = (0..CMODS).map(|k| LAST_CMOD * (k as f64 / (CMODS - 1) as f64).powi(2));
     let mut all: Vec<f64> = even.chain(RESIDUAL_CMOD).chain([LIMIT_CMOD]).collect();

@@ -1,7 +1,7 @@
 //! The one reader of files that a user or a case names: at once, whole, up to a size that their use may need, and no
 //! longer than something comes.
 //!
-//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. What came out of it is kept for whoever asks for the
+//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. Its content is kept for whoever asks for the
 //! path again, and handed on to the processes that this one starts for isolated plugins ([`streams`], [`supply`]).
 
 use crate::signals;

@@ -1,4 +1,4 @@
-//! Claims: found, not found, or cannot be told, with the figures.
+//! Claims: found, not found, or undecided ("cannot be told"), with the figures.
 //!
 //! A number that is not known, because its run failed or was not run, can neither confirm nor refute. A claim is refuted
 //! by one known counterexample, whatever else is unknown; it is confirmed only if everything is known.

@@ -37,7 +37,7 @@ const LONGEST_NAME: usize = 200;
 /// Reads a study file and checks the cases of all its runs.
 ///
 /// `overrides` are texts of `--set`, for all runs and behind their own; `plugin_paths` are searched for plugins before the
-/// usual folders; `is_untrusted`: nobody has looked at the study and its cases. Cases for which `isolated` says so are not
+/// usual folders; `is_untrusted`: the study and its cases are from an unknown source. Cases for which `isolated` says so are not
 /// read here, because their plugins must not be loaded.
 ///
 /// # Errors

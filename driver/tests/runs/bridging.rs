@@ -182,7 +182,7 @@ fn strengths_lead_back_to_the_bond() {
     }
 }
 
-/// Friction that is the same at all angles gives C2 without snubbing. The runs are kept, whoever asks for them again,
+/// Friction that is the same at all angles gives C2 without snubbing. The runs are kept for any later request,
 /// and one that fails is named.
 #[test]
 fn curves_of_runs_give_the_closed_form() {

@@ -43,7 +43,7 @@ const HOSTS: [Host; 6] = [Host::Point, Host::Element, Host::Uinter, Host::Fric, 
 enum Class {
     /// All is done.
     Harmless,
-    /// All is done, and the user is told in these words.
+    /// All is done, with a warning in these words.
     Warned(&'static str),
     /// It fails in the increment of the fault, with a message that names the plugin and has these words.
     Fails(&'static str),

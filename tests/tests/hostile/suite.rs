@@ -94,7 +94,7 @@ thread_local! {
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Keeps the place of a panic instead of printing it: it is told with the number of its attempt.
+/// Keeps the place of a panic instead of printing it: it is reported with the number of its attempt.
 pub fn silence_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, ToString::to_string);

@@ -66,7 +66,7 @@ impl Measured {
 /// at each point of the test but the first ones.
 ///
 /// # Errors
-/// A test that is none.
+/// Data that are not those of a test.
 pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline, Invalid> {
     geometry.check()?;
     test.check()?;
@@ -133,7 +133,7 @@ pub struct BridgingFit {
 /// softens: σ is then sought beside the softening that is given.
 ///
 /// # Errors
-/// A test that is none.
+/// Data that are not those of a test.
 pub fn full_inverse(geometry: &NotchedBeam, matrix: &Matrix, test: &Measured) -> Result<BridgingFit, Invalid> {
     matrix.check()?;
     let start = fast_inverse(geometry, test)?;

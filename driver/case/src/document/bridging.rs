@@ -180,7 +180,7 @@ fibre_of_file! {
 }
 
 fibre_of_file! {
-    /// A fibre whose curves are runs of a specimen, kept for whoever needs them.
+    /// A fibre whose curves are runs of a specimen, kept for later use.
     FeFibre {
         /// The case of kind "pullout" with this fibre and no other, relative to this file.
         #[schemars(length(min = 1))]

@@ -11,7 +11,7 @@ use umat_abi::host::{Law, Manner, TangentSource};
 
 mod specimen;
 
-/// Steps that are told; of more (long cycles) only the number.
+/// Most steps that are listed; of more (long cycles) only the number is given.
 const MOST_STEPS: usize = 40;
 
 /// Account of what was run.

@@ -32,7 +32,7 @@ const LEAST_SHARE: f64 = 0.1;
 pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 pub(super) const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 
-/// Okabe & Ito's colours that the colour-blind tell apart, yellow left out (too light for a line).
+/// Okabe & Ito's colours, which the colour-blind can distinguish, yellow left out (too light for a line).
 pub(super) const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -71,7 +71,7 @@ pub struct Figure {
 pub struct Key {
     /// The meaning of each colour.
     pub colors: Vec<String>,
-    /// The meaning of each dash; of one it need not be told.
+    /// Meaning of each dash; a single one needs none.
     pub dashes: Vec<String>,
     /// Whether the colours are shades from the first to the last: a bar instead of rows.
     pub shaded: bool,

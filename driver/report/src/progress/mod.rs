@@ -85,7 +85,7 @@ impl Progress {
         Self { display, shown, extent, start: Instant::now(), pace: Pace::default() }
     }
 
-    /// Tells somebody else, or nobody.
+    /// Reports to another listener, or to none.
     pub fn to(listener: Option<Listener>, extent: Extent) -> Self {
         let display = listener.map_or(Display::Quiet, Display::Listener);
         Self { display, shown: Vec::new(), extent, start: Instant::now(), pace: Pace::default() }

@@ -60,7 +60,7 @@ pub struct Summary {
     pub cutbacks: u64,
     /// Seconds from start to end, pictures excluded.
     pub wall_time_s: f64,
-    /// CPU time of the process from start to end, pictures excluded, s; absent where nobody took it.
+    /// CPU time of the process from start to end, pictures excluded, s; absent where it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_time_s: Option<f64>,
     /// One entry per `compare` of the case.

@@ -97,7 +97,7 @@ impl Report {
         FailedAt { kind, step, increment }
     }
 
-    /// The library whose call is told.
+    /// Library whose call is reported.
     pub fn library(&self) -> Option<&PathBuf> {
         self.call.as_ref().map(|call| &call.library)
     }
@@ -152,7 +152,7 @@ fn contact_point(node: &[f64]) -> String {
     node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
-/// Returns what is told of an end behind the done-mark, `None` if it was the usual one: the results are complete.
+/// Returns the message about an end behind the done-mark, `None` if it was the usual one: the results are complete.
 pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
     if cause == Cause::Exit(code.into()) {
         return None;

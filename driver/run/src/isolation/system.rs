@@ -45,7 +45,7 @@ pub fn this_is_the_program() {
 /// The program.
 ///
 /// # Errors
-/// Nobody has said which file it is.
+/// The program's file has not been set.
 pub fn program() -> io::Result<&'static Path> {
     let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
     PROGRAM.get().map(PathBuf::as_path).ok_or_else(unknown)

@@ -74,7 +74,7 @@ pub fn is_this_process() -> bool {
 /// The terminal behind the standard error, which is a pipe to the supervisor: for what moves, such as a bar.
 static TERMINAL: OnceLock<Term> = OnceLock::new();
 
-/// The terminal to which progress is told, if there is one.
+/// Terminal to which progress is shown, if there is one.
 pub fn terminal() -> Option<Term> {
     if io::stderr().is_terminal() { Some(Term::stderr()) } else { TERMINAL.get().cloned() }
 }

@@ -221,7 +221,7 @@ struct Recorder<'p, 'o> {
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     peak: PeakKeeper<'p>,
-    /// `None`: nobody wants pictures.
+    /// `None`: no pictures are wanted.
     moments: Option<Moments<'p>>,
     ruptures: IndexMap<String, Rupture>,
     present: Present,

@@ -1,4 +1,4 @@
-//! Arguments that no host should pass: NULL anywhere, counts of any size, numbers that are none, names of any bytes. A call
+//! Arguments that no host should pass: NULL anywhere, counts of any size, NaN and infinity, names of any bytes. A call
 //! is done with finite numbers, refused, or cut back with everything as it was; what lies around the arrays and what is
 //! only read stays as it is.
 //!
