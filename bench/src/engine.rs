@@ -1,4 +1,4 @@
-//! What a run of a point costs a program that runs thousands: reading the case, and the run.
+//! Cost of a point's run for a program that runs thousands: reading the case, and the run.
 
 use super::page::Page;
 use super::table::{Cell, Table};

@@ -1,4 +1,4 @@
-//! What a figure was measured on.
+//! Machine on which a figure was measured.
 
 use std::time::SystemTime;
 
@@ -26,7 +26,7 @@ impl Machine {
         }
     }
 
-    /// In one line.
+    /// Returns it in one line.
     pub fn line(&self) -> String {
         let Self { processor, cores, system, compiler, build, date } = self;
         let cores = if *cores == 1 { "1 core".to_owned() } else { format!("{cores} cores") };
@@ -41,7 +41,7 @@ fn processor() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// What the compiler wrote into this program.
+/// Returns the compiler's note in this program.
 fn compiler() -> Option<String> {
     use object::{Object, ObjectSection};
     let file = std::fs::read(std::env::current_exe().ok()?).ok()?;

@@ -50,7 +50,7 @@ const NO_PLUGIN: u8 = 3;
 #[derive(Debug, clap::Parser)]
 #[command(name = "pullout-bench", version, max_term_width = 100)]
 struct Arguments {
-    /// What to measure; default: everything.
+    /// Items to measure; default: all.
     #[arg(value_enum, value_name = "ITEM")]
     items: Vec<Item>,
     /// Only show that it works: seconds instead of minutes, and times that mean little.
@@ -132,7 +132,7 @@ fn complain(text: impl fmt::Display) {
     let _ = writeln!(io::stderr(), "{}", plain(&text.to_string()));
 }
 
-/// What can be measured.
+/// Items that can be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
 pub enum Item {
     /// Error against run time of each law, of the thesis's algorithms, and of the driver, over the number of increments.
@@ -141,19 +141,19 @@ pub enum Item {
     Throughput,
     /// Error of a pull-out against run time, over mesh and increment, and where the time goes.
     Fe,
-    /// What skipping saves: each item, all of them, and what a larger far field costs.
+    /// Savings by skipping: each item, all of them, and the cost of a larger far field.
     Skipping,
-    /// What a specimen costs against its number of unknowns, and which part of it grows how.
+    /// Cost of a specimen against its number of unknowns, and the growth of each part of it.
     Scaling,
     /// One run by one thread and by several: time, and whether the bits are the same.
     Threads,
-    /// What a run of a point costs a program that runs thousands.
+    /// Cost of a point's run for a program that runs thousands.
     Engine,
     /// The same work in CalculiX and simcoon, where they are installed.
     Peers,
     /// Random states thrown at the laws and plugins, variations of specimens: tried, failed, worst error.
     Stability,
-    /// What a call of a plugin costs: against the linked law, with the host's safeguards, against Fortran.
+    /// Cost of a plugin call: against the linked law, with the host's safeguards, against Fortran.
     Abi,
 }
 
@@ -204,7 +204,7 @@ impl Item {
     }
 }
 
-/// How it is measured.
+/// Settings of the measurements.
 #[derive(Clone, Debug)]
 pub struct Settings {
     /// Only show that it works: seconds, and figures that mean little.
@@ -223,7 +223,7 @@ impl Settings {
     }
 }
 
-/// Why an item has no results.
+/// Reason why an item has no results.
 #[derive(Debug)]
 pub enum BenchError {
     /// A plugin cannot be loaded.
@@ -234,7 +234,7 @@ pub enum BenchError {
     Missing {
         /// The plugin.
         plugin: String,
-        /// Where it was looked for.
+        /// Folders in which it was looked for.
         searched: Vec<PathBuf>,
     },
     /// Something that always works did not: a law refused its parameters, two ways disagreed.
@@ -273,12 +273,12 @@ impl From<LoadError> for BenchError {
     }
 }
 
-/// What an item found.
+/// Findings of an item.
 #[derive(Clone, Debug)]
 pub struct Findings {
     /// Text for a terminal.
     pub text: String,
-    /// What should not have been found.
+    /// Findings that should not have been made.
     pub failed: Option<String>,
 }
 

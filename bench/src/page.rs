@@ -1,4 +1,4 @@
-//! What an item found, as files.
+//! Findings of an item as files.
 
 use super::machine::Machine;
 use super::table::Table;
@@ -10,19 +10,19 @@ use std::path::Path;
 /// The results of an item.
 #[derive(Debug)]
 pub(super) struct Page {
-    /// What was measured.
+    /// Subject of the measurements.
     pub title: &'static str,
-    /// How, in a few sentences.
+    /// Method, in a few sentences.
     pub method: String,
     /// Every number.
     pub data: Table,
-    /// What they come to: headings, sentences and tables.
+    /// Conclusions: headings, sentences and tables.
     pub summaries: Vec<(String, Table)>,
-    /// What is to be seen in them.
+    /// Observations on them.
     pub notes: Vec<String>,
     /// Pictures.
     pub figures: Vec<Figure>,
-    /// What should not be among them.
+    /// Findings that should not be among them.
     pub failed: Option<String>,
 }
 

@@ -10,7 +10,7 @@ use pullout_run::pullout::{self, Findings, Program};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// What came of a case that was not refused.
+/// Outcome of a case that was not refused.
 pub(super) struct Ran {
     /// Time of the processors on this process, s, from the model to the end.
     pub seconds: f64,
@@ -22,13 +22,13 @@ pub(super) struct Ran {
     pub end: [f64; 3],
     pub findings: Findings,
     pub statistics: Statistics,
-    /// Why it stopped early.
+    /// Reason why it stopped early.
     pub stopped: Option<String>,
     /// Stopped because it was over its limit.
     pub over_limit: bool,
 }
 
-/// When a run is given up.
+/// Limits beyond which a run is given up.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limit {
     /// Most increments.
@@ -85,7 +85,7 @@ pub(super) fn run(file: &Path, overrides: &[String], plugins: &[PathBuf], folder
     run_within(Limit::NONE, file, overrides, plugins, folder)
 }
 
-/// As [`run`], up to a limit.
+/// Runs a case as [`run`] does, up to a limit.
 ///
 /// # Errors
 /// As [`run`].

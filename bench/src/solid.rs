@@ -58,7 +58,7 @@ pub(super) fn solids() -> Vec<Solid> {
     ]
 }
 
-/// Where a point is when it is measured.
+/// State of a point when it is measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Situation {
     /// Virgin, far below the elastic limit.
@@ -68,10 +68,10 @@ pub(super) enum Situation {
 }
 
 impl Situation {
-    /// Both.
+    /// Both situations.
     pub const ALL: [Self; 2] = [Self::Elastic, Self::Inelastic];
 
-    /// In tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Elastic => "elastic",

@@ -14,11 +14,11 @@ pub(super) struct Table {
 pub(super) enum Cell {
     /// Words.
     Text(String),
-    /// How many.
+    /// A count.
     Count(u64),
-    /// How much; not finite: there is no such number.
+    /// A number; not finite: there is no such number.
     Number(f64),
-    /// Why there is no number.
+    /// The reason why there is no number.
     Absent(&'static str),
 }
 
@@ -74,7 +74,7 @@ impl Table {
         self.rows.push(row.into());
     }
 
-    /// As CSV with a header line; exact numbers, empty where there is none.
+    /// Returns it as CSV with a header line; exact numbers, empty where there is none.
     pub fn csv(&self) -> String {
         let line = |cells: Vec<String>| cells.iter().map(|text| quoted(text)).collect::<Vec<_>>().join(",") + "\n";
         let header = line(self.columns.clone());
@@ -82,7 +82,7 @@ impl Table {
         std::iter::once(header).chain(rows).collect()
     }
 
-    /// As a table of Markdown, numbers rounded.
+    /// Returns it as a Markdown table, numbers rounded.
     pub fn markdown(&self) -> String {
         let line = |cells: Vec<String>| format!("| {} |\n", cells.join(" | "));
         let is_number = |k: usize| self.rows.iter().all(|row| !matches!(row.get(k), Some(Cell::Text(_))));

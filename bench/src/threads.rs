@@ -16,7 +16,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
-/// How many times as fast two threads are to be on the plate.
+/// Factor by which two threads are to be faster than one on the plate.
 const TARGET: f64 = 1.6;
 const ROUNDS: usize = 5;
 
@@ -65,7 +65,7 @@ impl path::Observer for Rows {
     fn increment_done(&mut self, _row: path::Row<'_>, _so_far: Statistics) {}
 }
 
-/// Both specimens by one, two and all threads, in turns.
+/// Measures both specimens by one, two and all threads, in turns.
 pub(super) fn measure(settings: &Settings) -> Result<Page, BenchError> {
     let folder = tempfile::tempdir()?;
     let all = std::thread::available_parallelism().map_or(1, NonZeroUsize::get);
@@ -125,7 +125,7 @@ One analysis shared among threads (`pullout run --threads`): blocks of elements,
 median of turns; *processors*: of all threads together; *speedup*: the median over the turns of the time by one thread over that by so many; *same bits*: every number
 of every row is that of one thread.";
 
-/// On a thread of its own, which can be one of those that share the work.
+/// Runs a scene on a thread of its own, which can be one of those that share the work.
 fn run(scene: &Scene, program: &Program, threads: usize, folder: &Path) -> Result<Ran, BenchError> {
     let failed = |message: String| BenchError::Failed(format!("{}: {message}", scene.name));
     let count = NonZeroUsize::new(threads).unwrap_or(NonZeroUsize::MIN);

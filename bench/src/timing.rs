@@ -4,12 +4,12 @@ use nix::sys::resource::{UsageWho, getrusage};
 use nix::sys::time::{TimeVal, TimeValLike};
 use std::time::Duration;
 
-/// How long and how often.
+/// Number and length of the turns.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Timing {
-    /// How often each way has its turn.
+    /// Number of turns of each way.
     rounds: usize,
-    /// What a turn takes at least: a way that is faster is repeated.
+    /// Least duration of a turn: a way that is faster is repeated.
     turn: Duration,
 }
 
@@ -38,7 +38,7 @@ impl Timing {
         Times(seconds)
     }
 
-    /// How often a way fits into a turn; it is warm then.
+    /// Returns the number of times that a way fits into a turn; it is warm then.
     fn repeats(self, way: &mut Way<'_>) -> u32 {
         let mut repeats = 1_u32;
         loop {

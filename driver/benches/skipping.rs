@@ -1,4 +1,4 @@
-//! What skipping is worth: CPU time with everything skipped, nothing skipped, and each item off or on alone.
+//! Benefit of skipping: CPU time with everything skipped, nothing skipped, and each item off or on alone.
 //!
 //! `cargo bench -p driver --bench skipping`; words behind `--` keep the cases whose file names have one of them. The
 //! share is what an item alone saves of the time without any. Load curves are compared with that of nothing skipped: the

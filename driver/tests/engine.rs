@@ -25,7 +25,7 @@ fn run(source: Source) -> Outcome {
     prepared.run(Settings::default()).unwrap_or_else(|error| panic!("{error}"))
 }
 
-/// The same bits, NaN as well.
+/// Checks that both have the same bits, NaN as well.
 fn assert_same(history: &History, file: &Path) {
     let written = History::read(file).expect("a history");
     assert_eq!(history.columns(), written.columns());

@@ -58,7 +58,7 @@ pub struct Plugin {
     cmname: String,
 }
 
-/// What a point could not be updated for: its index, the reason, the fraction of the increment that is worth a try.
+/// A point that could not be updated: its index, the reason, the fraction of the increment that is worth a try.
 type Refused = (usize, String, Option<f64>);
 
 #[pymethods]

@@ -30,7 +30,7 @@ type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
 /// Columns, `summary.json`, the replay case, the increments, and the page of the viewer.
 type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, Option<String>);
 
-/// How far a run is: the part that is done, and the present row.
+/// Progress of a run: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
 
 fn source((file, document, folder, overrides, plugin_paths): Parts) -> PyResult<Source> {

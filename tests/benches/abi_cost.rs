@@ -1,8 +1,8 @@
-//! What the plugin ABI costs: one law called through a loaded library's `umat_`, through the same `umat_` linked into
-//! the program ("direct"), and as the bare update in Rust.
+//! Cost of the plugin ABI: one law called through a loaded library's `umat_`, through the same `umat_` linked into the
+//! program ("direct"), and as the bare update in Rust.
 //!
-//! `cargo bench -p end-to-end-tests --bench abi_cost`. The ways alternate in short repeats, and medians are compared: what
-//! else the machine does then meets all of them alike.
+//! `cargo bench -p end-to-end-tests --bench abi_cost`. The ways alternate in short repeats, and medians are compared:
+//! other work of the machine then affects all of them alike.
 
 use end_to_end_tests::{LAWS, PointMemory, Sample, plugin, sample, strain_path};
 use models::{
@@ -68,7 +68,7 @@ impl Start {
         Self { stress: point.stress, statev: point.statev.clone(), point }
     }
 
-    /// What a host does before it repeats a call.
+    /// Restores the state as a host does before it repeats a call.
     fn restore(&mut self) {
         self.point.stress = self.stress;
         self.point.statev.copy_from_slice(&self.statev);

@@ -1,8 +1,8 @@
-//! What it costs to note the arguments of a call for a supervisor: calls of the same law in the same state through call
+//! Cost of recording the arguments of a call for a supervisor: calls of the same law in the same state through call
 //! objects that were made before and after the recorder was installed.
 //!
-//! `cargo bench -p end-to-end-tests --bench recorder_cost`. The ways alternate in repeats shorter than a time slice, and
-//! those are compared that were hardly disturbed by what else the machine does.
+//! `cargo bench -p end-to-end-tests --bench recorder_cost`. The ways alternate in repeats shorter than a time slice,
+//! and those are compared that other work of the machine hardly disturbed.
 
 use end_to_end_tests::{plugin, sample, strain_path};
 use std::hint::black_box;
@@ -12,7 +12,7 @@ use umat_abi::law::{Request, StressState};
 
 /// Calls of each way in all.
 const CALLS: usize = 10_000_000;
-/// So many that each takes less than a time slice.
+/// Number of repeats: so many that each takes less than a time slice.
 const REPEATS: usize = 1000;
 /// Largest accepted surcharge (docs/reference/abi.md).
 const ACCEPTED_NANOSECONDS: f64 = 300.0;
@@ -69,7 +69,7 @@ fn time(calls: usize, body: &mut dyn FnMut()) -> f64 {
     start.elapsed().as_secs_f64() * 1e9 / calls as f64
 }
 
-/// What one repeat in ten stays below: the others were disturbed.
+/// Returns the value below which one repeat in ten stays: the others were disturbed.
 fn undisturbed(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);
     values[values.len() / 10]

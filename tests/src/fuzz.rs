@@ -57,7 +57,7 @@ pub const WILD_WORDS: [&str; 34] = [
     "\u{0}",
 ];
 
-/// Numbers at the ends of all scales, and those that are none.
+/// Numbers at the ends of all scales, NaN and infinity.
 pub const WILD_NUMBERS: [f64; 24] = [
     0.0,
     -0.0,
@@ -186,7 +186,7 @@ pub fn damaged(file: &[u8], changes: &[Damage]) -> Vec<u8> {
     bytes
 }
 
-/// Where the words of a text are.
+/// Returns the positions of a text's words.
 fn words(bytes: &[u8]) -> Vec<std::ops::Range<usize>> {
     let separates = |byte: u8| byte.is_ascii_whitespace() || b",:[]{}".contains(&byte);
     let mut words: Vec<std::ops::Range<usize>> = Vec::new();

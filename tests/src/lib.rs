@@ -1,5 +1,5 @@
-//! What the end-to-end tests share: where the plugins are, sample laws, one material point's memory as a
-//! host would own it, random strain paths, damaged files, and the compilers of other languages.
+//! Parts that the end-to-end tests share: the plugins' places, sample laws, the memory of one material point as a host
+//! owns it, random strain paths, damaged files, and the compilers of other languages.
 
 pub mod analytical;
 mod clock;

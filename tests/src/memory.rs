@@ -5,7 +5,7 @@ use std::ffi::c_char;
 use umat_abi::law::StressState;
 use umat_abi::umat::{UmatArguments, UmatFunction};
 
-/// What fills outputs before a call: no law returns it.
+/// Content of outputs before a call: no law returns it.
 const GARBAGE: f64 = -7.25e77;
 
 /// One material point as a host owns it. Every field can be changed before [`Self::arguments`].

@@ -71,7 +71,7 @@ fn skip(reason: &str) {
     notice(reason);
 }
 
-/// Says that a check is skipped which nobody has to be able to make, and why.
+/// Reports that an optional check is skipped, and why.
 pub fn notice(reason: &str) {
     // Not `println!`, which the test harness shows only for failures; a closed stderr is no failure.
     let _ = writeln!(std::io::stderr(), "NOTICE: {reason}: this check is skipped");

@@ -14,7 +14,7 @@ const LINKED: &[Sample] = LAWS;
 /// The numbers pass through text with 17 digits: nothing is lost.
 const TEXT: f64 = 1e-14;
 
-/// What the programs read.
+/// Returns the input of the programs.
 fn input(law: &Sample, stress_state: StressState, path: &[[f64; 6]]) -> String {
     let (ntens, ndi, nshr) = stress_state.counts();
     let mut text = format!("{ntens} {ndi} {nshr} {} {}\n", law.states, law.props.len());

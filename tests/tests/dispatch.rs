@@ -14,7 +14,7 @@ fn run(library: &Library, law: &Sample, name: Option<&[u8]>) -> PointMemory {
     run_symbol(library, law, "umat_", name)
 }
 
-/// The same by another entry point.
+/// Runs such a point by another entry point.
 fn run_symbol(library: &Library, law: &Sample, symbol: &str, name: Option<&[u8]>) -> PointMemory {
     let umat = library.umat(Some(symbol)).expect("the entry point");
     let mut point = PointMemory::new(law, StressState::ThreeD);

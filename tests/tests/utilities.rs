@@ -6,7 +6,7 @@ use libloading::Library;
 use std::sync::OnceLock;
 use std::sync::atomic::{AtomicI32, Ordering};
 
-/// What the library exports: nothing else may be in the way of a plugin's own symbols.
+/// Exports of the library: no others may be in the way of a plugin's own symbols.
 const EXPORTS: [&str; 83] = [
     "SMAFloatArrayAccess",
     "SMAFloatArrayCreate",

@@ -17,7 +17,7 @@ const TWINS: &[Twin] = &[
     Twin { law: "j2_plasticity", source: include_str!("fortran/j2_plasticity.f90") },
 ];
 
-/// What several of them include.
+/// Files that several of them include.
 const INCLUDED: [(&str, &str); 2] = [
     ("arguments.inc", include_str!("fortran/arguments.inc")),
     ("damage_function.inc", include_str!("fortran/damage_function.inc")),

@@ -1,5 +1,5 @@
-//! What a call of a plugin costs: against the linked law, against the host's safeguards, against a recorder, and against
-//! the same law in Fortran.
+//! Cost of a plugin call: against the linked law, against the host's safeguards, against a recorder, and against the
+//! same law in Fortran.
 
 mod fortran;
 #[cfg(test)]

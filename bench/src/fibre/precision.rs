@@ -20,7 +20,7 @@ const USUAL_MESH: f64 = 1.0;
 const END: f64 = 0.3;
 const QUICK_END: f64 = 0.002;
 
-/// What is varied.
+/// Quantity that is varied.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Varied {
     Mesh,

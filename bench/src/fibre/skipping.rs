@@ -1,4 +1,4 @@
-//! What skipping saves: all of it, each item alone, and what a larger far field costs.
+//! Savings by skipping: all of it, each item alone, and the cost of a larger far field.
 
 use super::{LARGEST_INCREMENT, Specimen};
 use crate::page::Page;
@@ -14,10 +14,10 @@ use pullout_run::number::significant;
 /// Pulled so far, mm.
 const END: f64 = 0.05;
 const QUICK_END: f64 = 0.002;
-/// How often each way has its turn.
+/// Number of turns of each way.
 const ROUNDS: usize = 3;
 
-/// What is skipped: its name, in words of the case, and for the picture what is not.
+/// Items that are skipped: their name, in words of the case, and for the picture those that are not skipped.
 const WAYS: [(&str, &str, &str); 6] = [
     ("everything", "\"all\"", "none"),
     ("all but unchanged elements", "{\"unchanged_elements\":false}", "elements"),

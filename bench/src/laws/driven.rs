@@ -15,16 +15,16 @@ use std::path::PathBuf;
 #[derive(Debug)]
 pub struct Driven {
     program: Box<Program>,
-    /// Where the stress begins in a row.
+    /// Place at which the stress begins in a row.
     stress: usize,
 }
 
-/// What a run came to.
+/// Result of a run.
 #[derive(Debug)]
 pub struct Run {
     /// The stress after each increment.
     pub stresses: Vec<Components>,
-    /// What it cost.
+    /// Cost of the run.
     pub statistics: Statistics,
 }
 

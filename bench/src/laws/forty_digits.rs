@@ -11,7 +11,7 @@ use models::pure_damage::PureDamage;
 use models::reverse_cyclic_damage::ReverseCyclicDamage;
 use std::path::Path;
 
-/// Where they are, from the folder of the repository.
+/// Their folder, relative to that of the repository.
 const FOLDER: &str = "tests/reference";
 
 /// A response and the law that has it.
@@ -113,7 +113,7 @@ pub(super) fn compare() -> Result<Vec<Comparison>, BenchError> {
     compare_in(Path::new(FOLDER))
 }
 
-/// The same in another folder.
+/// Compares with the references in another folder.
 pub(super) fn compare_in(folder: &Path) -> Result<Vec<Comparison>, BenchError> {
     if !folder.is_dir() {
         return Ok(Vec::new());

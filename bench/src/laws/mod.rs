@@ -22,7 +22,7 @@ use std::hint::black_box;
 use std::path::PathBuf;
 use subject::{Subject, subjects};
 
-/// How the stress is found.
+/// Algorithm that finds the stress.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Series {
     /// The law's own update, along given strains.
@@ -43,23 +43,23 @@ struct Measurement {
     result: Result<Figures, String>,
 }
 
-/// What one came to.
+/// Figures of one measurement.
 #[derive(Clone, Copy, Debug)]
 struct Figures {
     /// max |σ − σ_ref|/max |σ_ref|.
     error: f64,
     /// Time of a whole path, s.
     seconds: f64,
-    /// Over that of the law itself in the same turns.
+    /// Ratio of that time to the law's own in the same turns.
     time_ratio: f64,
-    /// Time of the driver.
+    /// Statistics of the driver.
     statistics: Option<Statistics>,
 }
 
 /// Finer than the finest run.
 const REFERENCE_REFINEMENT: usize = 10;
 
-/// Which numbers of increments, and which of them the driver runs.
+/// Numbers of increments, and the greatest of them that the driver runs.
 struct Counts {
     all: Vec<usize>,
     driver_most: usize,
@@ -78,7 +78,8 @@ impl Counts {
         self.all.last().copied().unwrap_or(1)
     }
 
-    /// Of the driver; on the non-proportional path each increment is a step of its own, and there are fewer.
+    /// Returns those of the driver; on the non-proportional path each increment is a step of its own, and there are
+    /// fewer.
     fn of_driver(&self, path: Path) -> impl Iterator<Item = usize> + '_ {
         let most = if path == Path::NonProportional { self.driver_most / 10 } else { self.driver_most };
         self.all.iter().copied().filter(move |&n| n <= most)

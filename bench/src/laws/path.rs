@@ -10,7 +10,7 @@ pub type Components = [f64; 6];
 pub enum Path {
     /// e11 grows, the sides follow as they do in elastic uniaxial stress.
     Tension,
-    /// The same, shortened.
+    /// e11 decreases, the sides follow as they do in elastic uniaxial stress.
     Compression,
     /// The strain of elastic stresses −1 : −0.52 : 0 grows.
     Biaxial,
@@ -20,7 +20,7 @@ pub enum Path {
     NonProportional,
 }
 
-/// How far a law is strained.
+/// Greatest strains that a law is taken to.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// e11 in tension.
@@ -40,7 +40,7 @@ impl Path {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Tension, Self::Compression, Self::Biaxial, Self::Cyclic, Self::NonProportional];
 
-    /// In tables.
+    /// Returns the name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Tension => "uniaxial tension",
@@ -51,7 +51,7 @@ impl Path {
         }
     }
 
-    /// In names of files.
+    /// Returns the name in file names.
     pub fn stem(self) -> &'static str {
         match self {
             Self::Tension => "tension",
@@ -62,8 +62,8 @@ impl Path {
         }
     }
 
-    /// Whether a function of the end strain and of maxima so far is met exactly in any number of increments: its maxima
-    /// are at increments.
+    /// Returns whether a function of the end strain and of maxima so far is met exactly in any number of increments:
+    /// its maxima are at increments.
     pub fn is_met_by_any_increments(self) -> bool {
         self != Self::NonProportional
     }

@@ -15,13 +15,13 @@ pub type Follow = fn(props: &[f64], strains: &[Components], every: usize) -> Res
 /// A law with parameters.
 #[derive(Clone, Debug)]
 pub struct Subject {
-    /// In tables.
+    /// Name in tables.
     pub name: &'static str,
     /// The law.
     pub law: &'static str,
     /// PROPS.
     pub props: Vec<f64>,
-    /// How far it is strained.
+    /// Greatest strains that it is taken to.
     pub extent: Extent,
     /// A function of the end strain and of maxima so far: no increment is too large while it hits the maxima.
     pub is_path_exact: bool,
@@ -36,7 +36,7 @@ pub fn follow<L: Law>(props: &[f64], strains: &[Components], every: usize) -> Re
     follow_in::<L>(StressState::ThreeD, props, strains, every)
 }
 
-/// The same in any stress state.
+/// Returns the stresses of the law's own update in any stress state, stress only.
 pub fn follow_in<L: Law>(
     stress_state: StressState,
     props: &[f64],
@@ -68,7 +68,7 @@ fn defaults<L: Law>() -> Vec<f64> {
     L::INFO.parameters.iter().map(|parameter| parameter.default_value).collect()
 }
 
-/// The same with some of them changed, by index.
+/// Returns the default PROPS with some of them changed, by index.
 fn changed<L: Law>(changes: &[(usize, f64)]) -> Vec<f64> {
     let mut props = defaults::<L>();
     changes.iter().for_each(|&(index, value)| props[index] = value);

@@ -1,4 +1,4 @@
-//! What the measurements come to.
+//! Summary of the measurements.
 
 use super::error::{ROUND_OFF, order};
 use super::forty_digits::Comparison;

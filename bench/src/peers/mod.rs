@@ -16,7 +16,7 @@ use pullout_run::number::significant;
 /// The share of CalculiX's time that we aim to stay below on the plates of the most elements and on the strip.
 const TARGET_SHARE: f64 = 0.125;
 const TARGETS: [&str; 2] = ["plate, 20000", "drag-out strip"];
-/// How much faster than a peer a point is to be.
+/// Factor by which a point is to be faster than a peer.
 const TARGET_RATIO: f64 = 5.0;
 
 /// A program on a specimen.
@@ -218,7 +218,7 @@ fn point_table(points: &[points::Compared], which: usize, seconds: impl Fn(&poin
     table
 }
 
-/// How many times our time the peers take; none of what is not installed.
+/// Draws the ratios of the peers' times to ours; `None` for peers that are not installed.
 fn figure(specimens: &[specimens::Compared], points: &[points::Compared]) -> Option<Figure> {
     let of_specimens = specimens.iter().filter_map(|compared| {
         let name = if compared.name.starts_with("plate") {

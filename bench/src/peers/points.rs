@@ -58,7 +58,7 @@ pub struct Run {
     pub program: String,
     /// Median of the processor's time of the analysis alone, s.
     pub analysis: f64,
-    /// The same of the whole process.
+    /// Median of the processor's time of the whole process, s.
     pub process: f64,
     /// max |σ − σ_exact| over the path, all components, over the largest stress.
     pub error: f64,

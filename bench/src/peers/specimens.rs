@@ -11,16 +11,16 @@ const STRIP: &str = include_str!("../../../cases/benchmark/drag-out-strip.json")
 /// Elements of the plates.
 const CELLS: [usize; 2] = [5_000, 20_000];
 const QUICK_CELLS: usize = 200;
-/// How often each side has its turn.
+/// Number of turns of each side.
 const ROUNDS: usize = 3;
 
-/// What the reactions of the plates may differ by.
+/// Relative difference that the reactions of the plates may have.
 const REACTION_TOLERANCE: f64 = 1e-3;
-/// μ p L of the strip, N, and what our drag may differ by from it.
+/// μ p L of the strip, N, and the relative difference that our drag may have from it.
 const EXACT_DRAG: f64 = 15.0;
 const DRAG_TOLERANCE: f64 = 5e-3;
 
-/// What is compared.
+/// Comparison of a specimen in both programs.
 struct Comparison {
     name: String,
     case: &'static str,
@@ -28,11 +28,11 @@ struct Comparison {
     deck: fn(&Model) -> Result<String, BenchError>,
     /// Component of the reaction.
     component: usize,
-    /// What the result is, N, where that is known.
+    /// The exact result, N, where that is known.
     exact: Option<f64>,
 }
 
-/// What came of it.
+/// Outcome of a comparison.
 pub struct Compared {
     pub name: String,
     pub freedoms: usize,
@@ -47,7 +47,7 @@ pub struct Compared {
 }
 
 impl Compared {
-    /// What is wrong with the results.
+    /// Returns what is wrong with the results.
     pub fn trouble(&self) -> Option<String> {
         let (other, tolerance) = match (self.exact, &self.theirs) {
             (Some(exact), _) => (exact, DRAG_TOLERANCE),
@@ -124,7 +124,7 @@ impl Comparison {
         })
     }
 
-    /// With reading and meshing, as theirs is with reading; nothing but the reaction is kept.
+    /// Runs our side: with reading and meshing, as theirs is with reading; nothing but the reaction is kept.
     fn ours(&self, settings: &Settings) -> Result<Own, BenchError> {
         let folder = tempfile::tempdir()?;
         let file = folder.path().join("case.json");

@@ -1,4 +1,4 @@
-//! What a specimen costs against its number of unknowns, from a thousand to two hundred thousand.
+//! Cost of a specimen against its number of unknowns, from a thousand to two hundred thousand.
 
 mod memory;
 mod page;
@@ -18,7 +18,7 @@ const FIBRE_MESHES: [f64; 6] = [2.0, 1.0, 0.5, 0.25, 0.125, 0.063];
 /// The fibre is pulled so far, mm, in so many increments: few, for it is the cost of one that matters.
 const PULLED: f64 = 5e-4;
 const INCREMENTS: usize = 4;
-/// How often each size has its turn.
+/// Number of turns of each size.
 const ROUNDS: usize = 3;
 /// Sizes and rounds if quick.
 const QUICK: (usize, usize) = (2, 1);
@@ -26,7 +26,7 @@ const QUICK: (usize, usize) = (2, 1);
 const TURN: f64 = 0.2;
 const MOST_REPEATS: usize = 10;
 
-/// What is refined.
+/// Specimen that is refined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Family {
     Plate,
@@ -36,7 +36,7 @@ enum Family {
 impl Family {
     const ALL: [Self; 2] = [Self::Plate, Self::Fibre];
 
-    /// In tables and pictures.
+    /// Returns the name in tables and pictures.
     fn name(self) -> &'static str {
         match self {
             Self::Plate => "plate with a hole",

@@ -8,7 +8,7 @@ use battery::stability::{Form, Ledger, forms};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use umat_abi::law::StressState;
 
-/// In the table.
+/// Name of this part in the table.
 pub(super) const PART: &str = "law";
 
 const STRESS_STATES: [(StressState, &str); 3] = [
@@ -17,7 +17,7 @@ const STRESS_STATES: [(StressState, &str); 3] = [
     (StressState::PlaneStress, "plane stress"),
 ];
 
-/// What happened to a form of a law in a stress state.
+/// Results for a form of a law in a stress state.
 pub(super) struct Thrown {
     form: Form,
     stress_state: &'static str,

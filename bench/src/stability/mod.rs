@@ -1,4 +1,4 @@
-//! What is thrown at the laws and at the FE core, and what they make of it: tried, failed, worst.
+//! Extreme inputs for the laws and the FE core, and their results: tried, failed, worst.
 
 mod laws;
 mod plugins;

@@ -1,4 +1,4 @@
-//! How far a long part is: a bar on a terminal, now and then a line otherwise.
+//! Progress of a long part: a bar on a terminal, now and then a line otherwise.
 
 use indicatif::{ProgressBar, ProgressStyle};
 use pullout_report::progress::Schedule;

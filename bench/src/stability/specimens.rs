@@ -19,15 +19,15 @@ const PART: &str = "specimen";
 /// Largest imbalance of the energies, relative as in the history (docs/reference/columns.md).
 const ENERGY_ERROR: f64 = 1e-3;
 
-/// When a variation is given up: three times the increments of the finest, and some minutes.
+/// Limits beyond which a variation is given up: three times the increments of the finest, and some minutes.
 pub(super) const LIMIT: Limit = Limit { increments: 30_000, processor: Duration::from_secs(300) };
 
-/// A variation and what became of it.
+/// A variation and its outcome.
 pub(super) struct Run {
     base: &'static str,
     family: &'static str,
     label: String,
-    /// Why it may fail.
+    /// Reason why it may fail.
     known_limit: Option<&'static str>,
     end: End,
 }
@@ -193,7 +193,7 @@ pub(super) fn rows(runs: &[Run]) -> Vec<Row> {
     runs.iter().map(row).collect()
 }
 
-/// What the table does not count as failed though it did not end well: a sentence each.
+/// Returns the runs that the table does not count as failed though they did not end well: a sentence each.
 pub(super) fn exceptions(runs: &[Run]) -> Vec<String> {
     let excepted = runs.iter().filter(|run| run.is_at_known_limit() || run.is_over_limit());
     excepted.map(|run| format!("{}, {} {}: {}.", run.base, run.family, run.label, run.note())).collect()

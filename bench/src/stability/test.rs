@@ -47,7 +47,7 @@ fn a_few_variations_are_reached_in_balance() {
     }
 }
 
-/// Neither lost nor failed, and told by name.
+/// A run is neither lost nor failed, and is reported by name.
 #[test]
 fn a_run_over_the_limit_is_given_up_and_named() {
     let limit = Limit { increments: 1, ..Limit::NONE };

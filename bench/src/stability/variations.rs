@@ -2,30 +2,30 @@
 
 /// A specimen.
 pub(super) struct Base {
-    /// In tables.
+    /// Name in tables.
     pub name: &'static str,
     /// The case, as JSON.
     pub case: &'static str,
     /// Overrides that make it small, as texts of `--set`.
     pub set: &'static [&'static str],
-    /// What is varied.
+    /// Quantities that are varied.
     pub families: Vec<Family>,
 }
 
 /// A thing that is varied.
 pub(super) struct Family {
-    /// In tables.
+    /// Name in tables.
     pub name: &'static str,
     pub variations: Vec<Variation>,
 }
 
 /// A value of it.
 pub(super) struct Variation {
-    /// In tables.
+    /// Label in tables.
     pub label: String,
-    /// As texts of `--set`.
+    /// Changes, as texts of `--set`.
     pub set: Vec<String>,
-    /// Why it may fail, if that is known.
+    /// Reason why it may fail, if that is known.
     pub known_limit: Option<&'static str>,
 }
 
@@ -84,7 +84,7 @@ fn friction() -> Family {
     family("friction", values, key("contact.law.props.mu"))
 }
 
-/// What the contact of a fibre is varied by.
+/// Returns the variations of a fibre's contact.
 fn of_contact(penalty: Family) -> Vec<Family> {
     vec![
         penalty,
@@ -129,7 +129,7 @@ fn inclined() -> Vec<Family> {
     families
 }
 
-/// Why the stiffest penalties fail: what all have in common, and what was measured at one specimen.
+/// Reason why the stiffest penalties fail: the part that all have in common, and the measurement at one specimen.
 macro_rules! stiff_penalties {
     ($measured:literal) => {
         concat!(

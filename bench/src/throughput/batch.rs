@@ -14,7 +14,7 @@ const NTENS: usize = 6;
 /// Increments before the measured one; the same path for all, in directions of their own.
 const INCREMENTS: usize = 8;
 
-/// What a batch gains.
+/// Gain of a batch.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Batch {
     /// Updates per second in batches.
@@ -78,7 +78,7 @@ impl Points {
     }
 }
 
-/// From point by point to component by component.
+/// Rearranges values from point by point to component by component.
 fn transpose(points: &[f64], size: usize, components: &mut [f64]) {
     for (k, point) in points.chunks_exact(size).enumerate() {
         for (i, value) in point.iter().enumerate() {

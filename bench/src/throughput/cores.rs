@@ -46,7 +46,7 @@ pub(super) fn measure(
     Ok(Cores { per_second: 1.0 / median(single), all_over_one: median(ratios) })
 }
 
-/// How many updates take about so long.
+/// Returns the number of updates that take about so long.
 fn updates_in(turn_s: f64, call: &mut UmatCall, request: Request) -> usize {
     let mut count = 100;
     loop {

@@ -19,9 +19,9 @@ use umat_abi::law::Request;
 struct Row {
     solid: usize,
     situation: Situation,
-    /// With tangent, stress only: updates per second of one core, and how many times that all cores make.
+    /// Calls with tangent, and with stress only: updates per second of one core, and the gain by all cores.
     calls: [Cores; 2],
-    /// Stress only.
+    /// Batches with stress only.
     batch: Batch,
 }
 

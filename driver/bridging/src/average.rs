@@ -8,7 +8,7 @@ use rayon::prelude::*;
 
 /// Fewest samples of the angle on a panel.
 const FEWEST_ANGLES: usize = 2;
-/// Shares are told in so many bins of the right angle.
+/// Number of bins of the right angle in which shares are given.
 const BINS: usize = 9;
 
 /// Bridging at one opening.
@@ -36,7 +36,7 @@ pub fn averages(composite: &Composite, openings: &[f64]) -> Vec<Average> {
     openings.par_iter().map(|&opening| composite.average(opening)).collect()
 }
 
-/// The same, each with the part of σ_f that fibres at 0–10°, 10–20°, …, 80–90° carry.
+/// Returns the averages at openings, each with the parts of σ_f that fibres at 0–10°, 10–20°, …, 80–90° carry.
 pub fn averages_with_shares(composite: &Composite, openings: &[f64]) -> Vec<(Average, [f64; BINS])> {
     openings.par_iter().map(|&opening| composite.average_with_shares(opening)).collect()
 }
@@ -57,7 +57,7 @@ impl Composite {
         self.average_over(&self.directions, opening, &mut |_| ())
     }
 
-    /// The same with the parts that bins of the angle carry: 0 where there is no stress.
+    /// Returns the average at an opening with the parts that bins of the angle carry: 0 where there is no stress.
     fn average_with_shares(&self, opening: f64) -> (Average, [f64; BINS]) {
         let mut bins = [0.0; BINS];
         let average = self.average_over(&self.binned, opening, &mut |node| match node {

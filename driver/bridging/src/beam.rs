@@ -89,7 +89,7 @@ pub struct SectionLaw {
     /// u over w.
     elongation: Polyline,
     cracking: f64,
-    /// Whether somewhere the law falls more steeply than −E/s_h: the least w was taken.
+    /// Whether the law falls more steeply than −E/s_h somewhere: the least w was taken.
     pub snaps: bool,
 }
 

@@ -9,7 +9,7 @@ use crate::{Closed, Fibre, Inclination, Invalid, ShearLag, Sides};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Where the load of one perpendicular fibre comes from.
+/// Model of the load of one perpendicular fibre.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "model", rename_all = "snake_case")]
 pub enum Bond {
@@ -146,7 +146,7 @@ impl BridgingFibre {
         Prepared { opening, embedded, base }
     }
 
-    /// Both embedded sides being shorter by what has spalled.
+    /// Returns the state of a perpendicular fibre whose embedded sides are both shorter by the spalled length.
     fn perpendicular(&self, opening: f64, embedded: f64, spalled: f64) -> Bridged {
         let short = embedded - spalled;
         if short <= 0.0 {

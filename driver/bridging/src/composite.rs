@@ -10,10 +10,10 @@ use serde::{Deserialize, Serialize};
 const LARGEST_VOLUME_FRACTION: f64 = 0.2;
 /// A matrix that softens is resolved by so many points up to where it is spent, narrower at the beginning.
 const SOFTENING_POINTS: usize = 60;
-/// Where an exponential counts as spent, in G_f/f_t.
+/// Opening from which an exponential counts as spent, in G_f/f_t.
 const SPENT: f64 = 12.0;
 
-/// How the matrix's stress falls with the opening.
+/// Decrease of the matrix's stress with the opening.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Softening {
@@ -111,7 +111,7 @@ pub struct Composite {
     pub fibre: BridgingFibre,
     /// V_f.
     pub volume_fraction: f64,
-    /// Where they point.
+    /// Directions of the fibres.
     pub directions: Directions,
     /// The same with panels that end at the bins of shares.
     pub(crate) binned: Directions,

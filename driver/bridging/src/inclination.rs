@@ -1,4 +1,4 @@
-//! What an angle adds to the load of a perpendicular fibre.
+//! Effect of the inclination angle on the load of a fibre.
 
 use crate::bond::Bridged;
 use crate::quadrature::{maximum, root};
@@ -8,7 +8,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// How the load in the direction of the crack's normal follows from that of the perpendicular fibre, P_b.
+/// Relation between the load in the direction of the crack's normal and that of the perpendicular fibre, P_b.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Inclination {

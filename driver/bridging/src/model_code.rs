@@ -1,4 +1,4 @@
-//! What the fib Model Code 2010 (5.6) makes of residual strengths.
+//! Strengths and classes of the fib Model Code 2010 (5.6) from residual strengths.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -47,7 +47,7 @@ pub struct StrengthClass {
 }
 
 impl StrengthClass {
-    /// None below all classes.
+    /// Returns the class of a concrete; `None` below all classes.
     pub fn new(limit: f64, f_r1: f64, f_r3: f64) -> Option<Self> {
         let strength = CLASSES.into_iter().rev().find(|least| f_r1 >= *least)?;
         let ratio = f_r3 / f_r1;

@@ -6,7 +6,7 @@ use std::sync::OnceLock;
 /// Degrees of the rules; a result is accepted when two neighbours agree.
 pub const DEGREES: [usize; 4] = [6, 12, 24, 48];
 
-/// How closely an integral is followed.
+/// Resolution of an integral.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Resolution {
     /// Agreement of two rules, relative, that ends the refinement.

@@ -1,4 +1,4 @@
-//! Which stress-free component each linear relation takes the place of.
+//! Choice of the stress-free component whose place each linear relation takes.
 
 use crate::document::{self, EndValue};
 use crate::problem::Place;

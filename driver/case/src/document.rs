@@ -122,7 +122,7 @@ impl JsonSchema for Fraction {
     }
 }
 
-/// What files of all kinds say of themselves.
+/// Entries common to files of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct Head {
     /// Address of this schema, for editors.
@@ -134,7 +134,7 @@ pub struct Head {
     pub description: Option<Piece<String>>,
 }
 
-/// What cases of all kinds say beside their own.
+/// Entries common to cases of all kinds.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct CaseHead {
     /// Title and text.
@@ -147,7 +147,7 @@ pub struct CaseHead {
     pub compare: Option<Piece<Vec<Piece<Compare>>>>,
 }
 
-/// What cases with steps say of all of them.
+/// Entries of cases with steps that hold for all their steps.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct Course {
     /// Initial temperature, everywhere (default 0).
@@ -161,7 +161,7 @@ pub struct Course {
     pub until: Option<Piece<Until>>,
 }
 
-/// What a material point and a contact point have in common; `S`: a step.
+/// Entries common to material points and contact points; `S`: a step.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(bound(deserialize = "S: DeserializeOwned"))]
 pub struct Path<S> {
@@ -173,16 +173,16 @@ pub struct Path<S> {
     pub job_folder: Option<Piece<String>>,
     /// CELENT, mm, of a contact point CHRLNGTH; required when the law's crack band is on.
     pub characteristic_length: Option<Piece<Positive>>,
-    /// What is done to the point.
+    /// Steps that the point is taken through.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<S>>>,
-    /// What is written.
+    /// Settings of the output.
     pub output: Option<Piece<Output>>,
     /// Iteration limits.
     pub controls: Option<Piece<Controls>>,
 }
 
-/// What steps of all kinds say of their end.
+/// Conditions at the end of a step of any kind.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 pub struct StepEnd {
     /// Ends this step early.
@@ -226,16 +226,17 @@ pub struct Material {
     pub cmname: Option<String>,
     /// Entry point: umat for kind point and for parts; uinter (default) or fric for kind interface and for contact.
     pub entry: Option<Entry>,
-    /// Run the case in a process of its own, so that a plugin that ends or blocks it is told from outside. Default: unless
-    /// all plugins were built with the program; false is granted by --in-process only.
+    /// Run the case in a process of its own, so that a plugin that ends or blocks it is reported from outside. Default:
+    /// unless all plugins were built with the program; false is granted by --in-process only.
     #[expect(dead_code, reason = "read before the case, by whoever starts the process")]
     pub isolate: Option<bool>,
-    /// How the UMAT is called in a plane: "3d" with NTENS 6 (of plane stress e33 is found by the program), "plane" with NTENS 4 or 3.
-    /// Default: as it needs; of a library without metadata calls of a virgin point tell.
+    /// Components with which the UMAT is called in a plane: "3d" with NTENS 6 (in plane stress the program finds e33),
+    /// "plane" with NTENS 4 or 3. Default: as the law needs; for a library without metadata, calls at a virgin point
+    /// decide.
     #[serde(rename = "as")]
     pub components: Option<CalledAs>,
-    /// Where DDSDDE comes from. Default: reported; in parts numerical as soon as iterations show that it is not the
-    /// derivative of the stress.
+    /// Source of the tangent DDSDDE. Default: reported; in parts, numerical as soon as the iterations show that it is
+    /// not the derivative of the stress.
     pub tangent: Option<Tangent>,
     /// A library without metadata may be called by several threads at once.
     pub thread_safe: Option<bool>,
@@ -255,7 +256,7 @@ pub enum CalledAs {
     Plane,
 }
 
-/// Where DDSDDE comes from.
+/// Source of the tangent DDSDDE.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Tangent {
@@ -263,11 +264,11 @@ pub enum Tangent {
     Reported,
     /// Differences of its stress.
     Numerical,
-    /// The UMAT, compared with differences; the largest deviation is told.
+    /// The UMAT, compared with differences; the largest deviation is reported.
     Compare,
 }
 
-/// Which entry point is called.
+/// Entry point that is called.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Entry {
@@ -347,7 +348,7 @@ pub struct Compare {
     pub label: Option<String>,
 }
 
-/// What is written.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Output {
@@ -401,7 +402,7 @@ pub enum Hold {
 #[schemars(rename = "CycleOf{S}")]
 #[serde(bound(deserialize = "S: DeserializeOwned"))]
 pub struct Cycle<S> {
-    /// How many times.
+    /// Number of repetitions.
     pub repeat: Repetitions,
     /// The steps of one cycle.
     #[schemars(length(min = 1))]

@@ -1,4 +1,4 @@
-//! What cases of all kinds say, `until` and `compare` above all, which refer to columns of the history.
+//! Entries common to cases of all kinds, above all `until` and `compare`, which refer to columns of the history.
 
 use crate::document::{self, Piece};
 use crate::problem::{Place, hint};
@@ -7,7 +7,8 @@ use crate::table::CsvFile;
 use pullout_run::program::{self, About};
 use std::path::Path;
 
-/// Returns what cases of all kinds say; how much is written, and what reading leaves to tell, is added later.
+/// Returns the entries common to cases of all kinds; the amount of output, and notes made while reading, are added
+/// later.
 pub fn about(
     reader: &mut Reader<'_>,
     path: &Path,

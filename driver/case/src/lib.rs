@@ -1,4 +1,4 @@
-//! From a case file to a program ([`Case`]), with everything that is wrong with it at once.
+//! Reading of case files into programs ([`Case`]), with everything that is wrong with them at once.
 //!
 //! A file is parsed (`json`), overridden (`--set`), compared with the schema that its serde types make
 //! (`document`, `structure`), and resolved: plugin and parameters, steps, tables, curves. No step stops at

@@ -31,7 +31,7 @@ pub struct Use {
     pub length: Length,
 }
 
-/// What a plugin describes.
+/// Kind of object that a plugin describes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Subject {
     /// The point that the case is about.
@@ -54,7 +54,7 @@ pub enum Length {
 }
 
 impl Length {
-    /// What the case of a point says.
+    /// Returns the length that the case of a point gives.
     pub fn of(reader: &mut Reader<'_>, given: Option<&Piece<Positive>>) -> Self {
         let place = Place::root().key("characteristic_length");
         match given {

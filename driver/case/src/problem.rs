@@ -1,4 +1,4 @@
-//! What is wrong with a case, and where.
+//! Problems of a case, and their places.
 
 use std::collections::BTreeSet;
 use std::fmt;
@@ -58,7 +58,7 @@ impl fmt::Display for Place {
     }
 }
 
-/// Which exit code a problem asks for.
+/// Kind of a problem, which decides the exit code.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ProblemKind {
     /// The input is wrong.
@@ -104,9 +104,9 @@ impl fmt::Display for Problem {
     }
 }
 
-/// Problems that are told one by one; of more, how many there are.
+/// Most problems that are listed one by one; of more, only the number is given.
 pub const MOST_SHOWN: usize = 50;
-/// Characters of a problem that are told.
+/// Most characters of a problem that are shown.
 const LONGEST_LINE: usize = 1000;
 
 /// Everything that is wrong with a case file.
@@ -151,7 +151,7 @@ pub fn hint<S: AsRef<str>>(name: &str, valid: impl IntoIterator<Item = S>) -> St
     suggestion(nearest(name, &valid), &valid)
 }
 
-/// The same with the [`nearest`] name of the list.
+/// Returns such a hint from the [`nearest`] name of the list.
 pub fn suggestion<S: AsRef<str>>(nearest: Option<&str>, valid: &[S]) -> String {
     const MOST_LISTED: usize = 24;
     if let Some(nearest) = nearest {

@@ -49,7 +49,7 @@ impl Case {
     /// of one that ends at once.
     ///
     /// # Errors
-    /// What is wrong with them.
+    /// Problems that the laws report.
     pub fn check_laws(&self) -> Result<(), CaseErrors> {
         let Self::Pullout(program) = self else { return Ok(()) };
         if !ExternalDatabases::is_in(program.model.libraries()) {
@@ -93,7 +93,7 @@ pub fn read(path: &Path, overrides: &[String], plugin_paths: &[PathBuf]) -> Resu
     read_by(Reader::new(folder_of(path), plugin_paths), path, overrides)
 }
 
-/// Reads a case file that nobody has looked at: it may name plugins of the search path by their names, no symbol in
+/// Reads a case file from an unknown source: it may name plugins of the search path by their names, no symbol in
 /// them, and files within its folder.
 ///
 /// # Errors

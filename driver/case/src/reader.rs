@@ -1,4 +1,4 @@
-//! What the parts of a case are resolved with, and what they find.
+//! Resources with which the parts of a case are resolved, and the problems found on the way.
 
 use crate::document::Piece;
 use crate::problem::{Place, Problem};
@@ -36,7 +36,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// The same, for a file that nobody has looked at.
+    /// Makes a reader for a file from an unknown source.
     pub fn of_untrusted(folder: &'a Path, plugin_paths: &'a [PathBuf]) -> Self {
         Self { is_untrusted: true, ..Self::new(folder, plugin_paths) }
     }
@@ -54,7 +54,7 @@ impl<'a> Reader<'a> {
         self.named(name).map_err(|message| self.problem(place, message)).ok()
     }
 
-    /// Warns of a value that nobody means, a slip of units perhaps.
+    /// Warns of a value that is hardly meant, a slip of units perhaps.
     pub(crate) fn warn_unusual(&mut self, what: &str, value: f64, unit: &str, [lower, upper]: [f64; 2]) {
         let [value, lower, upper] = [value, lower, upper].map(pullout_run::number::rounded);
         let warning = format!(

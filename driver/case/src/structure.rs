@@ -144,7 +144,7 @@ pub fn check(kind: &str, document: &mut Value) -> Structure {
     structure
 }
 
-/// What is wrong with the structure of a document.
+/// Problems with the structure of a document.
 #[derive(Debug, Default)]
 pub struct Structure {
     pub problems: Vec<Problem>,

@@ -107,7 +107,7 @@ impl CsvFile {
     }
 }
 
-/// What is wrong with a file: the first problems, and how many there are.
+/// Problems of a file: the first ones, and their number.
 #[derive(Default)]
 struct Problems {
     first: Vec<String>,
@@ -133,7 +133,7 @@ impl Problems {
     }
 }
 
-/// What a table step's file says: columns of known names, with time increments.
+/// Contents of a table step's file: columns of known names, with time increments.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// The column in [`Self::rows`] of each of the names asked for.

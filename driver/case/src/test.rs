@@ -112,7 +112,7 @@ fn interface_case() -> Value {
     })
 }
 
-/// Whether the printed schema accepts a document.
+/// Returns whether the printed schema accepts a document.
 fn schema_accepts(document: &Value) -> bool {
     static VALIDATOR: LazyLock<jsonschema::Validator> =
         LazyLock::new(|| jsonschema::draft202012::new(&schema()).expect("a valid schema"));

@@ -22,7 +22,7 @@ use std::path::Path;
 pub struct Followed<'c> {
     /// Cost of the run.
     pub statistics: Statistics,
-    /// How it ended.
+    /// End of the run.
     pub result: Result<(), Stop>,
     /// Findings of a specimen.
     pub specimen: Option<Specimen<'c>>,

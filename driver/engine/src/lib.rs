@@ -1,12 +1,12 @@
 //! Runs cases for other programs: what comes out stays in memory, nothing is written or printed.
 //!
-//! A case is read ([`Source::read`]) and run ([`Prepared::run`]); rows, summary, and how and where it failed are an
-//! [`Outcome`]. Another thread ends a run by a flag. The command `pullout run` follows a case by the same function,
-//! [`follow`], and differs in where the rows go.
+//! A case is read ([`Source::read`]) and run ([`Prepared::run`]); rows, summary, and the kind and place of a failure
+//! make an [`Outcome`]. Another thread ends a run by a flag. The command `pullout run` follows a case by the same
+//! function, [`follow`], and differs in where the rows go.
 //!
 //! Libraries that were not built with this program may end the process that calls them. Cases that call one run in a child,
 //! as do those of kind "bridging", which may start others: that is `pullout run` into a folder of which nothing stays.
-//! Which file the program is says [`set_program`].
+//! [`set_program`] says which file the program is.
 
 mod apart;
 mod here;
@@ -54,7 +54,7 @@ enum Place {
     Apart,
 }
 
-/// How a case is run.
+/// Settings of a run.
 #[derive(Default)]
 pub struct Settings {
     /// Threads that share the work of a case of kind "pullout"; the results have the same bits with any number.
@@ -74,7 +74,7 @@ pub struct Settings {
 pub struct Outcome {
     /// All rows by columns; of a case of kind "bridging", its tables beside each other.
     pub history: History,
-    /// What `summary.json` holds. [`Status::Interrupted`]: the run was told to end.
+    /// Contents of `summary.json`. [`Status::Interrupted`]: the run was told to end.
     pub summary: Summary,
     /// A case that repeats the increment that failed, or the call that ended the child.
     pub replay: Option<Value>,

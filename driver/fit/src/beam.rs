@@ -23,7 +23,7 @@ const BOND_OPENINGS: [f64; 6] = [0.3, 0.6, 1.0, 1.5, 2.0, 2.5];
 /// Points of the computed curve and of the case's own law.
 const POINTS: usize = 160;
 
-/// Which columns of a test's file to read.
+/// Columns that are read from a test's file.
 #[derive(Clone, Debug, Default)]
 pub struct BeamColumns {
     /// CMOD, mm.
@@ -57,7 +57,7 @@ pub fn read_beam_test(path: &Path, columns: &BeamColumns) -> Result<Measured, Ve
     Ok(Measured::Curve(rows(&names)?.iter().map(|row| [row[0], columns.load_factor * row[1]]).collect()))
 }
 
-/// What was found.
+/// Result of the fit.
 #[derive(Clone, Debug)]
 pub struct BeamFit {
     /// The test's geometry.
@@ -76,7 +76,7 @@ impl BeamFit {
     /// Finds it. Geometry, fibre and dosage are those of the case.
     ///
     /// # Errors
-    /// A test that is none, or a case without sense.
+    /// Data that are not those of a test, or a case without sense.
     pub fn new(program: &Program, test: &Measured) -> Result<Self, Invalid> {
         let geometry = program.beam.unwrap_or_default();
         let fast = fast_inverse(&geometry, test)?;

@@ -37,16 +37,16 @@ const ON_BOUND: f64 = 1e-6;
 pub struct Free {
     /// Place, as `--set` has it.
     pub path: String,
-    /// Where it may be.
+    /// Bounds of the value.
     pub bounds: [f64; 2],
 }
 
-/// What is fitted to what.
+/// Numbers of a case to be fitted, and the curve that they are fitted to.
 #[derive(Clone, Debug)]
 pub struct CaseRequest {
     /// The case with its values to start from.
     pub source: Source,
-    /// What is sought.
+    /// Numbers that are sought.
     pub free: Vec<Free>,
     /// The measured curve.
     pub data: PathBuf,
@@ -56,24 +56,24 @@ pub struct CaseRequest {
     pub max_runs: usize,
 }
 
-/// What a search found.
+/// Result of a search.
 #[derive(Clone, Debug)]
 pub struct CaseFit {
-    /// What was sought.
+    /// Numbers that were sought.
     pub free: Vec<Free>,
-    /// Where the search began.
+    /// Values from which the search began.
     pub starts: Vec<f64>,
     /// The numbers that fit best.
     pub values: Vec<f64>,
     /// Standard errors of the numbers; infinite if nothing is known.
     pub standard_errors: Vec<f64>,
-    /// Between the numbers.
+    /// Correlation of the numbers.
     pub correlation: DMatrix<f64>,
     /// Root mean square of the differences, in the unit of the curve.
     pub rms: f64,
     /// Runs that were made.
     pub runs: usize,
-    /// Why it is not the best.
+    /// Reason why it is not the best.
     pub trouble: Option<String>,
     /// The case with these numbers.
     pub case: Value,
@@ -157,7 +157,7 @@ impl Free {
     /// `PATH=lo:hi`.
     ///
     /// # Errors
-    /// What is wrong with it.
+    /// Problem with the text.
     pub fn parse(text: &str) -> Result<Self, String> {
         let form = || "write PATH=lo:hi, e.g. material.props.E=1e4:4e4".to_owned();
         let (path, bounds) = text.rsplit_once('=').ok_or_else(form)?;

@@ -38,7 +38,7 @@ impl LoadSlipCurve {
         Ok(curve)
     }
 
-    /// What keeps it from being the curve of a pull-out, and in which row.
+    /// Checks that it is the curve of a pull-out; the error is the reason why not, with its row.
     fn check(&self) -> Result<(), (usize, String)> {
         let last = self.slips.len() - 1;
         if self.slips.len() < FEWEST_ROWS {

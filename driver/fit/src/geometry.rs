@@ -4,7 +4,7 @@ use super::curve::LoadSlipCurve;
 use models::bracketed_newton::bracketed_newton;
 use std::f64::consts::PI;
 
-/// Where the slip of a curve was measured.
+/// Position at which the slip of a curve was measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum SlipAt {
     /// At the grip: the free length stretches as well.

@@ -23,7 +23,7 @@ const FIRST_STEP: f64 = 1.0;
 /// back and takes a shorter step. Along what a curve does not tell, a step may be of any length.
 pub(super) const NO_CURVE: f64 = 10.0;
 
-/// How much each row of the curve counts.
+/// Weighting of the curve's rows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum Weights {
     /// Rising and softening branch count the same, however many rows each has.
@@ -52,7 +52,7 @@ impl Weights {
 pub struct Target<'c> {
     /// The curve.
     pub curve: &'c LoadSlipCurve,
-    /// How much each row counts.
+    /// Weight of each row.
     pub weights: Vec<f64>,
 }
 
@@ -71,7 +71,7 @@ impl Target<'_> {
     }
 }
 
-/// What the search found.
+/// Result of the search.
 #[derive(Clone, Debug)]
 pub struct Found {
     /// The law.
@@ -84,7 +84,7 @@ pub struct Found {
     pub start_rms: f64,
     /// Runs that were made.
     pub runs: usize,
-    /// Why the search ended where it should not have.
+    /// Reason why the search ended where it should not have.
     pub trouble: Option<String>,
 }
 

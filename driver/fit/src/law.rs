@@ -171,7 +171,7 @@ impl BondLaw {
     /// Tractions at slips, for pictures.
     ///
     /// # Errors
-    /// What the plugin would not accept.
+    /// Reason why the plugin would not accept the law.
     pub fn tractions(&self, slips: &[f64], residual: f64) -> Result<Vec<f64>, ConfigurationError> {
         let envelope = match self {
             Self::Powers(law) => Envelope::powers(law.elastic_stiffness, law.rise, law.fall, residual)?,

@@ -50,23 +50,23 @@ pub enum Form {
     Powers,
     /// Straight lines through so many points besides (0, 0) (6.23).
     Piecewise {
-        /// How many.
+        /// Number of points.
         points: usize,
     },
 }
 
-/// What is known besides the curve, and how the law is sought.
+/// Data besides the curve, and settings of the search for the law.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// The fibre.
     pub fibre: Fibre,
-    /// Where the slip was measured.
+    /// Position at which the slip was measured.
     pub slip_at: SlipAt,
     /// The forms that are fitted.
     pub forms: Vec<Form>,
     /// τ_res, MPa; `None`: 0, or that of the user's own case.
     pub residual: Option<f64>,
-    /// How much each row counts.
+    /// Weighting of the rows.
     pub weights: Weights,
     /// Materials of the default simulation.
     pub materials: Materials,
@@ -74,11 +74,11 @@ pub struct Request {
     pub specimen_case: Option<PathBuf>,
     /// Most runs of the simulation for each form.
     pub max_runs: usize,
-    /// Where plugins are looked for first.
+    /// Folders in which plugins are looked for first.
     pub plugin_paths: Vec<PathBuf>,
 }
 
-/// Why there is no law.
+/// Reason why there is no law.
 #[derive(Debug)]
 pub enum FitError {
     /// The input is wrong.
@@ -100,13 +100,13 @@ pub struct FittedLaw {
     pub uncertainty: Option<Uncertainty>,
     /// Curve.
     pub simulated: SimulatedCurve,
-    /// How near its curve is to the measured one.
+    /// Agreement of its curve with the measured one.
     pub quality: Quality,
-    /// The same of the regression.
+    /// RMS difference of the regression's curve.
     pub regression_rms: f64,
     /// Runs of the simulation.
     pub runs: usize,
-    /// Why it is not the best law of its form.
+    /// Reason why it is not the best law of its form.
     pub trouble: Option<String>,
     /// τ_res, MPa.
     pub residual: f64,

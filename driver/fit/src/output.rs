@@ -1,4 +1,4 @@
-//! What a fit leaves behind: cases, the curves, pictures, a report.
+//! Files that a fit writes: cases, the curves, pictures, a report.
 
 use super::curve::LoadSlipCurve;
 use super::law::Quantity;

@@ -22,7 +22,7 @@ pub struct SimulatedCurve {
     pub slips: Vec<f64>,
     /// Loads, N.
     pub loads: Vec<f64>,
-    /// Why it ended early.
+    /// Reason why it ended early.
     pub failure: Option<String>,
 }
 
@@ -52,7 +52,7 @@ impl Simulator {
     /// Makes a simulator of a specimen; reads its case once, with a law.
     ///
     /// # Errors
-    /// What is wrong with the case.
+    /// Problems with the case.
     pub fn new(
         specimen: Specimen,
         slip_at: SlipAt,
@@ -115,7 +115,7 @@ impl Simulator {
 /// Keeps slip and load of each increment.
 struct CurveRecorder {
     curve: SimulatedCurve,
-    /// Where they stand in a row.
+    /// Their places in a row.
     places: [usize; 2],
 }
 

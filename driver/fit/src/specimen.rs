@@ -45,7 +45,7 @@ const FALLING_INCREMENT: f64 = 0.05;
 /// The first increment over the greatest.
 const INITIAL: f64 = 0.2;
 
-/// What the matrix is made of.
+/// Law of the matrix.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
 pub enum MatrixLaw {
     /// Linear elastic.
@@ -58,7 +58,7 @@ pub enum MatrixLaw {
 /// The block around the fibre, and the fibre's yield.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Materials {
-    /// What the matrix is made of.
+    /// Law of the matrix.
     pub matrix: MatrixLaw,
     /// Young's modulus, MPa.
     pub matrix_modulus: f64,
@@ -71,7 +71,7 @@ pub struct Materials {
 pub struct Specimen {
     /// The case.
     document: Value,
-    /// Where it stands: paths in it are relative to its folder.
+    /// File of the case: paths in it are relative to its folder.
     pub file: PathBuf,
     /// Whether it is the user's own.
     pub is_own: bool,
@@ -130,7 +130,7 @@ impl Specimen {
     /// A case of the user's own: everything of it but the bond law stays.
     ///
     /// # Errors
-    /// What keeps a bond law from being put into it.
+    /// Reason why a bond law cannot be put into it.
     pub fn own(document: Value, file: &Path, residual: Option<f64>) -> Result<Self, String> {
         if document["kind"] != "pullout" {
             return Err("$.kind: the simulation must be a case of kind \"pullout\"".into());

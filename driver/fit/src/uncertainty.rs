@@ -1,9 +1,9 @@
-//! What the curve says of each number of the law: standard errors and correlations, to first order.
+//! Uncertainty of each number of the law as the curve determines it: standard errors and correlations, to first order.
 
 use super::law::{BondLaw, Quantity};
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Directions of the coordinates whose information is below this part of the greatest cannot be told.
+/// Directions of the coordinates whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
 /// A standard error above this part of the value: the curve does not tell the number.
 pub const IDENTIFIABLE: f64 = 0.25;

@@ -1,4 +1,4 @@
-//! What a run of kind "bridging" leaves: its tables, pictures, summary and report.
+//! Results of a run of kind "bridging": its tables, pictures, summary and report.
 
 use crate::compare::{Comparison, compare};
 use crate::directory::ResultDirectory;

@@ -1,4 +1,4 @@
-//! What is made of a run that has ended: comparison, pictures, summary and report beside its history.
+//! Results made from a run that has ended: comparison, pictures, summary and report beside its history.
 
 use crate::compare::{Comparison, compare};
 use crate::directory::ResultDirectory;
@@ -18,16 +18,16 @@ use std::io;
 use std::path::Path;
 use umat_abi::host::{Law, Library};
 
-/// How a run ended.
+/// End of a run.
 #[derive(Debug)]
 pub struct RunEnd {
     /// Extremes of the columns.
     pub peaks: PeakRecorder,
     /// Cost of the run.
     pub statistics: Statistics,
-    /// Why it failed.
+    /// Reason why it failed.
     pub message: Option<String>,
-    /// How and where it failed.
+    /// Kind and place of the failure.
     pub failed_at: Option<FailedAt>,
     /// A signal or another thread asked for its end.
     pub is_interrupted: bool,

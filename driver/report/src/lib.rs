@@ -1,8 +1,8 @@
-//! What a run leaves behind (docs/reference/result-folder.md).
+//! Results of runs as files (docs/reference/result-folder.md).
 //!
-//! [`history`] is written while the run goes on, one system call a line; [`progress`] tells a person how far it is.
-//! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it,
-//! [`summary`] and [`page`] say what came out. Nothing of the curve is kept in memory during the run.
+//! [`history`] is written while the run goes on, one system call a line; [`progress`] shows the user how far it is.
+//! Afterwards the history is read back: [`compare`] measures it against experiments, [`plots`] draws it, [`summary`]
+//! and [`page`] report the results. Nothing of the curve is kept in memory during the run.
 
 use std::io;
 use std::path::Path;

@@ -31,7 +31,7 @@ const ZOOM: f64 = 3.0;
 const MOST_SECTIONS: usize = 400;
 /// Less than this part of the greatest load or stress is what rounding leaves in a body that carries nothing.
 const ROUNDING: f64 = 1e-9;
-/// What elements do, in the order of [`Activity`]; what was released is not drawn.
+/// Colours and names of the elements' states, in the order of [`Activity`]; released elements are not drawn.
 const ACTIVITIES: [Class; 4] = [
     (RGBColor(0xf4, 0xf4, 0xf4), "condensed"),
     (RGBColor(0xbf, 0xdd, 0xf0), "elastic"),
@@ -106,7 +106,7 @@ struct Album<'a> {
     mesh: &'a Mesh,
     recovery: Recovery,
     fibre: Option<Fibre>,
-    /// How the slave surface of each pair lies along the fibre.
+    /// Position of each pair's slave surface along the fibre.
     walls: Vec<Option<Wall>>,
     matrix: BTreeSet<usize>,
     /// The greatest principal stress so far, MPa.

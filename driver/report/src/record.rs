@@ -1,4 +1,4 @@
-//! What a run tells while it goes on.
+//! Record of a run while it goes on.
 
 use crate::history::{History, HistoryWriter};
 use crate::progress::Progress;
@@ -53,7 +53,7 @@ enum Rows {
     Memory(History),
 }
 
-/// What of a [`Record`] a checkpoint holds.
+/// Part of a [`Record`] that a checkpoint holds.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Kept {
     /// Length of history.csv.

@@ -1,6 +1,6 @@
 //! The viewer of `report.html`: a specimen's deformed mesh with its fields over the run, drawn by the browser.
 //!
-//! States are kept as the run goes on, evenly over its increments. Displacements and fields are told in 65535 steps of
+//! States are kept as the run goes on, evenly over its increments. Displacements and fields are given in 65535 steps of
 //! their ranges, each state by its difference to the one before, deflated.
 
 use crate::pictures::{ALONG_HOLE, is_total, matrix, walls};

@@ -15,15 +15,15 @@ use std::path::PathBuf;
 
 /// CMOD to which a beam is tested, mm (EN 14651).
 const LAST_CMOD: f64 = 4.0;
-/// CMODs that are told beside those of the standard, narrower at the beginning.
+/// CMODs of the results beside those of the standard, narrower at the beginning.
 const CMODS: usize = 81;
 /// CMOD up to which f_L is taken, mm (EN 14651).
 const LIMIT_CMOD: f64 = 0.05;
 /// w_u of the Model Code's linear model, mm.
 const ULTIMATE_OPENING: f64 = 2.5;
-/// Openings up to which the work is told, mm.
+/// Openings up to which the work is given, mm.
 const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
-/// Quantiles that are told.
+/// Quantiles that are given.
 pub const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
 /// A run of fibres across a crack.
@@ -33,9 +33,9 @@ pub struct Program {
     pub about: About,
     /// The fibre.
     pub fibre: Fibre,
-    /// Where the load of a fibre comes from.
+    /// Source of a fibre's load.
     pub source: Source,
-    /// Which sides of the crack give way.
+    /// Sides of the crack from which fibres pull out.
     pub sides: Sides,
     /// V_f.
     pub volume_fraction: f64,
@@ -57,10 +57,10 @@ pub struct Program {
     pub threads: NonZeroUsize,
 }
 
-/// Where the load of a fibre comes from.
+/// Source of a fibre's load.
 #[derive(Clone, Debug)]
 pub enum Source {
-    /// A bond, and what an angle adds to it.
+    /// A bond law, and the effect of the inclination angle on it.
     Bond(Bond, Inclination),
     /// Curves of tests, and the angle beyond which fibres carry nothing, degrees.
     Curves(Vec<Curve>, f64),
@@ -201,14 +201,14 @@ pub struct Findings {
 /// Findings of the runs of fibres.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct SimulationFindings {
-    /// How many curves the table has of them.
+    /// Number of curves that the table has from them.
     pub runs: usize,
-    /// How many of them were there before.
+    /// Number of these that existed before.
     pub kept: usize,
-    /// How many stopped early, after their load had fallen to half the peak.
+    /// Number of those that stopped early, after their load had fallen to half the peak.
     #[serde(default)]
     pub unfinished: usize,
-    /// CPU time of all of them, s, those included that were there before.
+    /// CPU time of all of them, s, including those that existed before.
     pub cpu_time_s: f64,
 }
 
@@ -230,7 +230,7 @@ pub struct BeamFindings {
     /// f_R1 … f_R4.
     #[serde(rename = "f_R")]
     pub residual: [f64; 4],
-    /// What the fib Model Code 2010 makes of the mean f_R1 and f_R3, for w_u = 2.5 mm.
+    /// Strengths by the fib Model Code 2010 from the mean f_R1 and f_R3, for w_u = 2.5 mm.
     pub model_code_2010: CodeFindings,
 }
 
@@ -266,7 +266,7 @@ pub struct Spread {
 /// Findings of beams made at random.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ScatterFindings {
-    /// How many.
+    /// Number of beams.
     pub beams: usize,
     /// Fibres across the ligament.
     pub fibres: Spread,
@@ -292,7 +292,7 @@ impl Spread {
     }
 }
 
-/// CMODs at which a beam is told: those of the standard among others.
+/// CMODs at which a beam's results are given: those of the standard among others.
 fn cmods() -> Vec<f64> {
     let even = (0..CMODS).map(|k| LAST_CMOD * (k as f64 / (CMODS - 1) as f64).powi(2));
     let mut all: Vec<f64> = even.chain(RESIDUAL_CMOD).chain([LIMIT_CMOD]).collect();

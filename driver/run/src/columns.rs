@@ -15,7 +15,7 @@ pub struct Column<R: 'static> {
     pub name: &'static str,
     /// Unit; empty for a pure number.
     pub unit: &'static str,
-    /// What an axis calls it, in the markup of pictures (`_{11}` is an index).
+    /// Title on an axis, in the markup of pictures (`_{11}` is an index).
     pub title: &'static str,
     /// Group that it belongs to.
     pub group: Group,

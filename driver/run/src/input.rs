@@ -1,7 +1,7 @@
 //! The one reader of files that a user or a case names: at once, whole, up to a size that their use may need, and no
 //! longer than something comes.
 //!
-//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. What came out of it is kept for whoever asks for the
+//! A pipe (`<(generate)`, `/dev/stdin`, a FIFO) can be read once. Its content is kept for whoever asks for the
 //! path again, and handed on to the processes that this one starts for isolated plugins ([`streams`], [`supply`]).
 
 use crate::signals;
@@ -21,7 +21,7 @@ use std::time::{Duration, Instant};
 #[cfg(test)]
 mod test;
 
-/// How long a pipe may keep silent.
+/// Longest time for which a pipe may keep silent.
 const PATIENCE: Duration = Duration::from_secs(if cfg!(test) { 1 } else { 10 });
 /// Time between two looks at signals.
 const LOOK: Timespec = Timespec { tv_sec: 0, tv_nsec: 100_000_000 };
@@ -43,7 +43,7 @@ pub enum Input {
     Source,
     /// A shared library.
     Library,
-    /// What the program wrote into a result directory, but for checkpoints and histories.
+    /// A file that the program wrote into a result directory, other than checkpoints and histories.
     Result,
     /// A checkpoint.
     Checkpoint,
@@ -117,7 +117,7 @@ pub fn read(path: &Path, input: Input) -> io::Result<Vec<u8>> {
 /// # Errors
 /// As of [`read`].
 pub fn hash(path: &Path, input: Input) -> io::Result<[u8; 32]> {
-    /// What changes with the content: device and inode, length, time of the last change, ns.
+    /// Stamp of the content: device and inode, length, time of the last change, ns.
     type Stamp = [i128; 4];
     static KNOWN: Mutex<BTreeMap<PathBuf, (Stamp, [u8; 32])>> = Mutex::new(BTreeMap::new());
     let file = std::fs::metadata(path)?;

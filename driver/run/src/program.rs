@@ -1,5 +1,5 @@
-//! What a case asks for, checked and resolved: plugins loaded, names looked up, cycles expanded,
-//! tables read. The crate `pullout-case` makes it; [`super`] runs it.
+//! Programs: cases checked and resolved, with plugins loaded, names looked up, cycles expanded, tables read. The crate
+//! `pullout-case` makes them; [`super`] runs them.
 
 use crate::arguments::{ContactArguments, UmatArguments};
 use crate::columns;
@@ -25,7 +25,7 @@ pub struct Plugin {
     pub library: Library,
     /// Metadata for the law in question; `None` for a plain UMAT.
     pub law: Option<host::Law>,
-    /// How messages and results call it: the law's name or the file's stem.
+    /// Name in messages and results: the law's name or the file's stem.
     pub name: String,
     /// A symbol that the case names.
     pub symbol: Option<String>,
@@ -35,7 +35,7 @@ pub struct Plugin {
     pub props: Vec<f64>,
     /// NSTATV.
     pub nstatv: usize,
-    /// How its UMAT is called.
+    /// Manner in which its UMAT is called.
     pub manner: Manner,
 }
 
@@ -80,7 +80,7 @@ impl Plugin {
     }
 }
 
-/// Which components exist, and which are fixed.
+/// Stress state: the components that exist, and those that are fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Mode {
@@ -167,13 +167,13 @@ pub struct About {
 /// A run of a point.
 #[derive(Clone, Debug)]
 pub struct Program {
-    /// What it says as programs of all kinds do.
+    /// Properties that programs of all kinds have.
     pub about: About,
     /// The case as JSON after `--set`, for the replay case.
     pub document: serde_json::Value,
     /// The plugin.
     pub plugin: Plugin,
-    /// What is driven.
+    /// Kind of point that is driven.
     pub kind: Kind,
     /// CELENT, or the contact surface's characteristic length; `None` if the case names none (hosts pass 1).
     pub characteristic_length: Option<f64>,
@@ -181,7 +181,7 @@ pub struct Program {
     pub controls: Controls,
 }
 
-/// What is driven.
+/// Kind of point that is driven.
 #[derive(Clone, Debug)]
 pub enum Kind {
     /// A material point through UMAT.
@@ -197,7 +197,7 @@ pub struct PointProgram {
     pub mode: Mode,
     /// Finite strain: DFGRD0, DFGRD1, DROT; STRAN and STRESS rotated.
     pub nlgeom: bool,
-    /// What strains and stresses of the steps and of the history are at finite strain.
+    /// Measure of the strains and stresses of steps and history at finite strain.
     pub measure: Measure,
     /// The state before the first step.
     pub initial: PointState,
@@ -224,12 +224,12 @@ pub struct PointState {
     pub fields: FieldValues,
 }
 
-/// One step of a path; `G`: where it leads the point.
+/// One step of a path; `G`: its goal.
 #[derive(Clone, Debug)]
 pub struct Step<G> {
-    /// How it is divided.
+    /// Division into increments.
     pub pace: Pace,
-    /// Where it leads.
+    /// Goal at its end.
     pub goal: G,
     /// Ends this step early.
     pub until: Option<Until>,
@@ -243,7 +243,7 @@ pub type PointStep = Step<PointGoal>;
 /// One step of a contact point.
 pub type InterfaceStep = Step<InterfaceGoal>;
 
-/// How a step is divided into increments.
+/// Division of a step into increments.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Pace {
     /// Equal increments.
@@ -266,7 +266,7 @@ impl Pace {
         }
     }
 
-    /// What part of the increments is done at the start and at the end of increment `index` (from 0).
+    /// Returns the parts of the increments that are done at the start and at the end of increment `index` (from 0).
     pub(crate) fn shares(&self, index: usize) -> [f64; 2] {
         let count = self.increments();
         [index, index + 1].map(|k| if k == count { 1.0 } else { k as f64 / count as f64 })
@@ -284,16 +284,16 @@ impl Pace {
     }
 }
 
-/// Where a step leads a material point.
+/// Goal of a material point's step.
 #[derive(Clone, Debug)]
 pub struct PointGoal {
-    /// What drives it.
+    /// Quantities that are prescribed.
     pub drive: PointDrive,
     /// Linear relations, each in place of one stress-free component ([`Control::Constraint`]).
     pub constraints: Vec<Constraint>,
 }
 
-/// Why a step is not taken whose s11 and e11 would belong to different directions.
+/// Message for a step that is not taken since its s11 and e11 would belong to different directions.
 pub const TURNED: &str = "the material has turned (R of F = R U is not 1), so that strains along its directions and Cauchy \
                       stresses along the axes cannot be controlled together: control strains alone or stresses alone, \
                       or take \"measure\": \"nominal\", whose stresses turn with the material";
@@ -319,7 +319,7 @@ impl PointGoal {
     }
 }
 
-/// What drives a material point.
+/// Quantities that are prescribed at a material point.
 #[derive(Clone, Debug)]
 pub enum PointDrive {
     /// Controlled components.
@@ -334,7 +334,8 @@ pub enum PointDrive {
     DeformationGradient([[f64; 3]; 3]),
 }
 
-/// Where temperature and field variables go in a step: linearly to the values at its end, or from row to row of its table.
+/// Temperature and field variables of a step: they go linearly to the values at its end, or from row to row of its
+/// table.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StepFields {
     /// Temperature at the end (`None`: unchanged).
@@ -413,7 +414,7 @@ pub struct Constraint {
 /// A contact point along a path.
 #[derive(Clone, Debug)]
 pub struct InterfaceProgram {
-    /// Which entry point is called.
+    /// Entry point that is called.
     pub entry: InterfaceEntry,
     /// Tangential directions, 1 or 2 (2 if the case controls `slip2`).
     pub tangential_directions: usize,
@@ -440,7 +441,7 @@ pub enum InterfaceEntry {
     Fric,
 }
 
-/// Where a step leads a contact point. Values: \[slip, slip2, normal\].
+/// Goal of a contact point's step. Values: \[slip, slip2, normal\].
 #[derive(Clone, Debug)]
 pub struct InterfaceGoal {
     /// Whether the normal value is a gap (> 0 open) or a pressure (> 0 compression).

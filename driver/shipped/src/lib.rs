@@ -1,4 +1,4 @@
-//! The manifest of the plugins that are shipped with the program: a part of the program, so that nobody can replace it.
+//! The manifest of the plugins that are shipped with the program: a part of the program, so that it cannot be replaced.
 //!
 //! The plugins are dependencies of the program's crate. Cargo has linked them before it compiles that crate, and compiles
 //! it again when one of them changes: the files that are hashed here are those that are installed with the program.

@@ -12,7 +12,7 @@ use std::path::PathBuf;
 mod beam;
 mod case;
 
-/// What is fitted: numbers of a case, or a law.
+/// Fit of numbers of a case, or of a law.
 #[derive(Debug, Args)]
 #[command(args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(super) struct Fit {
@@ -76,13 +76,13 @@ pub(super) struct Bond {
     /// First yield of the fibre, MPa (it hardens by 1 % of E) [default: it stays elastic].
     #[arg(long, value_name = "F_Y", value_parser = positive)]
     fibre_yield: Option<f64>,
-    /// Where the slip was measured.
+    /// Position at which the slip was measured.
     #[arg(long, value_enum, default_value = "grip")]
     slip_at: SlipAt,
     /// Length of the fibre between exit face and grip, mm; with --slip-at grip it stretches as well.
     #[arg(long, value_name = "L_F", default_value_t = 3.0, value_parser = positive)]
     free_length: f64,
-    /// Which forms to fit.
+    /// Forms to fit.
     #[arg(long, value_enum, default_value = "both")]
     form: Forms,
     /// Points of the form piecewise besides (0, 0); the last is at the greatest slip.
@@ -91,7 +91,7 @@ pub(super) struct Bond {
     /// Residual friction tau_res, MPa: given, not fitted [default: 0, or that of --specimen-case].
     #[arg(long, value_name = "TAU", value_parser = not_negative)]
     tau_res: Option<f64>,
-    /// How much the rows of the curve count: both branches the same, or all rows.
+    /// Weighting of the curve's rows: both branches the same, or all rows.
     #[arg(long, value_enum, default_value = "balanced")]
     weights: Weights,
     /// Law of the matrix of the simulation.

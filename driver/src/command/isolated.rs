@@ -20,7 +20,7 @@ pub(super) fn check(file: &Path, reading: &Reading, need: &Need, quiet: bool) ->
     carry_out(&check_line(file, reading, quiet.then_some("--quiet")), need, file, quiet)
 }
 
-/// Validates a case that is to be run: what ends the process now will end the run, and be told then.
+/// Validates a case that is to be run: what ends the process now will end the run, and be reported then.
 pub(super) fn check_before_run(file: &Path, reading: &Reading, need: &Need) -> u8 {
     let command = check_line(file, reading, Some("--before-run"));
     match isolation::supervise(&Job { command: &command, ..Job::default() }, need) {
@@ -49,7 +49,7 @@ pub(super) fn tell_of_wish(file: &Path, need: &Need, quiet: bool) {
 }
 
 /// Carries out a command line of this program in a worker; the exit code. `file` is what messages begin with; `quiet`:
-/// only errors are told.
+/// only errors are reported.
 pub(super) fn carry_out(line: &[OsString], need: &Need, file: &Path, quiet: bool) -> u8 {
     tell_of_wish(file, need, quiet);
     match isolation::supervise(&Job { command: line, ..Job::default() }, need) {

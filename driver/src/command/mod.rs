@@ -104,7 +104,7 @@ enum Command {
     },
 }
 
-/// How case files are read.
+/// Settings for reading case files.
 #[derive(Clone, Debug, clap::Args)]
 struct Reading {
     /// Override an entry, e.g. steps.0.increments=5 (VALUE is JSON, else a string; applies to all cases).
@@ -121,7 +121,7 @@ struct Reading {
     place: Place,
 }
 
-/// Where libraries run that were not built with this program.
+/// Process in which libraries run that were not built with this program.
 #[derive(Clone, Copy, Debug, Default, clap::Args)]
 struct Place {
     /// Call all plugins in this process, except where a case says "isolate": true. What ends them ends the program.

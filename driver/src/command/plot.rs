@@ -9,13 +9,13 @@ use pullout_run::input::{self, Input};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// How pictures are drawn again.
+/// Settings for drawing pictures again.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Result directories of runs; or that of one study, with --png or --pdf.
     #[arg(required = true, value_name = "RESULT_DIR")]
     results: Vec<PathBuf>,
-    /// Where to; default: plots/ of the first.
+    /// Directory of the pictures; default: plots/ of the first.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Make a PNG of every picture there as well, those of a specimen's fields among them.

@@ -24,7 +24,7 @@ pub(super) enum Action {
         /// The laws of this library alone, for the process that started this one.
         #[arg(long, hide = true, requires = "rows")]
         of: Option<PathBuf>,
-        /// Where that process reads them.
+        /// File in which that process reads them.
         #[arg(long, hide = true)]
         rows: Option<PathBuf>,
     },

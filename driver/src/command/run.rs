@@ -28,7 +28,7 @@ mod interruption;
 
 pub(super) use interruption::Interruption;
 
-/// How cases are run.
+/// Settings for running cases.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Case files.
@@ -61,7 +61,7 @@ pub(super) struct Arguments {
     /// End with this process; a study says so to its runs.
     #[arg(long, hide = true)]
     pub(super) parent: Option<u32>,
-    /// What came of the run of a worker that was ended, as JSON: nothing is run, the results are made of its rows.
+    /// Aftermath of the run of a worker that was ended, as JSON: nothing is run, the results are made of its rows.
     #[arg(long, hide = true)]
     aftermath: Option<String>,
 }

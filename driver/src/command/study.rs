@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
 
-/// How studies are run.
+/// Settings for running studies.
 #[derive(Debug, clap::Args)]
 pub(super) struct Arguments {
     /// Study files.

@@ -10,7 +10,7 @@ use std::io::{self, BufWriter};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
-/// What is done with a sweep.
+/// Action on a sweep.
 #[derive(Debug, clap::Subcommand)]
 pub(super) enum Action {
     /// Begin a sweep, or give it other runs; says how many there are and how many are done.
@@ -63,14 +63,14 @@ pub(super) enum Action {
     /// Run a batch in a child; started by the program itself.
     #[command(hide = true)]
     Batch {
-        /// What is run.
+        /// Runs of the batch.
         batch: PathBuf,
-        /// Where rows go.
+        /// File of the rows.
         rows: PathBuf,
     },
 }
 
-/// How a sweep is worked off.
+/// Settings for working a sweep off.
 #[derive(Debug, clap::Args)]
 pub(super) struct Toil {
     /// The folder of the sweep.

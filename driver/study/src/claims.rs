@@ -1,4 +1,4 @@
-//! Claims: found, not found, or cannot be told, with the figures.
+//! Claims: found, not found, or undecided ("cannot be told"), with the figures.
 //!
 //! A number that is not known, because its run failed or was not run, can neither confirm nor refute. A claim is refuted
 //! by one known counterexample, whatever else is unknown; it is confirmed only if everything is known.
@@ -14,14 +14,14 @@ use serde::Serialize;
 #[cfg(test)]
 mod test;
 
-/// What the numbers of the members must be. Members and series are indices of the study's.
+/// Expectation about the numbers of the members. Members and series are indices of the study's.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Expectation {
     /// Changes from member to member.
     Trend {
-        /// Which way.
+        /// Direction.
         direction: Direction,
-        /// What a step may go the other way, relative to the greatest magnitude.
+        /// Change in the opposite direction that a step may make, relative to the greatest magnitude.
         tolerance: f64,
     },
     /// The greatest is that of this member.
@@ -73,11 +73,11 @@ pub enum Expectation {
         /// Upper bound.
         less_than: Option<f64>,
     },
-    /// Whether the runs go to their ends.
+    /// Whether the runs reach their ends.
     Done(bool),
 }
 
-/// Whether a claim was found.
+/// Verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 pub enum Verdict {
     /// Found.

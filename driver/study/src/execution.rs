@@ -25,7 +25,7 @@ const PRINTED: &str = "output.txt";
 /// Time between two looks at signals.
 const POLL: Duration = Duration::from_millis(50);
 
-/// How a study is executed.
+/// Settings of a study's execution.
 #[derive(Clone, Debug)]
 pub struct Execution<'a> {
     /// The study's directory.

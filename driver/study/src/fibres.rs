@@ -1,4 +1,4 @@
-//! Curves of one fibre at angles and lengths from runs of a specimen, which are kept for whoever needs them.
+//! Curves of one fibre at angles and lengths from runs of a specimen, which are kept for later use.
 //!
 //! Each run's folder has its fingerprint as its name: cases and studies that need the same run share it, and a table goes
 //! on where it was interrupted.
@@ -16,7 +16,7 @@ use pullout_run::signals;
 use std::path::PathBuf;
 
 /// The part of the peak load to which the load must have fallen where a run stops early: from there on it is taken to fall
-/// straight to 0 at extraction, and the user is told.
+/// straight to 0 at extraction, with a warning.
 const FALLEN: f64 = 0.5;
 /// Digits of a fingerprint that name a folder.
 const DIGITS: usize = 24;

@@ -1,6 +1,6 @@
-//! Whether a result is still that of its case: a hash of everything that it depends on.
+//! Fingerprint of a result: a hash of everything that it depends on, which tells whether it is still that of its case.
 //!
-//! That is the case with its overrides, the files that it names, the plugins, and this program.
+//! It covers the case with its overrides, the files that it names, the plugins, and this program.
 
 use super::Run;
 use pullout_case::Case;

@@ -1,4 +1,5 @@
-//! From a study file to a [`Study`], with everything that is wrong with it and with the cases of its runs at once.
+//! Reading of study files into a [`Study`], with everything that is wrong with them and with the cases of their runs at
+//! once.
 
 use super::claims::Expectation;
 use super::fingerprint::Fingerprints;
@@ -36,7 +37,7 @@ const LONGEST_NAME: usize = 200;
 /// Reads a study file and checks the cases of all its runs.
 ///
 /// `overrides` are texts of `--set`, for all runs and behind their own; `plugin_paths` are searched for plugins before the
-/// usual folders; `is_untrusted`: nobody has looked at the study and its cases. Cases for which `isolated` says so are not
+/// usual folders; `is_untrusted`: the study and its cases are from an unknown source. Cases for which `isolated` says so are not
 /// read here, because their plugins must not be loaded.
 ///
 /// # Errors
@@ -496,7 +497,7 @@ struct Runs<'d> {
     series: &'d [Placed<'d, SeriesOfFile>],
 }
 
-/// What claims refer to; the columns are not known if no case could be read.
+/// Members, series and columns that claims refer to; the columns are not known if no case could be read.
 struct Cast<'a> {
     members: &'a [Member],
     series: &'a [Series],

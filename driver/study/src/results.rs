@@ -1,4 +1,4 @@
-//! What the runs gave, and the numbers that are compared.
+//! Results of the runs, and the numbers that are compared.
 //!
 //! # Equations
 //!
@@ -23,7 +23,7 @@ const END_TOLERANCE: f64 = 1e-9;
 pub struct Results {
     /// Results of the runs, in the study's order.
     pub runs: Vec<RunResult>,
-    /// Where the work ends; `None` if no run is done.
+    /// End of the integral for the work; `None` if no run is done.
     pub work_to: Option<f64>,
 }
 
@@ -32,7 +32,7 @@ pub struct Results {
 pub struct RunResult {
     /// `None`: it was not run.
     pub status: Option<Status>,
-    /// Why it failed.
+    /// Reason why it failed.
     pub message: Option<String>,
     /// Whether the results were there before.
     pub is_kept: bool,

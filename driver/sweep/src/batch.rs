@@ -1,4 +1,4 @@
-//! Many runs in a child: what it is told, and how it tells what came out.
+//! Batch of runs in a child: its input, and the report of its results.
 //!
 //! A row is kept once it is written (`claim`); what ends the child takes nothing but the run that it is at.
 
@@ -26,7 +26,7 @@ pub(crate) struct Batch {
     pub seconds: f64,
 }
 
-/// Carries out a batch that is told in a file; its rows go to another.
+/// Carries out a batch that a file describes; its rows go to another.
 ///
 /// # Errors
 /// The files cannot be read or written.

@@ -1,8 +1,8 @@
-//! What a worker is at: the runs that it has taken with the rows that they came to, in a file of the store that outlives
-//! it. The worker holds a lock on the file. What is found unlocked was left by one that is gone: its rows are kept, and the
-//! run that it was at is lost.
+//! Claim of a worker: the runs that it has taken with the rows that they came to, in a file of the store that outlives
+//! it. The worker holds a lock on the file. A file found unlocked was left by a worker that has ended: its rows are
+//! kept, and the run that it was computing is lost.
 //!
-//! Where a file system has no locks, nothing is taken over: those runs have no row, and are run anew.
+//! On a file system without locks, nothing is taken over: those runs have no row, and are run anew.
 
 use crate::run::Measured;
 use crate::store::Store;
@@ -22,11 +22,11 @@ pub(crate) struct Due {
     /// Number.
     pub run: usize,
     pub key: String,
-    /// Which attempt it is.
+    /// Number of the attempt.
     pub attempt: u32,
 }
 
-/// Who has taken what.
+/// Owner of a claim, and the runs that it has taken.
 #[derive(Debug, Serialize, Deserialize)]
 pub(crate) struct Head {
     /// The program, in hexadecimal: rows of another may have another form.
@@ -96,7 +96,7 @@ pub(crate) fn framed(content: &[u8]) -> io::Result<Vec<u8>> {
     Ok([&length.to_le_bytes()[..], content].concat())
 }
 
-/// What stands in a frame at the beginning, and behind it.
+/// Returns the content of a frame at the beginning, and the bytes behind it.
 fn unframed(content: &[u8]) -> Option<(&[u8], &[u8])> {
     let (length, rest) = content.split_first_chunk()?;
     rest.split_at_checked(usize::try_from(u32::from_le_bytes(*length)).ok()?)
@@ -118,12 +118,12 @@ fn rows(content: &[u8]) -> (Vec<Measured>, bool, usize) {
     (rows, has_begun, content.len() - rest.len())
 }
 
-/// What a worker that is gone has left.
+/// Rows and claim left by a worker that has ended.
 pub(crate) struct Left {
     pub head: Head,
     /// Rows in the order of the runs.
     pub rows: Vec<Measured>,
-    /// Whether it was at the run behind them.
+    /// Whether it had begun the run after them.
     pub has_begun: bool,
     /// Removed once this is dropped: the rows are to be kept before.
     _claim: Claim,

@@ -1,4 +1,4 @@
-//! What is there of a sweep.
+//! Rows that a sweep has so far.
 
 use crate::run::Measured;
 use crate::store::{Keys, Store, Sweep};
@@ -42,7 +42,7 @@ pub(crate) struct KnownRow {
 }
 
 impl KnownRow {
-    /// Whether the run is not run again by itself.
+    /// Returns whether the run is over: it is not run again by itself.
     pub fn is_over(&self) -> bool {
         !self.is_lost || self.attempt >= MOST_LOSSES
     }
@@ -84,12 +84,12 @@ impl Known {
     }
 }
 
-/// How far a sweep is.
+/// Progress of a sweep.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Standing {
     /// Runs of the sweep.
     pub runs: usize,
-    /// Runs that are over, by how they ended.
+    /// Runs that are over, by their endings.
     pub over: BTreeMap<String, usize>,
     /// Time of the processors on those, s.
     pub cpu_s: f64,

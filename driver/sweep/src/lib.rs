@@ -2,7 +2,7 @@
 //!
 //! A sweep is a folder ([`store`]). Its work is done by children of the program, each of which runs many cases one after
 //! another ([`batch`]); what ends a child is a row of its own, and the next child goes on behind it ([`work`]). Rows have the
-//! hash of everything that they depend on as their key: what is there is not run again, whoever ran it.
+//! hash of everything that they depend on as their key: runs that are there are not made again, whichever process made them.
 
 pub mod batch;
 mod claim;

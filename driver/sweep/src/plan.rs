@@ -1,4 +1,4 @@
-//! From the file of a sweep to the store.
+//! Planning of a sweep: from its file to the store.
 
 use crate::store::{Bundle, Keep, Store, Sweep, VERSION, with};
 use pullout_case::study::{NamedQuantity, QuantityOfFile};

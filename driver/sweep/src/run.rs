@@ -14,11 +14,11 @@ use std::time::Instant;
 /// Record of a run that is over.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct Measured {
-    /// How and where it failed; `None`: it is done, or lost.
+    /// Kind and place of the failure; `None`: it is done, or lost.
     pub failed_at: Option<FailedAt>,
-    /// Whether its worker is gone.
+    /// Whether its worker has ended.
     pub is_lost: bool,
-    /// Why.
+    /// Reason.
     pub message: Option<String>,
     /// Quantities in the order of the names.
     pub quantities: Vec<Option<f64>>,

@@ -48,7 +48,7 @@ pub struct Sweep {
 pub struct Keep {
     /// The curve whose peak and work count.
     pub curve: Columns,
-    /// Where the work ends; `None`: at the end of the run.
+    /// End of the integral for the work; `None`: the end of the run.
     pub work_to: Option<f64>,
     /// Numbers by their names.
     pub quantities: BTreeMap<String, QuantityOfFile>,
@@ -185,7 +185,7 @@ impl Store {
     }
 }
 
-/// Whether a file is not in its place yet.
+/// Returns whether a file is not in its place yet.
 fn is_hidden(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'))
 }

@@ -24,10 +24,10 @@ const CHUNK: f64 = 30.0;
 /// Most runs in a part unless the user says otherwise.
 const MOST_IN_A_PART: usize = 20_000;
 
-/// How a sweep is worked off.
+/// Settings of a sweep's work.
 #[derive(Clone, Debug)]
 pub struct Work {
-    /// Which part of all runs: number from 0, and how many there are.
+    /// Part of all runs: its number from 0, and the number of parts.
     pub chunk: Option<(usize, usize)>,
     /// Processes or threads at a time.
     pub jobs: usize,
@@ -183,7 +183,7 @@ impl Office<'_> {
         self.store.add(&self.table(&runs[..rows.len()], rows), first.run)
     }
 
-    /// The same, and tells of it.
+    /// Puts rows into the store and reports the progress.
     fn write(&self, runs: &[Due], rows: &[Measured]) -> io::Result<()> {
         self.put(runs, rows)?;
         let over = self.over.fetch_add(rows.len(), Ordering::Relaxed) + rows.len();

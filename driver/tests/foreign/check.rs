@@ -103,7 +103,8 @@ fn contact_checked(
     outcome
 }
 
-/// Of both contact laws: error number and words; those of arrays whose lengths follow the tangential directions with one and with two.
+/// Errors planted in both contact laws are reported in these words; those of arrays whose lengths follow the tangential
+/// directions, with one direction and with two.
 #[test]
 fn contact_laws_that_leave_their_arrays_are_told() {
     let desk = Desk::new();

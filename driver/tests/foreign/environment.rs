@@ -1,5 +1,5 @@
-//! What a law is told besides its strain: temperature, field variables, the stress it starts from, and when the analysis
-//! begins and ends what.
+//! Information that a law gets besides its strain: temperature, field variables, the initial stress, and notice of the
+//! beginning and end of analysis, steps and increments.
 
 use super::{built, point, run};
 use crate::program::{Desk, Run};
@@ -9,7 +9,7 @@ use serde_json::{Value, json};
 const E: f64 = 1000.0;
 const NU: f64 = 0.25;
 const ALPHA: f64 = 1e-5;
-/// Of the field variable on the modulus.
+/// Effect of the field variable on the modulus.
 const BETA: f64 = 0.5;
 
 #[track_caller]

@@ -245,7 +245,7 @@ fn nominal_columns_of_a_path_of_f() {
     assert!((tensor(&nominal, "s", ("s", 1.0)) - biot).norm() < 1e-12);
 }
 
-/// What a step may ask for once the material has turned: stresses alone, here none; strains alone; not both, unless the
+/// Steps that are allowed once the material has turned: stresses alone, here none; strains alone; not both, unless the
 /// measure turns with the material.
 #[test]
 fn steps_after_a_turn() {

@@ -1,4 +1,4 @@
-//! What public UMATs leave out or get wrong, against our own law on the same mesh: no energies, wrong energies, an elastic
+//! Omissions and errors of public UMATs, against our own law on the same mesh: no energies, wrong energies, an elastic
 //! tangent or none, six components only.
 
 use super::{built, point};
@@ -132,7 +132,7 @@ fn a_fibre_without_energies_is_pulled_out_as_one_with() {
     }
 }
 
-/// Equal increments are never refused for their energies: a report that contradicts the work is told all the same, and the
+/// Equal increments are never refused for their energies: energies that contradict the work are reported all the same, and the
 /// increments stay those that the step asks for.
 #[test]
 fn wrong_energies_are_found_under_equal_increments() {

@@ -36,7 +36,7 @@ fn imported(desk: &Desk, job: &str) -> (Value, String) {
     (serde_json::from_str(&outcome.stdout).expect("JSON"), outcome.stderr)
 }
 
-/// Why a job is refused.
+/// Returns the reason why a job is refused.
 fn refused(desk: &Desk, job: &str) -> String {
     desk.write("job.inp", job);
     desk.pullout(["import", "job.inp"]).expect(2).stderr
@@ -290,7 +290,7 @@ fn large_deformations_of_a_sheet_are_named_as_left_out() {
     close(history.last("s11"), 200e3 * 1e-3);
 }
 
-/// What is given to one node is not that of the element.
+/// A temperature given to one node is not that of the element.
 #[test]
 fn a_temperature_of_some_nodes_is_refused() {
     let desk = Desk::new();

@@ -41,7 +41,7 @@ fn a_library_of_the_first_header_is_read_checked_and_run() {
     assert!(outcome.stderr.contains("nu"), "{}", outcome.stderr);
 }
 
-/// What grows at its end is read by its size, and flags that nobody knows are ignored.
+/// Structures that grow at their end are read by their size, and unknown flags are ignored.
 #[test]
 fn a_library_of_a_later_header_is_read() {
     let desk = Desk::new();

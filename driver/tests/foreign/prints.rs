@@ -1,4 +1,4 @@
-//! What a UMAT reads beside its case, and what it prints.
+//! Files that a UMAT reads beside its case, and text that it prints.
 
 use super::{built, close, point};
 use crate::program::{Desk, Run, command};
@@ -84,7 +84,7 @@ fn prints_with(malloc: &str) {
     assert!(!desk.pullout(["plugin", "info", library]).expect(0).stdout.contains("Memory:"));
 }
 
-/// What was printed before a signal is there, also of the call that it ended; the replay finds the table.
+/// Text printed before a signal is kept, also that of the call that it ended; the replay finds the table.
 #[test]
 fn prints_survive_a_law_that_ends_the_process() {
     let desk = Desk::new();

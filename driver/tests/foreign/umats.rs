@@ -185,7 +185,8 @@ fn another_symbol_is_called_where_the_case_names_it() {
     );
 }
 
-/// What a library only depends on is not its own: the loader finds a UMAT there, or `system` in the C library.
+/// Symbols of libraries that a library only depends on are not its own: the loader finds a UMAT there, or `system` in
+/// the C library.
 #[test]
 fn a_symbol_of_another_library_is_no_entry_point() {
     let desk = Desk::new();

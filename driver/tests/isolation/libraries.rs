@@ -76,7 +76,7 @@ fn a_sound_library_is_told_of_as_before() {
     assert!(desk.pullout(arguments).expect(0).stdout.contains("entry points: umat, uinter, fric;"));
 }
 
-/// What a plugin does to its own standard output takes nothing from the report.
+/// A plugin that tampers with its own standard output takes nothing from the report.
 #[test]
 fn a_library_that_closes_the_standard_output() {
     let desk = Desk::new();

@@ -17,7 +17,7 @@ use program::{Desk, Run, json};
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// What `misbehaving.c` does.
+/// Faults of `misbehaving.c`.
 #[derive(Clone, Copy)]
 #[repr(u32)]
 enum Fault {

@@ -91,7 +91,7 @@ fn automatic_arrays_fit_on_the_stack() {
     }
 }
 
-/// What a plugin prints is kept; a reader of the program's own lines that went away ends neither.
+/// Text that a plugin prints is kept; a reader of the program's own lines that has gone away ends neither.
 #[test]
 fn what_a_plugin_prints() {
     let desk = Desk::new();

@@ -143,7 +143,7 @@ fn long_run(desk: &Desk, isolate: bool) -> Child {
     process.spawn().expect("the program starts")
 }
 
-/// Our own plugins are called in the program itself unless the case says otherwise; a worker that is killed is told.
+/// Our own plugins are called in the program itself unless the case says otherwise; a worker that is killed is reported.
 #[test]
 fn who_has_a_worker() {
     for isolate in [false, true] {

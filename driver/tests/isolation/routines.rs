@@ -12,7 +12,7 @@ enum Fault {
     EndlessLoop,
 }
 
-/// Who misbehaves: SDVINI, SIGINI, or UEXTERNALDB with LOP, in a step and an increment.
+/// Routine that misbehaves: SDVINI, SIGINI, or UEXTERNALDB with LOP, in a step and an increment.
 #[derive(Clone, Copy)]
 enum Routine {
     Sdvini,

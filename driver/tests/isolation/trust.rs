@@ -1,4 +1,4 @@
-//! Who may run in the program's own process: what was built with it, and nothing that only says so.
+//! Libraries that may run in the program's own process: those built with it, and none that only claims to be.
 
 use super::processes::worker;
 use super::program::{Desk, Outcome, Run, command, files, json, timeless};
@@ -188,7 +188,7 @@ fn fibre(place: &Value) -> Value {
     })
 }
 
-/// The same results, to the bit, in two folders.
+/// Checks that two folders have the same results, to the bit.
 fn same(one: &Path, other: &Path) {
     let (one_files, other_files) = (files(one), files(other));
     assert!(one_files.keys().eq(other_files.keys()), "{:?} {:?}", one_files.keys(), other_files.keys());

@@ -1,4 +1,4 @@
-//! `--untrusted`: a file that nobody has looked at chooses neither what is called nor what is read.
+//! `--untrusted`: a file from an unknown source chooses neither the plugins that are called nor the files that are read.
 
 use super::point;
 use super::program::Desk;

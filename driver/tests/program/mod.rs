@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use tempfile::TempDir;
 
-/// What a process left behind.
+/// Exit code and output of a process.
 #[derive(Debug)]
 pub struct Outcome {
     /// Exit code; a signal is a panic of the test.
@@ -89,7 +89,7 @@ impl Desk {
         self.run_with(case, &settings, out, code)
     }
 
-    /// The same with any arguments.
+    /// Runs a case with any further arguments.
     pub fn run_with(&self, case: &Path, more: &[&str], out: &str, code: i32) -> Run {
         let folder = self.path(out);
         let arguments =
@@ -98,7 +98,7 @@ impl Desk {
         Run::read(&folder, outcome)
     }
 
-    /// Whether any result was made here.
+    /// Returns whether any result was made here.
     pub fn has_results(&self) -> bool {
         self.path("out").exists()
     }
@@ -132,12 +132,12 @@ impl Run {
         }
     }
 
-    /// What the plugins printed: on unit 6 and the standard output.
+    /// Returns the text that the plugins printed on unit 6 and the standard output.
     pub fn log(&self) -> String {
         fs::read_to_string(self.folder.join("umat.log")).unwrap_or_default()
     }
 
-    /// What the plugins printed on unit 7.
+    /// Returns the text that the plugins printed on unit 7.
     pub fn messages(&self) -> String {
         fs::read_to_string(self.folder.join("umat.msg")).unwrap_or_default()
     }

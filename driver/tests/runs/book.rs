@@ -1,5 +1,5 @@
-//! What the README and the tutorials of the book show works as it stands there: their files are written, their commands
-//! run. The UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
+//! Examples of the README and of the book's tutorials work as printed: their files are written, their commands run. The
+//! UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
 
 use crate::program::{self, Desk, Run, Table};
 use end_to_end_tests::{Tool, find, run, workspace};
@@ -19,7 +19,7 @@ fn blocks(name: &str, language: &str) -> Vec<String> {
     page(name).split(&fence).skip(1).map(|rest| rest.split("```").next().unwrap_or_default().to_owned()).collect()
 }
 
-/// What a tutorial asks its reader to do.
+/// Action that a tutorial asks of its reader.
 enum Action {
     /// A file of this name and content.
     Write(String, String),

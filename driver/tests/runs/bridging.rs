@@ -182,8 +182,8 @@ fn strengths_lead_back_to_the_bond() {
     }
 }
 
-/// Of friction that is the same at all angles: C2 without snubbing. The runs are kept, whoever asks for them again, and one
-/// that fails is named.
+/// Friction that is the same at all angles gives C2 without snubbing. The runs are kept for any later request,
+/// and one that fails is named.
 #[test]
 fn curves_of_runs_give_the_closed_form() {
     let desk = Desk::new();
@@ -243,7 +243,7 @@ fn cut_off(cache: &Path, end: f64) {
     }
 }
 
-/// What is claimed of σ(w), found or not found, as the descriptions of the studies tell it.
+/// Claims about σ(w) are found or not found, as the descriptions of the studies state.
 #[test]
 fn the_claims_have_their_verdicts() {
     let desk = Desk::new();

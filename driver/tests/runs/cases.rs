@@ -51,7 +51,7 @@ fn results_are_complete(file: &Path, run: &Run) {
     assert!(compared.iter().all(|entry| entry["rms"].as_f64().is_some_and(f64::is_finite)), "{case}");
 }
 
-/// What is measured in a run.
+/// Quantity that is measured in a run.
 #[derive(Clone, Copy, Debug)]
 enum Measure {
     /// Largest s11, MPa.
@@ -82,7 +82,7 @@ enum Measure {
 use Measure::{Area, At, Compression, CompressionRatio, Farthest, Lateral, Points, PrePeak, Rms};
 use Measure::{SignChange, Tension, TensionRatio};
 
-/// What the tests (../data) ask for, and whether it is reached.
+/// Range that the tests (../data) require, and whether it is reached.
 #[derive(Clone, Copy, Debug)]
 enum Gate {
     /// No measurement to compare with.
@@ -459,7 +459,8 @@ fn figures_of_concrete_damage() {
     check(CONCRETE_DAMAGE);
 }
 
-/// What the studies of points and of a few elements tell of their claims, one letter each: found, not found, cannot be told.
+/// Verdicts on the claims of studies of points and of a few elements, one letter each: found, not found, cannot be
+/// told.
 #[test]
 fn studies_that_take_seconds_find_what_their_descriptions_tell() {
     let desk = Desk::new();

@@ -1,4 +1,5 @@
-//! What the case descriptions say in words: unloading, closing cracks, bond cycles, closed forms of the examples.
+//! Behaviour that the case descriptions state in words: unloading, closing cracks, bond cycles, closed forms of the
+//! examples.
 
 use crate::program::{Desk, Run, cases};
 

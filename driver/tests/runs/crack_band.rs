@@ -77,7 +77,7 @@ fn a_missing_length_is_refused() {
     assert!(!desk.has_results());
 }
 
-/// Where the beam and its reference lie.
+/// Returns the folder of the beam and its reference.
 fn study() -> PathBuf {
     cases().parent().expect("the workspace").join("bench/crack-band")
 }
@@ -164,8 +164,8 @@ fn an_aligned_crack_is_the_cohesive_crack_in_every_kind_of_element() {
     }
 }
 
-/// What the elements cannot reach is told: columns that lean by 27° lock; a column of Q8 that
-/// is not quite regular opens at one of its two columns of points.
+/// Warnings are given where the elements cannot reach the fracture energy: columns that lean by 27° lock; a column of
+/// Q8 that is not quite regular opens at one of its two columns of points.
 #[test]
 fn a_crack_that_misses_its_energy_is_told() {
     let leaning = |[x, y]: [f64; 2]| {

@@ -89,7 +89,8 @@ fn bent_and_straight_fibres_slide_around_their_exit_in_balance() {
     }
 }
 
-/// What bears little tension opens on one side of the fibre, which is bent away from it: the more the less it bears.
+/// A bond of small tensile capacity opens on one side of the fibre, which is bent away from it: the more, the less it
+/// bears.
 #[test]
 fn a_small_tensile_capacity_opens_one_side_of_the_hole() {
     let desk = Desk::new();

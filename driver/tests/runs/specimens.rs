@@ -1,4 +1,4 @@
-//! What the run of a specimen leaves: fields for ParaView, pictures, summary, report, and replays of what failed.
+//! Results of a specimen's run: fields for ParaView, pictures, summary, report, and replays of failed runs.
 
 use crate::program::{self, Desk, Run, command, json, xml_of_fields};
 use serde_json::{Value, json};
@@ -59,8 +59,8 @@ fn exists(run: &Run, names: &[&str]) {
     }
 }
 
-/// What a fibre bears in its free length is the load over its section, and its plastic strain what that leaves beyond first yield over
-/// the hardening.
+/// The stress in the fibre's free length is the load over its section, and its plastic strain is the stress beyond
+/// first yield over the hardening.
 #[test]
 fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for() {
     const YIELD: f64 = 150.0;

@@ -3,7 +3,7 @@
 use crate::program::{Desk, cases, files, timeless};
 use std::path::Path;
 
-/// What one thread leaves, several leave.
+/// Checks that several threads give the same results as one.
 fn same_with_any_number(case: &Path, overrides: &[&str]) {
     let desk = Desk::new();
     let case = case.to_string_lossy();

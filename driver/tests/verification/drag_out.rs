@@ -2,7 +2,7 @@
 
 use super::{model, model_of, run_to_end};
 
-/// With 200 equal increments, N.
+/// Load with 200 equal increments, N.
 const FINE_LOAD: f64 = 23.91026;
 
 #[test]

@@ -4,12 +4,13 @@ use super::{model, run_to_end};
 
 const DIAMETER: f64 = 0.5;
 const YIELD_STRESS: f64 = 200.0;
-/// Of the area of the round wire, mm.
+/// Thickness of the same area as the round wire, mm.
 const THICKNESS: f64 = 0.25 * std::f64::consts::PI * DIAMETER;
 /// M_p = f_y t φ²/4, N mm.
 const PLASTIC_MOMENT: f64 = YIELD_STRESS * THICKNESS * DIAMETER * DIAMETER / 4.0;
 
-/// How far the load of a case is off from M_p times a change of curvature, 1/mm, on average from a slip to the end, and at most.
+/// Returns the deviation of a case's load from M_p times a change of curvature, 1/mm, on average from a slip to the
+/// end, and at most.
 fn off_from_rigid_plastic(case: &str, change_of_curvature: f64, from: f64) -> [f64; 2] {
     let expected = PLASTIC_MOMENT * change_of_curvature;
     let (mut sum, mut length, mut worst, mut last) = (0.0, 0.0, 0.0_f64, [f64::NAN; 2]);
@@ -48,8 +49,8 @@ fn a_wave_takes_its_plastic_moment_for_each_change_of_curvature() {
     assert!(mean < 0.05 && worst < 0.06, "{mean:.3}, {worst:.3}");
 }
 
-/// With friction the first of its contact opens in the first increment, and what the trapezoid of that misses is the same part of
-/// the work in one of any size.
+/// The first contact with friction opens in the first increment, and the trapezoidal rule misses the same part of its
+/// work in an increment of any size.
 #[test]
 fn a_first_increment_in_which_contact_opens_stands() {
     let overrides = ["contact.law.props.mu=0.2", "steps.0.slip=0.002", "steps.0.increments.initial=0.01"];

@@ -41,7 +41,7 @@ fn run(model: &Model, look: impl FnMut(&Record, &Snapshot<'_>)) -> Result<(), Ru
     Analysis::new(model).unwrap_or_else(|error| panic!("{error}")).run(&mut Looking(look))
 }
 
-/// As [`run`], for runs that must reach their end.
+/// Runs a model that must reach its end, as [`run`] does.
 fn run_to_end(model: &Model, look: impl FnMut(&Record, &Snapshot<'_>)) {
     run(model, look).unwrap_or_else(|error| panic!("{error}"));
 }

@@ -6,8 +6,8 @@ use umat_abi::law::{Law, Response};
 /// Relative errors below this are those of the differences, not of the tangent: no other step is tried.
 const GOOD_DIFFERENCE: f64 = 1e-8;
 
-/// How far C·d is from central differences of the stress along each of the directions d: the best of several
-/// steps, relative to the largest tangent entry. Away from kinks this is rounding plus truncation.
+/// Returns the distance of C·d from central differences of the stress along each of the directions d: the best of
+/// several steps, relative to the largest tangent entry. Away from kinks this is rounding plus truncation.
 pub fn directional_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], directions: &[[f64; 6]]) -> f64 {
     let components = point.stress_state.components();
     let tangent = point.trial(strain).0.tangent;
@@ -37,8 +37,8 @@ pub fn directional_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], direct
     best
 }
 
-/// How far C·d is from the one-sided differences along d: the better side and the best of several steps. At a
-/// kink the tangent must be that of one side.
+/// Returns the distance of C·d from the one-sided differences along d: the better side and the best of several steps.
+/// At a kink the tangent must be that of one side.
 pub fn one_sided_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], direction: &[f64; 6]) -> f64 {
     let components = point.stress_state.components();
     let (response, _) = point.trial(strain);
@@ -60,9 +60,10 @@ pub fn one_sided_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], directio
     best
 }
 
-/// Whether the tangent itself jumps within the reach of the differences around this strain, so that no difference
-/// quotient can be compared with it: by 2 % within that of the longest, or within that of the shorter ones by a
-/// quarter of what the best of them is off. (Smooth tangents vary there by some 1e-5, and their differences are right to 1e-6.)
+/// Returns whether the tangent itself jumps within the reach of the differences around this strain, so that no
+/// difference quotient can be compared with it: by 2 % within that of the longest, or within that of the shorter ones
+/// by a quarter of the error of the best of them. (Smooth tangents vary there by some 1e-5, and their differences are
+/// right to 1e-6.)
 pub fn near_kink<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], error: f64) -> bool {
     let size = strain.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let Response { tangent: here, stress, .. } = point.trial(strain).0;

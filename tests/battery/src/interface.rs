@@ -8,7 +8,7 @@ use umat_abi::table::States;
 
 /// A contact point of law `L`, driven by relative displacements (UINTER).
 pub struct ContactPoint<'p, L: InterfaceLaw> {
-    /// What PROPS say.
+    /// Parameters from PROPS.
     pub parameters: L::Parameters<'p>,
     /// Number of directions.
     pub directions: usize,
@@ -65,7 +65,7 @@ impl<'p, L: InterfaceLaw> ContactPoint<'p, L> {
 
 /// A contact point of law `L` under a given pressure (FRIC).
 pub struct SlidingPoint<'p, L: InterfaceLaw> {
-    /// What PROPS say.
+    /// Parameters from PROPS.
     pub parameters: L::Parameters<'p>,
     /// Number of directions.
     pub directions: usize,
@@ -156,7 +156,7 @@ fn tangent_error(input: &[f64; 3], steps: &[f64; 3], map: &impl Fn(&[f64; 3]) ->
     worst
 }
 
-/// Whether the tangent jumps within the reach of the differences.
+/// Returns whether the tangent jumps within the reach of the differences.
 fn near_kink(input: &[f64; 3], steps: &[f64; 3], map: &impl Fn(&[f64; 3]) -> Mapped) -> bool {
     let here = map(input);
     (0..3).any(|column| {

@@ -1,4 +1,4 @@
-//! What holds on any history, and of the virgin solid.
+//! Invariants of any history, and of the virgin solid.
 
 use super::rotation::rotation_error;
 use super::{Point, Promises, Random, Sample};
@@ -65,8 +65,8 @@ pub fn check_invariants<L: Law>(sample: &Sample<'_>, stress_state: StressState, 
     }
 }
 
-/// What [`Law::elastic`] says is what hosts get, and its state is untouched where it says nothing: at NaN and
-/// infinity too, which nobody looked for before.
+/// Checks that hosts get the response of [`Law::elastic`], and that it leaves the state untouched where it gives none:
+/// at NaN and infinity too, which nothing has excluded before.
 fn check_early_way_out<L: Law>(point: &Point<'_, L>, strain: &[f64; 6], random: &mut Random) {
     let early = |strain: &[f64; 6]| {
         let mut state = L::State::read(&point.state);

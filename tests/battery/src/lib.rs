@@ -1,6 +1,6 @@
-//! What every law must pass, whatever its equations: the consistent tangent against differences, rotation, states that never
-//! decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with what it promises
-//! ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
+//! Checks that every law must pass, whatever its equations: the consistent tangent against differences, rotation,
+//! states that never decrease, dissipation, the virgin state, proportional paths. A law calls [`battery!`] with its
+//! promises ([`Promises`]); [`stability`] throws extremes at all of them, for `pullout-bench stability` too.
 
 mod batch;
 mod differences;
@@ -54,7 +54,7 @@ impl Random {
         low + (high - low) * self.unit()
     }
 
-    /// As many numbers as asked for, uniform in [−1, 1).
+    /// Returns as many numbers as asked for, uniform in [−1, 1).
     pub fn vector(&mut self, count: usize) -> Vec<f64> {
         (0..count).map(|_| self.signed()).collect()
     }
@@ -108,7 +108,7 @@ impl<'p> Sample<'p> {
         Self { props, size, characteristic_length: None }
     }
 
-    /// From a table of parameter sets.
+    /// Makes samples of a table of parameter sets.
     pub fn all<const N: usize>(sets: &'p [([f64; N], f64)]) -> Vec<Self> {
         sets.iter().map(|(props, size)| Self::new(props, *size)).collect()
     }
@@ -129,9 +129,9 @@ impl<'p> Sample<'p> {
 
 /// A material point of law `L`, driven directly.
 pub struct Point<'p, L: Law> {
-    /// What PROPS say.
+    /// Parameters from PROPS.
     pub parameters: L::Parameters<'p>,
-    /// Which components exist.
+    /// Stress state: the components that exist.
     pub stress_state: StressState,
     /// The committed strain.
     pub strain: [f64; 6],
@@ -180,7 +180,7 @@ impl<'p, L: Law> Point<'p, L> {
         }
     }
 
-    /// The same of a law that answers.
+    /// Returns the response and states of a law that must answer.
     pub fn trial(&self, strain: &[f64; 6]) -> (Response, Vec<f64>) {
         let (outcome, state) = self.respond(strain, Request::StressAndTangent);
         let response = outcome.unwrap_or_else(|failure| panic!("{failure:?} at {strain:?} from {:?}", self.state));
@@ -212,7 +212,7 @@ pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64;
     [entry(0, 0), entry(1, 1), entry(2, 2), shear * entry(0, 1), shear * entry(0, 2), shear * entry(1, 2)]
 }
 
-/// The same about axis 3, of the components 11, 22, 33, 12.
+/// Rotates the components 11, 22, 33, 12 of such a tensor about axis 3.
 pub fn rotated_in_plane([a, b, c, d]: [f64; 4], angle: f64, shear: f64) -> [f64; 4] {
     let (sine, cosine) = angle.sin_cos();
     let rotation = [[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]];

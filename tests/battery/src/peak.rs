@@ -3,12 +3,12 @@
 use super::Point;
 use umat_abi::law::{Law, StressState};
 
-/// Which components share one free strain whose stress is zero: e.g. \[1, 2\] is uniaxial stress in
-/// 3-D, \[1\] is uniaxial stress in plane stress or uniaxial plane strain, none is uniaxial strain.
+/// Bar whose free components share one strain and have zero stress: e.g. \[1, 2\] is uniaxial stress in 3-D, \[1\] is
+/// uniaxial stress in plane stress or uniaxial plane strain, none is uniaxial strain.
 pub struct Uniaxial<'p, L: Law> {
     point: Point<'p, L>,
     free: &'static [usize],
-    /// Lateral over axial strain where the next search starts: which branch, if there are several.
+    /// Lateral over axial strain where the next search starts; it selects the branch, if there are several.
     pub ratio: f64,
 }
 

@@ -1,11 +1,11 @@
-//! What a law promises, and the macro that makes the tests which hold it to that.
+//! Promises of a law, and the macro that makes the tests which hold it to them.
 
 use super::{
     STRESS_STATES, Sample, check_invariants, check_path_exactness, check_random_paths, check_rotation, check_virgin,
 };
 use umat_abi::law::{Law, StressState};
 
-/// What a law of a solid promises, and the parameters that it is tried at.
+/// Promises of a solid's law, and the parameters at which it is tested.
 pub struct Promises<'p> {
     /// Ordinary parameters.
     pub samples: Vec<Sample<'p>>,

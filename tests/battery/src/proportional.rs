@@ -22,7 +22,7 @@ pub fn equal(count: u32) -> impl Iterator<Item = f64> {
     (1..=count).map(move |step| f64::from(step) / f64::from(count))
 }
 
-/// How far a stress is from the expected one, relative to the largest component.
+/// Returns the deviation of a stress from the expected one, relative to the largest component.
 pub fn deviation(stress: &[f64; 6], expected: &[f64; 6]) -> f64 {
     let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let error = |i: usize| if stress[i] == expected[i] { 0.0 } else { (stress[i] - expected[i]).abs() / largest };

@@ -3,8 +3,9 @@
 use super::{Random, Sample, rotated};
 use umat_abi::law::{Law, StressState};
 
-/// Of a random history and the same one turned (in the plane states about axis 3): how far their stresses are apart
-/// at worst, over 1e-12 of the largest stress and the rounding of the elastic one; and at which strain.
+/// Returns the largest difference between the stresses of a random history and of the same one turned (in the plane
+/// states about axis 3), over 1e-12 of the largest stress and the rounding of the elastic one; and the strain at which
+/// it occurs.
 pub fn rotation_error<L: Law>(sample: &Sample<'_>, stress_state: StressState, random: &mut Random) -> (f64, [f64; 6]) {
     let rotation = random.rotation_in(stress_state);
     let mut point = sample.point::<L>(stress_state);

@@ -11,11 +11,11 @@ pub fn tangent_error<L: Law>(point: &Point<'_, L>, strain: &[f64; 6]) -> f64 {
     directional_error(point, strain, &columns[..point.stress_state.components().len()])
 }
 
-/// What differences say about the tangents of random states.
+/// Result of comparing the tangents of random states with differences.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct TangentSummary {
     pub tried: usize,
-    /// At kinks: the tangent itself jumps within the reach of the differences.
+    /// Number of those at kinks: the tangent itself jumps within the reach of the differences.
     pub excluded: usize,
     /// Greatest error of the others.
     pub worst: f64,

@@ -1,11 +1,12 @@
-//! How CalculiX calls external behaviours: a copy of the library under a name in capitals, the symbol in capitals, six
-//! components whatever the element, PNEWDT = -1, a number in place of JSTEP(4), its own name of the material.
+//! Calls as CalculiX makes them of external behaviours: a copy of the library under a name in capitals, the symbol in
+//! capitals, six components whatever the element, PNEWDT = -1, a number in place of JSTEP(4), its own name of the
+//! material.
 
 use crate::Loaded;
 use end_to_end_tests::{LAWS, PointMemory, plugin, strain_path};
 use umat_abi::law::StressState;
 
-/// PNEWDT on entry: below 0, so that what a UMAT asks for shows.
+/// PNEWDT on entry: below 0, so that a UMAT's request is seen.
 const ON_ENTRY: f64 = -1.0;
 
 /// A point as CalculiX has it.

@@ -1,4 +1,4 @@
-//! What a plugin must stand (docs/reference/abi.md), tried through the dynamic loader on every shipped law.
+//! Demands on a plugin (docs/reference/abi.md), tested through the dynamic loader on every shipped law.
 
 mod calculix;
 mod floating_point;

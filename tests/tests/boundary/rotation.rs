@@ -20,7 +20,7 @@ fn rotation() -> Matrix {
     })
 }
 
-/// Where the plastic strain begins in STATEV, if the law has one.
+/// Returns the place at which the plastic strain begins in STATEV, if the law has one.
 fn plastic_strain(loaded: &Loaded) -> Option<usize> {
     loaded.library.laws()[0].states.iter().position(|state| state.tensor_component == 1)
 }

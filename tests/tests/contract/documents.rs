@@ -13,7 +13,7 @@ const PAGE_OF_A_MODULE: &str = "doc.md";
 /// Files whose lines may cite, by their suffixes.
 const KINDS: [&str; 7] = ["md", "toml", "h", "cff", "rs", "f90", "yml"];
 
-/// What follows `//` outside of a string: strings name files of their own.
+/// Returns the text after `//` outside a string: strings name files of their own.
 fn comment(line: &str) -> &str {
     let is_code = |at: usize| line[..at].matches('"').count().is_multiple_of(2);
     line.match_indices("//").find(|(at, _)| is_code(*at)).map_or("", |(at, _)| &line[at + 2..])
@@ -55,13 +55,13 @@ fn paths<'a>(line: &'a str, top: &[String]) -> Vec<&'a str> {
     quoted.filter(is_path).collect()
 }
 
-/// Whether a page is where a file cites it: relative to its folder or to one above it, up to the tree's.
+/// Returns whether a page is where a file cites it: relative to its folder or to one above it, up to the tree's.
 fn is_there(root: &Path, file: &Path, cited: &str) -> bool {
     let above = file.ancestors().skip(1).take_while(|folder| folder.starts_with(root));
     above.into_iter().any(|folder| folder.join(cited).exists())
 }
 
-/// What a text cites that is not there, with its line; of sources only comments count.
+/// Returns the cited pages and files that are not there, with their lines; of sources only comments count.
 fn lost(root: &Path, top: &[String], file: &Path, text: &str) -> Vec<String> {
     let is_source = file.extension().is_some_and(|suffix| suffix == "rs");
     let mut lost = Vec::new();

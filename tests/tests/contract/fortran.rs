@@ -90,7 +90,7 @@ fn wrapped(arguments: &[&Argument]) -> String {
     lines.join("&\n")
 }
 
-/// Whether another argument's shape names this one.
+/// Returns whether another argument's shape names this one.
 fn is_size(argument: &Argument, all: &[&Argument]) -> bool {
     all.iter().any(|other| other.shape.trim_matches(['(', ')']).split(',').any(|size| size == argument.name))
 }

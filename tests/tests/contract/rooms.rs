@@ -7,7 +7,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// From the ground up; crates on one floor do not know each other.
+/// Crates by floor, from the ground up; crates on one floor do not know each other.
 const FLOORS: [&[&str]; 9] = [
     &["umat-abi"],
     &["models", "fe-core", "pullout-bridging"],

@@ -11,9 +11,9 @@ use syn::{Attribute, Expr, Field, Ident, Item, Lit, Meta, Type};
 pub struct EntryPoint {
     /// Lower case, without underscore.
     pub name: String,
-    /// What it is, one line each.
+    /// Description, line by line.
     pub doc: Vec<String>,
-    /// In order, hidden lengths last.
+    /// Arguments in order, hidden lengths last.
     pub arguments: Vec<Argument>,
 }
 
@@ -23,9 +23,9 @@ pub struct Argument {
     pub name: String,
     /// `(ntens,ntens)`, or empty for a scalar.
     pub shape: String,
-    /// What it is.
+    /// Description.
     pub doc: String,
-    /// As in Rust.
+    /// Type in Rust.
     pub rust_type: Type,
 }
 
@@ -43,7 +43,7 @@ impl Argument {
         matches!(self.rust_type, Type::Path(_))
     }
 
-    /// Whether the plugin may write it, and the type it points to.
+    /// Returns whether the plugin may write it, and the type that it points to.
     pub fn pointer(&self) -> Option<(bool, String)> {
         match &self.rust_type {
             Type::Ptr(pointer) => {
@@ -132,7 +132,7 @@ pub fn batch_arguments() -> Vec<Argument> {
     fields.expect("BatchArguments").iter().map(Argument::new).collect()
 }
 
-/// What a C reader needs of `metadata.rs`, under names that C can hold.
+/// Returns the parts of `metadata.rs` that a C reader needs, under names that C can hold.
 pub fn metadata() -> TokenStream {
     let mut output = TokenStream::new();
     for item in parse_source("metadata.rs").items {

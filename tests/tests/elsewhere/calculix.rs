@@ -1,5 +1,5 @@
 //! CalculiX: its stresses are those of our laws along its strains. A `ccx` with external behaviours is rare (Debian's has
-//! none), and nobody has to have one; any `ccx` shows that decks, strains and stresses are understood.
+//! none), and none is required; any `ccx` shows that decks, strains and stresses are understood.
 
 use super::{Installation, example, history};
 use end_to_end_tests::notice;

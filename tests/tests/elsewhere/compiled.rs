@@ -27,7 +27,7 @@ fn check(installation: &Installation, example_program: &Path, folder: &Path) {
     assert!(expected[19][1] > 0.0 && expected[59][1] < -50.0, "{:?} {:?}", expected[19], expected[59]);
 }
 
-/// What pkg-config says, word by word.
+/// Returns the answer of pkg-config, word by word.
 fn pkg_config(installation: &Installation, questions: &[&str]) -> Option<Vec<String>> {
     let mut command = find(Tool::PkgConfig)?;
     command.env("PKG_CONFIG_PATH", installation.prefix.join("lib/pkgconfig")).args(questions).arg("pullout");

@@ -29,7 +29,7 @@ const CONCRETE: Job = Job {
     nstatv: 13,
     targets: &[(12, -1.1e-3), (11, 0.0), (20, 4e-4)],
 };
-/// The same law crushed beyond the peak, after it cracked.
+/// The law of [`CONCRETE`] crushed beyond the peak, after it cracked.
 const CRUSHED: Job = Job { targets: &[(10, 4e-4), (40, -3e-3), (10, -1e-3)], ..CONCRETE };
 /// Plasticity that turns round twice.
 const STEEL: Job = Job {
@@ -40,12 +40,12 @@ const STEEL: Job = Job {
 };
 
 impl Job {
-    /// Its arguments for the Python programs.
+    /// Returns its arguments for the Python programs.
     fn arguments(&self, installation: &Installation) -> Vec<String> {
         self.arguments_with(&installation.library(self.law))
     }
 
-    /// The same with another library.
+    /// Returns the arguments with another library.
     fn arguments_with(&self, library: &Path) -> Vec<String> {
         let mut words = vec![library.display().to_string(), self.law.to_owned()];
         words.extend([self.nstatv.to_string(), "--props".to_owned()]);
@@ -65,7 +65,7 @@ impl Job {
         self.expected_along(installation, &[(component, 1.0)], folder, columns)
     }
 
-    /// The same with several components, each to its share of the targets.
+    /// Returns our driver's rows with several components, each to its share of the targets.
     fn expected_along(
         &self,
         installation: &Installation,
@@ -81,7 +81,7 @@ impl Job {
         self.history(installation, &steps.collect::<Vec<_>>().join(", "), folder, columns)
     }
 
-    /// The same along given strains.
+    /// Returns our driver's rows along given strains.
     fn expected_at(
         &self,
         installation: &Installation,
@@ -121,7 +121,7 @@ fn script_command(script: &str, arguments: &[String]) -> Option<Command> {
     Some(command)
 }
 
-/// What a script prints as its result.
+/// Returns the numbers that a script prints as its result.
 fn python(script: &str, arguments: &[String]) -> Option<Vec<Vec<f64>>> {
     let output = run(&mut script_command(script, arguments)?);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

@@ -22,7 +22,7 @@ struct Original {
     specimen: Specimen,
     folder: PathBuf,
     content: Vec<u8>,
-    /// Where its state begins.
+    /// Place at which its state begins.
     state: usize,
 }
 
@@ -62,7 +62,7 @@ fn judge(ended: &Outcome, specimen: &Specimen, is_refused: bool, out: &Path) -> 
     Ok(())
 }
 
-/// Behind the second hash: that of the case comes first.
+/// Returns the position after the second hash: that of the case comes first.
 fn start_of_state(content: &[u8]) -> usize {
     let is_hash = |start: &usize| {
         content[*start] as usize == DIGITS && content[start + 1..][..DIGITS].iter().all(u8::is_ascii_hexdigit)

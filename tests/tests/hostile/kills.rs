@@ -108,7 +108,7 @@ fn over_old_results(desk: &Path, case: &Path, out: &Path, random: &mut Rng) -> R
     Ok(())
 }
 
-/// What must be the same to the last bit.
+/// Returns the files that must be the same to the last bit.
 fn results(folder: &Path) -> BTreeMap<PathBuf, Vec<u8>> {
     let names = process::inventory(folder, Path::new("")).into_iter().map(|(path, ..)| path);
     let is_result =

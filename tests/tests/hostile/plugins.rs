@@ -19,7 +19,7 @@ const PLACE: [u32; 2] = [2, 3];
 const AT_LOADING: &str = "FAULT_AT_LOADING";
 const LIBRARY: &str = "libmisbehaving.so";
 
-/// Who calls the plugin.
+/// Caller of the plugin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Host {
     /// A material point.
@@ -38,12 +38,12 @@ enum Host {
 
 const HOSTS: [Host; 6] = [Host::Point, Host::Element, Host::Uinter, Host::Fric, Host::Bond, Host::Constructor];
 
-/// What a run comes to. The rows are always those of a sound run.
+/// Class of a run's outcome. The rows are always those of a sound run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Class {
     /// All is done.
     Harmless,
-    /// All is done, and the user is told in these words.
+    /// All is done, with a warning in these words.
     Warned(&'static str),
     /// It fails in the increment of the fault, with a message that names the plugin and has these words.
     Fails(&'static str),

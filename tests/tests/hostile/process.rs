@@ -30,7 +30,7 @@ pub fn pullout<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item
     command
 }
 
-/// What a process said and how it ended.
+/// Output of a process, and its end.
 #[derive(Debug)]
 pub struct Outcome {
     pub status: ExitStatus,
@@ -73,7 +73,8 @@ fn terminate(child: &Child) {
 }
 
 impl Outcome {
-    /// Whether it ended as it may: with a code, in words that name one of these files where something is wrong.
+    /// Checks that it ended in an allowed way: with a code, in words that name one of these files where something is
+    /// wrong.
     pub fn judge(&self, names: &[&str]) -> Result<i32, String> {
         let wrong = |what: &str| Err(format!("{what}; stderr:\n{}", shortened(&self.stderr)));
         let Some(code) = self.status.code() else {

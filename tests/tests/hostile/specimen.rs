@@ -31,7 +31,7 @@ pub const SNAPPING_BACK: Specimen = Specimen {
 };
 
 impl Specimen {
-    /// What messages of it name.
+    /// Returns the name that its messages have.
     pub fn name(&self) -> &'static str {
         self.case.rsplit('/').next().unwrap_or_default()
     }

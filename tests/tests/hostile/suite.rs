@@ -13,7 +13,7 @@ use std::thread;
 /// Seed of everything.
 const SEED: u64 = 0x70_75_6c_6c_6f_75_74;
 
-/// How much is tried.
+/// Extent of the trials.
 pub enum Form {
     /// Parts of the suite, one of each module.
     Short,
@@ -23,16 +23,16 @@ pub enum Form {
     One(String, u64),
 }
 
-/// What came out of a module.
+/// Result of a module.
 #[derive(Debug, Default)]
 pub struct Tally {
     pub tried: usize,
-    /// What did not hold: number and reason.
+    /// Trials that failed: number and reason.
     pub broken: Vec<String>,
 }
 
 impl Form {
-    /// As `PULLOUT_HOSTILE` says.
+    /// Returns the form that `PULLOUT_HOSTILE` names.
     pub fn given() -> Self {
         let Ok(text) = std::env::var("PULLOUT_HOSTILE") else { return Self::Short };
         match text.split_once(':').map(|(module, number)| (module.to_owned(), number.parse())) {
@@ -42,7 +42,7 @@ impl Form {
         }
     }
 
-    /// Whether anything of a module is tried.
+    /// Returns whether anything of a module is tried.
     pub fn concerns(&self, module: &str) -> bool {
         !matches!(self, Self::One(one, _) if one != module)
     }
@@ -90,11 +90,11 @@ pub fn any_damage(number: u64) -> Vec<Damage> {
 }
 
 thread_local! {
-    /// Where the last panic of this thread was.
+    /// Place of this thread's last panic.
     static PLACE: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
-/// Keeps the place of a panic instead of printing it: it is told with the number of its attempt.
+/// Keeps the place of a panic instead of printing it: it is reported with the number of its attempt.
 pub fn silence_panics() {
     std::panic::set_hook(Box::new(|panic| {
         let place = panic.location().map_or_else(String::new, ToString::to_string);

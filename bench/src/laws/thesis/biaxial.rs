@@ -3,7 +3,7 @@
 use super::{Components, DamageSurface, Point};
 use models::tensor::{Elasticity, Spectral, deviator, strain_norm_squared, trace};
 
-/// Where the uniaxial β gives way to the biaxial one: the text leaves it open. |σ|₂/|σ|₁ of `biaxial_damage`.
+/// Ratio at which the uniaxial β gives way to the biaxial one: the text leaves it open. |σ|₂/|σ|₁ of `biaxial_damage`.
 const BLEND_RATIO: f64 = 0.2;
 
 /// Damage, energy release rates and weights of the last step.
@@ -18,7 +18,7 @@ pub(super) struct BiaxialDamage {
     weights: Option<Weights>,
 }
 
-/// What the direction of a stress comes to.
+/// Weights that follow from the direction of a stress.
 #[derive(Clone, Copy)]
 struct Weights {
     /// r_t.

@@ -16,9 +16,9 @@ pub(super) struct InelasticDamage {
 
 /// Iterations before a step is given up.
 const MOST_ITERATIONS: usize = 60;
-/// Of the last step relative to σ and D: convergence is quadratic, what is left is its square.
+/// Size of the last step relative to σ and D: convergence is quadratic, and the remaining error is its square.
 const TOLERANCE: f64 = 1e-10;
-/// Where the first iteration starts from D = 0: Z' is infinite there.
+/// Damage from which the first iteration starts if D = 0: Z' is infinite there.
 const LEAST_DAMAGE: f64 = 1e-8;
 
 type Unknowns = SVector<f64, 7>;

@@ -51,7 +51,7 @@ struct DamageSurface {
 }
 
 impl DamageSurface {
-    /// From A, B, Y₀ in PROPS.
+    /// Makes a damage surface of A, B, Y₀ in PROPS.
     fn new(props: &[f64]) -> Self {
         Self { a: props[0], b: props[1], threshold: props[2] }
     }

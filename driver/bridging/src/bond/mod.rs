@@ -13,7 +13,7 @@ use crate::quadrature::root;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Which sides of the crack give way.
+/// Sides of the crack from which fibres pull out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sides {

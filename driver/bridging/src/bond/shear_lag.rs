@@ -95,7 +95,7 @@ struct Line {
     slope: f64,
     /// ∫ τ ds up to here.
     work: f64,
-    /// Where the bond resists from slip 0 on: strain and length up to here beside a tail at rest.
+    /// Strain here, and length from a tail at rest up to here, for a bond that resists from slip 0 on.
     anchored: [f64; 2],
 }
 

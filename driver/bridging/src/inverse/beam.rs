@@ -9,7 +9,7 @@ use nalgebra::{Matrix3, Vector3};
 
 /// Openings of the law that is sought, mm; what the matrix carries beside its strength begins at 0.
 pub const OPENINGS: [f64; 11] = [0.0, 0.01, 0.03, 0.1, 0.3, 0.6, 1.0, 1.5, 2.0, 2.5, 3.0];
-/// The same where only strengths are known: those that the CMODs of f_R1–4 belong to.
+/// Openings of the law if only strengths are known: those that the CMODs of f_R1–4 belong to.
 const FEW_OPENINGS: [f64; 5] = [0.0, 0.4, 1.25, 2.1, 2.9];
 /// Straight lines for the cubic between two openings.
 const LINES: usize = 6;
@@ -66,7 +66,7 @@ impl Measured {
 /// at each point of the test but the first ones.
 ///
 /// # Errors
-/// A test that is none.
+/// Data that are not those of a test.
 pub fn fast_inverse(geometry: &NotchedBeam, test: &Measured) -> Result<Polyline, Invalid> {
     geometry.check()?;
     test.check()?;
@@ -133,7 +133,7 @@ pub struct BridgingFit {
 /// softens: σ is then sought beside the softening that is given.
 ///
 /// # Errors
-/// A test that is none.
+/// Data that are not those of a test.
 pub fn full_inverse(geometry: &NotchedBeam, matrix: &Matrix, test: &Measured) -> Result<BridgingFit, Invalid> {
     matrix.check()?;
     let start = fast_inverse(geometry, test)?;

@@ -4,12 +4,13 @@ use super::{Estimate, Fitted, LeastSquares, assess, least_squares};
 use crate::composite::Matrix;
 use crate::{Bond, BridgingFibre, Closed, Composite, Fibre, Inclination, Invalid, Orientation, Sides};
 
-/// The largest correlation of τ and f with which both are told. Beyond it only g(f) τ is; a search along what nothing tells takes a minute.
+/// Largest correlation of τ and f with which both are reported. Beyond it only g(f) τ is; a search in an undetermined
+/// direction takes a minute.
 const LARGEST_CORRELATION: f64 = 0.9999;
 
-/// Friction τ and, as far as it is told, snubbing f whose σ_f(w) is nearest to the given one, (w, σ_f) by rising w: the logarithms are sought,
-/// from `start`. Without rupture σ_f depends on g(f) τ alone: where f is not told it stays what it is, and τ alone is
-/// sought.
+/// Finds the friction τ and, as far as the data determine it, the snubbing f whose σ_f(w) is nearest to the given one,
+/// (w, σ_f) by rising w: their logarithms are sought, from `start`. Without rupture σ_f depends on g(f) τ alone: where
+/// f is not determined it keeps its value, and τ alone is sought.
 ///
 /// # Errors
 /// Numbers without sense.

@@ -16,7 +16,7 @@ const STEP: f64 = 1e-5;
 const SMALLEST_GAIN: f64 = 1e-10;
 /// Evaluations per parameter.
 const PATIENCE: usize = 60;
-/// Directions whose information is below this part of the greatest cannot be told.
+/// Directions whose information is below this part of the greatest cannot be determined.
 const LEAST_INFORMATION: f64 = 1e-10;
 /// A standard error above this part of the value: the data do not tell the number.
 const IDENTIFIABLE: f64 = 0.25;
@@ -58,7 +58,7 @@ pub struct Fitted {
     pub correlation: DMatrix<f64>,
     /// √(Σr²/m) of the data.
     pub rms: f64,
-    /// The same of the penalties.
+    /// √(Σr²/m) of the penalties.
     pub penalty: f64,
 }
 

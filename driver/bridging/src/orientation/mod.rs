@@ -13,7 +13,7 @@ use statrs::distribution::{Continuous, ContinuousCDF, Normal};
 use statrs::function::beta::beta;
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
-/// How fibres lie.
+/// Orientation of the fibres.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(tag = "type", rename_all = "snake_case", deny_unknown_fields)]
 pub enum Orientation {
@@ -316,7 +316,7 @@ impl Directions {
         &self.nodes[level][panel]
     }
 
-    /// The same of a part of one.
+    /// (θ, weight p dθ) of a part of a panel.
     pub(crate) fn nodes_between(&self, level: usize, from: f64, to: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
         rule(level).iter().map(move |(node, weight)| {
             let angle = from + (to - from) * node;

@@ -17,7 +17,7 @@ pub struct BridgingCase {
     /// Title, text, files, curves.
     #[serde(flatten)]
     pub head: CaseHead,
-    /// The fibre, and where its load comes from.
+    /// The fibre, and the source of its load.
     pub fibre: Piece<FibreOfFile>,
     /// V_f, at most 0.2.
     pub volume_fraction: Piece<Positive>,
@@ -26,24 +26,24 @@ pub struct BridgingCase {
     /// η_E, the matrix's part in the stretch of the fibre (default E V_f/(E_m (1 − V_f)); 0: a stiff matrix).
     #[schemars(range(min = 0.0))]
     pub modular_ratio: Option<f64>,
-    /// How the fibres lie (default random_3d).
+    /// Orientation of the fibres (default random_3d).
     pub orientation: Option<Piece<Orientation>>,
-    /// Which sides of the crack give way (default two).
+    /// Sides of the crack from which fibres pull out (default two).
     pub sides: Option<Piece<Sides>>,
     /// w_a, the opening at which fibres begin to carry (default 0).
     #[schemars(range(min = 0.0))]
     pub activation: Option<f64>,
-    /// Where σ is told.
+    /// Openings at which σ is evaluated.
     pub openings: Option<Piece<Openings>>,
     /// A notched beam in three-point bending (`{}`: that of EN 14651; default: none).
     pub beam: Option<Piece<NotchedBeam>>,
     /// Beams with fibres at random (default: none); needs a beam.
     pub scatter: Option<Piece<Scatter>>,
-    /// What is written.
+    /// Settings of the output.
     pub output: Option<Piece<BridgingOutput>>,
 }
 
-/// What is written.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct BridgingOutput {
@@ -51,19 +51,19 @@ pub struct BridgingOutput {
     pub plots: Option<bool>,
 }
 
-/// Where σ is told.
+/// Openings at which σ is evaluated.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Openings {
     /// The last opening, mm (default 3.5).
     pub to: Option<Positive>,
-    /// How many, the first at 0 (default 200).
+    /// Number of openings, the first at 0 (default 200).
     pub points: Option<Whole<3, 10_000>>,
-    /// How they lie (default power2).
+    /// Spacing of the openings (default power2).
     pub spacing: Option<Spacing>,
 }
 
-/// How openings lie.
+/// Spacing of the openings.
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Spacing {
@@ -88,7 +88,7 @@ pub enum FibreOfFile {
     Fe(FeFibre),
 }
 
-/// What fibres of all models have.
+/// Defines a fibre with the properties common to all models.
 macro_rules! fibre_of_file {
     ($(#[$of_struct:meta])* $name:ident { $($(#[$of_field:meta])* $field:ident: $type:ty,)* }) => {
         $(#[$of_struct])*
@@ -148,11 +148,11 @@ fibre_of_file! {
         beta: Option<f64>,
         /// Energy of debonding G_d, N/mm (default 0).
         debonding_energy: Option<f64>,
-        /// Until it slides as a whole (default elastic).
+        /// Debonding, until the fibre slides as a whole (default elastic).
         debonding: Option<Debonding>,
-        /// While it slides as a whole (default shortening).
+        /// Sliding of the fibre as a whole (default shortening).
         sliding: Option<Sliding>,
-        /// What an angle adds (default exp with f = 0.35).
+        /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
     }
 }
@@ -162,7 +162,7 @@ fibre_of_file! {
     ShearLagFibre {
         /// τ(s): points [slip, traction], or a law as contact.law has it, under no pressure.
         law: LawOfFile,
-        /// What an angle adds (default exp with f = 0.35).
+        /// Effect of the inclination angle (default exp with f = 0.35).
         inclination: Option<Inclination>,
     }
 }
@@ -180,7 +180,7 @@ fibre_of_file! {
 }
 
 fibre_of_file! {
-    /// A fibre whose curves are runs of a specimen, kept for whoever needs them.
+    /// A fibre whose curves are runs of a specimen, kept for later use.
     FeFibre {
         /// The case of kind "pullout" with this fibre and no other, relative to this file.
         #[schemars(length(min = 1))]

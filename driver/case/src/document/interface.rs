@@ -68,7 +68,7 @@ pub struct InterfaceRamp {
     pub time: Option<Positive>,
     /// End values; what is not named is held.
     pub target: InterfaceTarget,
-    /// What ends it, and fields at its end.
+    /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
 }
@@ -80,7 +80,7 @@ pub struct InterfaceTable {
     /// CSV file, relative to the case file: columns time (optional, s), slip, slip2 (mm), gap (mm) or p (MPa), temperature,
     /// and predef1, predef2, … of the case's field variables.
     pub table: String,
-    /// What ends it, and fields at its end.
+    /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
 }

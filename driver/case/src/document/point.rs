@@ -22,12 +22,12 @@ pub struct PointCase {
     /// Plugin, steps, output.
     #[serde(flatten)]
     pub path: Path<PointStep>,
-    /// Which components exist (default "3d").
+    /// Stress state: the components that exist (default "3d").
     pub mode: Option<Piece<Mode>>,
     /// Finite strain (default false): strains are those of U in F = R U, of which a step that is given strains or stresses
     /// keeps R; UMAT is given DFGRD0, DFGRD1 and DROT, and STRAN and STRESS turned by DROT.
     pub nlgeom: Option<Piece<bool>>,
-    /// What strains and stresses of steps and history are with nlgeom (default "logarithmic").
+    /// Measure of the strains and stresses of steps and history with nlgeom (default "logarithmic").
     pub measure: Option<Piece<Measure>>,
     /// The state before the first step.
     pub initial: Option<Piece<PointInitial>>,
@@ -96,7 +96,7 @@ pub struct PointRamp {
     pub deformation_gradient: Option<Matrix>,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
-    /// What ends it, and fields at its end.
+    /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
 }
@@ -110,7 +110,7 @@ pub struct PointTable {
     pub table: String,
     /// Linear relations, each in place of one stress-free component.
     pub constraints: Option<Vec<Constraint>>,
-    /// What ends it, and fields at its end.
+    /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
 }

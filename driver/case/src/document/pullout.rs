@@ -31,7 +31,7 @@ pub struct PulloutCase {
     pub parts: Piece<BTreeMap<String, Piece<Part>>>,
     /// One object for all contact pairs of the specimen, or a list of pairs.
     pub contact: Option<Piece<Contact>>,
-    /// What is pulled; default: the specimen's.
+    /// Nodes that are pulled; default: the specimen's.
     pub grip: Option<Piece<Grip>>,
     /// Name of one of the specimen's ways to be held, or supports by name; default: the specimen's.
     pub supports: Option<Piece<Supports>>,
@@ -39,28 +39,28 @@ pub struct PulloutCase {
     pub loads: Option<Piece<BTreeMap<String, Piece<Load>>>>,
     /// Multi-point constraints and ties.
     pub couplings: Option<Piece<Vec<Piece<Coupling>>>>,
-    /// What the history calls slip and load; default: the grip's, and the specimen's exit and tail.
+    /// Quantities that the history calls slip and load; default: the grip's, and the specimen's exit and tail.
     pub measure: Option<Piece<Measure>>,
     /// Large displacements (default false).
     pub nlgeom: Option<Piece<bool>>,
-    /// What torn matter of laws with damage is released (default: none is).
+    /// Release of torn matter of laws with damage (default: none is released).
     pub spalling: Option<Piece<Spalling>>,
     /// Fields, and how the run ends.
     #[serde(flatten)]
     pub course: Course,
-    /// What is done to the specimen.
+    /// Steps that the specimen is taken through.
     #[schemars(length(min = 1))]
     pub steps: Piece<Vec<Piece<PulloutStep>>>,
-    /// What is written.
+    /// Settings of the output.
     pub output: Option<Piece<PulloutOutput>>,
     /// Tolerances and limits.
     pub controls: Option<Piece<PulloutControls>>,
-    /// What the solver skips where a scene does not need it (default "all"; no item changes the result).
+    /// Work that the solver skips where a scene does not need it (default "all"; no item changes the result).
     pub skip: Option<Piece<Skip>>,
 }
 
-/// When an element is torn matter: its forces fade, it is no part of its body any more and has no contact, and neither has
-/// what then holds on to nothing.
+/// Criterion by which an element is torn matter: its forces fade, it is no longer part of its body and has no contact,
+/// and the same goes for whatever is then attached to nothing.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Spalling {
@@ -69,7 +69,7 @@ pub struct Spalling {
     pub opening: Positive,
     /// Stress, MPa, that no principal stress may exceed in magnitude at any of its points: 1 % of f_t.
     pub stress: Positive,
-    /// While the slip grows by so much, mm (default 0.02).
+    /// Increase of the slip over which both must hold, mm (default 0.02).
     pub wait: Option<Positive>,
     /// Slip over which its forces fade, mm (default 0.02).
     pub fade: Option<Positive>,
@@ -81,9 +81,10 @@ pub struct Spalling {
 pub struct Part {
     /// The plugin and its parameters.
     pub material: Piece<Material>,
-    /// What is assumed about the third direction; default: the specimen's, plane_strain for a file.
+    /// Assumption about the third direction; default: the specimen's, plane_strain for a file.
     pub model: Option<Piece<PartModel>>,
-    /// Reference thickness, mm, or what the thickness of a round fibre keeps; default: the specimen's, 1 for a file.
+    /// Reference thickness, mm, or the property of a round fibre's section that the thickness preserves; default: the
+    /// specimen's, 1 for a file.
     pub thickness: Option<Piece<Thickness>>,
     /// Integration of its elements; default: reduced for Q8, full for the others.
     pub integration: Option<Piece<Integration>>,
@@ -96,17 +97,17 @@ pub struct Part {
     pub average_dilatation: Option<Piece<bool>>,
 }
 
-/// What the points of a part start from.
+/// Initial state of the points of a part.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PartInitial {
     /// Stress, MPa, the same at all points: in order (11, 22, 33, 12; without 33 in plane stress) or by name (s11, …).
-    /// Default: what the library's SIGINI sets, or 0. What the supports do not hold moves before the first increment, until
-    /// it is in equilibrium with all drives at 0.
+    /// Default: the stress that the library's SIGINI sets, or 0. Whatever the supports do not hold moves before the
+    /// first increment, until it is in equilibrium with all drives at 0.
     pub stress: Option<Components>,
 }
 
-/// What is assumed about the third direction.
+/// Assumption about the third direction.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum PartModel {
@@ -124,11 +125,11 @@ pub enum PartModel {
 pub enum Thickness {
     /// mm.
     Value(Positive),
-    /// That of a plate as high as the round fibre.
+    /// Thickness of a plate as high as the round fibre.
     Section(Section),
 }
 
-/// What a plate as high as a round fibre has in common with it.
+/// Property that a plate as high as a round fibre shares with it.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Section {
@@ -170,14 +171,14 @@ pub struct PulloutRamp {
     pub drives: Option<BTreeMap<String, f64>>,
     /// Duration, s (default 1).
     pub time: Option<Positive>,
-    /// What ends it, and fields at its end.
+    /// Conditions that end it early, and fields at its end.
     #[serde(flatten)]
     pub end: StepEnd,
     /// Sizes of automatic increments, or a number of equal ones.
     pub increments: Option<StepIncrements>,
 }
 
-/// How the increments of a step are chosen.
+/// Choice of the increments of a step.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum StepIncrements {
@@ -199,7 +200,7 @@ pub struct AutomaticIncrements {
     pub minimum: Option<Fraction>,
 }
 
-/// What is written.
+/// Settings of the output.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct PulloutOutput {
@@ -218,7 +219,7 @@ pub struct PulloutOutput {
     pub rupture_strain: Option<Positive>,
 }
 
-/// When pictures are made.
+/// Moments at which pictures are made.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum PicturesAt {
@@ -236,7 +237,7 @@ pub struct IncrementNumbers {
     pub increments: Vec<Increments>,
 }
 
-/// When fields are written.
+/// Moments at which fields are written.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Vtu {
@@ -269,7 +270,7 @@ pub struct PulloutControls {
     pub max_stabilisation_share: Option<Fraction>,
 }
 
-/// What is skipped: everything, nothing, or everything but what is set to false.
+/// Work that is skipped: everything, nothing, or everything but what is set to false.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Skip {
@@ -289,7 +290,7 @@ pub enum SkipWord {
     None,
 }
 
-/// What is skipped, one by one (each true by default).
+/// Work that is skipped, item by item (each true by default).
 #[derive(Clone, Copy, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct SkipItems {

@@ -20,7 +20,7 @@ pub struct StudyFile {
     pub base: Piece<String>,
     /// Overrides for all runs: dotted path and value, as `--set` has them.
     pub set: Option<Piece<Map<String, Value>>>,
-    /// What is varied along the list of members.
+    /// Quantity that is varied along the list of members.
     pub x: Option<Piece<Abscissa>>,
     /// The runs of each series.
     #[schemars(length(min = 1))]
@@ -30,15 +30,16 @@ pub struct StudyFile {
     pub series: Option<Piece<Vec<Piece<SeriesOfFile>>>>,
     /// History columns of the curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// Where the work ends, in the unit of the curve's x; default: the smallest end of all runs that are done.
+    /// End of the integral for the work, in the unit of the curve's x; default: the smallest end of all runs that are
+    /// done.
     pub work_to: Option<Piece<Positive>>,
     /// More pictures of all runs, by history columns.
     pub overlays: Option<Piece<Vec<Piece<Columns>>>>,
-    /// What is tested.
+    /// Claims that are tested.
     pub claims: Option<Piece<Vec<Piece<ClaimOfFile>>>>,
 }
 
-/// What is varied.
+/// Quantity that is varied.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Abscissa {
@@ -103,7 +104,7 @@ pub struct ClaimOfFile {
     pub series: Option<OneOrMany>,
     /// The members that are looked at; default: all.
     pub members: Option<Vec<MemberName>>,
-    /// What is looked at (default "peak"; "curve_within" and "done" need none).
+    /// Quantity that is tested (default "peak"; "curve_within" and "done" need none).
     pub quantity: Option<QuantityOfFile>,
     /// The test.
     pub expect: ExpectationOfFile,
@@ -145,7 +146,7 @@ pub enum QuantityOfFile {
 pub enum NamedQuantity {
     /// The curve's greatest ordinate in magnitude.
     Peak,
-    /// Where it is.
+    /// The curve's abscissa at its peak.
     SlipAtPeak,
     /// The area below the curve up to the common end.
     Work,
@@ -169,9 +170,9 @@ pub enum NamedQuantity {
 pub struct ColumnValue {
     /// The column.
     pub column: String,
-    /// Where (default "end").
+    /// Place in the history (default "end").
     pub at: Option<Where>,
-    /// Over another column at the same place, or the sum of several.
+    /// Divisor: another column at the same place, or the sum of several.
     pub over: Option<OneOrMany>,
 }
 
@@ -199,7 +200,7 @@ pub enum NamedPlace {
     Least,
 }
 
-/// What the numbers of the members must be.
+/// Expectation about the numbers of the members.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum ExpectationOfFile {
@@ -231,14 +232,14 @@ pub enum ExpectationOfFile {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct TrendOfFile {
-    /// Which way.
+    /// Direction of the trend.
     pub trend: Direction,
-    /// What a step may go the other way, relative to the greatest magnitude (default 0).
+    /// Change in the opposite direction that a step may make, relative to the greatest magnitude (default 0).
     #[schemars(range(min = 0.0))]
     pub tolerance: Option<f64>,
 }
 
-/// Which way numbers go.
+/// Direction of a trend.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
@@ -340,6 +341,6 @@ pub struct BoundsOfFile {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct DoneOfFile {
-    /// Whether it does.
+    /// Whether every run is expected to reach its end.
     pub done: bool,
 }

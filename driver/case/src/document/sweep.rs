@@ -33,12 +33,12 @@ pub struct SweepFile {
     pub quantities: Option<Piece<BTreeMap<String, QuantityOfFile>>>,
     /// The curve whose peak and work count; default: load against slip, τ against slip, σ11 against ε11.
     pub curve: Option<Piece<Columns>>,
-    /// Where the work ends, in the unit of the curve's x; default: the end of the run.
+    /// End of the integral for the work, in the unit of the curve's x; default: the end of the run.
     pub work_to: Option<Piece<Positive>>,
     /// History columns that are kept as they are, or on the grid.
     pub curves: Option<Piece<Vec<String>>>,
-    /// Ascending values of the curve's x at which the columns are kept, interpolated along the first branch; NaN where the run
-    /// does not come.
+    /// Ascending values of the curve's x at which the columns are kept, interpolated along the first branch; NaN beyond
+    /// the values that the run reaches.
     #[schemars(length(min = 1))]
     pub grid: Option<Piece<Vec<f64>>>,
 }

@@ -3,7 +3,7 @@
 /// Coordinates that are the same, in edge lengths.
 const SAME: f64 = 1e-6;
 
-/// How an element is called with its nodes, mode and corners.
+/// Shape of an element: its mode, dimensions, corners and nodes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Shape {
     /// The mode as cases name it.
@@ -63,7 +63,7 @@ pub(super) struct Brick {
     pub(super) edges: [f64; 3],
     /// Least coordinates.
     pub(super) origin: [f64; 3],
-    /// Where each node is, in edge lengths.
+    /// Position of each node, in edge lengths.
     pub(super) nodes: Vec<[f64; 3]>,
     /// Thickness of plane elements, mm.
     thickness: f64,

@@ -9,7 +9,7 @@ use std::rc::Rc;
 /// Files within files; deeper, a file includes itself.
 const DEEPEST: usize = 10;
 
-/// Where a line stands.
+/// Place of a line: file and number.
 #[derive(Clone, Debug)]
 pub(super) struct Place {
     file: Rc<Path>,
@@ -26,7 +26,7 @@ impl fmt::Display for Place {
 #[derive(Clone, Debug)]
 pub(super) struct Data {
     pub(super) place: Place,
-    /// What stands between the commas, without blanks around it.
+    /// Text between the commas, without surrounding blanks.
     pub(super) fields: Vec<String>,
 }
 
@@ -71,7 +71,7 @@ impl Keyword {
         self.parameters.iter().find(|(known, _)| known == name).map(|(_, value)| value.as_str())
     }
 
-    /// The same in capitals.
+    /// A parameter's value in capitals; empty for one without a value.
     pub(super) fn capitals(&self, name: &str) -> Option<String> {
         self.parameter(name).map(str::to_ascii_uppercase)
     }
@@ -91,7 +91,7 @@ impl Keyword {
 /// Reads a job; included files stand in the job's folder.
 ///
 /// # Errors
-/// What is wrong, with its place.
+/// Problem with the job, with its place.
 pub(super) fn read(job: &Path) -> Result<Vec<Keyword>, String> {
     let mut keywords = Vec::new();
     read_into(&mut keywords, job, folder_of(job), 0)?;

@@ -1,4 +1,4 @@
-//! What the keywords of a job mean.
+//! Interpretation of a job's keywords.
 
 use super::element::{Brick, Shape};
 use super::keywords::{Data, Keyword, Place};
@@ -101,7 +101,7 @@ pub(super) struct Initial {
 pub(super) enum Quantity {
     /// Component of a node, by its axis from 0.
     Displacement(u64, usize),
-    /// The same.
+    /// Force component of a node, by its axis from 0.
     Force(u64, usize),
     /// Load on a face, counted from 1.
     Pressure(usize),
@@ -138,7 +138,7 @@ pub(super) struct Change {
 pub(super) struct Amplitude {
     pub(super) of_total_time: bool,
     pub(super) points: Vec<(f64, f64)>,
-    /// Why it cannot be used.
+    /// Reason why it cannot be used.
     pub(super) refusal: Option<String>,
 }
 

@@ -1,4 +1,4 @@
-//! What moves, holds and loads the specimen, and what of it is measured.
+//! Drives, supports and loads of a specimen, and the quantities measured on it.
 
 use super::Scene;
 use super::couplings::node;
@@ -31,7 +31,7 @@ pub struct Drives(Vec<Drive>);
 
 struct Drive {
     name: String,
-    /// Where it was first mentioned.
+    /// Place of its first mention.
     place: Place,
     /// Whether a step moves it.
     moved: bool,

@@ -46,7 +46,7 @@ pub struct Defaults {
     pub grip: Option<(&'static str, [f64; 2])>,
     /// Direction of the embedded fibre towards its exit.
     pub fibre_direction: Option<[f64; 2]>,
-    /// Where the fibre leaves the matrix, and its inner end.
+    /// Node at which the fibre leaves the matrix, and node of its inner end.
     pub exit: Option<usize>,
     pub tail: Option<usize>,
     /// Nodes that follow others.
@@ -138,7 +138,7 @@ pub fn resolve(reader: &mut Reader<'_>, case: &PulloutCase) -> Option<Ground> {
 /// Usual thicknesses of plane parts, mm.
 const USUAL_THICKNESS: [f64; 2] = [1e-3, 1e5];
 
-/// Checks the mesh; its faults are told at `mesh`. The nodes of a part are a set of its name, unless there is another.
+/// Checks the mesh; its faults are reported at `mesh`. The nodes of a part are a set of its name, unless there is another.
 pub fn checked(reader: &mut Reader<'_>, ground: &Ground) -> Option<Mesh> {
     let mut definition = ground.definition.clone();
     for part in definition.parts.iter().filter(|part| part.model != PlaneModel::Axisymmetric) {

@@ -13,7 +13,7 @@ use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
 use pullout_run::program::{Mode, Plugin, STRESS_NAMES};
 
-/// What the case says of the mesh's parts, in their order.
+/// Laws and options of the mesh's parts, in their order.
 pub struct Parts {
     pub laws: Vec<PluginLaw>,
     /// Whether their Q4 are averaged.

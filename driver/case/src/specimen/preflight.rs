@@ -1,4 +1,4 @@
-//! What keeps a specimen from being computed although each of its parts is sound.
+//! Checks of a specimen as a whole: it may be impossible to compute although each of its parts is sound.
 
 use crate::problem::Place;
 use crate::reader::Reader;

@@ -309,7 +309,7 @@ const INTERFACE: &[Sample] = &[
     (&["material.props={\"a\": 1}"], "$.material.props", "give an array in PROPS order", ByMeaning),
 ];
 
-/// What is wrong with the answer to a sample; empty if nothing.
+/// Returns what is wrong with the answer to a sample; empty if nothing.
 fn complaint(bench: &Bench, case: &Value, sample: &Sample) -> String {
     let (overrides, place, message, seen) = sample;
     let Err(errors) = bench.read(case, overrides) else { return format!("{overrides:?} was accepted\n") };

@@ -842,7 +842,7 @@ fn clockwise_elements_of_a_file_are_turned_round_and_told_of() {
     assert!((areas(&program.model.mesh) - 2.8).abs() < 1e-12);
 }
 
-/// What follows from a mesh that cannot be made, or from a misspelt key, is not told.
+/// Consequences of a mesh that cannot be made, or of a misspelt key, are not reported: only the cause is.
 #[test]
 fn of_a_specimen_that_cannot_be_read_only_the_cause_is_told() {
     let mut case = pullout_case();

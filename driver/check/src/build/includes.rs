@@ -6,15 +6,15 @@ use std::path::Path;
 
 /// Double precision, as ABAQUS/Standard has it; good in both forms of source, as all of these.
 const ABA_PARAM: &str = "      implicit real*8 (a-h,o-z)\n      parameter (nprecd=2)\n";
-/// The same of ABAQUS/Explicit in double precision.
+/// Text of `vaba_param.inc`: double precision, as ABAQUS/Explicit has it.
 const VABA_PARAM: &str = "      implicit real*8 (a-h,o-z)
       parameter (j_sys_Dimension=2, n_vec_Length=136, maxblk=n_vec_Length)
 ";
 /// Types of the utility functions, which implicit typing would get wrong.
 const HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.hdr");
-/// The same for C and C++.
+/// Header of the utility routines for C and C++.
 const C_HEADER: &str = include_str!("../../../../umat-abi/utilities/include/SMAAspUserSubroutines.h");
-/// What C and C++ sources include: the Fortran compiler's spelling of a routine.
+/// Header that C and C++ sources include: the Fortran compiler's spelling of a routine.
 const FOR_C: &str = "\
 #ifndef PULLOUT_FOR_C_H
 #define PULLOUT_FOR_C_H

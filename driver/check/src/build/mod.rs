@@ -28,7 +28,7 @@ use std::process::Command;
 use symbols::Symbols;
 use umat_abi::host::{UnavailableUtilities, library_file_name, utilities_path};
 
-/// What is to be built.
+/// Sources to build, and the library to make of them.
 #[derive(Clone, Debug)]
 pub struct Request {
     /// Sources; `.o` files are linked as they are.
@@ -54,32 +54,32 @@ pub struct Built {
     pub not_offered: Vec<String>,
 }
 
-/// Why there is no library.
+/// Reason why there is no library.
 #[derive(Debug)]
 pub enum Refusal {
     /// A source that is no file, or of no known language; an output that must not be overwritten.
     File {
         /// The file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Problem with it.
         message: String,
     },
     /// A compiler is not installed.
     NoCompiler {
         /// Program.
         program: &'static str,
-        /// What it is needed for.
+        /// File that it is needed for.
         file: PathBuf,
     },
     /// A compiler or the linker refused.
     Compilation {
         /// The program.
         program: &'static str,
-        /// What it was to make: a source, or the library.
+        /// Source that it was to compile, or library that it was to make.
         file: PathBuf,
         /// The compiler's own words.
         output: String,
-        /// What may help.
+        /// Advice that may help.
         hint: String,
     },
     /// The library would find these neither in itself nor in this program.
@@ -95,7 +95,7 @@ pub enum Refusal {
     NoEntryPoint {
         /// The library.
         library: PathBuf,
-        /// What it has instead.
+        /// Routines that it has instead.
         hint: String,
     },
     /// The library of the utility routines is missing.

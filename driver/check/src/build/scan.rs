@@ -1,4 +1,5 @@
-//! What a source says before it is compiled: preprocessor lines, the files it includes, the modules it defines and uses.
+//! Information from a source before it is compiled: preprocessor lines, the files it includes, the modules it defines
+//! and uses.
 
 use super::includes::is_ours;
 use super::source::{Form, Language, Source};
@@ -9,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 /// Files within files; deeper, a file includes itself.
 const DEEPEST: usize = 20;
-/// What a line of the preprocessor begins with, behind `#`.
+/// Beginnings of preprocessor lines, after `#`.
 const DIRECTIVES: [&str; 9] = ["define", "undef", "include", "if", "ifdef", "ifndef", "else", "elif", "endif"];
 
-/// What is known of a source and of what it includes.
+/// Information about a source and the files that it includes.
 #[derive(Debug, Default)]
 pub(super) struct Scan {
     /// Whether it has lines of the preprocessor.

@@ -4,7 +4,7 @@ use super::Refusal;
 use pullout_run::input::{self, Input};
 use std::path::{Path, PathBuf};
 
-/// How a Fortran source is laid out.
+/// Layout of a Fortran source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Form {
     /// Statements from column 7, up to 132 columns.
@@ -13,8 +13,8 @@ pub enum Form {
     Free,
 }
 
-/// What every Fortran source gets, besides its form: what Intel's compiler understands unasked. (Not `-fdec` as a whole:
-/// its integer intrinsics are named like many a routine of a UMAT, KDIM or IMAX.)
+/// Flags of every Fortran source besides its form: extensions that Intel's compiler accepts by default. (Not `-fdec` as
+/// a whole: its integer intrinsics are named like many a routine of a UMAT, KDIM or IMAX.)
 const FORTRAN: [&str; 10] = [
     "-std=legacy",
     "-fdollar-ok",
@@ -28,10 +28,10 @@ const FORTRAN: [&str; 10] = [
     "-fdec-format-defaults",
 ];
 
-/// What a source with lines of the preprocessor gets: ABAQUS's own definitions.
+/// Flags of a source with preprocessor lines: ABAQUS's own definitions.
 pub(super) const PREPROCESSED: [&str; 4] = ["-cpp", "-DABQ_LINUX", "-DABQ_LNX86_64", "-DFOR_TRAIL"];
 
-/// What a source is compiled by.
+/// Language of a source, which decides its compiler.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Language {
     Fortran(Form),

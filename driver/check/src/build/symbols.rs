@@ -1,4 +1,4 @@
-//! What a library defines, and what it lacks.
+//! Symbols that a library defines, and those that it lacks.
 
 use object::{Object, ObjectSymbol};
 use pullout_run::input::{self, Input};

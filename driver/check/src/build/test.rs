@@ -41,7 +41,7 @@ fn a_linkers_words_name_what_is_undefined() {
     assert_eq!(symbols::undefined(words), ["abc_", "kwork_"]);
 }
 
-/// What is found in a source of this name and text.
+/// Returns the scan of a source with this name and text.
 fn scanned(name: &str, text: &str) -> (tempfile::TempDir, Scan) {
     let (folder, file) = written(name, text);
     let scan = Scan::of(&Source::new(&file, None).unwrap());

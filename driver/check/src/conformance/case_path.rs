@@ -25,13 +25,13 @@ pub(super) struct Increment {
     pub(super) step: Vec<f64>,
 }
 
-/// What a case does with a plugin.
+/// Path that a case takes a plugin along.
 #[derive(Clone, Debug)]
 pub(super) struct CasePath {
     /// The entry point that it calls.
     pub(super) entry: Entry,
     pub(super) increments: Vec<Increment>,
-    /// How many increments there were, kept or not.
+    /// Number of increments, kept or not.
     pub(super) taken: u64,
 }
 

@@ -11,7 +11,7 @@ use super::{Options, tolerances};
 /// Increments per leg at first, and how often they are halved before anything is said.
 const INCREMENTS: u32 = 40;
 const HALVINGS: usize = 3;
-/// How often they are halved where the error does not tell yet: where a stress jumps, it falls on average only.
+/// Most halvings where the error does not yet decide: where a stress jumps, the error falls on average only.
 const MOST_HALVINGS: usize = 8;
 const LEGS: usize = 3;
 const PATHS: usize = 8;
@@ -20,7 +20,7 @@ const SAME: f64 = 0.05;
 /// Time that a slow law may take, s.
 const TIME: f64 = 2.0;
 
-/// Where the legs of a path end, and its |work − energy| / work after so many halvings.
+/// Ends of the legs of a path, and its |work − energy| / work after each number of halvings.
 struct Path {
     targets: Vec<Vec<f64>>,
     errors: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a plain UMAT keeps between calls: its writable memory, compared before and after.
+//! Data that a plain UMAT keeps between calls: its writable memory, compared before and after.
 
 use super::report::{Ledger, Verdict};
 use super::sample::State;

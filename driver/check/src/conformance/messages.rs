@@ -1,4 +1,5 @@
-//! What a plugin says about input that makes no sense: that it says something is right, and not for the user's terminal.
+//! Messages of a plugin about input that makes no sense: it is right to give them, but they are not for the user's
+//! terminal.
 
 use rustix::stdio::dup2_stderr;
 use std::fs::File;
@@ -9,13 +10,13 @@ use umat_abi::host::Library;
 /// The standard error of this process, kept from the terminal until it is dropped.
 #[derive(Debug)]
 pub(super) struct Capture {
-    /// Where messages go, and the standard error as it was; `None` where that cannot be arranged.
+    /// File for the messages, and the original standard error; `None` where that cannot be arranged.
     streams: Option<(File, OwnedFd)>,
 }
 
 impl Capture {
-    /// Starts to listen, but not to a library that is made to be debugged: what it says of a trap is said while the process ends, to whoever
-    /// started it.
+    /// Starts to listen, except to a library that is made to be debugged: what such a library reports of a trap comes
+    /// while the process ends, for whoever started it.
     pub(super) fn start(library: &Library) -> Self {
         if library.traps() {
             return Self { streams: None };

@@ -62,7 +62,7 @@ pub struct Options {
     pub nstatv: Option<usize>,
     /// The case whose path tells the law's scale.
     pub program: Option<Arc<Program>>,
-    /// What a library without metadata is called by, without a case: it cannot tell.
+    /// Entry points by which a library without metadata is called if there is no case: it cannot tell.
     pub plain_entries: Vec<Entry>,
     /// Makes the rows of one group only.
     pub group: Option<Group>,

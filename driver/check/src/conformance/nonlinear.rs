@@ -1,5 +1,5 @@
-//! Whether a sample has left the range in which the law is linear: a check that has seen only that range has seen nothing of
-//! a damage law.
+//! Checks whether a sample has left the range in which the law is linear: a check that has seen only that range has
+//! seen nothing of a damage law.
 
 use super::report::{Ledger, Verdict};
 use super::sample::State;

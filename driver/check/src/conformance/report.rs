@@ -1,10 +1,10 @@
-//! What was checked and what came out.
+//! Checks and their outcomes.
 
 use pullout_run::isolation::worker;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What a check found.
+/// Outcome of a check.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
@@ -39,15 +39,15 @@ impl fmt::Display for Verdict {
 /// One check of one stress state.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
-    /// What was checked.
+    /// Name of the check.
     pub check: &'static str,
     /// Stress state or entry point; "-" for the metadata.
     pub stress_state: &'static str,
-    /// What came out.
+    /// Outcome.
     pub verdict: Verdict,
     /// The number that decided.
     pub figure: String,
-    /// Where, what was expected, what found.
+    /// Place, expected value and value found.
     pub detail: String,
 }
 
@@ -60,7 +60,7 @@ impl fmt::Display for Row {
     }
 }
 
-/// What happens in a check, as it happens.
+/// Event of a check, reported as it happens.
 #[derive(Clone, Copy, Debug)]
 pub enum Event<'a> {
     /// A check of an entry point begins.

@@ -54,8 +54,8 @@ fn relative_error(subject: &Subject<'_>, input: &[f64], output: &[f64], expected
     distance(output, expected) / (largest(expected) + floor).max(f64::MIN_POSITIVE)
 }
 
-/// Random paths of three legs, and the same rotated. Where isotropy is not claimed it is told; a law that is isotropic as
-/// long as it is elastic and not beyond has axes, or takes shear strains for something else.
+/// Random paths of three legs, and the same rotated. Where isotropy is not claimed the result is only reported; a law
+/// that is isotropic as long as it is elastic and not beyond has axes, or takes shear strains for something else.
 pub(super) fn check(subject: &mut Subject<'_>, options: &Options, ledger: &mut Ledger<'_>) {
     const CHECK: &str = "isotropy";
     /// More than what an iteration leaves.

@@ -18,7 +18,7 @@ pub(super) struct State {
     pub(super) step: Vec<f64>,
 }
 
-/// Where a state comes from.
+/// Origin of a state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Origin {
     /// A random history.

@@ -1,4 +1,4 @@
-//! How large a strain, a slip or a gap is "large" for this law: found from its own response.
+//! Scale on which a strain, a slip or a gap is "large" for this law: found from its own response.
 
 use super::Options;
 use super::report::{Ledger, Verdict};

@@ -1,5 +1,5 @@
-//! What is checked: one entry point with one set of components, called through the ABI as a function
-//! from (committed point, step) to an answer. UMAT, UINTER and FRIC look alike from here.
+//! Subject of a check: one entry point with one set of components, called through the ABI as a function from (committed
+//! point, step) to an answer. UMAT, UINTER and FRIC look alike from here.
 //!
 //! | | input | output |
 //! |---|---|---|
@@ -89,7 +89,7 @@ impl Entry {
     }
 }
 
-/// What a call is told besides the point and the step, as the case has it.
+/// Arguments of a call besides the point and the step, as the case has them.
 #[derive(Clone, Debug)]
 pub(super) struct Setting {
     /// DTIME, s.
@@ -124,7 +124,7 @@ impl Default for Setting {
     }
 }
 
-/// What a host keeps of a point.
+/// State of a point that a host keeps between calls.
 #[derive(Clone, Debug)]
 pub(super) struct Committed {
     pub(super) input: Vec<f64>,
@@ -176,25 +176,25 @@ pub(super) struct Answer {
     pub(super) flags: [i32; 2],
     /// A result that no host can go on with.
     pub(super) not_finite: Option<NotFinite>,
-    /// What LM of FRIC says of the tractions; those of the others are given.
+    /// Tractions that LM of FRIC tells to use; those of the other entry points are always given.
     pub(super) given: Result<FricAnswer, String>,
 }
 
 impl Answer {
-    /// Bit for bit the same stresses and states (NaN equals NaN).
+    /// Returns whether stresses and states are bit for bit the same (NaN equals NaN).
     pub(super) fn same_response(&self, other: &Self) -> bool {
         same_bits(&self.output, &other.output)
             && same_bits(&self.statev, &other.statev)
             && same_bits(&self.energies, &other.energies)
     }
 
-    /// Bit for bit the same, tangent included.
+    /// Returns whether they are bit for bit the same, tangent included.
     pub(super) fn same(&self, other: &Self) -> bool {
         self.same_response(other) && same_bits(&self.tangent, &other.tangent) && self.outcome == other.outcome
     }
 }
 
-/// Bit for bit.
+/// Returns whether the values are bit for bit the same.
 pub(super) fn same_bits(a: &[f64], b: &[f64]) -> bool {
     a.len() == b.len() && a.iter().zip(b).all(|(x, y)| x.to_bits() == y.to_bits())
 }
@@ -214,10 +214,10 @@ pub(super) fn distance(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(difference).fold(0.0, f64::max)
 }
 
-/// Why a call gave no result.
+/// Reason why a call gave no result.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Trouble {
-    /// What any host judges; a cut-back request left the arrays as they were.
+    /// Failure that any host recognises; a cut-back request left the arrays as they were.
     Call(CallFailure),
     /// A cut-back request and NaN: a configuration error or a panic.
     Refused,

@@ -179,7 +179,7 @@ impl Scale {
     }
 }
 
-/// What is differentiated.
+/// Quantity that is differentiated.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Measure {
     /// The output itself.

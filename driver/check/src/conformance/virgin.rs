@@ -100,7 +100,7 @@ fn extrapolates(subject: &Subject<'_>) -> bool {
     subject.plugin.law.as_ref().is_some_and(|law| law.state_index(OVERSTRESS_WORK).is_some())
 }
 
-/// Where ε33 is given, the state strain_33 is that.
+/// Checks that the state `strain_33` is ε33 where ε33 is given.
 pub(super) fn strain_33(subject: &mut Subject<'_>, sample: &[State], ledger: &mut Ledger<'_>) {
     const CHECK: &str = "strain_33";
     ledger.begin(CHECK);

@@ -1,4 +1,4 @@
-//! What the fit of a beam leaves behind.
+//! Files that the fit of a beam writes.
 
 use super::{BeamFit, IDENTIFIABLE, POINTS, measured_points};
 use maud::{PreEscaped, html};

@@ -37,18 +37,18 @@ const PARTIAL: &str = ".pullout.partial";
 /// Names of files that a message lists.
 const MOST_NAMES: usize = 10;
 
-/// How a directory is opened.
+/// Manner of opening a directory.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Access<'a> {
     /// Files that the results are made from: never touched.
     pub inputs: &'a [PathBuf],
-    /// Whether what stands in the way is replaced.
+    /// Whether files in the way are replaced.
     pub overwrite: bool,
     /// The process that started this one holds the lock.
     pub is_locked: bool,
 }
 
-/// Why a directory cannot be used.
+/// Reason why a directory cannot be used.
 #[derive(Debug)]
 pub enum Refusal {
     /// Record of its content.

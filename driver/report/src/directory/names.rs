@@ -23,7 +23,7 @@ pub enum Kind {
     Pictures,
 }
 
-/// What a run writes while it goes on. `#` is a number, `*` any text.
+/// Files that a run writes while it goes on. `#` is a number, `*` any text.
 const GROWING: [&str; 13] = [
     "history.csv",
     "checkpoint.bin",
@@ -40,7 +40,7 @@ const GROWING: [&str; 13] = [
     "replay.json",
     "increments.json",
 ];
-/// What else would be replaced, or taken for a result.
+/// Other files that would be replaced, or taken for results.
 const RUN: [&str; 9] = [
     "summary.json",
     "report.html",
@@ -52,7 +52,7 @@ const RUN: [&str; 9] = [
     "plots/*.svg",
     "plots/spec.json",
 ];
-/// What a study leaves in the directory of a run.
+/// Files that a study writes into the directory of a run.
 const MEMBER: [&str; 2] = ["run.json", "output.txt"];
 const STUDY: [&str; 5] = ["study.csv", "study.json", "report.html", "plots/*.svg", "plots/*.png"];
 const FIT: [&str; 14] = [
@@ -72,7 +72,7 @@ const FIT: [&str; 14] = [
     "plots/*.svg",
 ];
 
-/// What pictures leave, beside results or in a directory of their own.
+/// Files of pictures, beside results or in a directory of their own.
 const PICTURES: [&str; 7] = ["*.svg", "*.png", "*.pdf", "plots/*.svg", "plots/*.png", "plots/*.pdf", "spec.json"];
 
 /// Returns whether results of any kind may have this name, or are claimed by it as a pattern.

@@ -1,4 +1,4 @@
-//! What was run, in words and tables.
+//! Account of a run's input, in words and tables.
 
 use pullout_case::Case;
 use pullout_run::bridging;
@@ -11,7 +11,7 @@ use umat_abi::host::{Law, Manner, TangentSource};
 
 mod specimen;
 
-/// Steps that are told; of more (long cycles) only the number.
+/// Most steps that are listed; of more (long cycles) only the number is given.
 const MOST_STEPS: usize = 40;
 
 /// Account of what was run.
@@ -63,7 +63,7 @@ pub struct Parameter {
     pub value: String,
     /// Unit.
     pub unit: String,
-    /// What it is.
+    /// Meaning.
     pub meaning: String,
 }
 

@@ -1,10 +1,10 @@
-//! What only the run of a specimen has to tell.
+//! Parts of the report that only the run of a specimen has.
 
 use maud::{Markup, html};
 use pullout_run::number::{rounded, significant};
 use pullout_run::pullout::{Findings, Overlap, PeakLoad};
 
-/// Returns what came out, in a line.
+/// Returns the results in one line.
 pub fn load(findings: &Findings) -> Markup {
     html! {
         p {
@@ -75,7 +75,7 @@ fn energies(findings: &Findings) -> Markup {
 }
 
 const WORK: &str = "external_work";
-/// What the interface energy consists of.
+/// Energies of which the interface energy consists.
 const OF_THE_INTERFACE: [&str; 2] = ["interface_stored_energy", "interface_dissipation"];
 
 /// `damage_energy` → Damage energy.

@@ -9,7 +9,7 @@ use svg2pdf::{ConversionOptions, PageOptions};
 
 /// Pixels of the file per px of the picture: 640 px become 300 dots per inch at a width of 16 cm.
 const DENSITY: f32 = 3.0;
-/// What "sans-serif" is, the first that is there; the pictures' texts were measured with fonts of this width.
+/// Fonts for "sans-serif": the first that exists is taken; the pictures' texts were measured with fonts of this width.
 const SANS_SERIF: [&str; 5] = ["DejaVu Sans", "Liberation Sans", "Noto Sans", "Arial", "Helvetica"];
 
 /// px per inch, as browsers have it.

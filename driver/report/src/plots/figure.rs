@@ -32,7 +32,7 @@ const LEAST_SHARE: f64 = 0.1;
 pub(super) const GRID: RGBColor = RGBColor(0xe4, 0xe4, 0xe4);
 pub(super) const ZERO: RGBColor = RGBColor(0x99, 0x99, 0x99);
 
-/// Okabe & Ito's colours that the colour-blind tell apart, yellow left out (too light for a line).
+/// Okabe & Ito's colours, which the colour-blind can distinguish, yellow left out (too light for a line).
 pub(super) const PALETTE: [RGBColor; 7] = [
     RGBColor(0x00, 0x72, 0xb2),
     RGBColor(0xd5, 0x5e, 0x00),
@@ -62,7 +62,7 @@ pub struct Figure {
     pub scale: Scale,
     /// x and y are of the same kind: a range that is nothing compared with the other is drawn as nothing.
     pub equal_units: bool,
-    /// What colours and dashes mean, instead of a row of the legend for each line.
+    /// Meaning of colours and dashes, instead of a row of the legend for each line.
     pub key: Option<Key>,
 }
 
@@ -71,7 +71,7 @@ pub struct Figure {
 pub struct Key {
     /// The meaning of each colour.
     pub colors: Vec<String>,
-    /// The meaning of each dash; of one it need not be told.
+    /// Meaning of each dash; a single one needs none.
     pub dashes: Vec<String>,
     /// Whether the colours are shades from the first to the last: a bar instead of rows.
     pub shaded: bool,
@@ -100,7 +100,7 @@ impl Line {
     }
 }
 
-/// What the axes are like. Where y is not named, it shows numbers.
+/// Scale of the axes. An axis y without a name shows numbers.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Scale {
     /// Numbers.

@@ -130,7 +130,7 @@ fn frame([(left, top), (right, bottom)]: [(i32, i32); 2], style: ShapeStyle) -> 
     PathElement::new([(left, top), (right, top), (right, bottom), (left, bottom), (left, top)], style)
 }
 
-/// What is to be shown of a curve's greatest ordinate, if that is a spike narrower than `width`.
+/// Returns the abscissae to be shown around a curve's greatest ordinate, if that is a spike narrower than `width`.
 fn spike(points: &[(f64, f64)], width: f64) -> Option<(f64, f64)> {
     let points: Vec<(f64, f64)> = drawable_stretches(points).flatten().copied().collect();
     let peak = (0..points.len()).max_by(|&a, &b| points[a].1.abs().total_cmp(&points[b].1.abs()))?;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 
 /// Size of an index or exponent relative to the text.
 const SMALL: f64 = 0.73;
-/// How far they are lowered or raised, in em of the text.
+/// Distances by which they are lowered or raised, in em of the text.
 const LOWERED: f64 = 0.22;
 const RAISED: f64 = -0.36;
 

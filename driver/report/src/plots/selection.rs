@@ -1,4 +1,4 @@
-//! Which pictures a run gets, and what is in them.
+//! Choice of the pictures of a run, and their contents.
 
 use super::figure::{Figure, Line, Marks, PALETTE, Scale, Style};
 use super::quantity::{Quantity, capital, group_of};
@@ -179,7 +179,7 @@ fn point(run: &Run<'_>, controlled: &[usize]) -> Vec<Layout> {
     layouts
 }
 
-/// What mixed control leaves of a stress that should vanish, relative to the one that does not.
+/// Remainder that mixed control leaves of a stress that should vanish, relative to the one that does not.
 const NEGLIGIBLE_STRESS: f64 = 1e-6;
 
 /// The controlled component with the largest range of strain (of all six if none is controlled).
@@ -264,7 +264,7 @@ fn bridging(run: &Run<'_>) -> Vec<Layout> {
     layouts
 }
 
-/// What rounding and the lateral reaction of a perpendicular fibre leave of a shear component, over the load.
+/// Remainder of a shear component from rounding and the lateral reaction of a perpendicular fibre, over the load.
 const NEGLIGIBLE_SHEAR: f64 = 1e-2;
 
 fn columns(run: &Run<'_>, wanted: impl Fn(&str) -> bool) -> Vec<String> {

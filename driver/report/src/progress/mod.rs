@@ -1,4 +1,4 @@
-//! How far a run is: a bar on a terminal, now and then a line otherwise, nothing when quiet.
+//! Progress of a run: a bar on a terminal, now and then a line otherwise, nothing when quiet.
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use pullout_run::isolation::worker;
@@ -20,7 +20,7 @@ const LEAST_PAUSE: Duration = Duration::from_secs(2);
 /// A line is due after so long, however little was done.
 const GREATEST_PAUSE: Duration = Duration::from_secs(60);
 
-/// How far a run goes.
+/// Extent of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Extent {
     /// A greatest number of increments.
@@ -29,7 +29,7 @@ pub enum Extent {
     Time(f64),
 }
 
-/// A run of some duration is told in so many parts.
+/// Number of parts in which the progress of a run of some duration is shown.
 const PARTS: f64 = 1000.0;
 
 impl Extent {
@@ -85,7 +85,7 @@ impl Progress {
         Self { display, shown, extent, start: Instant::now(), pace: Pace::default() }
     }
 
-    /// Tells somebody else, or nobody.
+    /// Reports to another listener, or to none.
     pub fn to(listener: Option<Listener>, extent: Extent) -> Self {
         let display = listener.map_or(Display::Quiet, Display::Listener);
         Self { display, shown: Vec::new(), extent, start: Instant::now(), pace: Pace::default() }
@@ -178,8 +178,8 @@ impl Pace {
     }
 }
 
-/// When a line is due: about every tenth of the run, not sooner than a least pause after the last, not later than
-/// a greatest one. A run of under two seconds prints none.
+/// Schedule of progress lines: about every tenth of the run, not sooner than a least pause after the last, not later
+/// than a greatest one. A run of under two seconds prints none.
 #[derive(Default)]
 pub struct Schedule {
     last: Duration,

@@ -17,7 +17,7 @@ pub(crate) mod test;
 /// Name of the file in the result directory.
 pub const FILE: &str = "summary.json";
 
-/// How a run ended.
+/// End of a run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -33,17 +33,17 @@ pub enum Status {
 /// The content of `summary.json`.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
-    /// How the run ended.
+    /// End of the run.
     pub status: Status,
-    /// Why it failed; absent if it did not.
+    /// Reason why it failed; absent if it did not.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub message: Option<String>,
-    /// How and where it failed; absent if it did not.
+    /// Kind and place of the failure; absent if there was none.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub failed_at: Option<FailedAt>,
     /// The case's title.
     pub title: String,
-    /// What was driven.
+    /// The plugin that was called.
     pub plugin: PluginFile,
     /// The plugins of a specimen's parts and contact pairs; empty for a point.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
@@ -60,15 +60,15 @@ pub struct Summary {
     pub cutbacks: u64,
     /// Seconds from start to end, pictures excluded.
     pub wall_time_s: f64,
-    /// CPU time of the process from start to end, pictures excluded, s; absent where nobody took it.
+    /// CPU time of the process from start to end, pictures excluded, s; absent where it was not measured.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cpu_time_s: Option<f64>,
     /// One entry per `compare` of the case.
     pub compare: Vec<Comparison>,
-    /// What only specimens have.
+    /// Findings that only specimens have.
     #[serde(flatten)]
     pub specimen: Option<Findings>,
-    /// What only bridging has.
+    /// Findings that only bridging has.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bridging: Option<bridging::Findings>,
     /// Things the user should know although nothing is wrong.
@@ -94,7 +94,7 @@ impl Summary {
 /// Identity of a plugin's file.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PluginFile {
-    /// Where it was loaded from.
+    /// Path of the file that it was loaded from.
     pub path: String,
     /// Version as the metadata have it; empty for a plain UMAT.
     pub version: String,
@@ -131,9 +131,9 @@ pub struct Peak {
     pub max: Option<f64>,
     /// Least value.
     pub min: Option<f64>,
-    /// Where it was greatest (first time).
+    /// Line in which it was greatest (first time).
     pub max_at: Option<Place>,
-    /// Where it was least (first time).
+    /// Line in which it was least (first time).
     pub min_at: Option<Place>,
 }
 

@@ -1,6 +1,6 @@
 use super::*;
 
-/// What the script does with a series.
+/// Sums a series up as the script does.
 fn summed(data: &[u8], width: usize) -> Vec<Vec<u16>> {
     let numbers: Vec<u16> = data.chunks_exact(2).map(|pair| u16::from_le_bytes([pair[0], pair[1]])).collect();
     let mut states: Vec<Vec<u16>> = Vec::new();

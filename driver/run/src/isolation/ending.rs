@@ -1,4 +1,4 @@
-//! What ended a worker, and where, in words.
+//! Causes of a worker's end, and their places, in words.
 
 use super::last_words::explanation;
 use super::{Need, trust};
@@ -30,18 +30,18 @@ pub struct Report {
     pub at_loading: bool,
     /// The call that did not come back, or else the last one.
     pub call: Option<CallRecord>,
-    /// Whether it was the supervisor that ended it, because a call took too long.
+    /// Whether the supervisor ended it, because a call took too long.
     pub is_timeout: bool,
 }
 
-/// What the results of a run that was ended say besides its rows.
+/// Information about an ended run that its results give besides the rows.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Aftermath {
-    /// What happened.
+    /// Message about the end.
     pub message: String,
     /// Whether a signal asked for the end.
     pub is_interrupted: bool,
-    /// How and where the run failed.
+    /// Kind and place of the failure.
     pub failed_at: Option<FailedAt>,
     /// Cost of the finished increments.
     pub statistics: Statistics,
@@ -97,7 +97,7 @@ impl Report {
         FailedAt { kind, step, increment }
     }
 
-    /// The library whose call is told.
+    /// Library whose call is reported.
     pub fn library(&self) -> Option<&PathBuf> {
         self.call.as_ref().map(|call| &call.library)
     }
@@ -152,7 +152,7 @@ fn contact_point(node: &[f64]) -> String {
     node.first().map_or_else(String::new, |node| format!(", contact point {node}"))
 }
 
-/// Returns what is told of an end behind the done-mark, `None` if it was the usual one: the results are complete.
+/// Returns the message about an end behind the done-mark, `None` if it was the usual one: the results are complete.
 pub(super) fn behind_the_end(cause: Cause, code: u8, recording: &Recording) -> Option<String> {
     if cause == Cause::Exit(code.into()) {
         return None;

@@ -1,4 +1,4 @@
-//! What a worker wrote to the standard error before it ended: passed on as it comes, and the end of it kept.
+//! Text that a worker wrote to the standard error before it ended: passed on as it comes, and its last part kept.
 
 use std::io::{self, Read, Write};
 use std::path::Path;
@@ -8,9 +8,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// How much of it is kept, bytes.
+/// Length of the part that is kept, bytes.
 const KEPT: usize = 16 << 10;
-/// How long a pipe is listened to whose worker is gone: a child of its own may hold it.
+/// Time for which a pipe is read after its worker has ended: a child of the worker may hold it open.
 const PATIENCE: Duration = Duration::from_millis(500);
 
 /// The standard error of a worker.

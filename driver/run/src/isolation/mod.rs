@@ -41,8 +41,8 @@
 //! - copies of the worker that a plugin makes by `fork`: one that comes back from the call is ended there;
 //! - the folder in which the program works, and the mode of new files: restored behind what plugins do.
 //!
-//! What ends the worker behind its done-mark (exit handlers of a library) takes nothing from the results, nor from the
-//! exit code: it is told.
+//! A library whose exit handlers end the worker after its done-mark takes nothing from the results, nor from the exit
+//! code: it is reported.
 //!
 //! Not told apart: a plugin that destroys the host's memory may end the worker later, outside a call; the message then
 //! names the last call. A plugin that sets its own memory apart (SAVE) may fail only after a history that a replay of

@@ -1,4 +1,4 @@
-//! Which cases run in a process of their own.
+//! Choice of the cases that run in a process of their own.
 
 use super::{system, trust, worker};
 use crate::input::folder_of;
@@ -22,7 +22,7 @@ pub struct Need {
 }
 
 impl Need {
-    /// Says what a library alone needs.
+    /// Returns the need of a library alone.
     pub fn of_library(library: &Path, time_limit: f64) -> Option<Self> {
         let need = || Self { libraries: [(absolute(library), time_limit)].into(), ..Self::default() };
         (!trust::may_run_here(library)).then(need)
@@ -39,7 +39,7 @@ impl Need {
     }
 }
 
-/// Tells whether a case that stands in the file `file` needs a process of its own.
+/// Returns the need of a process of its own for a case that stands in the file `file`; `None` if it has none.
 ///
 /// Nothing is loaded: a library's initialisers may do what its routines do.
 pub fn need(document: &Value, file: &Path, plugin_paths: &[PathBuf]) -> Option<Need> {

@@ -1,7 +1,9 @@
-//! What plugins print: kept in files of the result directory, or thrown away, and away from what this program says itself.
+//! Output that plugins print: kept in files of the result directory, or thrown away, and kept apart from this program's
+//! own.
 //!
-//! While a [`Prints`] lives, plugins may be called: behind it the program works in the folder where it worked. The standard output is a file, and a duplicate of the former one is ours. Fortran's unit 7
-//! goes to a file beside it where its runtime lets itself be told so.
+//! While a [`Prints`] lives, plugins may be called; afterwards the program works again in the folder where it worked
+//! before. The standard output is a file, and this program writes to a duplicate of the former one. Fortran's unit 7
+//! goes to a file beside it where its runtime allows this to be set.
 
 use super::system::out_of_reach;
 use super::worker;
@@ -44,7 +46,7 @@ pub fn say(text: &str) {
     }
 }
 
-/// What plugins may change of a process: the folder in which it works, and the mode of new files.
+/// Properties of a process that plugins may change: the folder in which it works, and the mode of new files.
 #[derive(Debug)]
 struct Surroundings {
     folder: Option<OwnedFd>,
@@ -93,9 +95,9 @@ pub(super) fn for_child() -> Stdio {
 #[derive(Debug)]
 #[must_use = "prints go where they went when it is dropped"]
 pub struct Prints {
-    /// Where they are kept; `None`: nowhere.
+    /// Folder in which they are kept; `None`: nowhere.
     folder: Option<PathBuf>,
-    /// Whether what was kept is shown in the end.
+    /// Whether the text that was kept is shown in the end.
     echo: bool,
     _surroundings: Surroundings,
 }

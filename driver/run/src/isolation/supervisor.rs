@@ -36,7 +36,7 @@ pub struct Job<'a> {
     pub time_limit: Option<Duration>,
 }
 
-/// How a worker ended.
+/// End of a worker.
 #[derive(Debug)]
 pub enum End {
     /// All is done, with this exit code.
@@ -58,7 +58,7 @@ pub struct Failure {
     pub statistics: Statistics,
     /// Calls of the check that a plugin did not survive.
     pub calls_of_check: u64,
-    /// Whether nothing went wrong but that [`Job::time_limit`] has passed.
+    /// Whether the only thing that went wrong is that [`Job::time_limit`] has passed.
     pub is_out_of_time: bool,
 }
 

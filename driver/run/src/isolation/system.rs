@@ -1,4 +1,4 @@
-//! What the operating system is asked for.
+//! Requests to the operating system.
 
 use crate::input::{self, Input};
 use rustix::event::{PollFd, PollFlags, Timespec};
@@ -10,7 +10,7 @@ use std::sync::mpsc::{self, Sender};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use umat_abi::host;
 
-/// Whether there is what isolation needs.
+/// Whether this system has the means that isolation needs.
 pub const IS_SUPPORTED: bool = cfg!(target_os = "linux");
 
 /// A file without a name, and the path by which a child opens it while this process lives.
@@ -45,7 +45,7 @@ pub fn this_is_the_program() {
 /// The program.
 ///
 /// # Errors
-/// Nobody has said which file it is.
+/// The program's file has not been set.
 pub fn program() -> io::Result<&'static Path> {
     let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
     PROGRAM.get().map(PathBuf::as_path).ok_or_else(unknown)
@@ -110,7 +110,7 @@ pub fn standard_streams_are_open() -> bool {
 /// Descriptors below are the first that a plugin gets, or closes in a row.
 const REACH: i32 = 512;
 
-/// The same file under a number that plugins do not meet by chance; where there is none, as it was.
+/// Returns the same file under a number that plugins do not meet by chance; if there is none, the file as it was.
 pub fn out_of_reach(file: File) -> File {
     rustix::io::fcntl_dupfd_cloexec(&file, REACH).map_or(file, File::from)
 }

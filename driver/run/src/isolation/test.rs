@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 use umat_abi::host::recorder::{Arguments, CallRecord, UmatRecord};
 use umat_abi::metadata::PLUGIN_SYMBOL;
 
-/// What a case with these materials needs: a point's, or a specimen's parts and contact. `foreign.so` is a library that
-/// only mentions our metadata, `linear_elastic` a plugin of ours.
+/// Returns the need of a case with these materials: a point's, or a specimen's parts and contact. `foreign.so` is a
+/// library that only mentions our metadata, `linear_elastic` a plugin of ours.
 fn need_of(case: &Value) -> Option<Need> {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("foreign.so"), PLUGIN_SYMBOL).expect("a file");

@@ -1,4 +1,4 @@
-//! Which libraries may run in this process: what loads a library runs its initialisers.
+//! Choice of the libraries that may run in this process: loading a library already runs its initialisers.
 
 use super::{system, worker};
 use crate::input::{self, Input};

@@ -26,7 +26,7 @@ pub struct Task {
     /// The process that supervises this one.
     #[arg(long)]
     pub supervisor: u32,
-    /// What the supervisor read from a pipe: the pipe's path, and a file with what came out of it.
+    /// Stream that the supervisor read from a pipe: the pipe's path, and a file with its content.
     #[arg(long = "stream", num_args = 2)]
     pub streams: Vec<PathBuf>,
     /// The command line that is carried out, without the program's name.
@@ -74,7 +74,7 @@ pub fn is_this_process() -> bool {
 /// The terminal behind the standard error, which is a pipe to the supervisor: for what moves, such as a bar.
 static TERMINAL: OnceLock<Term> = OnceLock::new();
 
-/// The terminal to which progress is told, if there is one.
+/// Terminal to which progress is shown, if there is one.
 pub fn terminal() -> Option<Term> {
     if io::stderr().is_terminal() { Some(Term::stderr()) } else { TERMINAL.get().cloned() }
 }

@@ -180,10 +180,11 @@ impl Finite {
         self.stress = self.stress_of_case(&self.last.end, &state.stress, &state.statev);
     }
 
-    /// What the last call returned, by the strain and stress of the case, where `strain` is the one at its end.
+    /// Returns the result of the last call in terms of the case's strain and stress, where `strain` is the one at its
+    /// end.
     ///
-    /// The tangent is the chain of DDSDDE with dF = R dU. As far as the law is what `incremental_tangent` says, it is exact
-    /// but for what a plastic law makes of a turned stress.
+    /// The tangent is the chain rule applied to DDSDDE with dF = R dU. As far as the law conforms to
+    /// `incremental_tangent`, it is exact except for the response of a plastic law to a turned stress.
     pub(super) fn evaluation(
         &self,
         returned: &Evaluation,
@@ -254,7 +255,7 @@ impl Finite {
     }
 }
 
-/// How Cauchy's stress at the end of a call changes with F₁.
+/// Derivatives of Cauchy's stress at the end of a call with respect to F₁.
 struct Rates {
     /// DDSDDE.
     tangent: [[f64; 6]; 6],

@@ -68,7 +68,7 @@ pub struct Committed {
     pub fields: FieldValues,
 }
 
-/// Where the current increment leads: \[slip, slip2, normal\] at its ends.
+/// Goal of the current increment: \[slip, slip2, normal\] at its ends.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Goal {
     pub(super) normal: NormalControl,

@@ -106,7 +106,7 @@ impl Statistics {
     }
 }
 
-/// Why a run ended early.
+/// Reason why a run ended early.
 #[derive(Debug)]
 pub enum Stop {
     /// The point could not be advanced.
@@ -128,7 +128,7 @@ pub struct Failure {
     pub replay: serde_json::Value,
 }
 
-/// How a run failed.
+/// Kind of failure of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum FailureKind {
@@ -140,10 +140,10 @@ pub enum FailureKind {
     Timeout,
 }
 
-/// How and where a run failed.
+/// Kind and place of a run's failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct FailedAt {
-    /// How.
+    /// Kind.
     pub kind: FailureKind,
     /// Step, from 1.
     pub step: u32,
@@ -211,7 +211,7 @@ fn to_u32(n: usize) -> u32 {
     u32::try_from(n).unwrap_or(u32::MAX)
 }
 
-/// Which rows are written, and when a step or the run ends early.
+/// Writer of the rows; decides when a step or the run ends early.
 struct Recorder<'a> {
     observer: &'a mut dyn Observer,
     every: usize,

@@ -10,7 +10,7 @@ use nalgebra::{SMatrix, SVector};
 
 /// |Δs| ≤ 1e-8 · max(1, |s|) MPa: the contract of docs/reference/command-line.md.
 pub(super) const STRESS_TOLERANCE: f64 = 1e-8;
-/// The same for relations that hold strains alone, relative to max(1e-6, largest strain).
+/// Tolerance of relations that hold strains alone, relative to max(1e-6, largest strain).
 const STRAIN_TOLERANCE: f64 = 1e-10;
 /// A full step should at least halve the residual, else the tangent is called poor.
 const POOR_REDUCTION: f64 = 0.5;
@@ -33,7 +33,7 @@ pub(super) struct Evaluation {
 pub(super) struct Targets<'a> {
     /// Components that exist.
     pub(super) components: &'a [usize],
-    /// What determines each component; `Strain` and `Stress` hold the values at the end.
+    /// Control of each component; `Strain` and `Stress` hold the values at the end.
     pub(super) controls: [Control; 6],
     /// The relations, with their right sides at the end.
     pub(super) constraints: &'a [Constraint],

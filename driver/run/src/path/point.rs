@@ -75,7 +75,7 @@ pub struct Committed {
     pub fields: FieldValues,
 }
 
-/// Where the current increment leads.
+/// Goal of the current increment.
 #[derive(Clone, Debug)]
 pub(super) struct Goal {
     /// Values at the start of the increment, by component (of the controlled quantity).

@@ -31,7 +31,7 @@ impl From<CallFailure> for Trouble {
 
 /// A point that can go from one fraction of an increment to another.
 pub(super) trait Divisible {
-    /// Where its steps lead.
+    /// Goal of its steps.
     type Goal;
 
     /// Begins a step, of this number from 1.
@@ -124,7 +124,7 @@ const LARGEST_CUT: f64 = 0.75;
 /// An increment that no piece was small enough for.
 struct GivenUp {
     reason: String,
-    /// Where the first attempt from the committed state led, as a fraction of the increment.
+    /// End of the first attempt from the committed state, as a fraction of the increment.
     first: f64,
 }
 

@@ -1,4 +1,5 @@
-//! Whether the cracks of a run are of the kind that a crack band serves: along the edges of their elements, and open all over them.
+//! Checks whether the cracks of a run are of the kind that a crack band serves: along the edges of their elements, and
+//! open all over them.
 
 use crate::number::significant;
 use fe_core::assembly::Solids;
@@ -16,7 +17,7 @@ const SMALL_SHARE: f64 = 0.2;
 /// Share of the damage in the energies below which nothing has cracked that would govern a result.
 const SMALL_DAMAGE: f64 = 0.01;
 
-/// How an element has cracked.
+/// Crack of an element.
 struct Crack {
     /// Energy that it has dissipated, N·mm.
     damage: f64,

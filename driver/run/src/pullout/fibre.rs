@@ -1,4 +1,4 @@
-//! Where the fibre of a specimen is: what pictures follow and zoom to.
+//! Position of a specimen's fibre, which pictures follow and zoom to.
 
 use fe_core::mesh::{ElementEdge, Mesh};
 use fe_core::model::Model;
@@ -64,7 +64,7 @@ impl Fibre {
     }
 }
 
-/// How a wall of the hole lies along the fibre.
+/// Position of a wall of the hole along the fibre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wall {
     /// Distance from the tail along the fibre, both in the reference configuration, where the wall's arc length is 0, mm.

@@ -1,4 +1,4 @@
-//! What a run of a specimen says besides its history.
+//! Findings of a specimen's run besides its history.
 
 use super::overlap::Overlap;
 use super::peak::PeakLoad;
@@ -18,20 +18,21 @@ pub struct Findings {
     pub peak_load: Option<PeakLoad>,
     /// The greatest imbalance of the energies, relative as in the history.
     pub energy_error_max: f64,
-    /// What part of the work stabilisation took, and the overstress of laws that extrapolate.
+    /// Share of the work taken by stabilisation and by the overstress of laws that extrapolate.
     #[serde(default)]
     pub stabilisation_share: f64,
-    /// Where the plastic strain of fibres first passed `output.rupture_strain`, by the fibres' names ("fibre" for one that has none).
+    /// First increment in which the plastic strain of each fibre passed `output.rupture_strain`, by the fibres' names
+    /// ("fibre" for one without a name).
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub ruptures: IndexMap<String, Rupture>,
     /// The deepest overlap of deformed bodies at the greatest load and at the end, mm; 0 where there is none.
     #[serde(default)]
     pub overlap_max: f64,
-    /// The same over the fibre's diameter; without a fibre over the shortest edge in contact, without contact over the
-    /// shortest outer edge.
+    /// Deepest overlap over the fibre's diameter; without a fibre over the shortest edge in contact, without contact
+    /// over the shortest outer edge.
     #[serde(default)]
     pub overlap_relative: f64,
-    /// Where bodies overlap at the greatest load, `peak`, and at the `end`, as far as they do.
+    /// Places at which bodies overlap at the greatest load, `peak`, and at the `end`, where they do.
     #[serde(default, skip_serializing_if = "IndexMap::is_empty")]
     pub overlaps: IndexMap<String, Overlap>,
     /// Energies at the end by their columns, N·mm; `unaccounted_energy`, the stress work of parts whose law reports none that

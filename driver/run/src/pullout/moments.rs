@@ -16,7 +16,7 @@ pub struct Moments<'p> {
     states: Vec<Option<State<'p>>>,
 }
 
-/// What is kept so far, without the mesh: slip, load and fields.
+/// Moments that are kept so far, without the mesh: slip, load and fields.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct KeptMoments(Vec<Option<(f64, f64, KeptFields)>>);
 
@@ -42,7 +42,7 @@ impl<'p> Moments<'p> {
         Self { mesh, wanted, states: kept.0.into_iter().map(|kept| kept.map(state)).collect() }
     }
 
-    /// What is kept so far.
+    /// Returns the moments that are kept so far.
     pub fn kept(&self) -> KeptMoments {
         let kept = |state: &State<'_>| (state.slip, state.load, KeptFields::of(state.fields.clone()));
         KeptMoments(self.states.iter().map(|state| state.as_ref().map(kept)).collect())
@@ -76,7 +76,7 @@ impl<'p> Moments<'p> {
         (!names.is_empty()).then(|| format!("pictures_at: the run did not reach {}: no picture of it", names.join(", ")))
     }
 
-    /// What was wanted and came, in the order of the case.
+    /// Returns the requested moments that were reached, in the order of the case.
     pub fn into_states(self) -> Vec<(PictureAt, State<'p>)> {
         self.wanted.iter().copied().zip(self.states).filter_map(|(wanted, state)| Some((wanted, state?))).collect()
     }

@@ -1,4 +1,4 @@
-//! How far deformed bodies lie in each other at the greatest load and at the end of a run.
+//! Depth of the overlap between deformed bodies at the greatest load and at the end of a run.
 
 use super::{Findings, Program};
 use crate::number::significant;
@@ -12,9 +12,9 @@ const LARGE_OVERLAP: f64 = 0.01;
 /// The deepest overlap of one state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Overlap {
-    /// How deep a point of a boundary lies in a body, mm.
+    /// Greatest depth of a boundary's point within a body, mm.
     pub depth: f64,
-    /// Where it was then, mm.
+    /// Position of the point at that moment, mm.
     pub position: [f64; 2],
     /// The part that it belongs to.
     pub part: String,
@@ -23,7 +23,8 @@ pub struct Overlap {
 }
 
 impl Overlap {
-    /// Measures the overlap of a model whose nodes have these displacements, without what was released; `None` where nothing overlaps
+    /// Measures the overlap of a model whose nodes have these displacements, without what was released; `None` where
+    /// nothing overlaps.
     fn of(model: &Model, (displacements, spalled): (&[f64], &[usize])) -> Option<Self> {
         let mesh = &model.mesh;
         let behind = model.parts_behind();

@@ -25,7 +25,7 @@ pub struct PeakLoad {
 /// Keeps the greatest load with the displacements and the released elements there, and the fields if pictures are wanted.
 #[derive(Debug)]
 pub struct PeakKeeper<'p> {
-    /// `None`: nobody wants the fields.
+    /// `None`: the fields are not wanted.
     mesh: Option<&'p Mesh>,
     peak: Option<PeakLoad>,
     displacements: Vec<f64>,

@@ -1,4 +1,4 @@
-//! What a case of kind "pullout" asks for: a model of the FE core, and what is to be written.
+//! Contents of a case of kind "pullout": a model of the FE core, and the output that is written.
 
 use crate::columns;
 use crate::program::{About, Until};
@@ -20,7 +20,7 @@ pub enum PictureAt {
 pub struct Program {
     /// Properties that programs of all kinds have.
     pub about: About,
-    /// What the mesh is: "specimen perpendicular_fibre" or "file block.msh".
+    /// Description of the mesh: "specimen perpendicular_fibre" or "file block.msh".
     pub mesh: String,
     /// Diameter of the round fibre of a specimen that has one, mm.
     pub fibre_diameter: Option<f64>,
@@ -30,7 +30,7 @@ pub struct Program {
     pub step_untils: Vec<Option<Until>>,
     /// Every n-th increment (and the last of each step) is written as fields; `None`: no fields.
     pub fields_every: Option<usize>,
-    /// When fields are kept for pictures, beside the greatest load and the end.
+    /// Moments at which fields are kept for pictures, beside the greatest load and the end.
     pub pictures_at: Vec<PictureAt>,
     /// The plastic strain beyond which a fibre counts as ruptured.
     pub rupture_strain: f64,

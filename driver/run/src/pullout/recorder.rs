@@ -28,12 +28,12 @@ pub(super) mod test;
 /// A step is at its end within this part of its duration: increments add up with rounding.
 const END_TOLERANCE: f64 = 1e-9;
 
-/// What a run gives: what it cost, how it ended, what it found, and the states that pictures show.
+/// Outcome of a run: its cost, its end, its findings, and the states that pictures show.
 #[derive(Debug)]
 pub struct Outcome<'p> {
     /// Cost of the run.
     pub statistics: Statistics,
-    /// How it ended. Rows that were observed stay valid.
+    /// End of the run. Rows that were observed stay valid.
     pub result: Result<(), Stop>,
     /// Findings besides the history.
     pub findings: Findings,
@@ -218,18 +218,18 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
 /// A part of the work that stabilisation may take without a warning.
 const LARGE_STABILISATION: f64 = 0.01;
 
-/// Which increments are written, and when a step or the run ends early.
+/// Writer of the increments; decides when a step or the run ends early.
 struct Recorder<'p, 'o> {
     program: &'p Program,
     observer: &'o mut dyn path::Observer,
     fields: Option<FieldWriter>,
     peak: PeakKeeper<'p>,
-    /// `None`: nobody wants pictures.
+    /// `None`: no pictures are wanted.
     moments: Option<Moments<'p>>,
     ruptures: IndexMap<String, Rupture>,
     present: Present,
     energies: Energies,
-    /// What finished increments cost, but for calls of plugins and attempts that were given up.
+    /// Cost of finished increments, without calls of plugins and attempts that were given up.
     so_far: Statistics,
     /// The greatest energy error so far.
     energy_error: f64,
@@ -237,7 +237,7 @@ struct Recorder<'p, 'o> {
     initial_displacement: Option<f64>,
     /// Total time at the start of the present step.
     step_start: f64,
-    /// Where checkpoints go, and whose they are.
+    /// Folder of the checkpoints, and their owner.
     destination: Option<(PathBuf, &'o Checkpoints)>,
 }
 

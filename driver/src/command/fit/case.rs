@@ -8,7 +8,7 @@ use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use std::path::PathBuf;
 
-/// Beside `fit bond` and `fit beam`: what must be given is not where one of these is.
+/// Arguments of a fit of a case, beside `fit bond` and `fit beam`: with one of these, none of them is required.
 #[derive(Debug, clap::Args)]
 pub(in super::super) struct Arguments {
     /// The case, with the values to start from.

@@ -54,7 +54,7 @@ pub(in crate::command) struct Arguments {
     /// The checks of one group, for the process that started this one.
     #[arg(long, hide = true, requires = "rows")]
     group: Option<Group>,
-    /// Where that process reads what happens.
+    /// File in which that process reads the events.
     #[arg(long, hide = true)]
     rows: Option<PathBuf>,
     /// States that are left out.
@@ -191,7 +191,7 @@ pub(super) fn run(arguments: &Arguments) -> u8 {
     }
 }
 
-/// Where the process that started this one reads what happens.
+/// File in which the process that started this one reads the events.
 static ROWS: OnceLock<Mutex<File>> = OnceLock::new();
 
 /// Hands a line on.

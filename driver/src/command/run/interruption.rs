@@ -28,7 +28,7 @@ impl Interruption {
         self.checkpoint_every.is_some() || self.restart.is_some()
     }
 
-    /// Whether a case may have what was asked for; if not, why.
+    /// Checks that a case may have what was asked for; the error is the reason why not.
     pub(super) fn suits(&self, is_specimen: bool) -> Result<(), String> {
         if is_specimen || !self.is_asked_for() {
             return Ok(());

@@ -76,7 +76,7 @@ fn call<'c>(calls: &'c [Printed], step: &str, increment: &str, node: &str) -> &'
     calls.iter().rfind(|call| wanted.iter().all(|(name, value)| call[*name] == *value)).expect("a call for it")
 }
 
-/// Where the upper block is a quarter of the way through the second step, half of the way, and the increment.
+/// Position of the upper block a quarter of the way through the second step, half of the way, and the increment.
 const FROM: [f64; 2] = [-0.06, -0.015];
 const TO: [f64; 2] = [-0.08, -0.02];
 const BY: [f64; 2] = [-0.02, -0.005];

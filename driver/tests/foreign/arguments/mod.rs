@@ -1,5 +1,5 @@
-//! What each argument of UMAT, UINTER and FRIC is: a plugin prints them (tests/umats/print.c), and each is matched, at
-//! points on their own and in specimens.
+//! Values of each argument of UMAT, UINTER and FRIC: a plugin prints them (tests/umats/print.c), and each is compared,
+//! at points on their own and in specimens.
 
 mod contact;
 mod element;
@@ -35,7 +35,7 @@ fn expect(call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     expect_within(ROUNDING, call, expected, names);
 }
 
-/// The same, with what rounding makes of longer computations, as a share of an array's largest value.
+/// Asserts the same with another rounding error, of longer computations, as a share of an array's largest value.
 fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names: &[(&str, &str)]) {
     for (name, expected) in expected {
         let found = values(&call[*name]);
@@ -54,7 +54,8 @@ fn expect_within(rounding: f64, call: &Printed, expected: &[Argument<'_>], names
 /// The name of an argument and its values.
 type Argument<'v> = (&'v str, &'v [f64]);
 
-/// What the printing plugin with its two constants gets in every UINTER call of a plane, wherever the point is.
+/// Arguments that the printing plugin with its two constants gets in every UINTER call of a plane, wherever the point
+/// is.
 const UINTER_ALWAYS: &[Argument<'_>] = &[
     ("ddsddr", &[0.0; 4]),
     ("dviscous", &[0.0; 4]),
@@ -85,7 +86,7 @@ const UINTER_ALWAYS: &[Argument<'_>] = &[
     ("lprint", &[0.0]),
 ];
 
-/// The same of FRIC, with one constant.
+/// Arguments that the printing plugin with one constant gets in every FRIC call.
 const FRIC_ALWAYS: &[Argument<'_>] = &[
     ("ddtddg", &[0.0]),
     ("ddtddp", &[0.0]),

@@ -92,7 +92,7 @@ fn thermal(plugin: Value) -> Value {
 /// λ, κ, M, G, e0.
 pub const CLAY: [f64; 5] = [0.15, 0.03, 1.1, 6000.0, 0.9];
 
-/// From 100 kPa, overconsolidated by 1.5 (SIGINI, SDVINI): sheared undrained.
+/// Clay at 100 kPa, overconsolidated by 1.5 (SIGINI, SDVINI): sheared undrained.
 fn cam_clay(plugin: Value) -> Value {
     let end = json!({ "e11": -0.1, "e22": 0.05, "e33": 0.05 });
     json!({ "kind": "point", "mode": "3d",

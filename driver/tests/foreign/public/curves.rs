@@ -1,4 +1,4 @@
-//! What the laws compute along their paths.
+//! Curves that the laws compute along their paths.
 
 use super::super::close;
 use super::cases;

@@ -32,7 +32,7 @@ impl Law {
         Some(run(&desk, "driven", &case).history)
     }
 
-    /// Both histories, the second with twice the increments in every step.
+    /// Returns both histories, the second with twice the increments in every step.
     fn refined(&self, increments: usize) -> Option<[Table; 2]> {
         let with = |increments: usize| {
             self.driven(|case| {

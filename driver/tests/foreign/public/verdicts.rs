@@ -1,4 +1,4 @@
-//! What `pullout plugin check` says of them.
+//! Verdicts of `pullout plugin check` on them.
 
 use super::{Law, cases};
 use crate::check::row;

@@ -37,7 +37,8 @@ const JUMP_CUT: f64 = 0.3;
 /// Aim a little below the greatest admissible slip.
 pub(super) const SLIP_MARGIN: f64 = 0.9;
 /// Through drag the load changes by this part of it in an increment at most, or this part of the greatest load: what is dissipated is
-/// a trapezoidal sum over the way. Drag becomes thicker by this factor otherwise, by division.
+/// a trapezoidal sum over the way. Where it falls by more, drag becomes thicker by this factor, by division; where it rises, the drives go
+/// a shorter way.
 const THROUGH_DRAG: f64 = 0.1;
 const LEAST_THROUGH_DRAG: f64 = 0.01;
 const THICKENING: f64 = 0.3;
@@ -87,9 +88,14 @@ impl StepRun {
         findings: Findings,
     ) -> Result<(), Judgement> {
         if let Lead::Drag(_) = self.lead {
-            let change = (findings.load - load.last).abs();
-            let jumps = change > (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
-            if (jumps || self.refuses_energies(&findings).is_some()) && !self.is_least() {
+            let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
+            // what the drives pull through the drag adds to the load
+            if findings.load - load.last > limit && self.attempted > self.size.minimum() {
+                self.attempted = (THICKENING * self.attempted).max(self.size.minimum());
+                return Err(repeat("the drives go too far through drag", 1.0));
+            }
+            let falls = load.last - findings.load > limit;
+            if (falls || self.refuses_energies(&findings).is_some()) && !self.is_least() {
                 self.energy_refused += 1;
                 return Err(repeat("the specimen goes too fast through drag", THICKENING));
             }

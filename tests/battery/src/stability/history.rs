@@ -227,9 +227,10 @@ impl<'s, 'p, L: Law> History<'s, 'p, L> {
         }
     }
 
-    /// What rounding leaves of the longest differences, relative to the tangent: the stress of a nearly fully damaged
-    /// solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged stresses, and σ33 = 0 is
-    /// solved to some roundings of its terms (`drucker_prager` bounds its modulus from below by 1e-12 E).
+    /// Returns the rounding error of the longest differences, relative to the tangent: the stress of a nearly fully
+    /// damaged solid, and in plane stress that of one whose bulk modulus survives, is a difference of undamaged
+    /// stresses, and σ33 = 0 is solved to some roundings of its terms (`drucker_prager` bounds its modulus from below
+    /// by 1e-12 E).
     fn difference_resolution(&self, strain: &[f64; 6]) -> f64 {
         let tangent = self.point.trial(strain).0.tangent;
         let scale = tangent.as_flattened().iter().fold(0.0_f64, |m, x| m.max(x.abs()));

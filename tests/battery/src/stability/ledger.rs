@@ -1,4 +1,4 @@
-//! What was tried, what failed, and by how much.
+//! Numbers of trials and failures, and the largest errors.
 
 use std::collections::BTreeMap;
 use std::fmt;
@@ -6,7 +6,7 @@ use std::fmt;
 /// One promise of a law.
 #[derive(Clone, Debug, Default)]
 pub struct Check {
-    /// How often it was looked at.
+    /// Number of times that it was checked.
     pub tried: u64,
     /// Number of those that were not compared, since there is nothing to compare with (see the promise's name).
     pub excluded: u64,
@@ -14,7 +14,7 @@ pub struct Check {
     pub failed: u64,
     /// The worst error over the one that is allowed; `None`: it holds or does not.
     pub worst: Option<f64>,
-    /// Where it was broken first.
+    /// Place at which it was broken first.
     pub first: Option<String>,
 }
 
@@ -36,14 +36,14 @@ const EXCLUDED_SHARE: f64 = 0.05;
 /// Largest share of states that may be cut back, all parameters taken together.
 const CUT_BACK_SHARE: f64 = 1e-3;
 
-/// What happened to a law.
+/// Record of the trials of a law.
 #[derive(Clone, Debug, Default)]
 pub struct Ledger {
     /// Increments that were asked for.
     pub states: u64,
     /// Parameter sets that the law refuses as inconsistent.
     pub sets_refused: u64,
-    /// Counts by reason, and where each was first.
+    /// Counts by reason, with the first place of each.
     pub cut_backs: BTreeMap<&'static str, (u64, String)>,
     /// Tangents that are right on one side of a kink that they stand on.
     pub one_sided: u64,
@@ -131,7 +131,7 @@ impl Ledger {
         checks
     }
 
-    /// How many promises were broken, counting every time.
+    /// Returns the number of broken promises, counting every time.
     pub fn failures(&self) -> u64 {
         self.checks().iter().map(|(_, check)| check.failed).sum()
     }

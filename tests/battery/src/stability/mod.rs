@@ -1,7 +1,7 @@
-//! What is thrown at a law: strains of 17 decades, zeros, subnormal numbers, repeated principal strains, full
-//! damage, corners of the parameters, numbers that are none. Every answer must be finite and hold the law's
-//! invariants; the tangent of ordinary parameter sets is compared with differences; histories are turned, proportional
-//! paths walked in other increments.
+//! Extreme inputs for a law: strains of 17 decades, zeros, subnormal numbers, repeated principal strains, full damage,
+//! corners of the parameters, NaN and infinity. Every answer must be finite and hold the law's invariants; the tangent
+//! of ordinary parameter sets is compared with differences; histories are turned, proportional paths walked in other
+//! increments.
 //!
 //! Tests throw 10 000 states at each law and stress state, `pullout-bench stability` as many as it is asked for.
 
@@ -40,7 +40,7 @@ pub struct Subject<'p> {
     pub steady: bool,
     /// The stored energy is ½ σ : ε: no inelastic strain, σ its derivative.
     pub quadratic: bool,
-    /// In which stress states the end of a proportional path does not depend on its increments.
+    /// Stress states in which the end of a proportional path does not depend on its increments.
     pub path_exact: &'static [StressState],
 }
 

@@ -21,9 +21,9 @@ use umat_abi::law::StressState;
 pub struct Form {
     /// The law's name.
     pub law: &'static str,
-    /// Which form; empty: the law has one.
+    /// Name of the form; empty: the law has one only.
     pub label: &'static str,
-    /// Throws the chunk of this number, and of so many states, at it.
+    /// Throws the chunk of this number, with so many states, at it.
     pub(super) chunk: fn(StressState, u64, u64) -> Ledger,
 }
 
@@ -50,7 +50,7 @@ pub fn forms() -> Vec<Form> {
 
 const BRANCHES: &[&str] = &["eta_t", "eta_c", "Y_t_max", "Y_c_max"];
 
-/// What most laws promise: everything but a stored energy of ½ σ : ε.
+/// Promises that most laws make: everything but a stored energy of ½ σ : ε.
 const MOST: Subject<'static> = Subject {
     samples: Vec::new(),
     corner: corners::linear,
@@ -115,7 +115,7 @@ fn biaxial_damage(weights: f64, stress_state: StressState, chunk: u64, states: u
     throw::<BiaxialDamage>(&subject, stress_state, chunk, states)
 }
 
-/// With inelastic strain or a crack band, and which of the law's variants.
+/// Throws states at the law, with inelastic strain or a crack band, in one of its variants.
 fn concrete_damage(
     [inelastic, band]: [bool; 2],
     which: &[usize],

@@ -8,7 +8,7 @@ use umat_abi::law::{
 };
 use umat_abi::metadata::{Parameter, StateVariable, flags};
 
-/// How much of the tangent's damage term is returned.
+/// Share of the tangent's damage term that is returned.
 pub trait Share {
     /// 1 is right.
     const SHARE: f64;

@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use umat_abi::law::{Failure, Increment, Law, LawInfo, Request, Response, StressState};
 use umat_abi::metadata::{Parameter, StateVariable, flags};
 
-/// What an error may need to know.
+/// Quantities that an error may need.
 #[derive(Clone, Copy, Debug)]
 pub struct Parts {
     /// (1 − D) K.
@@ -20,9 +20,9 @@ pub struct Parts {
     pub strain_increment: [f64; 6],
     /// The parameter `fault`.
     pub fault: f64,
-    /// What was asked for.
+    /// Request of the host.
     pub request: Request,
-    /// Which components.
+    /// Stress state: the components that exist.
     pub stress_state: StressState,
 }
 
@@ -51,7 +51,7 @@ umat_abi::parameters! {
         evolution: Evolution =
             Parameter::new(c"Y_0", c"N*mm/mm^3", 2e-4, c"threshold").at_least(0.0),
             Parameter::new(c"Y_f", c"N*mm/mm^3", 1e-3, c"decay").above(0.0);
-        /// Which error.
+        /// Number of the error.
         fault: f64 =
             Parameter::new(c"fault", c"-", 0.0, c"which error, for a plugin with several").within(0.0, 99.0);
     }

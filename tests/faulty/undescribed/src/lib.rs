@@ -1,4 +1,4 @@
-//! Entry points that leave their arguments as they are, in a library that says nothing of itself.
+//! Entry points that leave their arguments as they are, in a library without a description.
 
 /// UMAT under its usual name.
 #[unsafe(no_mangle)]

@@ -88,7 +88,7 @@ fn call(most_directions: i32) -> impl Strategy<Value = Call> {
     )
 }
 
-/// What both routines are called with.
+/// Arguments of both routines.
 struct Prepared {
     /// Within the range of the routine, or as much as there may be.
     directions: usize,

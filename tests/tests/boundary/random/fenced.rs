@@ -2,7 +2,7 @@
 
 /// Cells on either side of an array.
 const FENCE: usize = 16;
-/// What they hold: NaN, so that a law that reads them has it in its answer.
+/// Content of the fences: NaN, so that a law that reads them has it in its answer.
 const SIGN: u64 = 0x7ff8_0bad_fe9c_e000;
 
 /// Numbers with fences around them.
@@ -26,7 +26,7 @@ impl Fenced {
         self.values().iter().map(|x| x.to_bits()).collect()
     }
 
-    /// Whether the fences hold what they held.
+    /// Returns whether the fences still hold their content.
     pub(super) fn is_intact(&self) -> bool {
         let end = self.0.len() - FENCE;
         let cells = self.0[..FENCE].iter().chain(&self.0[end..]);

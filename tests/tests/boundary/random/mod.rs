@@ -1,4 +1,4 @@
-//! Arguments that no host should pass: NULL anywhere, counts of any size, numbers that are none, names of any bytes. A call
+//! Arguments that no host should pass: NULL anywhere, counts of any size, NaN and infinity, names of any bytes. A call
 //! is done with finite numbers, refused, or cut back with everything as it was; what lies around the arrays and what is
 //! only read stays as it is.
 //!
@@ -20,10 +20,10 @@ use proptest::prelude::*;
 use proptest::sample::{Index, select};
 use umat_abi::host::Validation;
 
-/// What fills outputs before a call: no law returns it.
+/// Content of outputs before a call: no law returns it.
 const GARBAGE: f64 = -7.25e77;
 
-/// Cells of an array that are changed (modulo its length), and to what.
+/// Cells of an array that are changed (modulo its length), and their new values.
 type Changes = Vec<(usize, f64)>;
 
 /// Any number, most of them of the size of strains.
@@ -72,7 +72,7 @@ fn count(right: i32) -> impl Strategy<Value = i32> {
     ]
 }
 
-/// Which arguments are NULL, mostly none.
+/// Returns a strategy for the arguments that are NULL, mostly none.
 fn nulls() -> impl Strategy<Value = Vec<Index>> {
     prop_oneof![3 => Just(Vec::new()), 2 => vec(any::<Index>(), 1..4)]
 }
@@ -98,12 +98,12 @@ macro_rules! nullify {
 }
 use nullify;
 
-/// What a call may come to.
+/// Possible outcome of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Answer {
     /// All outputs are written.
     Done,
-    /// Everything is as it was; stress is NaN where PNEWDT is not there to tell.
+    /// Everything is as it was; the stress is NaN if there is no PNEWDT by which to report it.
     Untouched,
     /// Stress and tangent are NaN, the rest is as it was.
     Refused,
@@ -114,9 +114,9 @@ struct Output {
     name: &'static str,
     memory: Fenced,
     before: Vec<u64>,
-    /// So many cells at its start are written by a call that is done; all others never.
+    /// Number of cells at its start that are written by a call that is done; all others never are.
     written: usize,
-    /// So many at its start become NaN in a refusal.
+    /// Number of cells at its start that become NaN in a refusal.
     spoilt: usize,
     /// The call was told of it.
     given: bool,
@@ -146,7 +146,7 @@ impl Output {
     }
 }
 
-/// What became of the outputs, and whether that is one of the answers that may be.
+/// Checks that the outputs are one of the allowed answers.
 ///
 /// `pnewdt`: before and after; `None` if it was NULL.
 fn judge(outputs: &[Output], pnewdt: Option<[f64; 2]>, allowed: &[Answer], context: &dyn Fn() -> String) {
@@ -174,7 +174,7 @@ fn judge(outputs: &[Output], pnewdt: Option<[f64; 2]>, allowed: &[Answer], conte
     }
 }
 
-/// Whether a law's own check accepts parameters, whatever the length; it must not panic at any.
+/// Returns whether a law's own check accepts parameters, whatever the length; it must not panic at any.
 fn is_accepted(validation: &Validation) -> bool {
     match validation {
         Validation::Valid => true,

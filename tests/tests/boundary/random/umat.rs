@@ -249,7 +249,7 @@ fn check(call: &Call) {
     assert_eq!((name, integers), (call.name.clone(), [ntens, ndi, nshr, call.nstatv, nprops]), "an input was written");
 }
 
-/// Whether a name begins with this law's and no longer one.
+/// Returns whether a name begins with this law's and no longer one.
 fn names(name: &[u8], law: &str) -> bool {
     let begins = |law: &str| {
         let blanks = name.iter().take_while(|byte| **byte == b' ').count();

@@ -27,7 +27,7 @@ static LAWS: LazyLock<Vec<(&'static Plugin, Vec<f64>)>> = LazyLock::new(|| {
         .collect()
 });
 
-/// What a message is surrounded by.
+/// Number of bytes before and after a message.
 const FENCE: usize = 16;
 const SIGN: u8 = 0xA5;
 

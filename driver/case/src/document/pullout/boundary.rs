@@ -25,7 +25,7 @@ pub enum Axis {
     Y,
 }
 
-/// What is pulled: displaced by the drive "slip".
+/// Nodes that are pulled: displaced by the drive "slip".
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Grip {
@@ -37,7 +37,7 @@ pub struct Grip {
     pub lateral: Option<Lateral>,
 }
 
-/// What the grip does across the pull direction.
+/// Condition of the grip across the pull direction.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Lateral {
@@ -47,7 +47,7 @@ pub enum Lateral {
     Free,
 }
 
-/// How the specimen is held.
+/// Supports of the specimen.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Supports {
@@ -131,7 +131,7 @@ pub struct Tie {
 pub struct Terms {
     /// The freedom that follows.
     pub dependent: FreedomOf,
-    /// What it follows.
+    /// Displacements that it follows.
     #[schemars(length(min = 1))]
     pub terms: Vec<Term>,
 }
@@ -142,7 +142,7 @@ pub struct Terms {
 pub struct FreedomOf {
     /// The node.
     pub node: NodeReference,
-    /// Along which axis.
+    /// Axis of the displacement.
     pub component: Axis,
 }
 
@@ -152,7 +152,7 @@ pub struct FreedomOf {
 pub struct Term {
     /// The node.
     pub node: NodeReference,
-    /// Along which axis.
+    /// Axis of the displacement.
     pub component: Axis,
     /// Factor (default 1).
     pub factor: Option<f64>,
@@ -168,7 +168,7 @@ pub enum NodeReference {
     Position([f64; 2]),
 }
 
-/// What the history calls slip and load.
+/// Quantities that the history calls slip and load.
 #[derive(Clone, Debug, Default, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Measure {

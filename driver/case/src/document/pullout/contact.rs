@@ -19,7 +19,7 @@ pub enum Contact {
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct Pair {
-    /// What messages call it; one of the specimen's pairs takes its surfaces and width from the specimen.
+    /// Name in messages; one of the specimen's pairs takes its surfaces and width from the specimen.
     pub name: Option<String>,
     /// Edge set that carries the contact points: the hole.
     pub slave: Option<String>,
@@ -34,7 +34,7 @@ pub struct Pair {
     pub separation: Option<Piece<OtherProps>>,
     /// The host's normal law beside a FRIC plugin.
     pub normal: Option<Piece<Normal>>,
-    /// Where the contact points sit (default 2 Gauss points on each slave edge).
+    /// Position of the contact points (default 2 Gauss points on each slave edge).
     pub quadrature: Option<Piece<Quadrature>>,
     /// Contact area per length of the slave edge: mm, or "part" for the thickness of the slave's part; default: the
     /// specimen's, else "part".
@@ -42,7 +42,7 @@ pub struct Pair {
     /// Factor on min(E t/h of either body)/width of the hard normal law's penalty (default 100). From 1e5 on the rounding
     /// of positions can show in the pressure.
     pub penalty_factor: Option<Piece<Positive>>,
-    /// How the hard normal law is enforced (default uzawa).
+    /// Enforcement of the hard normal law (default uzawa).
     pub enforcement: Option<Piece<Enforcement>>,
     /// Slip up to which the bond is elastic, mm: limits increments until the load has peaked (default: the law is asked).
     pub critical_slip: Option<Piece<Positive>>,
@@ -89,7 +89,7 @@ pub struct Soft {
 /// Number of points.
 pub type Points = Whole<1, 10>;
 
-/// Where the contact points sit.
+/// Position of the contact points.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Quadrature {
@@ -119,7 +119,7 @@ pub enum PartWord {
     Part,
 }
 
-/// How the hard normal law is enforced.
+/// Enforcement of the hard normal law.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Enforcement {

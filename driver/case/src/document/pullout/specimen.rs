@@ -4,7 +4,7 @@ use super::super::{Piece, Positive, Whole};
 use schemars::JsonSchema;
 use serde::Deserialize;
 
-/// Where the mesh comes from.
+/// Source of the mesh.
 #[derive(Clone, Debug, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum MeshSource {
@@ -102,7 +102,7 @@ pub struct PerpendicularFibre {
     pub embedded_length: Option<Positive>,
     /// Length outside the block, up to the grip (default 3).
     pub free_length: Option<Positive>,
-    /// How much longer than the fibre the hole is (default 0).
+    /// Length by which the hole exceeds the fibre (default 0).
     #[schemars(range(min = 0.0))]
     pub tail_gap: Option<f64>,
     /// Elements of the fibre (default Q8).
@@ -134,7 +134,7 @@ pub struct InclinedFibre {
     /// Inclination: the embedded fibre's angle from the outward normal of the exit face, degrees (default 45).
     #[schemars(range(min = 0.0, max = 80.0))]
     pub angle_deg: Option<f64>,
-    /// What it does outside of the block (default bent).
+    /// Shape of the fibre outside the block (default bent).
     pub shape: Option<FibreShape>,
     /// Length outside the block, up to the grip (default 3 after the bend; 0 if straight: loading at the exit).
     #[schemars(range(min = 0.0))]
@@ -189,8 +189,8 @@ pub struct Fibres {
     /// The fibres, each with a name of its own.
     #[schemars(length(min = 1))]
     pub fibres: Vec<Fibre>,
-    /// Whether the fibres are pulled together by the drive slip, or each by its own, slip.NAME (default together). A step's
-    /// slip pulls all whose drives it does not name.
+    /// Pulls the fibres together, by the drive slip, or each by its own, slip.NAME (default together). A step's slip
+    /// pulls all whose drives it does not name.
     pub grips: Option<Grips>,
     /// Width of the block (default 25.4).
     pub width: Option<Positive>,
@@ -222,7 +222,7 @@ pub struct Fibres {
     pub largest_size: Option<Positive>,
 }
 
-/// How fibres are pulled.
+/// Drives by which several fibres are pulled.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum Grips {
@@ -241,7 +241,7 @@ pub struct Fibre {
     pub name: String,
     /// Diameter (default 0.406).
     pub diameter: Option<Positive>,
-    /// Where its axis crosses the exit face, from the middle of the block (default 0).
+    /// Position on the exit face at which the fibre's axis crosses it, from the middle of the block (default 0).
     pub exit: Option<f64>,
     /// The axis from the embedded end to the grip: each piece goes on in the direction in which the one before it ends.
     #[schemars(length(min = 1))]
@@ -250,7 +250,7 @@ pub struct Fibre {
     pub embedded: Option<Positive>,
     /// Diameters that differ, as a line through [distance from the embedded end, diameter]: an enlarged end (default none).
     pub width_profile: Option<Vec<[f64; 2]>>,
-    /// How much longer than the fibre the hole is (default 0).
+    /// Length by which the hole exceeds the fibre (default 0).
     #[schemars(range(min = 0.0))]
     pub tail_gap: Option<f64>,
     /// Radius of the hole's edges at the exit face (default a quarter of the diameter).
@@ -296,7 +296,7 @@ pub struct WavePiece {
     pub amplitude: f64,
     /// Length of a wave along the axis' direction.
     pub length: Positive,
-    /// How many, in halves.
+    /// Number of waves: 0.5, 1, 1.5, ….
     pub n: Positive,
 }
 
@@ -304,15 +304,15 @@ pub struct WavePiece {
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct GradedThickness {
-    /// How far the cone spreads to each side, over its depth (default 1, with which the fibre is about as stiff in its block
+    /// Spread of the cone to each side, over its depth (default 1, with which the fibre is about as stiff in its block
     /// as in space).
     #[schemars(range(min = 0.1))]
     pub slope: Option<f64>,
-    /// How far it reaches along the face on both sides of the fibre's axis (default 2 φ + (t − φ)/2 · (1 + tan θ/slope)).
+    /// Extent along the face on each side of the fibre's axis (default 2 φ + (t − φ)/2 · (1 + tan θ/slope)).
     pub extent: Option<Positive>,
 }
 
-/// What an inclined fibre does outside of the block.
+/// Shape of an inclined fibre outside the block.
 #[derive(Clone, Copy, Debug, Deserialize, JsonSchema, PartialEq, Eq)]
 #[serde(rename_all = "lowercase")]
 pub enum FibreShape {
@@ -328,7 +328,7 @@ pub enum FibreShape {
 pub enum SeparationLength {
     /// mm.
     Given(f64),
-    /// By the inclination.
+    /// A length that follows from the inclination.
     Rule(SeparationRule),
 }
 
@@ -426,7 +426,7 @@ pub struct TwoBlocks {
 pub struct Hertz {
     /// Radius of the cylinder (default 10).
     pub radius: Option<Positive>,
-    /// How far both bodies reach beside the symmetry line (default 5).
+    /// Extent of both bodies from the symmetry line (default 5).
     pub half_width: Option<Positive>,
     /// Height of the cylinder's flat top above the contact (default 5).
     pub height: Option<Positive>,
@@ -450,7 +450,7 @@ pub struct DragOutStrip {
     pub strip_length: Option<Positive>,
     /// Half of its thickness (default 0.25).
     pub strip_height: Option<Positive>,
-    /// Where the block starts on the strip (default 2).
+    /// Position on the strip at which the block starts (default 2).
     pub block_start: Option<Positive>,
     /// Length of the block (default 10).
     pub block_length: Option<Positive>,

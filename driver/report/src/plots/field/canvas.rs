@@ -177,7 +177,7 @@ impl Side<'_> {
         }
     }
 
-    /// Beside a plot of this height in px whose upper right corner is given.
+    /// Draws it beside a plot of this height in px whose upper right corner is given.
     fn draw<'a>(&self, root: &Root<'a>, (x, y): (i32, i32), height: i32) -> Drawn<'a, ()> {
         let left = x + BAR_OFFSET * UNIT;
         match self {

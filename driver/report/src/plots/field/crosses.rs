@@ -77,7 +77,7 @@ pub fn crosses(
     Ok(canvas.finish(&body))
 }
 
-/// Where a cross may stand.
+/// Place at which a cross may stand.
 struct Place {
     part: usize,
     /// Position as it is drawn, mm.

@@ -10,7 +10,7 @@ const MOST_BANDS: f64 = 13.0;
 /// Bands of values: below the first level, between two, above the last.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Levels {
-    /// What the first and the last band begin and end with.
+    /// Beginning of the first band, and end of the last.
     pub range: (f64, f64),
     /// Round numbers strictly inside the range, ascending.
     pub between: Vec<f64>,

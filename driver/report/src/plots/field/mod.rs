@@ -110,9 +110,9 @@ pub enum PictureError {
     /// Not one value per node.
     #[error("there are {found} {what}, the picture's mesh has {expected} nodes")]
     Length {
-        /// What.
+        /// Name of the values.
         what: &'static str,
-        /// How many.
+        /// Number of values.
         found: usize,
         /// Number of nodes.
         expected: usize,

@@ -6,7 +6,7 @@ use std::fmt::Write as _;
 /// A place in the picture, in drawing units.
 pub(super) type Place = (i32, i32);
 
-/// How far a simplified outline may be from the exact one, drawing units: 1/20 px.
+/// Greatest distance of a simplified outline from the exact one, drawing units: 1/20 px.
 const TOLERANCE: f64 = 1.0;
 /// Twice the area below which a piece cannot be seen, square drawing units: ⅛ px².
 const INVISIBLE: i64 = 100;

@@ -25,7 +25,7 @@ pub(super) struct Surface<'a> {
     behind: Option<bool>,
 }
 
-/// How a kind of element is subdivided.
+/// Subdivision of one kind of element.
 #[derive(Clone)]
 struct Lattice {
     /// Shape functions at each lattice point.
@@ -56,7 +56,7 @@ impl<'a> Surface<'a> {
         Self { mesh, positions, lattices, patches, element_size, behind: None }
     }
 
-    /// The same in layers, each to be drawn upon the one before it: what lies behind, and the rest.
+    /// Splits it into layers, each to be drawn over the one before: the elements that lie behind, and the rest.
     pub fn layers(self) -> Vec<Self> {
         if self.mesh.behind.is_empty() {
             return vec![self];

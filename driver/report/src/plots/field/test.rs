@@ -387,7 +387,7 @@ fn zones_have_a_colour_for_each_class_that_is_there() {
     assert!(zones(&FieldPicture::new("Zones", &mesh), &of[1..], &classes).is_err());
 }
 
-/// What lies behind is drawn first, with its edges: the later part hides it.
+/// The part that lies behind is drawn first, with its edges: the later part hides it.
 #[test]
 fn what_lies_behind_is_hidden_by_what_lies_before_it() {
     let square =

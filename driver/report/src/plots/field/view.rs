@@ -1,4 +1,4 @@
-//! What a picture shows of the plane, to equal scales.
+//! Part of the plane that a picture shows, to equal scales.
 
 use super::super::figure::UNIT;
 use super::Window;
@@ -35,7 +35,7 @@ impl View {
         Self { x, y, scale: pixels * f64::from(UNIT), corner: (0, 0) }
     }
 
-    /// The same with its upper left corner here.
+    /// Returns the view with its upper left corner here.
     pub fn at(self, corner: Place) -> Self {
         Self { corner, ..self }
     }

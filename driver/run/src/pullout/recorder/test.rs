@@ -8,7 +8,7 @@ use fe_core::model::{Controls, Measured, Model, Skipping, Step, StepControl};
 use fe_core::stepping::{Counts, Energies, Iteration};
 use fe_core::threads::Threads;
 
-/// Two steps of 1 s and 2 s on a mesh that nobody computes.
+/// Two steps of 1 s and 2 s on a mesh that is not computed.
 fn program(every: usize) -> Program {
     let mesh = Mesh::new(MeshDefinition {
         nodes: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],

@@ -140,7 +140,7 @@ impl Tally<'_> {
         self.judged.len() - 1
     }
 
-    /// The law that was told last; the library's name stands for one that was not.
+    /// The law that was reported last; the library's name if none was.
     fn present_law(&mut self, library: &Path) -> usize {
         match self.judged.len() {
             0 => self.law(&library.file_stem().unwrap_or_default().to_string_lossy(), library),
