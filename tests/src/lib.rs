@@ -9,7 +9,7 @@ mod path;
 mod sample;
 mod toolchain;
 
-pub use battery::{Random, rotated, rotated_in_plane};
+pub use battery::{Random, rotated, rotated_in_plane, worst};
 pub use clock::CpuClock;
 pub use memory::PointMemory;
 pub use path::{difference, strain_path};

@@ -1,6 +1,6 @@
 //! Deterministic random strain paths, and how far two arrays are apart.
 
-use battery::Random;
+use battery::{Random, worst};
 
 /// Strain increments of a path that wanders between random corners of the given size, with `ntens` components.
 pub fn strain_path(seed: u64, ntens: usize, size: f64, increments: usize) -> Vec<[f64; 6]> {
@@ -22,6 +22,5 @@ pub fn strain_path(seed: u64, ntens: usize, size: f64, increments: usize) -> Vec
 pub fn difference(left: &[f64], right: &[f64]) -> f64 {
     assert_eq!(left.len(), right.len(), "arrays of one length");
     let scale = right.iter().fold(f64::MIN_POSITIVE, |m, x| m.max(x.abs()));
-    let worst = left.iter().zip(right).map(|(a, b)| (a - b).abs());
-    worst.fold(0.0, |m: f64, d| if d.is_nan() { f64::INFINITY } else { m.max(d) }) / scale
+    worst(left.iter().zip(right).map(|(a, b)| (a - b).abs())) / scale
 }

@@ -1,6 +1,6 @@
 //! UMATs in Fortran and C, compiled here, beside the plugin of the same law: our host drives both along one path.
 
-use end_to_end_tests::{Tool, difference, find, plugin, run, strain_path, workspace};
+use end_to_end_tests::{Tool, difference, find, plugin, run, strain_path, workspace, worst};
 use std::path::PathBuf;
 use umat_abi::host::{CallOutcome, Library, UmatCall};
 use umat_abi::law::{Request, StressState};
@@ -61,7 +61,7 @@ fn compare(foreign: &Foreign, law: &str, props: &[f64], stress_state: StressStat
         }
         // Stresses pass near zero where a path turns: what rounding leaves is relative to what the path reached.
         largest_stress = ours.stress().iter().fold(largest_stress, |m, x| m.max(x.abs()));
-        let apart = ours.stress().iter().zip(theirs.stress()).fold(0.0_f64, |m, (a, b)| m.max((a - b).abs()));
+        let apart = worst(ours.stress().iter().zip(theirs.stress()).map(|(a, b)| (a - b).abs()));
         assert!(apart <= ROUNDING * largest_stress, "{}, {number}: stress {apart:e}", foreign.source);
         let tangents = difference(theirs.ddsdde(), ours.ddsdde());
         assert!(tangents <= ROUNDING, "{}, {number}: tangent {tangents:e}", foreign.source);

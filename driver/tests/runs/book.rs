@@ -2,7 +2,7 @@
 //! UMATs of other languages in `tests/umats/` are driven by the program beside the plugin of the same law.
 
 use crate::program::{self, Desk, Run, Table};
-use end_to_end_tests::{Tool, find, run, workspace};
+use end_to_end_tests::{Tool, find, run, workspace, worst};
 use serde_json::json;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
@@ -96,17 +96,17 @@ fn columns_are_listed(history: &Table, section: &str) {
 
 /// Largest difference of two runs' stresses and free strains, relative to the largest entry of each column.
 fn difference(a: &Run, b: &Run) -> f64 {
-    let mut worst = 0.0_f64;
+    let mut greatest = 0.0;
     for name in ["e11", "e22", "e33", "g12", "s11", "s22", "s33", "s12"] {
         let (a, b) = (a.history.column(name), b.history.column(name));
         assert_eq!(a.len(), b.len());
         let scale = a.iter().fold(1e-300_f64, |m, x| m.max(x.abs()));
         // a component that is free of stress everywhere holds what the iteration left
         if scale > 1e-7 || name.starts_with(['e', 'g']) {
-            worst = a.iter().zip(&b).fold(worst, |m, (a, b)| m.max((a - b).abs() / scale));
+            greatest = worst(a.iter().zip(&b).map(|(a, b)| (a - b).abs() / scale).chain([greatest]));
         }
     }
-    worst
+    greatest
 }
 
 /// A library that the tutorial of UMATs built, with its case, against `linear_elastic`.

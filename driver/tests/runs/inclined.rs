@@ -4,6 +4,7 @@ mod cover;
 mod mirrored;
 
 use crate::program::{self, Desk, Run};
+use end_to_end_tests::worst;
 use serde_json::{Value, json};
 
 /// A fibre in elastic concrete, with bond and no snubbing.
@@ -35,7 +36,7 @@ fn peak_and_work(run: &Run) -> [f64; 2] {
 }
 
 fn worst_energy_error(run: &Run) -> f64 {
-    run.history.column("energy_error").iter().fold(0.0, |worst: f64, error| worst.max(error.abs()))
+    worst(run.history.column("energy_error").iter().map(|error| error.abs()))
 }
 
 /// Triangles and rounded edges against the rectangles of the perpendicular specimen, which is verified by itself. The

@@ -1,6 +1,7 @@
 //! Runs that repeat the increments of another: the same bits, and curves that are smooth in the parameters.
 
 use crate::program::{self, Desk, cases};
+use end_to_end_tests::worst;
 use pullout_engine::{Outcome, Settings, Source, set_program};
 use serde_json::{Value, json};
 use std::path::Path;
@@ -140,7 +141,7 @@ fn gradients_of_a_pull_out_curve() {
         };
         let (forward, central) = (derivatives(1e-6, 0.0), derivatives(1e-4, -1e-4));
         let greatest = central.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
-        let worst = forward.iter().zip(&central).map(|(a, b)| (a - b).abs() / greatest).fold(0.0, f64::max);
+        let worst = worst(forward.iter().zip(&central).map(|(a, b)| (a - b).abs() / greatest));
         println!("{path}: {central:?}, {worst:.1e}");
         assert!(worst < 1e-4, "{path}: {forward:?}, {central:?}");
     }

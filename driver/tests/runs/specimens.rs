@@ -1,6 +1,7 @@
 //! Results of a specimen's run: fields for ParaView, pictures, summary, report, and replays of failed runs.
 
 use crate::program::{self, Desk, Run, command, json, xml_of_fields};
+use end_to_end_tests::worst;
 use serde_json::{Value, json};
 use std::io::Read;
 use std::path::Path;
@@ -91,7 +92,11 @@ fn a_run_tells_when_its_fibre_ruptures_and_shows_the_moments_that_are_asked_for(
     assert_eq!([&rupture["slip"], &rupture["load"]].map(Value::as_f64), [Some(slip[row]), Some(load[row])]);
     exists(&run, &["deformed_mesh_at_1", "principal_stress_max_at_1", "deformed_mesh"]);
     assert!(!run.folder.join("plots/deformed_mesh_at_2.svg").exists(), "the slip did not reach 5 mm");
-    assert!(run.summary["warnings"].to_string().contains("did not reach a slip of 5 mm"), "{}", run.summary["warnings"]);
+    assert!(
+        run.summary["warnings"].to_string().contains("did not reach a slip of 5 mm"),
+        "{}",
+        run.summary["warnings"]
+    );
     let first = slip.iter().position(|slip| *slip >= 0.05).expect("a row");
     let time = run.history.column("time")[first];
     assert!(series(&run.folder).iter().any(|(other, _)| (other - time).abs() < 1e-12), "no fields at {time}");
@@ -148,7 +153,7 @@ fn a_pull_out_leaves_fields_pictures_summary_and_report() {
     assert_eq!(run.summary["plugin_calls"].as_u64(), Some(calls));
     assert_eq!(run.summary["energies"]["external_work"].as_f64(), Some(run.history.last("external_work")));
     let errors = run.history.column("energy_error");
-    let worst = errors.iter().fold(0.0_f64, |worst, error| worst.max(error.abs()));
+    let worst = worst(errors.iter().map(|error| error.abs()));
     assert_eq!(run.summary["energy_error_max"].as_f64(), Some(worst));
     assert!(run.summary.get("failure").is_none());
     let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");

@@ -202,6 +202,19 @@ impl<'p, L: Law> Point<'p, L> {
     }
 }
 
+/// Returns the largest of errors ≥ 0; NaN counts as infinite (`f64::max` forgets it).
+pub fn worst(errors: impl IntoIterator<Item = f64>) -> f64 {
+    errors.into_iter().fold(0.0, |worst, error| {
+        if error <= worst {
+            worst
+        } else if error.is_nan() {
+            f64::INFINITY
+        } else {
+            error
+        }
+    })
+}
+
 /// R ε Rᵀ for a strain (engineering shear) or, with `shear = 1`, a stress.
 pub fn rotated(tensor: &[f64; 6], rotation: &[[f64; 3]; 3], shear: f64) -> [f64; 6] {
     let [a, b, c, d, e, f] = *tensor;

@@ -1,6 +1,6 @@
 //! Proportional paths: the stress at their end.
 
-use super::Sample;
+use super::{Sample, worst};
 use umat_abi::law::{Law, StressState};
 
 /// The stress at the end of a proportional path that stops at these fractions of the strain.
@@ -26,6 +26,5 @@ pub fn equal(count: u32) -> impl Iterator<Item = f64> {
 pub fn deviation(stress: &[f64; 6], expected: &[f64; 6]) -> f64 {
     let largest = expected.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let error = |i: usize| if stress[i] == expected[i] { 0.0 } else { (stress[i] - expected[i]).abs() / largest };
-    // NaN is worst
-    (0..6).map(error).fold(0.0, |worst, error| if error <= worst { worst } else { error })
+    worst((0..6).map(error))
 }

@@ -3,7 +3,7 @@
 //! material.
 
 use crate::Loaded;
-use end_to_end_tests::{LAWS, PointMemory, plugin, strain_path};
+use end_to_end_tests::{LAWS, PointMemory, plugin, strain_path, worst};
 use umat_abi::law::StressState;
 
 /// PNEWDT on entry: below 0, so that a UMAT's request is seen.
@@ -42,7 +42,7 @@ fn its_conventions_are_honoured() {
             }
             assert_eq!(solid.pnewdt, ON_ENTRY, "{}", law.name);
             let scale = plane.stress().iter().fold(f64::MIN_POSITIVE, |most, stress| most.max(stress.abs()));
-            let apart = plane.stress().iter().zip(&solid.stress).fold(0.0_f64, |most, (a, b)| most.max((a - b).abs()));
+            let apart = worst(plane.stress().iter().zip(&solid.stress).map(|(a, b)| (a - b).abs()));
             assert!(apart <= 1e-12 * scale, "{}: {apart:e} of {scale:e}", law.name);
             assert!(solid.tangent().iter().all(|modulus| modulus.is_finite()), "{}: every entry is set", law.name);
         }

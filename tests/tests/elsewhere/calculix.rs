@@ -2,7 +2,7 @@
 //! none), and none is required; any `ccx` shows that decks, strains and stresses are understood.
 
 use super::{Installation, example, history};
-use end_to_end_tests::notice;
+use end_to_end_tests::{notice, worst};
 use std::path::Path;
 use std::process::Command;
 
@@ -68,7 +68,7 @@ fn apart(installation: &Installation, folder: &Path, job: &str, increments: usiz
     let pairs = || ours[1..].iter().flatten().zip(stresses.iter().flatten());
     let largest = pairs().fold(0.0_f64, |most, (_, theirs)| most.max(theirs.abs()));
     assert!(largest > 10.0, "{largest}");
-    pairs().fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / largest
+    worst(pairs().map(|(a, b)| (a - b).abs())) / largest
 }
 
 /// Its own elasticity in the same deck.

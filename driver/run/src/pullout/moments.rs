@@ -73,7 +73,8 @@ impl<'p> Moments<'p> {
             PictureAt::Increment(increment) => format!("increment {increment}"),
         });
         let names: Vec<String> = names.collect();
-        (!names.is_empty()).then(|| format!("pictures_at: the run did not reach {}: no picture of it", names.join(", ")))
+        (!names.is_empty())
+            .then(|| format!("pictures_at: the run did not reach {}: no picture of it", names.join(", ")))
     }
 
     /// Returns the requested moments that were reached, in the order of the case.

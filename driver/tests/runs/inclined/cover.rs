@@ -2,6 +2,7 @@
 
 use super::run;
 use crate::program::{Desk, Run, Table, xml_of_fields};
+use end_to_end_tests::worst;
 use fe_core::element::ElementKind;
 use fe_core::mesh::specimen::{FibreMesh, PerpendicularFibre, perpendicular_fibre};
 use fe_core::mesh::{ElementDefinition, MeshDefinition};
@@ -111,7 +112,7 @@ fn a_cover_is_of_the_matrix_and_joins_the_halves() {
     assert!(peak(&with) > 1.05 * peak(&without), "{} and {} N", peak(&with), peak(&without));
     assert!(peak(&graded) < peak(&with), "{} and {} N", peak(&graded), peak(&with));
     for run in [&with, &graded] {
-        let worst = run.history.column("energy_error").iter().fold(0.0, |worst: f64, error| worst.max(error.abs()));
+        let worst = worst(run.history.column("energy_error").iter().map(|error| error.abs()));
         assert!(worst < 1e-3, "{worst:e}");
         let report = std::fs::read_to_string(run.folder.join("report.html")).expect("a report");
         assert!(report.contains("plane strain, thickness 2.854 mm"), "the part 'cover' is told");

@@ -3,6 +3,7 @@
 use super::cover::{from_file, gmsh};
 use super::run;
 use crate::program::{Desk, Run};
+use end_to_end_tests::worst;
 use fe_core::element::ElementKind;
 use fe_core::mesh::MeshDefinition;
 use fe_core::mesh::specimen::{Fibre, Fibres, FibresMesh, fibres};
@@ -60,7 +61,7 @@ fn apart([given, mirrored]: &[Run; 2]) -> f64 {
     assert!(greatest > 20.0, "{greatest} N");
     let loads = load.iter().zip(&other).map(|(a, b)| a - b);
     let laterals = lateral.iter().zip(&other_lateral).map(|(a, b)| a + b);
-    loads.chain(laterals).fold(0.0, |worst: f64, difference| worst.max(difference.abs())) / greatest
+    worst(loads.chain(laterals).map(f64::abs)) / greatest
 }
 
 #[test]

@@ -3,6 +3,7 @@
 use super::*;
 use crate::tensor::work;
 use approx::assert_relative_eq;
+use battery::worst;
 use umat_abi::law::parameters_of;
 
 /// A crack that opens while it is sheared, the sides pressed: 3 times the strain of the peak.
@@ -50,7 +51,7 @@ fn deviation(stress_state: StressState, count: u32) -> [f64; 2] {
             let elastic = elastic.advance(&part(&path, 1.0 / f64::from(count))).stress;
             let damage = point.state[ETA_T_APPLIED] / (1.0 + point.state[ETA_T_APPLIED]);
             let error = |i: usize| (found[i] - expected[i] - RESISTANCE * damage * elastic[i]).abs();
-            greatest = greatest.max((0..6).map(error).fold(0.0, f64::max));
+            greatest = worst((0..6).map(error).chain([greatest]));
         }
     }
     [greatest, point.state[OVERSTRESS_WORK]]

@@ -18,7 +18,7 @@ pub use subjects::{Form, forms};
 
 use super::proportional::{deviation, equal, stress_after};
 use super::rotation::rotation_error;
-use super::{Random, Sample};
+use super::{Random, Sample, worst};
 use history::History;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -140,8 +140,6 @@ fn walk<L: Law>(sample: &Sample<'_>, stress_state: StressState, random: &mut Ran
     // what is left of a stress is known to the rounding of the elastic one
     let largest = |values: &[f64; 6]| values.iter().fold(0.0_f64, |m, x| m.max(x.abs()));
     let rounding = 1e-15 * sample.props[0] * largest(&strain) / (1.0 - 2.0 * sample.props[1]) / largest(&at_once);
-    let errors = others.iter().map(|stress| deviation(stress, &at_once));
-    // NaN is worst
-    let worst = errors.fold(0.0_f64, |worst, error| if error <= worst { worst } else { error });
+    let worst = worst(others.iter().map(|stress| deviation(stress, &at_once)));
     ledger.within("the increments of a proportional path do not matter", worst, STRESS_ERROR + rounding, context);
 }
