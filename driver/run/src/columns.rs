@@ -187,7 +187,7 @@ pub static SPECIMEN: [Column<Record>; 33] = [
     column("interface_dissipation", "N·mm", "interface dissipation", Energy, |r| r.energies.interface_dissipation()),
     // of normal bonds that broke
     column("opening_energy", "N·mm", "opening energy", Energy, |record| record.energies.opening),
-    // of viscous stresses, and what laws that extrapolate (IMPL-EX) take by their lag
+    // of viscous stresses, what laws that extrapolate (IMPL-EX) take by their lag, and drag on contact where a specimen snaps
     column("stabilisation_energy", "N·mm", "stabilisation energy", Energy, |r| r.energies.stabilisation),
     // lost with concrete that was torn off and released
     column("spalled_energy", "N·mm", "spalled energy", Energy, |record| record.energies.spalled),
