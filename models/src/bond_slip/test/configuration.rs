@@ -38,9 +38,11 @@ fn refuses_what_gives_no_envelope() {
     refuses(&props(&[(TAU_RES, 1.4)]), "tau_res");
     refuses(&props(&[(LAW, 1.0), (TAU_RES, 1.0)]), "tau_res");
     refuses(&props(&[(G_0, 0.0)]), "g_0");
-    for set in [&[(LAW, 0.0)][..], &[(LAW, 2.0)], &[(NORMAL_LAW, 1.0)]] {
-        refuses(&mixed(1.0, set), "mixed mode");
+    for set in [(LAW, 0.0), (NORMAL_LAW, 1.0)] {
+        refuses(&mixed(1.0, &[set]), "mixed mode");
     }
+    // law none ignores it
+    assert_eq!(broken_rule(&mixed(1.0, &[(LAW, 2.0)])), None);
     refuses(&props(&[(LAW, 2.0), (K_E, 0.0)]), "k_f");
     assert_eq!(broken_rule(&props(&[(LAW, 2.0), (K_E, 0.0), (K_F, 1e4)])), None);
 }
