@@ -57,6 +57,8 @@ const LARGER_NUDGE: f64 = 4.0;
 const RESISTANCE: f64 = 1e-5;
 const GREATEST_RESISTANCE: f64 = 1e8;
 const EASING: f64 = 0.4;
+/// Where an increment goes back on the way of the one before it becomes thicker by this factor.
+const THICKENING_WHERE_TURNING: f64 = 10.0;
 /// Increments through drag in a row.
 const MOST_THROUGH: u32 = 1000;
 /// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
@@ -351,7 +353,10 @@ impl StepRun {
         let slip = converged.end.mean_slip - start.mean_slip;
         if let Lead::Drag(dragged) = &mut self.lead {
             dragged.increments += 1;
-            if iterations <= EASY {
+            // between two states to and fro, it was too thin to be led by what is out of balance
+            if converged.end.turns {
+                dragged.resistance *= THICKENING_WHERE_TURNING;
+            } else if iterations <= EASY {
                 dragged.resistance *= EASING;
             }
             self.progress = self.aim();

@@ -142,6 +142,7 @@ impl<'m> Analysis<'m> {
             mean_slip: 0.0,
             dissipation: 0.0,
             drag: 0.0,
+            turns: false,
         };
         Ok(Self {
             model,

@@ -106,6 +106,10 @@ fn drag_leads_where_nothing_else_does() {
             panic!("it is out of balance")
         };
         assert!(stands == goal && thinner < resistance && stood > 0.2);
+        let mut turning = run.clone();
+        let back = Converged { end: Committed { turns: true, ..end(5.0) }, iterations: Vec::new() };
+        turning.accept(&Committed::default(), &back, falls, load);
+        assert!(matches!(turning.target(), Target::Through { resistance, .. } if resistance > thinner));
         run.accept(&Committed::default(), &converged(0.5), falls, load);
         assert!(run.lead == Lead::Drives && run.progress == stood);
     }

@@ -60,6 +60,11 @@ impl Drag {
         super::largest(&self.trial)
     }
 
+    /// Returns whether the trial state turns back on the way of the last increment: it was passed by.
+    pub(super) fn turns(&self) -> bool {
+        super::dot(&self.start, &self.trial) < 0.0
+    }
+
     /// Returns the work up to the end of the last increment, N·mm.
     pub(super) fn work(&self) -> f64 {
         self.work

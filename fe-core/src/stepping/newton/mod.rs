@@ -48,12 +48,14 @@ pub(super) struct Committed {
     pub(super) dissipation: f64,
     /// The largest force of drag, as a multiple of what a residual may be.
     pub(super) drag: f64,
+    /// Whether the increment went back on the way of the one before, both through drag.
+    pub(super) turns: bool,
 }
 
 impl Committed {
     /// Returns whether it is of this model: lengths of arrays, and all numbers are finite.
     pub(super) fn fits(&self, model: &Model) -> bool {
-        let Self { displacements, drives, reactions, external, mean_slip, dissipation, drag } = self;
+        let Self { displacements, drives, reactions, external, mean_slip, dissipation, drag, turns: _ } = self;
         let freedoms = 2 * model.mesh.nodes().len();
         let arrays =
             [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
@@ -246,6 +248,7 @@ impl<'m> Equilibrium<'m> {
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
         let drag = self.memory.drag.largest();
+        end.turns = self.memory.drag.turns();
         end.drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
