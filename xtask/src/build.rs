@@ -7,6 +7,9 @@ use std::process::{Command, Stdio};
 /// The packages to be installed: the program, whose dependencies the plugins are, and that whose examples are the libraries
 /// for Kratos.
 const INSTALLED: [&str; 4] = ["--package", "driver", "--package", "pullout_laws"];
+/// For a wheel, Python's extension in place of those for Kratos: it knows the laws by their hashes as the program does, and what
+/// is built at once has the same features.
+const OF_WHEEL: &str = "pullout-python";
 /// The name of the program.
 const PROGRAM: &str = "pullout";
 /// The folders of the plugins and of the utility routines.
@@ -34,12 +37,13 @@ pub struct Products {
 ///
 /// Where it is for tests, the whole workspace is built: dependencies have other features then, and the tests build them so.
 ///
-/// `zig`: the folder with cargo-zigbuild, and with the Python that has zig, if it is linked by zig.
+/// `wheel`: not the libraries for Kratos, but Python's extension. `zig`: the folder with cargo-zigbuild, and with the Python
+/// that has zig, if it is linked by zig.
 ///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
-pub fn build(workspace: &Path, profile: &str, zig: Option<&Path>) -> Result<Products, String> {
-    products(&messages(workspace, profile, zig)?)
+pub fn build(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<Products, String> {
+    products(&messages(workspace, profile, wheel, zig)?)
 }
 
 /// Puts a folder first where programs are looked for.
@@ -52,7 +56,7 @@ pub fn search_first(command: &mut Command, folder: &Path) -> Result<(), String> 
 }
 
 /// Cargo's messages of the build.
-fn messages(workspace: &Path, profile: &str, zig: Option<&Path>) -> Result<String, String> {
+fn messages(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.current_dir(workspace);
@@ -62,11 +66,13 @@ fn messages(workspace: &Path, profile: &str, zig: Option<&Path>) -> Result<Strin
     } else {
         command.arg("build");
     }
-    command
-        .args(["--lib", "--bins", "--examples"])
-        .args(if profile == FOR_OTHERS { &INSTALLED[..] } else { &["--workspace"] })
-        .args(["--profile", profile, "--message-format=json-render-diagnostics"])
-        .stderr(Stdio::inherit());
+    command.args(["--lib", "--bins"]);
+    match (profile == FOR_OTHERS, wheel) {
+        (true, true) => command.args(INSTALLED).args(["--package", OF_WHEEL]),
+        (true, false) => command.args(INSTALLED).arg("--examples"),
+        (false, _) => command.args(["--workspace", "--examples"]),
+    };
+    command.args(["--profile", profile, "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
     if !output.status.success() {
         return Err(format!("the build failed ({})", output.status));

@@ -38,9 +38,11 @@ const BILL: &str = "share/doc/pullout/pullout.cdx.json";
 
 /// Puts everything under the prefix; the result is the files, in the order in which they were written.
 ///
+/// `copies`: the laws once more as ABAQUS and Kratos want them.
+///
 /// # Errors
 /// In words, with the file.
-pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
+pub fn install(workspace: &Path, products: &Products, prefix: &Path, copies: bool) -> Result<Vec<PathBuf>, String> {
     let mut files = Vec::new();
     let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
     put(&products.program, prefix.join("bin").join(name(&products.program)?))?;
@@ -48,14 +50,16 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<V
     for library in &products.libraries {
         put(library, plugins.join(name(library)?))?;
     }
-    for library in &products.kratos {
-        let law = name(library)?.to_string_lossy().replace(KRATOS_SUFFIX, "");
-        put(library, plugins.join("kratos").join(law))?;
-    }
     let all_laws = format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let all_laws = products.libraries.iter().find(|library| library.ends_with(&all_laws));
     let all_laws = all_laws.ok_or_else(|| format!("the build made no {ALL_LAWS}"))?;
-    put(all_laws, plugins.join("abaqus").join(ABAQUS_LIBRARY))?;
+    if copies {
+        put(all_laws, plugins.join("abaqus").join(ABAQUS_LIBRARY))?;
+        for library in &products.kratos {
+            let law = name(library)?.to_string_lossy().replace(KRATOS_SUFFIX, "");
+            put(library, plugins.join("kratos").join(law))?;
+        }
+    }
     for (to, from) in SOURCES {
         put(&workspace.join(from), prefix.join(to))?;
     }
@@ -163,7 +167,7 @@ mod test {
         let products = products(folder.path(), &[&all_laws(), "libother.so"]);
         let prefix = folder.path().join("new/prefix");
         for _ in 0..2 {
-            let files = install(&crate::workspace(), &products, &prefix).expect("an installation");
+            let files = install(&crate::workspace(), &products, &prefix, true).expect("an installation");
             let mut found: Vec<_> =
                 files.iter().map(|file| file.strip_prefix(&prefix).expect("below").display().to_string()).collect();
             found.sort();
@@ -189,6 +193,11 @@ mod test {
             assert_eq!(found, expected);
             assert!(files.iter().all(|file| file.is_file()) && !prefix.join("share.unfinished").exists());
         }
+        let without = folder.path().join("without");
+        install(&crate::workspace(), &products, &without, false).expect("an installation");
+        let plugins = without.join("lib/pullout");
+        assert!(plugins.join("libother.so").is_file());
+        assert!(!plugins.join("abaqus").exists() && !plugins.join("kratos").exists());
         let package = fs::read_to_string(prefix.join("lib/pkgconfig/pullout.pc")).expect("a file");
         assert!(package.contains(&format!("Version: {}\n", env!("CARGO_PKG_VERSION"))));
         assert!(!package.contains("@VERSION@"));
@@ -198,7 +207,7 @@ mod test {
     fn what_is_missing_is_named() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let message = |products: &Products, prefix: &Path| {
-            install(&crate::workspace(), products, prefix).expect_err("no installation")
+            install(&crate::workspace(), products, prefix, true).expect_err("no installation")
         };
         let incomplete = products(folder.path(), &["libother.so"]);
         assert_eq!(message(&incomplete, &folder.path().join("p")), "the build made no pullout_laws");

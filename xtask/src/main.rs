@@ -39,8 +39,8 @@ enum Task {
         #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
         profile: String,
     },
-    /// Build the wheel of the Python package, with the program, the laws and what belongs to them, and print its name: it is
-    /// put into target/wheel.
+    /// Build the wheel of the Python package, with the program, the laws and what belongs to them, but without the copies of
+    /// the laws for ABAQUS and Kratos, and print its name: it is put into target/wheel.
     Wheel {
         /// Cargo profile to build with. Wheels of others than "dist" are larger, and not audited: they are for tests.
         #[arg(long, value_name = "NAME", default_value = build::FOR_OTHERS)]
@@ -61,11 +61,11 @@ fn main() -> ExitCode {
     let workspace = workspace();
     let (name, done) = match Arguments::parse().task {
         Task::Install { prefix, profile } => {
-            let products = build::build(&workspace, &profile, None);
-            ("install", products.and_then(|products| install::install(&workspace, &products, &prefix)))
+            let products = build::build(&workspace, &profile, false, None);
+            ("install", products.and_then(|products| install::install(&workspace, &products, &prefix, true)))
         }
         Task::Deb { out, profile } => {
-            let products = build::build(&workspace, &profile, None);
+            let products = build::build(&workspace, &profile, false, None);
             let made = products.and_then(|products| deb::make(&workspace, &products, &profile, &out));
             ("deb", made.map(|package| vec![package]))
         }

@@ -26,8 +26,9 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
         fs::remove_dir_all(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     }
     let scripts = if zig { Some(scripts(python)?) } else { None };
-    let products = build::build(workspace, profile, scripts.as_deref())?;
-    install::install(workspace, &products, &folder.join(DATA).join("data"))?;
+    let products = build::build(workspace, profile, true, scripts.as_deref())?;
+    let data = folder.join(DATA).join("data");
+    install::install(workspace, &products, &data, false)?;
     let mut command = Command::new(python);
     command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
     command.arg(workspace.join("python/Cargo.toml")).arg("--out").arg(&folder).args(maturin);
@@ -41,6 +42,13 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
         command.args(["--zig", "--compatibility", "manylinux2014"]);
     }
     run(&mut command, "maturin")?;
+    for library in &products.libraries {
+        let installed = data.join("lib/pullout").join(library.file_name().unwrap_or_default());
+        // maturin may have built the laws again, in the same place
+        if fs::read(library).ok() != fs::read(installed).ok() {
+            return Err(format!("{}: the extension knows another one than is in the wheel", library.display()));
+        }
+    }
     let files = fs::read_dir(&folder).map_err(|error| format!("{}: {error}", folder.display()))?;
     let wheel = files.flatten().map(|file| file.path()).find(|file| file.extension().is_some_and(|end| end == "whl"));
     let wheel = wheel.ok_or("maturin made no wheel")?;
