@@ -45,7 +45,8 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     for library in &products.libraries {
         let installed = data.join("lib/pullout").join(library.file_name().unwrap_or_default());
         // maturin may have built the laws again, in the same place
-        if fs::read(library).ok() != fs::read(installed).ok() {
+        let content = |file: &Path| fs::read(file).map_err(|error| format!("{}: {error}", file.display()));
+        if content(library)? != content(&installed)? {
             return Err(format!("{}: the extension knows another one than is in the wheel", library.display()));
         }
     }

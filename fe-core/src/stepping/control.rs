@@ -235,13 +235,11 @@ impl StepRun {
             extrapolates,
             locates_peak,
         } = self;
-        let numbers = [progress, attempted, last_progress, usual_progress, usual_slip, usual_dissipation, largest_slip];
-        let numbers = [&numbers[..], &[usual_stiffness]].concat();
+        let sizes = [progress, attempted, last_progress, largest_slip];
+        let usual = [usual_progress, usual_slip, usual_dissipation, usual_stiffness];
         let are_finite = |numbers: &[f64]| numbers.iter().all(|number| number.is_finite());
-        if start.len() != model.drives.len()
-            || !are_finite(start)
-            || !numbers.into_iter().all(|number| number.is_finite())
-        {
+        let are_numbers = |numbers: [&f64; 4]| are_finite(&numbers.map(|number| *number));
+        if start.len() != model.drives.len() || !are_finite(start) || !are_numbers(sizes) || !are_numbers(usual) {
             return false;
         }
         let is_led = match lead {
@@ -354,14 +352,14 @@ impl StepRun {
         if let Lead::Drag(dragged) = &mut self.lead {
             dragged.increments += 1;
             // between two states to and fro, it was too thin to be led by what is out of balance
-            if converged.end.turns {
+            if converged.turns {
                 dragged.resistance *= THICKENING_WHERE_TURNING;
             } else if iterations <= EASY {
                 dragged.resistance *= EASING;
             }
             self.progress = self.aim();
             self.attempted = 0.0;
-            if converged.end.drag <= 1.0 {
+            if converged.drag <= 1.0 {
                 self.nudges += 1;
                 self.lead = Lead::Drives;
                 self.size.restart(self.usual_progress);
@@ -426,18 +424,18 @@ impl StepRun {
             return Advance::Repeated;
         }
         self.failures = if has_failed { self.failures + 1 } else { 0 };
-        let (possible, creeps) = match &mut self.lead {
+        let (possible, creeps, crawls) = match &mut self.lead {
             Lead::Drives => {
                 let possible = self.size.cut(self.attempted, fraction);
                 let is_small = self.attempted * fraction < CREEPING * self.usual_progress;
                 // stabilised solids may creep for a while
                 let crawls = self.follows_slip && self.attempted * fraction < CRAWLING * self.size.maximum();
-                (possible && !(crawls && has_failed), is_small && has_failed && !self.stabilised)
+                (possible, is_small && has_failed && !self.stabilised, crawls && has_failed)
             }
             Lead::Other(led) => {
                 led.increment *= fraction;
                 led.easy = false;
-                (led.increment >= led.least(), false)
+                (led.increment >= led.least(), false, false)
             }
             Lead::Drag(dragged) => {
                 dragged.resistance /= fraction;
@@ -445,11 +443,12 @@ impl StepRun {
                 return if possible { Advance::Repeated } else { Advance::Failed };
             }
         };
-        if self.failures < FAILURES_BEFORE_CHANGE && possible && !creeps {
+        if self.failures < FAILURES_BEFORE_CHANGE && possible && !creeps && !crawls {
             return Advance::Repeated;
         }
-        let next = self.next_lead().filter(|_| self.changes < LEADS);
-        let next = if next.is_some() || (possible && self.changes < LEADS) { next } else { self.drag() };
+        let next = self.next_lead();
+        let have_all_failed = self.changes >= LEADS || (next.is_none() && (crawls || !possible));
+        let next = if have_all_failed { self.drag().or(next) } else { next };
         match next {
             Some(next) => {
                 self.changes += 1;

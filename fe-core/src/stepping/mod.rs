@@ -141,8 +141,6 @@ impl<'m> Analysis<'m> {
             external: vec![0.0; freedoms],
             mean_slip: 0.0,
             dissipation: 0.0,
-            drag: 0.0,
-            turns: false,
         };
         Ok(Self {
             model,
@@ -438,6 +436,7 @@ impl<'m> Analysis<'m> {
 
     /// Makes a converged increment the present state.
     fn commit(&mut self, converged: Converged, time: f64) {
+        let is_through_drag = converged.drag > 0.0;
         let end = converged.end;
         let work = Energies::work_between(self.equilibrium.system.equations(), &self.present.committed, &end);
         self.equilibrium.commit(&self.present.committed, &end);
@@ -453,7 +452,7 @@ impl<'m> Analysis<'m> {
         self.present.load.noise = self.equilibrium.memory.rounding;
         let statistics = &mut self.equilibrium.memory.statistics;
         statistics.increments += 1;
-        statistics.dragged += u64::from(self.present.committed.drag > 0.0);
+        statistics.dragged += u64::from(is_through_drag);
         self.spall();
     }
 }

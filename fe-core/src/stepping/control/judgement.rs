@@ -88,18 +88,7 @@ impl StepRun {
         findings: Findings,
     ) -> Result<(), Judgement> {
         if let Lead::Drag(_) = self.lead {
-            let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
-            // what the drives pull through the drag adds to the load
-            if findings.load - load.last > limit && self.attempted > self.size.minimum() {
-                self.attempted = (THICKENING * self.attempted).max(self.size.minimum());
-                return Err(repeat("the drives go too far through drag", 1.0));
-            }
-            let falls = load.last - findings.load > limit;
-            if (falls || self.refuses_energies(&findings).is_some()) && !self.is_least() {
-                self.energy_refused += 1;
-                return Err(repeat("the specimen goes too fast through drag", THICKENING));
-            }
-            return Ok(());
+            return self.judge_through_drag(load, &findings);
         }
         if let Lead::Other(Led { by, .. }) = self.lead {
             let progress = self.progress_of(&converged.end.drives);
@@ -156,6 +145,22 @@ impl StepRun {
         Ok(())
     }
 
+    /// Whether a converged increment through drag may stand.
+    fn judge_through_drag(&mut self, load: LoadHistory, findings: &Findings) -> Result<(), Judgement> {
+        let limit = (THROUGH_DRAG * load.last).max(LEAST_THROUGH_DRAG * load.greatest);
+        // what the drives pull through the drag adds to the load
+        if findings.load - load.last > limit && self.attempted > self.size.minimum() {
+            self.attempted = (THICKENING * self.attempted).max(self.size.minimum());
+            return Err(repeat("the drives go too far through drag", 1.0));
+        }
+        let falls = load.last - findings.load > limit;
+        if (falls || self.refuses_energies(findings).is_some()) && !self.is_least() {
+            self.energy_refused += 1;
+            return Err(repeat("the specimen goes too fast through drag", THICKENING));
+        }
+        Ok(())
+    }
+
     /// The size of an increment that is refused because its energies do not balance.
     pub(in crate::stepping) fn refuses_energies(&self, findings: &Findings) -> Option<f64> {
         let refuses = self.size.is_automatic()
@@ -165,7 +170,7 @@ impl StepRun {
         refuses.then_some(self.attempted)
     }
 
-    /// Returns whether an increment under the drives adds more to the imbalance of the energies than it may.
+    /// Returns whether an increment under the drives, or through drag, adds more to the imbalance of the energies than it may.
     fn misses_energies(&self, findings: &Findings) -> bool {
         !matches!(self.lead, Lead::Other(_)) && self.energy_excess(findings) > 1.0
     }

@@ -22,7 +22,7 @@ fn a_lead_that_unloads_elastically_is_refused_until_the_run_fails() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
     let end = Committed { drives: vec![0.01], ..Committed::default() };
-    let converged = Converged { end, iterations: Vec::new() };
+    let converged = Converged { end, ..Converged::default() };
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
     let unloads = Findings { load: 10.0, gives_back: true, ..Findings::default() };
     let fails = Findings { gives_back: false, ..unloads };
@@ -68,8 +68,8 @@ fn drag_leads_where_nothing_else_does() {
     let trouble = repeat("no equilibrium", 0.25).trouble;
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
     let falls = Findings { load: 9.5, pulls_on: true, ..Findings::default() };
-    let end = |drag| Committed { drives: vec![0.01], drag, ..Committed::default() };
-    let converged = |drag| Converged { end: end(drag), iterations: Vec::new() };
+    let end = || Committed { drives: vec![0.01], ..Committed::default() };
+    let converged = |drag| Converged { end: end(), drag, ..Converged::default() };
     for has_contact in [true, false] {
         let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
         (run.follows_slip, run.extrapolates, run.stabilised) = (has_contact, true, true);
@@ -107,12 +107,40 @@ fn drag_leads_where_nothing_else_does() {
         };
         assert!(stands == goal && thinner < resistance && stood > 0.2);
         let mut turning = run.clone();
-        let back = Converged { end: Committed { turns: true, ..end(5.0) }, iterations: Vec::new() };
+        let back = Converged { turns: true, ..converged(5.0) };
         turning.accept(&Committed::default(), &back, falls, load);
         assert!(matches!(turning.target(), Target::Through { resistance, .. } if resistance > thinner));
         run.accept(&Committed::default(), &converged(0.5), falls, load);
         assert!(run.lead == Lead::Drives && run.progress == stood);
     }
+}
+
+/// Drag takes nothing from runs that it cannot lead: a first increment is cut to the least that a step allows, and without contact
+/// the leads change as often as they did.
+#[test]
+fn where_drag_cannot_lead_runs_go_on_as_far_as_without_it() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 0.1, maximum: 0.1, minimum: 1e-9 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let trouble = repeat("no equilibrium", 0.25).trouble;
+    let mut first = StepRun::new(&model.steps[0], &[0.0], &model);
+    first.follows_slip = true;
+    while first.attempted * 0.25 >= 1e-9 {
+        assert_eq!(first.reject(&trouble, true), Advance::Repeated, "{:e}", first.attempted);
+        first.target();
+    }
+    assert_eq!(first.reject(&trouble, true), Advance::Failed);
+    let mut without = StepRun::new(&model.steps[0], &[0.0], &model);
+    (without.usual_progress, without.last_progress, without.usual_dissipation) = (0.1, 0.1, 1.0);
+    let mut leads = Vec::new();
+    for _ in 0..1000 {
+        without.target();
+        assert_eq!(without.reject(&trouble, true), Advance::Repeated);
+        if leads.last() != Some(&std::mem::discriminant(&without.lead)) {
+            leads.push(std::mem::discriminant(&without.lead));
+        }
+    }
+    assert!(leads.len() > 2 * LEADS as usize, "{}", leads.len());
 }
 
 /// What a first increment misses where contact opens is the same part of its work, however small it is.
@@ -123,7 +151,7 @@ fn energies_that_a_smaller_increment_does_not_mend_refuse_none() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let begun = StepRun::new(&model.steps[0], &[0.0], &model);
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
-    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, ..Converged::default() };
     // of the error's order: how many attempts are refused before one stands, and how large it is
     let refusals = |order: f64| {
         let mut run = begun.clone();
@@ -154,7 +182,7 @@ fn a_judgement_leaves_the_least_increment() {
     let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
     let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
     let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
-    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, iterations: Vec::new() };
+    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, ..Converged::default() };
     let findings = Findings { load: 10.0, energy_error: 1.0, ..Findings::default() };
     let judgement = run.judge(&converged, load, findings).expect_err("the energies miss the work");
     assert_eq!(run.reject(&judgement.trouble, judgement.has_failed), Advance::Repeated);

@@ -46,16 +46,12 @@ pub(super) struct Committed {
     pub(super) mean_slip: f64,
     /// Energy that the solids' laws dissipated so far, N mm.
     pub(super) dissipation: f64,
-    /// The largest force of drag, as a multiple of what a residual may be.
-    pub(super) drag: f64,
-    /// Whether the increment went back on the way of the one before, both through drag.
-    pub(super) turns: bool,
 }
 
 impl Committed {
     /// Returns whether it is of this model: lengths of arrays, and all numbers are finite.
     pub(super) fn fits(&self, model: &Model) -> bool {
-        let Self { displacements, drives, reactions, external, mean_slip, dissipation, drag, turns: _ } = self;
+        let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
         let freedoms = 2 * model.mesh.nodes().len();
         let arrays =
             [(displacements, freedoms), (drives, model.drives.len()), (reactions, freedoms), (external, freedoms)];
@@ -63,7 +59,6 @@ impl Committed {
             // without contact there is none
             && (mean_slip.is_finite() || model.contacts.is_empty())
             && dissipation.is_finite()
-            && drag.is_finite()
     }
 }
 
@@ -140,10 +135,14 @@ impl<'a> Attempt<'a> {
 }
 
 /// An attempt that converged.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub(super) struct Converged {
     pub(super) end: Committed,
     pub(super) iterations: Vec<Iteration>,
+    /// The largest force of drag, as a multiple of what a residual may be.
+    pub(super) drag: f64,
+    /// Whether the increment went back on the way of the one before, both through drag.
+    pub(super) turns: bool,
 }
 
 /// Solids, contact and equations with the memory of an iteration.
@@ -247,12 +246,11 @@ impl<'m> Equilibrium<'m> {
         let Attempt { trial: mut end, iterations, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
-        let drag = self.memory.drag.largest();
-        end.turns = self.memory.drag.turns();
-        end.drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
-        Ok(Converged { end, iterations })
+        let drag = self.memory.drag.largest();
+        let drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
+        Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns() })
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
@@ -309,7 +307,7 @@ impl<'m> Equilibrium<'m> {
         self.contact.commit();
         self.memory.drag.commit();
         // the next increment begins out of balance by what drag has held back
-        self.memory.at_committed_state = end.drag == 0.0;
+        self.memory.at_committed_state = self.memory.drag.largest() == 0.0;
     }
 
     /// Releases torn elements after an increment was accepted, and the points of contact on them.
