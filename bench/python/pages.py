@@ -30,6 +30,7 @@ def write(
 ) -> None:
     """Writes `name`.csv and `name`.md into bench/results, or another folder."""
     folder = folder or RESULTS
+    folder.mkdir(parents=True, exist_ok=True)
     with open(folder / f"{name}.csv", "w", encoding="utf-8", newline="") as file:
         csv.writer(file, lineterminator="\n").writerows([header, *rows])
     right = ["---" if isinstance(cell, str) else "---:" for cell in rows[0]]
