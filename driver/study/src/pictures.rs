@@ -84,7 +84,17 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
         order.sort_by(|&a, &b| x(a).partial_cmp(&x(b)).unwrap_or(std::cmp::Ordering::Equal));
     }
     let mut lines = Vec::new();
-    let mut titles: Vec<String> = order.iter().map(|&member| study.members[member].title.clone()).collect();
+    let has_failed = |result: &RunResult| result.status.is_some() && !result.is_done();
+    let titles = order.iter().map(|&member| {
+        let title = &study.members[member].title;
+        let failed = of.iter().filter(|&&series| has_failed(&results.runs[study.run_of(series, member)])).count();
+        match failed {
+            0 => title.clone(),
+            _ if failed == of.len() => format!("{title} (failed)"),
+            _ => format!("{title} ({failed} of {} failed)", of.len()),
+        }
+    });
+    let titles = titles.collect();
     for (dash, &series) in of.iter().enumerate() {
         for (color, &member) in order.iter().enumerate() {
             let result = &results.runs[study.run_of(series, member)];
@@ -92,9 +102,8 @@ fn overlay(study: &Study, results: &Results, columns: &Columns, name: &str, of: 
             if of.len() > 1 {
                 label = format!("{}, {label}", study.series[series].title);
             }
-            if result.status.is_some() && !result.is_done() {
+            if has_failed(result) {
                 label += " (failed)";
-                titles[color] = format!("{} (failed)", study.members[member].title);
             }
             let again = if shaded { 0 } else { of.len() * (color / PALETTE) };
             lines.push(Line {

@@ -22,7 +22,7 @@ pub(super) const TICK_SIZE: i32 = 13;
 pub(super) const CHARACTER: f64 = 0.56;
 
 /// Dashes after the full line, px. The backend draws none: [`Style::pen`] marks them by the width for [`dash`].
-const DASHES: [&[i32]; 4] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[12, 4]];
+const DASHES: [&[i32]; 5] = [&[7, 4], &[2, 3], &[8, 3, 2, 3], &[14, 4], &[14, 3, 2, 3, 2, 3]];
 
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
 /// Width of all bars of one name, in distances of names.

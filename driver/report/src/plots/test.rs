@@ -64,7 +64,7 @@ fn a_picture_has_its_axes_lines_and_marks() {
 #[test]
 fn dashes_and_colours_tell_lines_apart() {
     let styled = |color, dash| Line { style: Style { color, dash }, ..line("l", vec![(0.0, 0.0), (1.0, 1.0)]) };
-    let svg = figure(vec![styled(0, 0), styled(0, 1), styled(1, 2), styled(1, 8)], vec![]).svg().unwrap();
+    let svg = figure(vec![styled(0, 0), styled(0, 1), styled(1, 2), styled(1, 9)], vec![]).svg().unwrap();
     let document = roxmltree::Document::parse(&svg).unwrap();
     let look = |line: &roxmltree::Node<'_, '_>| {
         ["stroke", "stroke-dasharray"].map(|name| line.attribute(name).map(String::from))
@@ -72,6 +72,10 @@ fn dashes_and_colours_tell_lines_apart() {
     let lines: Vec<_> = data_lines(&document).iter().map(look).collect();
     let distinct: std::collections::BTreeSet<_> = lines.iter().collect();
     assert_eq!((lines.len(), distinct.len()), (8, 4), "{lines:?}");
+    let six = figure((0..6).map(|dash| styled(0, dash)).collect(), vec![]).svg().unwrap();
+    let six = roxmltree::Document::parse(&six).unwrap();
+    let distinct: std::collections::BTreeSet<_> = data_lines(&six).iter().map(look).collect();
+    assert_eq!(distinct.len(), 6, "{distinct:?}");
     assert_eq!(lines[0][1], None);
 }
 
