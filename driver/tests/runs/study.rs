@@ -120,14 +120,14 @@ fn a_run_that_fails_keeps_its_rows_and_the_others_go_on() {
     assert_eq!(result["claims"][0]["verdict"], "cannot be told");
     assert!(Table::read(&desk.path("out/stiff/200/history.csv")).rows.len() > 10);
     let report = std::fs::read_to_string(desk.path("out/report.html")).expect("report.html");
-    assert!(report.contains("Runs that failed") && report.contains(">200 MPa (failed)<"));
+    assert!(report.contains("Runs that failed") && report.contains("200 MPa (failed)"));
     // one of two series alone
     let beyond = study["members"][0]["set"].as_object_mut().and_then(|set| set.remove("steps.0.target"));
     study["series"][1]["set"]["steps.0.target"] = beyond.expect("the target from above");
     desk.case("family.json", &study);
     desk.pullout(["study", "family.json", "--out", "half"]).expect(1);
     let report = std::fs::read_to_string(desk.path("half/report.html")).expect("report.html");
-    assert!(report.contains(">200 MPa (1 of 2 failed)<"));
+    assert!(report.contains("200 MPa (1 of 2 failed)"));
 }
 
 #[test]
