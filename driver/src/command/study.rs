@@ -7,7 +7,7 @@ use pullout_run::isolation::prints::Prints;
 use pullout_run::number::significant;
 use pullout_run::signals;
 use pullout_study::claims::{self, Finding, Verdict};
-use pullout_study::{Execution, Results, RunResult, Study};
+use pullout_study::{Execution, Results, Run, RunResult, Study};
 use std::collections::BTreeSet;
 use std::io::{self, IsTerminal};
 use std::path::{Path, PathBuf};
@@ -125,7 +125,18 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
     );
     drop(prints);
     let own = read.as_ref().map_or_else(refuse, |_| DONE);
-    let theirs = apart.iter().map(|(base, reading, need)| isolated::check_before_run(base, reading, need)).max();
+    let theirs = apart.iter().map(|(base, own, need)| {
+        let code = isolated::check_before_run(base, own, need);
+        // what is wrong has been said, of the case alone
+        if let (BAD_INPUT, Ok(study)) = (code, &read) {
+            let of_case = |run: &&Run| run.base == *base && run.overrides == own.overrides;
+            for run in study.runs.iter().filter(of_case) {
+                complain(format!("{}: that is the case of {}", file.display(), run.folder.display()));
+            }
+        }
+        code
+    });
+    let theirs = theirs.max();
     match (read, own.max(theirs.unwrap_or(DONE))) {
         (Ok(study), DONE) => Ok(study),
         (_, code) => Err(code),

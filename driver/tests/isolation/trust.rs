@@ -65,6 +65,23 @@ fn metadata_is_no_reason_for_trust() {
     assert_eq!(outcome.stderr.matches("exit code 0").count(), 2, "{}", outcome.stderr);
 }
 
+/// The cases of a library of others are read in processes of their own.
+#[test]
+fn a_study_says_whose_case_is_wrong() {
+    let desk = Desk::new();
+    if !compiled(&desk, "misbehaving.c", "theirs") {
+        return;
+    }
+    desk.case("case.json", &point(material("theirs", Fault::None as u32)));
+    let members = json!([{ "label": "right" }, { "label": "wrong", "set": { "material.nstatv": -1 } }]);
+    desk.case("family.json", &json!({ "kind": "study", "base": "case.json", "members": members }));
+    let told = desk.pullout(["study", "family.json", "--out", "out"]).expect(2).stderr;
+    let [what, whose] = told.lines().collect::<Vec<_>>()[..] else { panic!("{told}") };
+    assert!(what.starts_with("case.json: $.material.nstatv: "), "{told}");
+    assert!(whose.starts_with("family.json: ") && whose.ends_with("wrong"), "{told}");
+    assert!(!desk.path("out").exists());
+}
+
 #[test]
 fn a_list_stands_what_lies_in_the_folders() {
     let desk = Desk::new();
