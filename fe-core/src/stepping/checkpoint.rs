@@ -11,10 +11,10 @@ use crate::model::{IncrementContext, Model};
 use serde::{Deserialize, Serialize};
 use umat_abi::host::ExternalDatabases;
 
-/// No run counts increments and attempts so far: with more, counters of 32 bits could overflow.
+/// Largest count of increments or attempts in a checkpoint: no run counts so far, and with more, counters of 32 bits could overflow.
 pub(super) const MOST_COUNTED: u64 = 1 << 31;
 
-/// What the rest of a run depends on, at the end of an increment.
+/// State at the end of an increment on which the rest of a run depends.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub struct Checkpoint {
     position: Position,
@@ -22,7 +22,7 @@ pub struct Checkpoint {
     equilibrium: EquilibriumState,
 }
 
-/// Where a run is within its steps.
+/// Position of a run within its steps.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 pub(super) struct Position {
     /// Step from 1.

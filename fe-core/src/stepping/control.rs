@@ -27,17 +27,18 @@ pub use judgement::ENERGY_BUDGET;
 use judgement::SLIP_MARGIN;
 pub(super) use judgement::{Findings, Judgement};
 
-/// After as many failures in a row something else leads,
+/// Number of failures in a row after which something else leads.
 const FAILURES_BEFORE_CHANGE: u32 = 4;
-/// or when increments under the drives are cut to this part of the usual: they creep towards a limit point.
+/// Part of the usual increment to which increments under the drives are cut where they creep towards a limit point: something else
+/// leads then.
 const CREEPING: f64 = 1e-2;
-/// After as many changes of the lead without an increment all have failed.
+/// Number of changes of the lead without an accepted increment after which all leads have failed.
 const LEADS: u32 = 6;
-/// What is usual fades by this factor with each increment.
+/// Factor by which the usual sizes fade with each increment.
 const FADING: f64 = 0.8;
 /// The first increment of what leads now, as part of the usual one.
 const FIRST: f64 = 0.5;
-/// Part of the first increment to which increments shrink.
+/// Least increment of a lead, as part of its first one.
 const LEAST: f64 = 1e-6;
 /// An increment led by dissipation grows while the load changes by less than this part of the greatest so far, and
 /// shrinks when it changes by twice as much: the path is curved, and its energies are trapezoidal sums.
@@ -46,50 +47,52 @@ const LOAD_CHANGE: f64 = 0.02;
 const ADVANCES_BEFORE_DRIVE_CONTROL: u32 = 5;
 /// if increments have grown to this part of the largest under the drives: shorter ones would only be cut again.
 const RECOVERED: f64 = 0.5;
-/// Where increments under the drives would be shorter than this part of the greatest, no equilibrium is near.
+/// Part of the greatest increment below which increments under the drives have no equilibrium near.
 const CRAWLING: f64 = 1e-5;
 /// Part of the usual increment that the drives go before drag leads, and by which it is more where the next equilibrium was no
 /// better.
 const NUDGE: f64 = 0.1;
 const LARGER_NUDGE: f64 = 4.0;
-/// The first resistance, as part of the load over the nudge: with some hundred freedoms of contact, drag adds a hundredth to the
-/// load. The greatest, as a multiple of the first; and how it falls.
+/// First resistance of drag, as part of the load over the nudge: with some hundred freedoms of contact, drag adds a hundredth to the
+/// load.
 const RESISTANCE: f64 = 1e-5;
+/// Greatest resistance, as a multiple of the first.
 const GREATEST_RESISTANCE: f64 = 1e8;
+/// Factor by which the resistance falls after an easy increment.
 const EASING: f64 = 0.4;
-/// Where an increment goes back on the way of the one before it becomes thicker by this factor.
+/// Factor by which the resistance grows where an increment goes back on the way of the one before.
 const THICKENING_WHERE_TURNING: f64 = 10.0;
-/// Increments through drag in a row.
+/// Most increments through drag in a row.
 const MOST_THROUGH: u32 = 1000;
 /// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
 const LARGEST_PART_OF_TIME: f64 = 0.5;
 
-/// What leads.
+/// The quantity that leads an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 enum Lead {
     Drives,
-    /// Drives follow.
+    /// A slip or the dissipation grows by a given amount; the drives follow.
     Other(Led),
-    /// What is out of balance leads, held back by drag.
+    /// The forces out of balance lead, held back by drag.
     Drag(Dragged),
 }
 
 /// Increments through drag: the first takes the drives a little on, in the others they stand.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Dragged {
-    /// N/mm at each freedom of contact.
+    /// Resistance at each freedom of contact, N/mm.
     resistance: f64,
     greatest: f64,
     increments: u32,
 }
 
-/// Increments of what leads instead of the drives.
+/// Increments of the quantity that leads instead of the drives.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 struct Led {
     by: Leader,
     increment: f64,
     first: f64,
-    /// Increments in a row in which the drives advanced.
+    /// Number of increments in a row in which the drives advanced.
     advances: u32,
     /// Whether the last increment was easy.
     easy: bool,
@@ -106,21 +109,21 @@ impl Led {
     }
 }
 
-/// What a rejected increment means for the run.
+/// Consequence of a rejected increment for the run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Advance {
-    /// It is repeated, smaller or otherwise led.
+    /// The increment is repeated, smaller or with another lead.
     Repeated,
-    /// Nothing smaller is allowed.
+    /// The run fails: nothing smaller is allowed, and no other lead is left.
     Failed,
 }
 
-/// What is known of the load so far.
+/// Load in the course of the run, N.
 #[derive(Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub(super) struct LoadHistory {
     pub(super) greatest: f64,
     pub(super) last: f64,
-    /// What rounding makes of a load of 0, N.
+    /// Load that rounding makes of 0, N.
     pub(super) noise: f64,
     pub(super) peaked: bool,
 }
@@ -148,7 +151,7 @@ pub(super) struct StepRun {
     usual_progress: f64,
     usual_slip: f64,
     usual_dissipation: f64,
-    /// What led through the last snap-back.
+    /// Quantity that led through the last snap-back.
     helped: Leader,
     /// Attempts at the present increment that were refused because the load jumps.
     jumps_refused: u32,

@@ -38,9 +38,9 @@ pub enum RunError {
         step: u32,
         /// Increment, from 1; 0: equilibrium before the first step.
         increment: u32,
-        /// What part of the step was done.
+        /// Part of the step that was done.
         progress: f64,
-        /// Where and why.
+        /// Cause and place.
         trouble: Trouble,
     },
     /// The observer could not write.

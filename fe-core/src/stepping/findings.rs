@@ -5,13 +5,13 @@ use super::newton::{Committed, Converged, Equilibrium, largest};
 use super::{Analysis, Energies, Snapshot};
 use crate::assembly::solids::SolidEnergies;
 
-/// Where the drives take energy back, at least this part of it is dissipated: less is elastic unloading.
+/// Least part of the energy that the drives take back which an increment dissipates: less is elastic unloading.
 const LEAST_DISSIPATION: f64 = 1e-2;
 /// The energy error is relative to at least this part of the greatest work so far.
 const LEAST_RELATIVE_WORK: f64 = 1e-3;
 
 impl Analysis<'_> {
-    /// Returns what a converged increment is judged by.
+    /// Returns the quantities that a converged increment is judged by.
     pub(super) fn findings(&self, converged: &Converged) -> Findings {
         let Equilibrium { solids, contact, system, .. } = &self.equilibrium;
         let trial =

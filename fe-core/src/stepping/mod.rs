@@ -39,7 +39,7 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use umat_abi::host::{Clock, ExternalDatabases};
 
-/// What a run cost.
+/// Counts of the work that a run took.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
     /// Increments accepted.
@@ -75,14 +75,14 @@ impl Statistics {
     }
 }
 
-/// What a run has come to, besides its points.
+/// Present state of a run, besides its points.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Present {
     committed: Committed,
     energies: Energies,
     /// Energies stored by equilibrium at zero drives, which do not count.
     datum: Energies,
-    /// What the solids' laws had reported then.
+    /// Accounts of the solids' laws at that equilibrium.
     datum_accounts: Vec<PartAccount>,
     total_time: f64,
     load: LoadHistory,
@@ -115,7 +115,7 @@ pub struct Analysis<'m> {
     checkpoint_every: Option<u64>,
     /// Increments that were done at the last one.
     last_checkpoint: u64,
-    /// Where the run goes on.
+    /// Position from which a resumed run goes on.
     resumed: Option<Position>,
     /// Attempts at the present increment.
     tried: Vec<Tried>,
@@ -185,7 +185,7 @@ impl<'m> Analysis<'m> {
     ///
     /// # Errors
     ///
-    /// What [`Self::new`] would say before it calls a law.
+    /// The errors that [`Self::new`] would return before it calls a law.
     pub fn check(model: &Model) -> Result<(), ModelError> {
         error::check(model)?;
         Equations::new(model)?;
@@ -197,7 +197,7 @@ impl<'m> Analysis<'m> {
     ///
     /// # Errors
     ///
-    /// What [`Self::new`] would say, but for what only the pattern of the equations or the virgin state of all points
+    /// The errors that [`Self::new`] would return, but for what only the pattern of the equations or the virgin state of all points
     /// can tell.
     pub fn check_laws(model: &Model) -> Result<(), ModelError> {
         let _databases = ExternalDatabases::begin(model.libraries());

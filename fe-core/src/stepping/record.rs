@@ -4,7 +4,7 @@ use super::{Analysis, Checkpoint, Energies, Iteration, Snapshot, Tried};
 use crate::assembly::GreatestInPart;
 use std::io;
 
-/// One accepted increment, or the initial state (step 0, increment 0).
+/// Results of one accepted increment, or of the initial state (step 0, increment 0).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Record {
     /// Step, from 1; 0 for the initial state.
@@ -37,9 +37,9 @@ pub struct Record {
     pub damaged_volume: f64,
     /// Reference volume of torn matter that was released, mm³.
     pub spalled_volume: f64,
-    /// How far it reaches below the exit node against the pull direction, mm; 0 without such a node.
+    /// Depth of the torn matter below the exit node, against the pull direction, mm; 0 without such a node.
     pub spalled_depth: f64,
-    /// How much of the line along which most has opened is open, mm ([`crate::model::Measured::interface_lines`]).
+    /// Open length of the interface line that has opened most, mm ([`crate::model::Measured::interface_lines`]).
     pub separation_length: f64,
     /// The greatest bearing pressure of a contact point, MPa ([`crate::model::Measured::bearing_factor`]).
     pub greatest_bearing_pressure: f64,
@@ -47,17 +47,17 @@ pub struct Record {
     pub plastic_strain: f64,
     /// The greatest principal stress of fibres, MPa; NaN without one.
     pub principal_stress: f64,
-    /// Attempts given up before it.
+    /// Number of attempts given up before it.
     pub cutbacks: u32,
-    /// Newton iterations.
+    /// Number of Newton iterations.
     pub iterations: Vec<Iteration>,
-    /// Each of several fibres ([`crate::model::Measured::fibres`]).
+    /// Results of each of several fibres ([`crate::model::Measured::fibres`]).
     pub fibres: Vec<FibreRecord>,
     /// The attempts that led to it, the last of which stands.
     pub tried: Vec<Tried>,
 }
 
-/// One of several fibres; the numbers are those of [`Record`].
+/// Results of one of several fibres, as those of [`Record`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FibreRecord {
     /// Value of its drive, mm.
@@ -72,7 +72,7 @@ pub struct FibreRecord {
     pub slip_exit: f64,
     /// Displacement of its tail node along its axis, mm.
     pub slip_tail: f64,
-    /// How much of the line along which most has opened is open, mm.
+    /// Open length of its interface line that has opened most, mm.
     pub separation_length: f64,
     /// The greatest equivalent plastic strain of its points; NaN where its law has none.
     pub plastic_strain: f64,
@@ -80,7 +80,7 @@ pub struct FibreRecord {
     pub principal_stress: f64,
 }
 
-/// Points by what they do.
+/// Numbers of points by their state.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Counts {
     /// Material points of laws with damage that have dissipated.
@@ -97,20 +97,20 @@ pub struct Counts {
     pub released: usize,
 }
 
-/// How a run goes on.
+/// Continuation of a run after an increment.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Directive {
-    /// Next increment.
+    /// The next increment of the step follows.
     GoOn,
-    /// Next step.
+    /// The next step follows.
     EndStep,
-    /// No more.
+    /// The run ends.
     EndRun,
 }
 
 /// Receives each accepted increment.
 pub trait Observer {
-    /// The initial state, then each accepted increment; the snapshot gives fields on demand.
+    /// Receives the initial state, then each accepted increment; the snapshot gives fields on demand.
     ///
     /// # Errors
     ///
@@ -128,7 +128,7 @@ pub trait Observer {
 }
 
 impl Analysis<'_> {
-    /// Returns what is told of the present state, the end of an increment.
+    /// Returns the record of the present state, at the end of an increment.
     pub(super) fn record(&self, step: u32, increment: u32, cutbacks: u32, iterations: Vec<Iteration>) -> Record {
         let snapshot = self.snapshot();
         let measured = &self.model.measured;

@@ -17,20 +17,20 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recorded {
-    /// What was tried, by steps and increments; the last attempt at an increment stands. Of points several may: pieces of an increment.
+    /// Attempts by steps and increments; the last one at an increment stands. Of points several may: pieces of an increment.
     pub steps: Vec<Vec<Vec<Tried>>>,
 }
 
-/// An attempt at an increment.
+/// Attempt at an increment, as it was made.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Tried {
-    /// What led, and where to.
+    /// Leading quantity and its goal.
     pub to: Way,
     /// Time that it took, s; points know it themselves.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub time: f64,
-    /// What became of it.
+    /// Outcome of the attempt.
     #[serde(default, skip_serializing_if = "Verdict::stands")]
     pub verdict: Verdict,
     /// Size, if its energies did not balance.
@@ -38,7 +38,7 @@ pub struct Tried {
     pub imbalanced: Option<f64>,
 }
 
-/// What leads, and where to.
+/// Leading quantity of an attempt, and its goal.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase", deny_unknown_fields)]
 pub enum Way {
@@ -51,27 +51,27 @@ pub enum Way {
         /// Indices of the pair and of the point in it; `None`: there was none.
         point: Option<[usize; 2]>,
     },
-    /// What the solids' laws dissipate grows by so much, N·mm.
+    /// The dissipation of the solids' laws grows by so much, N·mm.
     Dissipation(f64),
     /// Drag on contact holds the specimen back, which is out of balance.
     Through {
         /// The part of the step that the drives are at.
         to: f64,
-        /// N/mm at each freedom of contact.
+        /// Resistance at each freedom of contact, N/mm.
         resistance: f64,
     },
 }
 
-/// What became of an attempt.
+/// Outcome of an attempt.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Verdict {
-    /// It is the increment, or a piece of it.
+    /// The attempt is the increment, or a piece of it.
     #[default]
     Stands,
-    /// It did not converge, or went too far.
+    /// The attempt did not converge, or went too far.
     Refused,
-    /// It was made to learn something.
+    /// The attempt was made for its findings alone: a look in smaller increments.
     Look,
 }
 

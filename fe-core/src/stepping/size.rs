@@ -6,26 +6,26 @@ use serde::{Deserialize, Serialize};
 #[cfg(test)]
 mod test;
 
-/// Increments that need at most so many iterations are easy.
+/// An increment that needs at most so many iterations is easy.
 pub(super) const EASY: usize = 9;
-/// Increments that need more are hard.
+/// An increment that needs more iterations than this is hard.
 const HARD: usize = 13;
-/// After as many easy increments in a row the size grows.
+/// Number of easy increments in a row after which the size grows.
 const STREAK: usize = 2;
 /// Factor by which an increment may grow.
 pub(super) const GROWTH: f64 = 1.5;
-/// A hard increment makes the next smaller by this.
+/// Factor by which the increment after a hard one is smaller.
 const SHRINKAGE: f64 = 0.75;
-/// What is left of a step is taken as a whole rather than leave less than this part of an increment.
+/// Least remainder of a step, as part of an increment: a smaller one is taken along with the increment.
 const REMAINDER: f64 = 1e-9;
 
-/// Sizes as fractions of the step.
+/// Sizes of the increments of a step, as fractions of it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct IncrementSize {
     size: f64,
     maximum: f64,
     minimum: f64,
-    /// Equal increments return to this size after a cut.
+    /// Size to which equal increments return after a cut.
     fixed: bool,
     streak: usize,
 }
@@ -53,12 +53,12 @@ impl IncrementSize {
             && (maximum, minimum, fixed) == (first.maximum, first.minimum, first.fixed)
     }
 
-    /// The next increment when this much of the step is left.
+    /// Returns the next increment, when this much of the step is left.
     pub(super) fn next(&self, left: f64) -> f64 {
         if self.size >= left * (1.0 - REMAINDER) { left } else { self.size }
     }
 
-    /// An increment was accepted.
+    /// Chooses the next size after an accepted increment.
     pub(super) fn accepted(&mut self, iterations: usize) {
         if iterations <= EASY {
             self.streak += 1;
@@ -74,34 +74,34 @@ impl IncrementSize {
         }
     }
 
-    /// The attempted increment is repeated with a fraction of it; `false` if that is below the least.
+    /// Cuts the attempted increment to a fraction of it; `false` if that is below the least one.
     pub(super) fn cut(&mut self, attempted: f64, fraction: f64) -> bool {
         self.size = attempted * fraction;
         self.streak = 0;
         self.size >= self.minimum
     }
 
-    /// The next increment shall not exceed this.
+    /// Bounds the next increment by this size.
     pub(super) fn limit(&mut self, size: f64) {
         self.size = self.size.min(size.max(self.minimum));
     }
 
-    /// Returns whether sizes are free; equal ones stay as they are asked for.
+    /// Returns whether sizes are chosen automatically: equal ones stay as they are asked for.
     pub(super) fn is_automatic(&self) -> bool {
         !self.fixed
     }
 
-    /// The least increment.
+    /// Returns the least increment.
     pub(super) fn minimum(&self) -> f64 {
         self.minimum
     }
 
-    /// The greatest increment.
+    /// Returns the greatest increment.
     pub(super) fn maximum(&self) -> f64 {
         self.maximum
     }
 
-    /// Starts again from a size.
+    /// Starts again from a given size.
     pub(super) fn restart(&mut self, size: f64) {
         self.size = size.clamp(self.minimum, self.maximum);
         self.streak = 0;

@@ -6,7 +6,7 @@ use crate::model::Spalling;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What has been released, and what may be soon.
+/// Elements that have been released, and those that may be soon.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub(super) struct Spalled {
     /// Elements that are torn, and the slip from which on they were, mm.

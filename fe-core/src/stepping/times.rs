@@ -6,19 +6,19 @@ use std::time::{Duration, Instant};
 /// judgements and output.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Times {
-    /// Laws, forces and stiffnesses of the elements.
+    /// Time for the elements' laws, forces and stiffnesses.
     pub solids: Duration,
-    /// Feet, laws, forces and blocks of contact.
+    /// Time for the contact points' feet, laws, forces and stiffness blocks.
     pub contact: Duration,
-    /// The system's matrix from stiffnesses and blocks.
+    /// Time for assembling the system's matrix from stiffnesses and blocks.
     pub assembly: Duration,
-    /// Factors.
+    /// Time for factorising the matrix.
     pub factorisation: Duration,
-    /// Solutions with them.
+    /// Time for solving with the factors.
     pub solution: Duration,
 }
 
-/// Does some work and adds the time that it takes.
+/// Does some work and adds the time it took to the given sum.
 pub(super) fn timed<T>(sum: &mut Duration, work: impl FnOnce() -> T) -> T {
     let start = Instant::now();
     let result = work();

@@ -6,16 +6,16 @@ use crate::stepping::newton::{Converged, Leader};
 
 /// An increment under the drives may add so much of the work to the imbalance of the energies, which are trapezoidal sums.
 const ENERGY_TOLERANCE: f64 = 3e-4;
-/// What all increments have added may come to so much of the work (doc.md): an increment that adds to it may add less, the
-/// less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
+/// Imbalance of the energies that all increments together may leave, as part of the work (doc.md): an increment that adds to it may
+/// add less, the less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
 pub const ENERGY_BUDGET: f64 = 1e-3;
-/// but not less than this part of its usual share.
+/// Least imbalance that an increment may always add, as part of its usual share.
 const LEAST_SHARE: f64 = 0.05;
 /// Part of the error's limit that a repeated increment aims at, by the root of what is left, and how often it is repeated.
 const ENERGY_MARGIN: f64 = 0.7;
 const MAX_ENERGY_REFUSALS: u32 = 6;
-/// What trapezoids miss falls with the square of an increment at least. Where a smaller one misses more than this power of its
-/// size says, it is not for the size: contact that opens in the first increment.
+/// Least order of the energies' error in the size of an increment. The error of trapezoidal sums falls with the square of the size at
+/// least; one that falls more slowly has another cause: contact that opens in the first increment.
 const LEAST_ORDER: f64 = 0.5;
 /// Overstress cuts increments to this part of the greatest.
 const LEAST_FOR_OVERSTRESS: f64 = 1.0 / 256.0;
@@ -42,10 +42,10 @@ pub(super) const SLIP_MARGIN: f64 = 0.9;
 const THROUGH_DRAG: f64 = 0.1;
 const LEAST_THROUGH_DRAG: f64 = 0.01;
 const THICKENING: f64 = 0.3;
-/// No single judgement makes an increment smaller than this part.
+/// Least fraction to which a single judgement cuts an increment.
 const LEAST_FRACTION: f64 = 0.05;
 
-/// What an increment that converged is judged by.
+/// Quantities that a converged increment is judged by.
 #[derive(Clone, Copy, Debug, Default)]
 pub(in crate::stepping) struct Findings {
     /// |load| at its end.
@@ -54,7 +54,7 @@ pub(in crate::stepping) struct Findings {
     pub(in crate::stepping) slip_growth: f64,
     /// Whether the drive of the slip went where the load pulls.
     pub(in crate::stepping) pulls_on: bool,
-    /// What the increment adds to the imbalance of the energies, and that imbalance before it, relative to the work.
+    /// Addition of the increment to the imbalance of the energies, and that imbalance before it, relative to the work.
     pub(in crate::stepping) energy_error: f64,
     pub(in crate::stepping) energy_error_before: f64,
     /// The work of the overstress of laws that extrapolate in the increment, likewise.
@@ -176,7 +176,7 @@ impl StepRun {
     }
 
     /// Returns how much an increment adds to the imbalance of the energies, or spends on overstress, as a multiple of what it may.
-    /// What snaps back costs its overstress in increments of any size: it cuts them to some size only.
+    /// A snap-back costs its overstress in increments of any size; so it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
         let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };

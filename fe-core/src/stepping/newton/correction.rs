@@ -12,9 +12,9 @@ use umat_abi::law::Request;
 /// residuals along it: where plastic flow spreads, the largest residual moves on and grows on the best of paths. Not with
 /// contact: at the kinks of its laws such steps go to and fro.
 const WORK_REDUCTION: f64 = 0.8;
-/// Where the work along a correction has fallen to this part, the energy is at its minimum along it,
+/// Part of the work of the unbalanced forces along a correction, of that at its start, at which the energy is at its minimum along it.
 const MINIMUM_REACHED: f64 = 0.2;
-/// which is sought so often.
+/// Most secants in the search of that minimum.
 const MAX_SECANTS: usize = 10;
 /// A secant ends not nearer to the shorter correction than this part of the bracket: beyond a kink the work may be 10⁵ times
 /// as large.
@@ -22,12 +22,12 @@ const LEAST_OF_BRACKET: f64 = 0.1;
 /// Up to this iteration a correction with which contact opens or closes is applied in full: the residual of what has closed is
 /// large, and the next correction knows of it. Later ones may go to and fro.
 const BEFORE_HALVING: u32 = 7;
-/// Derivatives of the dissipation are differences over this part of the last increment.
+/// Step of the differences for derivatives of the dissipation, as part of the last increment.
 const PROBE: f64 = 1e-4;
-/// but not less than this part of the displacements, which are rounded.
+/// Least step of these differences, as part of the displacements, which are rounded.
 const LEAST_PROBE: f64 = 1e-8;
 
-/// How far what leads has grown in the increment, and its derivatives along the two parts of a correction.
+/// Growth of the leading quantity in the increment, and its derivatives along the two parts of a correction.
 #[derive(Clone, Copy, Debug, Default)]
 struct Progress {
     so_far: f64,
@@ -35,7 +35,7 @@ struct Progress {
     along_drives: f64,
 }
 
-/// A correction of displacements and drives.
+/// Correction of displacements and drives in one Newton iteration.
 #[derive(Clone, Debug)]
 pub(super) struct Direction {
     pub(super) displacements: Vec<f64>,
@@ -43,7 +43,7 @@ pub(super) struct Direction {
 }
 
 impl Direction {
-    /// Displaces by a part of it.
+    /// Displaces a state by a part of the correction.
     fn place(&self, from: &[f64], length: f64, trial: &mut Committed) {
         for ((u, from), change) in trial.displacements.iter_mut().zip(from).zip(&self.displacements) {
             *u = from + length * change;
@@ -58,7 +58,7 @@ impl Direction {
 }
 
 impl Equilibrium<'_> {
-    /// The correction of this iteration.
+    /// Returns the correction of this iteration.
     pub(super) fn direction(&mut self, attempt: &Attempt<'_>) -> Result<Direction, Trouble> {
         let &Attempt { start, target, ref trial, .. } = attempt;
         let mut correction = self.memory.residual.clone();

@@ -8,17 +8,17 @@ use serde::{Deserialize, Serialize};
 /// balance moves contact through a fluid until it balances again.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(super) struct Drag {
-    /// Forces at the end of the last increment by freedoms, N; empty: none.
+    /// Forces of drag at the end of the last increment by freedoms, N; empty where there was none.
     start: Vec<f64>,
-    /// Work up to there, N·mm.
+    /// Work of drag up to the end of the last increment, N·mm.
     work: f64,
-    /// The same at the trial state.
+    /// Forces and work of drag at the trial state.
     trial: Vec<f64>,
     trial_work: f64,
 }
 
 impl Drag {
-    /// Adds the forces at a trial state and their stiffness. What is held is not held back.
+    /// Adds the forces of drag at a trial state and their stiffness; freedoms that are held have none.
     ///
     /// `resistance`: c, N/mm at each freedom; 0: none. `moved`: u − u_n by freedoms, mm.
     pub(super) fn evaluate(
@@ -49,13 +49,13 @@ impl Drag {
         self.trial_work += freedoms.iter().map(|&freedom| mean(freedom) * moved(freedom)).sum::<f64>();
     }
 
-    /// The trial state becomes that of the last increment.
+    /// Makes the trial state that of the last increment.
     pub(super) fn commit(&mut self) {
         self.start.clone_from(&self.trial);
         self.work = self.trial_work;
     }
 
-    /// Returns the largest force at the trial state, N.
+    /// Returns the largest force of drag at the trial state, N.
     pub(super) fn largest(&self) -> f64 {
         super::largest(&self.trial)
     }
@@ -75,7 +75,7 @@ impl Drag {
         self.trial_work
     }
 
-    /// Returns whether its forces are of so many freedoms, and all numbers are finite.
+    /// Returns whether there are forces for so many freedoms, or none, and all numbers are finite.
     pub(super) fn fits(&self, freedoms: usize) -> bool {
         [&self.start, &self.trial].into_iter().all(|forces| forces.is_empty() || forces.len() == freedoms)
             && self

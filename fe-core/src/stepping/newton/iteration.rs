@@ -9,11 +9,11 @@ const NEGLIGIBLE_RESIDUAL: f64 = 1e-4;
 /// Corrections are compared with the increment's displacements, or with this part of all so far: a tiny increment
 /// after many cuts needs no finer ones than the state that it starts from.
 const LEAST_RELATIVE_MOVE: f64 = 1e-2;
-/// Residuals that grow as often in a row, after as many iterations, diverge.
+/// An iteration has diverged when its residual has grown this often in a row, after as many iterations.
 const DIVERGENCE: usize = 4;
 
 impl Equilibrium<'_> {
-    /// Newton's iterations until the residual is small, from the present evaluation.
+    /// Iterates by Newton's method from the present evaluation until the residual is small.
     pub(super) fn newton(&mut self, attempt: &mut Attempt<'_>) -> Result<(), Trouble> {
         attempt.before = attempt.iterations.len();
         self.choose_tangents(TangentChoice::Consistent);

@@ -49,7 +49,7 @@ pub(super) struct Committed {
 }
 
 impl Committed {
-    /// Returns whether it is of this model: lengths of arrays, and all numbers are finite.
+    /// Returns whether the state can be one of this model: its arrays have the model's lengths, and all numbers are finite.
     pub(super) fn fits(&self, model: &Model) -> bool {
         let Self { displacements, drives, reactions, external, mean_slip, dissipation } = self;
         let freedoms = 2 * model.mesh.nodes().len();
@@ -62,19 +62,19 @@ impl Committed {
     }
 }
 
-/// What the increment shall reach.
+/// Goal of an increment.
 #[derive(Clone, Debug)]
 pub(super) enum Target {
-    /// These values of the drives.
+    /// The drives reach these values, mm.
     Drives(Vec<f64>),
-    /// These values of the drives, in balance with drag on contact: `resistance`, N/mm at each of its freedoms.
+    /// The drives reach these values, mm, in balance with drag on contact: `resistance`, N/mm at each of its freedoms.
     Through { goal: Vec<f64>, resistance: f64 },
-    /// This growth of what leads, with the drives on the line from where they are along a direction. `point`: the contact
+    /// The leading quantity grows by this much, with the drives on the line from where they are along a direction. `point`: the contact
     /// point that leads, if it is known.
     Led { by: Leader, growth: f64, direction: Vec<f64>, point: Option<PointIndex> },
 }
 
-/// What grows where the drives would have to turn back.
+/// Quantity that grows steadily where the drives would have to turn back.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) enum Leader {
     /// The slip of a contact point, mm: of the one that breaks, otherwise of the one that slides fastest at the start of the
@@ -84,20 +84,20 @@ pub(super) enum Leader {
     Dissipation,
 }
 
-/// One iteration, as the report tells it.
+/// Residual and correction of one iteration, for the report.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Iteration {
-    /// Largest residual force after it, N.
+    /// Largest residual force after the iteration, N.
     pub residual: f64,
-    /// The force that it is compared with, N.
+    /// Force scale that the residual is compared with, N.
     pub scale: f64,
     /// Largest correction of a displacement, mm.
     pub correction: f64,
-    /// Which part of the correction was applied (line search).
+    /// Part of the correction that was applied (line search).
     pub step_length: f64,
 }
 
-/// An attempt at an increment.
+/// Attempt at an increment: trial state, goal and iterations so far.
 pub(super) struct Attempt<'a> {
     start: &'a Committed,
     target: &'a Target,
@@ -113,28 +113,28 @@ impl<'a> Attempt<'a> {
         Self { start, target, context, trial: start.clone(), iterations: Vec::new(), before: 0 }
     }
 
-    /// The iterations of this round.
+    /// Returns the iterations of this round.
     fn round(&self) -> &[Iteration] {
         &self.iterations[self.before..]
     }
 
-    /// Returns whether the next correction predicts: it takes the drives to where they shall be.
+    /// Returns whether the next correction is the predictor, which takes the drives to their goal.
     fn predicts(&self) -> bool {
         self.iterations.is_empty()
     }
 
-    /// The resistance of drag, N/mm.
+    /// Returns the resistance of drag, N/mm; 0 without drag.
     fn resistance(&self) -> f64 {
         if let Target::Through { resistance, .. } = self.target { *resistance } else { 0.0 }
     }
 
-    /// Returns what laws are told in the next iteration.
+    /// Returns step, increment and iteration as the laws are told them in the next iteration.
     fn context(&self) -> IncrementContext {
         IncrementContext { iteration: u32::try_from(self.iterations.len() + 1).unwrap_or(u32::MAX), ..self.context }
     }
 }
 
-/// An attempt that converged.
+/// Converged attempt: the state that it leads to.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Converged {
     pub(super) end: Committed,
@@ -163,7 +163,7 @@ pub(super) struct Equilibrium<'m> {
     breaking_point: Option<PointIndex>,
     pub(super) times: Times,
     threads: Threads,
-    /// See [`super::Analysis::stop_at`].
+    /// Flag by which another thread asks for the end ([`super::Analysis::stop_at`]).
     pub(super) stop: Option<Arc<AtomicBool>>,
 }
 
@@ -171,11 +171,11 @@ pub(super) struct Equilibrium<'m> {
 const LEAST_RELATIVE_SCALE: f64 = 1e-4;
 /// Rounds of multiplier updates and openings in one increment.
 const MAX_SETTLEMENTS: usize = 200;
-/// What an attempt that did not converge is repeated with.
+/// Fraction of its increment with which an attempt that did not converge is repeated.
 const CUT: f64 = 0.25;
 
 impl<'m> Equilibrium<'m> {
-    /// Evaluates the virgin state and finds the equations.
+    /// Evaluates the virgin state and numbers the equations.
     pub(super) fn new(model: &'m Model, equations: Equations) -> Result<Self, ModelError> {
         let mut solids = Solids::new(model)?;
         let contact = contact_of(model, &solids)?;
@@ -204,7 +204,7 @@ impl<'m> Equilibrium<'m> {
         })
     }
 
-    /// Returns whether another thread wants the end.
+    /// Returns whether another thread has asked for the end of the run.
     pub(super) fn is_stopped(&self) -> bool {
         self.stop.as_ref().is_some_and(|stop| stop.load(Ordering::Relaxed))
     }
@@ -297,7 +297,7 @@ impl<'m> Equilibrium<'m> {
         Ok(false)
     }
 
-    /// The last attempt becomes the committed state.
+    /// Makes the last attempt the committed state.
     pub(super) fn commit(&mut self, start: &Committed, end: &Committed) {
         self.breaking_point = None;
         // an attempt that diverges has forces of any size: only what is accepted counts
@@ -317,7 +317,7 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = false;
     }
 
-    /// The last attempt is forgotten.
+    /// Discards the last attempt: elements and contact return to the committed state.
     pub(super) fn restore(&mut self) {
         self.memory.last_reduction = 1.0;
         self.solids.restore();
@@ -325,12 +325,12 @@ impl<'m> Equilibrium<'m> {
         self.memory.at_committed_state = false;
     }
 
-    /// Energies of the committed state but for the external work.
+    /// Returns the energies of the committed state but for the external work.
     pub(super) fn energies(&self) -> Energies {
         stored_and_spent(self.solids.energies(), self.contact.energies(), self.memory.drag.work())
     }
 
-    /// Energies of the state of the last evaluation but for the external work.
+    /// Returns the energies at the last evaluation but for the external work.
     pub(super) fn trial_energies(&self) -> Energies {
         stored_and_spent(self.solids.trial_energies(), self.contact.trial_energies(), self.memory.drag.trial_work())
     }
@@ -358,7 +358,7 @@ impl<'m> Equilibrium<'m> {
         scale.max(LEAST_RELATIVE_SCALE * self.memory.greatest_scale)
     }
 
-    /// Forces, residual and tangents at the trial state.
+    /// Evaluates forces, residual and tangents at the trial state.
     pub(super) fn evaluate(&mut self, attempt: &Attempt<'_>) -> Result<(), Trouble> {
         let request = Request::StressAndTangent;
         let (trial, context) = (&attempt.trial, attempt.context());
@@ -403,7 +403,7 @@ impl<'m> Equilibrium<'m> {
     }
 }
 
-/// The contact of a model before anything has moved.
+/// Returns the contact of a model before anything has moved.
 pub(super) fn contact_of(model: &Model, solids: &Solids) -> Result<Contact, ContactError> {
     let Model { mesh, contacts, skipping, fields, .. } = model;
     Contact::new(mesh, contacts, &solids.elastic_moduli(), skipping.contact_search, &fields.initial)
@@ -443,13 +443,13 @@ pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 #[cfg(test)]
 impl Equilibrium<'_> {
-    /// The residual at a trial state.
+    /// Returns the residual at a trial state.
     pub(super) fn residual_at(&mut self, trial: &Committed, context: IncrementContext) -> Result<Vec<f64>, Trouble> {
         self.evaluate(&Attempt::new(trial, &Target::Drives(Vec::new()), context))?;
         Ok(self.memory.residual.clone())
     }
 
-    /// K times unknowns by rows, with the tangents of the last evaluation.
+    /// Multiplies unknowns by the stiffness K of the last evaluation; the result is by rows.
     pub(super) fn tangent_times(&mut self, unknowns: &[f64]) -> Vec<f64> {
         self.system.assemble_elements(&self.solids);
         self.system.set_blocks(&self.memory.blocks);

@@ -9,15 +9,15 @@ use crate::stepping::times::timed;
 /// After how many iterations the stiffness of damaging elements out of balance becomes safer (doc.md). That of plastic
 /// ones is safe, and the elastic one far too stiff where flow spreads.
 const FALLBACKS: [(usize, TangentChoice); 2] = [(6, TangentChoice::Frozen), (12, TangentChoice::Elastic)];
-/// A residual that falls faster than this needs no safer stiffness.
+/// Ratio of successive residuals below which no safer stiffness is needed.
 const SLOW_REDUCTION: f64 = 0.5;
 /// Iterations that still converge as slowly as this after as many put tangents in doubt: Newton's method squares what is
 /// left.
 const LINEAR_REDUCTION: f64 = 0.1;
 const BEFORE_DOUBT: usize = 4;
-/// A factor that made the residual smaller by this serves again.
+/// Ratio of successive residuals below which an old factor is used again.
 const FAST_REDUCTION: f64 = 0.05;
-/// Only while increments need at most so many iterations.
+/// Most iterations of the last increment with which old factors are used.
 const EASY_WITH_OLD_FACTORS: usize = 6;
 /// Positions are known to a few units of their last place.
 const POSITION_ROUNDING: f64 = 4.0 * f64::EPSILON;
@@ -97,7 +97,7 @@ impl Equilibrium<'_> {
         self.evaluate(attempt)
     }
 
-    /// Factorises what has changed since the last time.
+    /// Factorises the matrix, of which only what has changed since the last time is done again.
     fn factorise(&mut self) -> Result<(), Trouble> {
         let Self { model, solids, contact, system, memory, times, extent, .. } = self;
         let keep = model.skipping.unchanged_elements && memory.factorised;

@@ -11,23 +11,23 @@ use crate::stepping::zone::Zone;
 use crate::stepping::{ModelError, Statistics};
 use serde::{Deserialize, Serialize};
 
-/// What the next increment begins with: the last evaluation, what was learnt of tangents and factors, and the scales that
+/// Memory with which the next increment begins: the last evaluation, the findings on tangents and factors, and the scales that
 /// tolerances are relative to.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub(in crate::stepping) struct Memory {
     pub(super) internal: Vec<f64>,
     pub(super) contact_forces: Vec<f64>,
     pub(super) external: Vec<f64>,
-    /// What is left of the forces, by rows.
+    /// Residual forces by rows of the equations, N.
     pub(super) residual: Vec<f64>,
     pub(super) blocks: Blocks,
     /// Whether a factor of the present pattern exists.
     pub(super) factorised: bool,
-    /// Whether its tangents are of contact laws that were asked elsewhere than at their gaps.
+    /// Whether its tangents are of contact laws that were called elsewhere than at their gaps.
     pub(super) factor_is_elsewhere: bool,
-    /// The solids' stiffnesses in the matrix.
+    /// Stiffnesses of the solids that are in the matrix.
     pub(super) assembled_version: u64,
-    /// Whether the tangents of the last evaluation may serve.
+    /// Whether the tangents of the last evaluation may be used.
     pub(super) has_tangents: bool,
     /// Factor by which the last correction multiplied the residual.
     pub(super) last_reduction: f64,
@@ -59,12 +59,12 @@ impl Memory {
         }
     }
 
-    /// External less internal forces.
+    /// Returns external less internal forces.
     pub(super) fn unbalanced(&self) -> Vec<f64> {
         self.external.iter().zip(&self.internal).map(|(e, i)| e - i).collect()
     }
 
-    /// Returns whether what it has of freedoms, rows and elements is of this equilibrium.
+    /// Returns whether its arrays have the numbers of freedoms, rows and elements of this equilibrium.
     fn fits(&self, made: &Equilibrium<'_>) -> bool {
         let freedoms = made.memory.internal.len();
         [&self.internal, &self.contact_forces, &self.external].into_iter().all(|forces| forces.len() == freedoms)
@@ -98,7 +98,7 @@ impl EquilibriumState {
 }
 
 impl<'m> Equilibrium<'m> {
-    /// Returns what it remembers at the end of an increment.
+    /// Returns the memory at the end of an increment, for a checkpoint.
     pub(in crate::stepping) fn state(&self) -> EquilibriumState {
         EquilibriumState {
             solids: self.solids.state(),
@@ -109,7 +109,7 @@ impl<'m> Equilibrium<'m> {
         }
     }
 
-    /// An equilibrium of a model with this memory.
+    /// Makes an equilibrium of a model with this memory.
     ///
     /// # Errors
     ///
@@ -138,7 +138,7 @@ impl<'m> Equilibrium<'m> {
     }
 }
 
-/// A checkpoint of another model, or one that no run has made.
+/// The checkpoint is of another model, or no run has made it.
 pub(in crate::stepping) fn foreign_state() -> ModelError {
     ModelError::Inconsistent("the states to go on from are those of another model".into())
 }

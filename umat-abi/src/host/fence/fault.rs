@@ -52,18 +52,25 @@ pub(in crate::host) fn listen(sink: Sink) -> io::Result<()> {
     SINK.store(sink as *mut (), Ordering::SeqCst);
     let mut former = [MaybeUninit::<libc::sigaction>::zeroed(); 2];
     for (signal, former) in SIGNALS.into_iter().zip(&mut former) {
+        // SAFETY: a plain system call, which fills the last argument.
+        if unsafe { libc::sigaction(signal, ptr::null(), former.as_mut_ptr()) } != 0 {
+            return Err(io::Error::last_os_error());
+        }
+    }
+    // before the first fault can come to the new handler
+    // SAFETY: filled above, and zeros are valid.
+    let _ = FORMER.set(former.map(|action| unsafe { action.assume_init() }));
+    for signal in SIGNALS {
         // SAFETY: plain system calls; the handler is one of three arguments, and does what a handler may.
         unsafe {
             let mut action: libc::sigaction = std::mem::zeroed();
             action.sa_sigaction = handler as *const () as usize;
             action.sa_flags = libc::SA_SIGINFO | libc::SA_ONSTACK;
-            if libc::sigaction(signal, &raw const action, former.as_mut_ptr()) != 0 {
+            if libc::sigaction(signal, &raw const action, ptr::null_mut()) != 0 {
                 return Err(io::Error::last_os_error());
             }
         }
     }
-    // SAFETY: filled above, and zeros are valid.
-    let _ = FORMER.set(former.map(|action| unsafe { action.assume_init() }));
     Ok(())
 }
 
