@@ -136,8 +136,8 @@ fn read_study(file: &Path, reading: &Reading) -> Result<Study, u8> {
         }
         code
     });
-    let theirs = theirs.max();
-    match (read, own.max(theirs.unwrap_or(DONE))) {
+    let code = theirs.fold(own, u8::max);
+    match (read, code) {
         (Ok(study), DONE) => Ok(study),
         (_, code) => Err(code),
     }
