@@ -20,7 +20,8 @@ use std::time::{Duration, Instant};
 
 /// A case that is not stopped.
 fn run(source: Source) -> Outcome {
-    set_program(Path::new(env!("CARGO_BIN_EXE_pullout")));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
     prepared.run(Settings::default()).unwrap_or_else(|error| panic!("{error}"))
 }
@@ -144,7 +145,8 @@ fn a_run_that_fails_keeps_its_rows_and_can_be_repeated() {
 
 /// Runs a case, and sets its flag from another thread after a while.
 fn stopped(source: Source, after: Duration) -> (Outcome, Duration) {
-    set_program(Path::new(env!("CARGO_BIN_EXE_pullout")));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
     let stop = Arc::new(AtomicBool::new(false));
     let settings = Settings { stop: Arc::clone(&stop), ..Settings::default() };
@@ -232,7 +234,8 @@ fn a_hanging_child_is_ended() {
     let Some(mut case) = misbehaving(&desk, 5) else { return };
     case["material"]["call_time_limit_s"] = json!(60.0);
     let source = Source::document(case, &desk.path(""));
-    set_program(Path::new(env!("CARGO_BIN_EXE_pullout")));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
     let prepared = source.read().expect("a case");
     let stop = Arc::new(AtomicBool::new(false));
     let settings = Settings { stop: Arc::clone(&stop), ..Settings::default() };

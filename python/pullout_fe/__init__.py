@@ -69,4 +69,4 @@ def program() -> Path | None:
 
 
 if (_program := program()) is not None:
-    _core.set_program(_program)
+    _core.set_program(_program, _core.__file__)

@@ -9,6 +9,7 @@ use pullout_run::isolation;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use serde_json::Value;
+use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -200,10 +201,16 @@ fn with_stack<R: Send>(work: impl FnOnce() -> R + Send) -> PyResult<R> {
     })
 }
 
-/// Says which file is the program `pullout`.
+/// Says which file is the program `pullout`, and which this module is.
 #[pyfunction]
-pub fn set_program(file: PathBuf) {
-    pullout_engine::set_program(&file);
+pub fn set_program(file: PathBuf, module: PathBuf) {
+    pullout_engine::set_program(&file, &module);
+}
+
+/// Runs the program with these arguments, the first of which is its name; the result is its exit code.
+#[pyfunction]
+pub fn main(py: Python<'_>, arguments: Vec<OsString>) -> PyResult<u8> {
+    without_panic(|| Ok(py.detach(|| driver::command::main(arguments))))
 }
 
 /// The program `pullout`.

@@ -4,14 +4,12 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The packages to be installed: the program, whose dependencies the plugins are, and that whose examples are the libraries
-/// for Kratos.
-const INSTALLED: [&str; 4] = ["--package", "driver", "--package", "pullout_laws"];
-/// For a wheel, Python's extension in place of those for Kratos: it knows the laws by their hashes as the program does, and what
-/// is built at once has the same features.
-const OF_WHEEL: &str = "pullout-python";
-/// The name of the program.
-const PROGRAM: &str = "pullout";
+/// The package whose dependencies the plugins are: the program, or for a wheel Python's extension, which holds it.
+const PROGRAMS: [&str; 2] = ["driver", "pullout-python"];
+/// The package of all laws in one library, whose examples are the libraries for Kratos.
+const ALL_LAWS: &str = "pullout_laws";
+/// The names of the program and of the extension.
+const NAMES: [&str; 2] = ["pullout", "_core"];
 /// The folders of the plugins and of the utility routines.
 const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
 /// The profile of what is for others. What is built of another profile is for tests.
@@ -24,7 +22,7 @@ const OLDER: &str = "x86_64-unknown-linux-gnu.2.17";
 /// Files that Cargo made.
 #[derive(Debug, PartialEq, Eq)]
 pub struct Products {
-    /// The program.
+    /// The program; for a wheel, the extension.
     pub program: PathBuf,
     /// The plugins and the library of the utility routines.
     pub libraries: Vec<PathBuf>,
@@ -37,13 +35,13 @@ pub struct Products {
 ///
 /// Where it is for tests, the whole workspace is built: dependencies have other features then, and the tests build them so.
 ///
-/// `wheel`: not the libraries for Kratos, but Python's extension. `zig`: the folder with cargo-zigbuild, and with the Python
+/// `wheel`: Python's extension instead of the program and the libraries for Kratos. `zig`: the folder with cargo-zigbuild, and with the Python
 /// that has zig, if it is linked by zig.
 ///
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
 pub fn build(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<Products, String> {
-    products(&messages(workspace, profile, wheel, zig)?)
+    products(&messages(workspace, profile, wheel, zig)?, NAMES[usize::from(wheel)])
 }
 
 /// Puts a folder first where programs are looked for.
@@ -67,11 +65,14 @@ fn messages(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) ->
         command.arg("build");
     }
     command.args(["--lib", "--bins"]);
-    match (profile == FOR_OTHERS, wheel) {
-        (true, true) => command.args(INSTALLED).args(["--package", OF_WHEEL]),
-        (true, false) => command.args(INSTALLED).arg("--examples"),
-        (false, _) => command.args(["--workspace", "--examples"]),
-    };
+    if profile == FOR_OTHERS {
+        command.args(["--package", PROGRAMS[usize::from(wheel)], "--package", ALL_LAWS]);
+    } else {
+        command.arg("--workspace");
+    }
+    if !(profile == FOR_OTHERS && wheel) {
+        command.arg("--examples");
+    }
     command.args(["--profile", profile, "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
     let output = command.output().map_err(|error| format!("cargo does not start: {error}"))?;
     if !output.status.success() {
@@ -107,18 +108,15 @@ fn libraries(messages: &str, kind: &str) -> Result<Vec<PathBuf>, String> {
     Ok(libraries)
 }
 
-/// The program, the plugins, and the libraries for Kratos.
-fn products(messages: &str) -> Result<Products, String> {
-    let programs = artifacts(messages)?;
-    let program = programs.iter().find(|artifact| artifact["target"]["name"] == PROGRAM);
-    let program = program.and_then(|artifact| artifact["executable"].as_str());
-    match program {
-        Some(program) => {
-            let (libraries, kratos) = (libraries(messages, "cdylib")?, libraries(messages, "example")?);
-            Ok(Products { program: program.into(), libraries, kratos })
-        }
-        None => Err("the build made no program".to_owned()),
-    }
+/// The program or the extension, by its name, the plugins, and the libraries for Kratos.
+fn products(messages: &str, name: &str) -> Result<Products, String> {
+    let artifacts = artifacts(messages)?;
+    let program = artifacts.iter().find(|artifact| artifact["target"]["name"] == name);
+    // an extension is no executable, but the only file of its target
+    let program = program.and_then(|artifact| artifact["executable"].as_str().or(artifact["filenames"][0].as_str()));
+    let program = program.ok_or_else(|| format!("the build made no {name}"))?;
+    let (libraries, kratos) = (libraries(messages, "cdylib")?, libraries(messages, "example")?);
+    Ok(Products { program: program.into(), libraries, kratos })
 }
 
 #[cfg(test)]
@@ -135,6 +133,7 @@ mod test {
 {{"reason":"compiler-artifact","package_id":"path+file:///w/p#1","target":{{"kind":["bin"],"name":"pullout"}},"filenames":["/t/pullout"],"executable":"/t/pullout"}}
 {{"reason":"compiler-artifact","package_id":"path+file:///w/models/plugins/a#1","target":{{"kind":["example"],"crate_types":["cdylib"]}},"filenames":["/t/examples/libb{suffix}"],"executable":null}}
 {{"reason":"compiler-artifact","package_id":"path+file:///w/tests/faulty/c#1","target":{{"kind":["cdylib"],"crate_types":["cdylib"]}},"filenames":["/t/deps/libc{suffix}"],"executable":null}}
+{{"reason":"compiler-artifact","package_id":"path+file:///w/python#1","target":{{"kind":["cdylib"],"name":"_core"}},"filenames":["/t/lib_core{suffix}"],"executable":null}}
 {{"reason":"compiler-artifact","package_id":"path+file:///w/b#1","target":{{"kind":["bin"],"name":"pullout-bench"}},"filenames":["/t/pullout-bench"],"executable":"/t/pullout-bench"}}
 {{"reason":"build-finished","success":true}}"##
         );
@@ -143,8 +142,11 @@ mod test {
             libraries: vec![format!("/t/deps/liba{suffix}").into()],
             kratos: vec![format!("/t/examples/libb{suffix}").into()],
         };
-        assert_eq!(products(&messages), Ok(expected));
-        assert!(products(r#"{"reason":"build-finished"}"#).expect_err("no program").contains("no program"));
-        assert!(products("no JSON").is_err());
+        assert_eq!(products(&messages, NAMES[0]), Ok(expected));
+        let of_wheel = products(&messages, NAMES[1]).expect("an extension");
+        assert_eq!(of_wheel.program, PathBuf::from(format!("/t/lib_core{suffix}")));
+        let nothing = products(r#"{"reason":"build-finished"}"#, NAMES[0]);
+        assert_eq!(nothing, Err("the build made no pullout".to_owned()));
+        assert!(products("no JSON", NAMES[0]).is_err());
     }
 }

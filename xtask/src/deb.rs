@@ -21,7 +21,7 @@ pub fn make(workspace: &Path, products: &Products, profile: &str, folder: &Path)
     if tree.exists() {
         fs::remove_dir_all(&tree).map_err(|error| within(&tree, error))?;
     }
-    let files = install::install(workspace, products, &tree.join("usr"), true)?;
+    let files = install::install(workspace, products, &tree.join("usr"))?;
     let mut glibc = [2, 17];
     let mut bytes = 0;
     for file in &files {

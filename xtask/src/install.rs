@@ -38,27 +38,40 @@ const BILL: &str = "share/doc/pullout/pullout.cdx.json";
 
 /// Puts everything under the prefix; the result is the files, in the order in which they were written.
 ///
-/// `copies`: the laws once more as ABAQUS and Kratos want them.
-///
 /// # Errors
 /// In words, with the file.
-pub fn install(workspace: &Path, products: &Products, prefix: &Path, copies: bool) -> Result<Vec<PathBuf>, String> {
-    let mut files = Vec::new();
+pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut files = beside_the_program(workspace, products, prefix)?;
     let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
     put(&products.program, prefix.join("bin").join(name(&products.program)?))?;
-    let plugins = prefix.join("lib").join("pullout");
-    for library in &products.libraries {
-        put(library, plugins.join(name(library)?))?;
-    }
+    // the laws once more as ABAQUS and Kratos want them
+    let plugins = plugins(prefix);
     let all_laws = format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
     let all_laws = products.libraries.iter().find(|library| library.ends_with(&all_laws));
     let all_laws = all_laws.ok_or_else(|| format!("the build made no {ALL_LAWS}"))?;
-    if copies {
-        put(all_laws, plugins.join("abaqus").join(ABAQUS_LIBRARY))?;
-        for library in &products.kratos {
-            let law = name(library)?.to_string_lossy().replace(KRATOS_SUFFIX, "");
-            put(library, plugins.join("kratos").join(law))?;
-        }
+    put(all_laws, plugins.join("abaqus").join(ABAQUS_LIBRARY))?;
+    for library in &products.kratos {
+        let law = name(library)?.to_string_lossy().replace(KRATOS_SUFFIX, "");
+        put(library, plugins.join("kratos").join(law))?;
+    }
+    files.extend(pages(Command::new(&products.program), &prefix.join("share"))?);
+    Ok(files)
+}
+
+/// Where laws are put.
+fn plugins(prefix: &Path) -> PathBuf {
+    prefix.join("lib").join("pullout")
+}
+
+/// Puts what belongs to every installation under the prefix: laws, headers, licences; the result is the files.
+///
+/// # Errors
+/// As of [`install`].
+pub fn beside_the_program(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut files = Vec::new();
+    let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
+    for library in &products.libraries {
+        put(library, plugins(prefix).join(name(library)?))?;
     }
     for (to, from) in SOURCES {
         put(&workspace.join(from), prefix.join(to))?;
@@ -72,22 +85,24 @@ pub fn install(workspace: &Path, products: &Products, prefix: &Path, copies: boo
         write(&to, |unfinished| fs::write(unfinished, &text))?;
         files.push(to);
     }
-    files.extend(pages(&products.program, &prefix.join("share"))?);
     Ok(files)
 }
 
-/// Lets the program write its manual pages and the shells' completions into a folder beside `share`, and puts them there;
+/// Lets a program write its manual pages and the shells' completions into a folder beside `share`, and puts them there;
 /// the result is the files, sorted.
-fn pages(program: &Path, share: &Path) -> Result<Vec<PathBuf>, String> {
+///
+/// # Errors
+/// As of [`install`].
+pub fn pages(mut program: Command, share: &Path) -> Result<Vec<PathBuf>, String> {
     let fresh = share.with_extension("unfinished");
     let within = |error: std::io::Error| format!("{}: {error}", fresh.display());
     if fresh.exists() {
         fs::remove_dir_all(&fresh).map_err(within)?;
     }
-    let ended = Command::new(program).arg(PAGES).arg(&fresh).stdin(Stdio::null()).status();
-    let ended = ended.map_err(|error| format!("{}: {error}", program.display()))?;
+    let ended = program.arg(PAGES).arg(&fresh).stdin(Stdio::null()).status();
+    let ended = ended.map_err(|error| format!("{program:?}: {error}"))?;
     if !ended.success() {
-        return Err(format!("{} {PAGES}: {ended}", program.display()));
+        return Err(format!("{program:?}: {ended}"));
     }
     let mut files = Vec::new();
     for from in files_below(&fresh).map_err(within)? {
@@ -117,7 +132,11 @@ fn name(file: &Path) -> Result<&std::ffi::OsStr, String> {
     file.file_name().ok_or_else(|| format!("{}: not a file", file.display()))
 }
 
-fn copy(from: &Path, to: &Path) -> Result<(), String> {
+/// Copies a file, whose folder is made.
+///
+/// # Errors
+/// As of [`install`].
+pub fn copy(from: &Path, to: &Path) -> Result<(), String> {
     if !from.is_file() {
         return Err(format!("{}: does not exist", from.display()));
     }
@@ -167,7 +186,7 @@ mod test {
         let products = products(folder.path(), &[&all_laws(), "libother.so"]);
         let prefix = folder.path().join("new/prefix");
         for _ in 0..2 {
-            let files = install(&crate::workspace(), &products, &prefix, true).expect("an installation");
+            let files = install(&crate::workspace(), &products, &prefix).expect("an installation");
             let mut found: Vec<_> =
                 files.iter().map(|file| file.strip_prefix(&prefix).expect("below").display().to_string()).collect();
             found.sort();
@@ -194,10 +213,10 @@ mod test {
             assert!(files.iter().all(|file| file.is_file()) && !prefix.join("share.unfinished").exists());
         }
         let without = folder.path().join("without");
-        install(&crate::workspace(), &products, &without, false).expect("an installation");
+        beside_the_program(&crate::workspace(), &products, &without).expect("an installation");
         let plugins = without.join("lib/pullout");
         assert!(plugins.join("libother.so").is_file());
-        assert!(!plugins.join("abaqus").exists() && !plugins.join("kratos").exists());
+        assert!(!plugins.join("abaqus").exists() && !plugins.join("kratos").exists() && !without.join("bin").exists());
         let package = fs::read_to_string(prefix.join("lib/pkgconfig/pullout.pc")).expect("a file");
         assert!(package.contains(&format!("Version: {}\n", env!("CARGO_PKG_VERSION"))));
         assert!(!package.contains("@VERSION@"));
@@ -207,7 +226,7 @@ mod test {
     fn what_is_missing_is_named() {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let message = |products: &Products, prefix: &Path| {
-            install(&crate::workspace(), products, prefix, true).expect_err("no installation")
+            install(&crate::workspace(), products, prefix).expect_err("no installation")
         };
         let incomplete = products(folder.path(), &["libother.so"]);
         assert_eq!(message(&incomplete, &folder.path().join("p")), "the build made no pullout_laws");

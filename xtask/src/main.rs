@@ -62,7 +62,7 @@ fn main() -> ExitCode {
     let (name, done) = match Arguments::parse().task {
         Task::Install { prefix, profile } => {
             let products = build::build(&workspace, &profile, false, None);
-            ("install", products.and_then(|products| install::install(&workspace, &products, &prefix, true)))
+            ("install", products.and_then(|products| install::install(&workspace, &products, &prefix)))
         }
         Task::Deb { out, profile } => {
             let products = build::build(&workspace, &profile, false, None);

@@ -1,4 +1,5 @@
-//! The wheel: extension, program, laws and headers in one file for Python.
+//! The wheel: extension, program, laws and headers in one file for Python. The program is a script that calls the extension:
+//! a second copy of the engine would be a third of the wheel.
 
 use crate::build::{self, FOR_OTHERS, search_first};
 use crate::install;
@@ -8,8 +9,12 @@ use std::process::{Command, Stdio};
 
 /// Where the wheel is made, in the workspace; `python/pyproject.toml` takes the files to be installed from there.
 const FOLDER: &str = "target/wheel";
-/// What Python's installers put under the prefix.
+/// What Python's installers put under the prefix, and with the programs.
 const DATA: &str = "pullout_fe.data";
+/// The program, in the workspace.
+const PROGRAM: &str = "python/pullout";
+/// The extension, below a folder where Python looks for modules.
+const EXTENSION: &str = "pullout_fe/_core.abi3.so";
 /// A wheel should have no more: it is refused by nobody, but waited for by everybody.
 const BYTES: u64 = 12_000_000;
 
@@ -28,7 +33,13 @@ pub fn make(workspace: &Path, profile: &str, zig: bool, python: &Path, maturin: 
     let scripts = if zig { Some(scripts(python)?) } else { None };
     let products = build::build(workspace, profile, true, scripts.as_deref())?;
     let data = folder.join(DATA).join("data");
-    install::install(workspace, &products, &data, false)?;
+    install::beside_the_program(workspace, &products, &data)?;
+    let (program, modules) = (folder.join(DATA).join("scripts/pullout"), folder.join("modules"));
+    install::copy(&workspace.join(PROGRAM), &program)?;
+    install::copy(&products.program, &modules.join(EXTENSION))?;
+    let mut pages = Command::new(python);
+    pages.arg(&program).env("PYTHONPATH", &modules);
+    install::pages(pages, &data.join("share"))?;
     let mut command = Command::new(python);
     command.args(["-m", "maturin", "build", "--profile", profile, "--manifest-path"]);
     command.arg(workspace.join("python/Cargo.toml")).arg("--out").arg(&folder).args(maturin);

@@ -3,5 +3,5 @@
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    driver::command::main(std::env::args_os())
+    driver::command::main(std::env::args_os()).into()
 }

@@ -22,7 +22,6 @@ use pullout_run::signals;
 use std::ffi::OsString;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
-use std::process::ExitCode;
 
 /// Done.
 const DONE: u8 = 0;
@@ -178,7 +177,7 @@ fn processors() -> NonZeroUsize {
 }
 
 /// Runs the program with these arguments; the result is its exit code.
-pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+pub fn main(arguments: impl IntoIterator<Item = OsString>) -> u8 {
     isolation::this_is_the_program();
     isolation::look_where_it_was_built();
     let line: Vec<OsString> = arguments.into_iter().collect();
@@ -188,18 +187,18 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             // help and version are no errors
             let code = if message.use_stderr() { BAD_INPUT } else { DONE };
             let _ = message.print();
-            return ExitCode::from(code);
+            return code;
         }
     };
     // Plugins with automatic arrays need more stack than the main thread has.
     let act = move || act(arguments.command, line.get(1..).unwrap_or_default());
     let thread = std::thread::Builder::new().name("pullout".into()).stack_size(PLUGIN_STACK).spawn(act);
     match thread.map(std::thread::JoinHandle::join) {
-        Ok(Ok(code)) => ExitCode::from(code),
+        Ok(Ok(code)) => code,
         Ok(Err(panic)) => std::panic::resume_unwind(panic),
         Err(error) => {
             complain(format!("no thread with a stack of {PLUGIN_STACK} bytes can be started: {error}"));
-            ExitCode::from(FAILED)
+            FAILED
         }
     }
 }

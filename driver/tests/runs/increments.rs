@@ -7,7 +7,8 @@ use serde_json::{Value, json};
 use std::path::Path;
 
 fn run(source: Source, records: bool) -> Outcome {
-    set_program(Path::new(env!("CARGO_BIN_EXE_pullout")));
+    let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
+    set_program(program, program);
     let prepared = source.read().unwrap_or_else(|errors| panic!("{errors}"));
     prepared.run(Settings { records, ..Settings::default() }).unwrap_or_else(|error| panic!("{error}"))
 }

@@ -23,8 +23,8 @@ mod judgement;
 #[cfg(test)]
 mod test;
 
-pub use judgement::ENERGY_BUDGET;
 use judgement::SLIP_MARGIN;
+pub use judgement::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub(super) use judgement::{Findings, Judgement};
 
 /// Number of failures in a row after which something else leads.
@@ -64,6 +64,8 @@ const EASING: f64 = 0.4;
 const THICKENING_WHERE_TURNING: f64 = 10.0;
 /// Most increments through drag in a row.
 const MOST_THROUGH: u32 = 1000;
+/// After so many turns drag has come as near to equilibrium as it can: between two states to and fro, in neither of which forces balance.
+const MOST_TURNS: u32 = 20;
 /// An increment under another lead takes at most this part of the time left: the drives lead to the end of a step.
 const LARGEST_PART_OF_TIME: f64 = 0.5;
 
@@ -84,6 +86,8 @@ struct Dragged {
     resistance: f64,
     greatest: f64,
     increments: u32,
+    /// How many of them went back on the way of the one before.
+    turns: u32,
 }
 
 /// Increments of the quantity that leads instead of the drives.
@@ -356,13 +360,15 @@ impl StepRun {
             dragged.increments += 1;
             // between two states to and fro, it was too thin to be led by what is out of balance
             if converged.turns {
+                dragged.turns += 1;
                 dragged.resistance *= THICKENING_WHERE_TURNING;
             } else if iterations <= EASY {
                 dragged.resistance *= EASING;
             }
+            let is_there = converged.drag <= 1.0 || dragged.turns >= MOST_TURNS;
             self.progress = self.aim();
             self.attempted = 0.0;
-            if converged.drag <= 1.0 {
+            if is_there {
                 self.nudges += 1;
                 self.lead = Lead::Drives;
                 self.size.restart(self.usual_progress);
@@ -380,6 +386,7 @@ impl StepRun {
                 if self.locates_peak && !load.peaked && findings.slip_growth > 0.0 {
                     self.size.limit(self.attempted * SLIP_MARGIN / findings.slip_growth);
                 }
+                self.foresee_energies(&findings);
                 self.nudges = 0;
                 self.last_progress = self.progress - before;
                 self.usual_progress = self.last_progress.max(FADING * self.usual_progress);
@@ -474,7 +481,7 @@ impl StepRun {
         let may_lead = self.follows_slip && self.usual_progress > 0.0 && resistance > 0.0 && resistance.is_finite();
         may_lead.then(|| {
             self.attempted = (nudge * self.usual_progress).max(self.size.minimum()).min(0.5 * (1.0 - self.progress));
-            Lead::Drag(Dragged { resistance, greatest: GREATEST_RESISTANCE * resistance, increments: 0 })
+            Lead::Drag(Dragged { resistance, greatest: GREATEST_RESISTANCE * resistance, increments: 0, turns: 0 })
         })
     }
 

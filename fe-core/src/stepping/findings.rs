@@ -37,6 +37,7 @@ impl Analysis<'_> {
             energy_error,
             energy_error_before,
             overstress,
+            stabilisation_before: self.stabilisation_share(),
             gives_back: is_driven_alone && self.gives_back(external_work - self.present.energies.external_work),
         }
     }

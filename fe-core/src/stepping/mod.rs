@@ -18,7 +18,7 @@ mod times;
 mod zone;
 
 pub use checkpoint::Checkpoint;
-pub use control::ENERGY_BUDGET;
+pub use control::{ENERGY_BUDGET, STABILISATION_BUDGET};
 pub use energy::Energies;
 pub use error::{ModelError, RunError};
 pub use newton::Iteration;

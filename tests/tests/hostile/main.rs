@@ -38,7 +38,7 @@ const MODULES: [Module; 5] = [
 fn main() -> ExitCode {
     let mut arguments = std::env::args_os();
     if arguments.next().is_some_and(|name| name == process::NAME) {
-        return driver::command::main(std::env::args_os());
+        return driver::command::main(std::env::args_os()).into();
     }
     let wanted: Vec<String> =
         arguments.filter_map(|word| word.into_string().ok()).filter(|w| !w.starts_with('-')).collect();

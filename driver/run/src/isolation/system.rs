@@ -27,19 +27,25 @@ pub fn shared_file() -> io::Result<(File, PathBuf)> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// See [`set_program`].
-static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+/// Files of the program `pullout`, see [`set_program`]: the one that is started, and the one that computes.
+static PROGRAM: OnceLock<[PathBuf; 2]> = OnceLock::new();
 
 /// Says once which file is the program `pullout`, which is started for what needs a process of its own. It may be this
-/// process's; what is installed with it is found.
-pub fn set_program(file: &Path) {
-    let _ = PROGRAM.set(file.to_owned());
+/// process's; what is installed with it is found. `engine` is the file with its machine code: the same one, or the library
+/// that a script loads.
+pub fn set_program(file: &Path, engine: &Path) {
+    let _ = PROGRAM.set([file.to_owned(), engine.to_owned()]);
     host::search_beside(file);
 }
 
-/// Says that this process is the program, also if its file was replaced meanwhile.
+/// Says that this process is the program, also if its file was replaced meanwhile; unless a file was named before.
 pub fn this_is_the_program() {
-    let _ = PROGRAM.set("/proc/self/exe".into());
+    let _ = PROGRAM.set(["/proc/self/exe"; 2].map(PathBuf::from));
+}
+
+fn files() -> io::Result<&'static [PathBuf; 2]> {
+    let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
+    PROGRAM.get().ok_or_else(unknown)
 }
 
 /// The program.
@@ -47,16 +53,16 @@ pub fn this_is_the_program() {
 /// # Errors
 /// The program's file has not been set.
 pub fn program() -> io::Result<&'static Path> {
-    let unknown = || io::Error::new(io::ErrorKind::NotFound, "nobody has said where the program `pullout` is");
-    PROGRAM.get().map(PathBuf::as_path).ok_or_else(unknown)
+    files().map(|[program, _]| program.as_path())
 }
 
-/// Returns what results depend on besides the case: SHA-256 of the program's file.
+/// Returns what results depend on besides the case: SHA-256 of the file that computes.
 ///
 /// # Errors
 /// As of [`program`]; it cannot be read.
 pub fn identity() -> io::Result<[u8; 32]> {
-    input::hash(program()?, Input::Mesh)
+    let [_, engine] = files()?;
+    input::hash(engine, Input::Mesh)
 }
 
 /// Starts a child from a thread that lives as long as this process: what the child may ask for with [`die_with`] comes at

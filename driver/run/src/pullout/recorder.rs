@@ -13,7 +13,8 @@ use crate::program::Until;
 use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
 use fe_core::stepping::{
-    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, Snapshot,
+    Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, STABILISATION_BUDGET,
+    Snapshot,
 };
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -128,7 +129,7 @@ pub fn run<'p>(
         recorder.observer.warn(remark);
     });
     findings.stabilisation_share = analysis.stabilisation_share();
-    if findings.stabilisation_share > LARGE_STABILISATION {
+    if findings.stabilisation_share > STABILISATION_BUDGET {
         recorder.observer.warn(format!(
             "stabilisation took {:.2} % of the work: beyond 1 % it may govern the result (a shorter relaxation_time or smaller \
              increments take less)",
@@ -214,9 +215,6 @@ fn failure_of(error: &RunError) -> Option<findings::Failure> {
         RunError::Write(_) => None,
     }
 }
-
-/// A part of the work that stabilisation may take without a warning.
-const LARGE_STABILISATION: f64 = 0.01;
 
 /// Writer of the increments; decides when a step or the run ends early.
 struct Recorder<'p, 'o> {

@@ -9,10 +9,15 @@ const ENERGY_TOLERANCE: f64 = 3e-4;
 /// Imbalance of the energies that all increments together may leave, as part of the work (doc.md): an increment that adds to it may
 /// add less, the less is left. Increments that a step chooses keep it, but for failures and indirect control; equal ones need not.
 pub const ENERGY_BUDGET: f64 = 1e-3;
-/// Least imbalance that an increment may always add, as part of its usual share.
+/// Part of the work that stabilisation and the overstress of laws that extrapolate may take in a run before it is warned of.
+/// Increments keep it likewise, but for viscosity, snap-backs and drag, whose share does not depend on their size.
+pub const STABILISATION_BUDGET: f64 = 1e-2;
+/// Least imbalance or overstress that an increment may always add, as part of its usual share.
 const LEAST_SHARE: f64 = 0.05;
-/// Part of the error's limit that a repeated increment aims at, by the root of what is left, and how often it is repeated.
+/// Part of the error's limit that a repeated increment aims at, by the root of what is left, and how often it is repeated; and what
+/// the increment after an accepted one aims at.
 const ENERGY_MARGIN: f64 = 0.7;
+const ENERGY_AIM: f64 = 0.9;
 const MAX_ENERGY_REFUSALS: u32 = 6;
 /// Least order of the energies' error in the size of an increment. The error of trapezoidal sums falls with the square of the size at
 /// least; one that falls more slowly has another cause: contact that opens in the first increment.
@@ -57,8 +62,9 @@ pub(in crate::stepping) struct Findings {
     /// Addition of the increment to the imbalance of the energies, and that imbalance before it, relative to the work.
     pub(in crate::stepping) energy_error: f64,
     pub(in crate::stepping) energy_error_before: f64,
-    /// The work of the overstress of laws that extrapolate in the increment, likewise.
+    /// The work of the overstress of laws that extrapolate in the increment, and of all stabilisation before it, likewise.
     pub(in crate::stepping) overstress: f64,
+    pub(in crate::stepping) stabilisation_before: f64,
     /// Whether the drives took energy back that was stored: elastic unloading.
     pub(in crate::stepping) gives_back: bool,
 }
@@ -67,8 +73,18 @@ impl Findings {
     /// Returns how much the increment adds to the imbalance of the energies, as a multiple of what it may.
     fn imbalance_excess(&self) -> f64 {
         let spent = self.energy_error_before * self.energy_error.signum() / ENERGY_BUDGET;
-        self.energy_error.abs() / (ENERGY_TOLERANCE * (1.0 - spent).clamp(LEAST_SHARE, 1.0))
+        self.energy_error.abs() / (ENERGY_TOLERANCE * share_left(spent))
     }
+
+    /// Returns how much the increment spends on overstress, as a multiple of what it may.
+    fn overstress_excess(&self) -> f64 {
+        self.overstress / (ENERGY_TOLERANCE * share_left(self.stabilisation_before / STABILISATION_BUDGET))
+    }
+}
+
+/// Returns which part of its usual share of a budget an increment may take when this part of the budget is spent.
+fn share_left(spent: f64) -> f64 {
+    (1.0 - spent).clamp(LEAST_SHARE, 1.0)
 }
 
 /// Why an increment that converged may not stand.
@@ -179,8 +195,17 @@ impl StepRun {
     /// A snap-back costs its overstress in increments of any size; so it cuts them to some size only.
     fn energy_excess(&self, findings: &Findings) -> f64 {
         let cuts = matches!(self.lead, Lead::Drives) && self.attempted > LEAST_FOR_OVERSTRESS * self.size.maximum();
-        let overstress = if cuts { findings.overstress / ENERGY_TOLERANCE } else { 0.0 };
+        let overstress = if cuts { findings.overstress_excess() } else { 0.0 };
         findings.imbalance_excess().max(overstress)
+    }
+
+    /// Bounds the increment after an accepted one, so that it need not be repeated for its energies.
+    pub(super) fn foresee_energies(&mut self, findings: &Findings) {
+        let excess = self.energy_excess(findings);
+        // an increment that stands for all its energies miss is no measure
+        if self.size.is_automatic() && excess > 0.0 && excess <= 1.0 {
+            self.size.limit(self.attempted * ENERGY_AIM / excess.sqrt());
+        }
     }
 
     /// A part of the attempted increment that is not below the least: what converged is no reason to fail.

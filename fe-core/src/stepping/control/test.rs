@@ -110,6 +110,13 @@ fn drag_leads_where_nothing_else_does() {
         let back = Converged { turns: true, ..converged(5.0) };
         turning.accept(&Committed::default(), &back, falls, load);
         assert!(matches!(turning.target(), Target::Through { resistance, .. } if resistance > thinner));
+        // neither state balances: the drives go on, and further before drag leads again
+        let accepted = (2..100).find(|_| {
+            turning.target();
+            turning.accept(&Committed::default(), &back, falls, load);
+            turning.lead == Lead::Drives
+        });
+        assert_eq!((accepted, turning.progress, turning.nudges), (Some(MOST_TURNS), stood, 1));
         run.accept(&Committed::default(), &converged(0.5), falls, load);
         assert!(run.lead == Lead::Drives && run.progress == stood);
     }
@@ -189,4 +196,42 @@ fn a_judgement_leaves_the_least_increment() {
     run.target();
     assert_eq!(run.attempted, 0.04);
     assert!(run.judge(&converged, load, findings).is_ok());
+}
+
+/// A law that extrapolates spends on overstress with the square of the increment. Were every increment allowed the same, this step would
+/// spend 2 % of its work; repeating increments for it would cost as much as they do.
+#[test]
+fn overstress_leaves_increments_less_the_more_is_spent() {
+    let law = PluginLaw::shipped("linear_elastic", &[("E", 1000.0), ("nu", 0.3)]);
+    let control = StepControl::Automatic { initial: 1e-3, maximum: 0.1, minimum: 1e-9 };
+    let model = strip(law, crate::kinematics::PlaneModel::PlaneStress, 0.04, control);
+    let mut run = StepRun::new(&model.steps[0], &[0.0], &model);
+    let load = LoadHistory { greatest: 10.0, last: 10.0, ..LoadHistory::default() };
+    let start = Committed { drives: vec![0.0], ..Committed::default() };
+    let converged = Converged { end: Committed { drives: vec![0.01], ..Committed::default() }, ..Converged::default() };
+    let (mut spent, mut refused, mut accepted) = (0.0, 0, 0);
+    while !run.is_done() {
+        run.target();
+        let work = run.progress + run.attempted;
+        let overstress = 4.0 * run.attempted.powi(2);
+        let findings = Findings {
+            load: 10.0,
+            overstress: overstress / work,
+            stabilisation_before: spent / work,
+            ..Findings::default()
+        };
+        match run.judge(&converged, load, findings) {
+            Ok(()) => {
+                spent += overstress;
+                accepted += 1;
+                run.accept(&start, &converged, findings, load);
+            }
+            Err(judgement) => {
+                refused += 1;
+                assert_eq!(run.reject(&judgement.trouble, judgement.has_failed), Advance::Repeated);
+            }
+        }
+    }
+    assert!((0.005..STABILISATION_BUDGET).contains(&spent), "{spent}");
+    assert!(refused * 10 < accepted, "{refused} of {accepted}");
 }
