@@ -291,11 +291,8 @@ impl<'a> Points<'a> {
         for k in 0..self.count() {
             let row = k * components..(k + 1) * components;
             let states = k * nstatv..(k + 1) * nstatv;
-            call.stran[..components].copy_from_slice(&self.strain[row.clone()]);
-            call.dstran[..components].copy_from_slice(&self.dstrain[row.clone()]);
-            call.stress_mut().copy_from_slice(&self.stress[row.clone()]);
-            call.statev_mut().copy_from_slice(&self.state[states.clone()]);
-            call.energies = [0.0; 3];
+            let point = [&self.strain[row.clone()], &self.dstrain[row.clone()], &self.stress[row.clone()]];
+            call.set_point(point, &self.state[states.clone()], [0.0; 3]);
             call.noel = i32::try_from(self.first + k + 1).unwrap_or(i32::MAX);
             if let Some(lengths) = self.lengths {
                 call.celent = lengths[k];

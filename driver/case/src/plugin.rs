@@ -4,9 +4,9 @@ use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
-use pullout_run::program::{Mode, Plugin};
+use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, TangentSource, Validation};
+use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, Plugin, TangentSource, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
 /// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100

@@ -14,6 +14,7 @@ mod interface_call;
 mod library;
 mod manner;
 mod memory;
+mod plugin;
 mod plugin_call;
 mod prints;
 #[cfg(unix)]
@@ -36,6 +37,7 @@ pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceField
 pub use library::{Library, LoadError, Routine, binds_deeply};
 pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::{NotFinite, Overrun, Trespass};
+pub use plugin::Plugin;
 pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]
