@@ -289,7 +289,7 @@ pub struct StepFields {
 impl StepFields {
     /// Sets the values at the start and at the end of increment `index` (from 0). `first`: those at the start of the step;
     /// `present`: those before the increment.
-    pub fn set_increment(
+    pub(crate) fn set_increment(
         &self,
         first: &FieldValues,
         present: &FieldValues,

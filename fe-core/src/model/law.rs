@@ -49,19 +49,19 @@ impl PluginLaw {
     }
 
     /// Returns the source of the initial stresses of its points in a plane model.
-    pub fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
+    pub(crate) fn initial_stresses(&self, model: PlaneModel) -> InitialStresses {
         let components = model.stress_state().components();
         let given = self.stress0.map(|stress| components.iter().map(|&k| stress[k]).collect::<Vec<_>>());
         InitialStresses::new(&self.library, given.as_deref(), components.len())
     }
 
     /// Returns where the states of its points start from.
-    pub fn initial_states(&self) -> InitialStates {
+    pub(crate) fn initial_states(&self) -> InitialStates {
         InitialStates::new(&self.library, self.statev0.as_deref(), self.nstatv)
     }
 
     /// Returns whether its tangent is symmetric whatever the parameters and the state.
-    pub fn has_symmetric_tangent(&self) -> bool {
+    pub(crate) fn has_symmetric_tangent(&self) -> bool {
         self.law.as_ref().is_some_and(|law| law.has(flags::SYMMETRIC_TANGENT))
     }
 

@@ -288,11 +288,6 @@ impl UmatCall {
         self.common.pnewdt = PNEWDT_ON_ENTRY;
     }
 
-    /// Returns whether DDSDDE = NULL is understood.
-    pub fn honours_stress_only(&self) -> bool {
-        self.honours_stress_only
-    }
-
     /// Calls the plugin. DDSDDE is zeroed before; a plugin that cannot compute the stress alone computes both.
     ///
     /// # Errors
