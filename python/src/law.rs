@@ -74,9 +74,8 @@ impl Plugin {
             let library = py.detach(|| isolation::load(&path));
             let library = library.map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let chosen = choose(&library, law)?;
-            let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-            let name = chosen.as_ref().map_or(stem.strip_prefix("lib").unwrap_or(&stem), |law| &law.name);
-            Ok(Self { cmname: law.unwrap_or(name).to_uppercase(), library, law: chosen })
+            let name = chosen.as_ref().map_or_else(|| host::library_name(&path), |law| law.name.clone());
+            Ok(Self { cmname: law.unwrap_or(&name).to_uppercase(), library, law: chosen })
         })
     }
 
