@@ -1,19 +1,15 @@
 //! `pullout plugin check` passes sound plugins and finds each error planted in `tests/faulty/`.
 
 use pullout_check::conformance::{Options, Report, Row, Verdict, check};
-use pullout_run::program::Plugin;
 use std::path::PathBuf;
-use umat_abi::host::{Found, Manner, search_paths};
+use umat_abi::host::{Found, Plugin, search_paths};
 
 /// The plugin of that name, built into target/*/deps/ as a dev-dependency.
 fn plugin(name: &str) -> Plugin {
     let paths: Vec<PathBuf> = search_paths(&[]);
     let found = Found::by_name(name, &paths).unwrap_or_else(|| panic!("{name} is not in {paths:?}"));
     let library = end_to_end_tests::open(&found.path);
-    let law = library.laws().first().cloned().expect("metadata");
-    let nstatv = law.states.len();
-    let (symbol, cmname, manner) = (None, name.into(), Manner::default());
-    Plugin { library, law: Some(law), name: name.into(), symbol, cmname, props: vec![], nstatv, manner }
+    Plugin { cmname: name.into(), ..Plugin::with_defaults(&library, library.laws().first().expect("metadata")) }
 }
 
 fn report(name: &str) -> Report {

@@ -12,7 +12,7 @@ use fe_core::model::{Controls, IncrementContext, Measured, Model, PluginLaw, Ski
 use std::collections::HashMap;
 use std::hint::black_box;
 use std::time::Instant;
-use umat_abi::host::Manner;
+use umat_abi::host::Plugin;
 use umat_abi::law::Request;
 
 /// Elements along each side of a square.
@@ -80,21 +80,7 @@ fn square(case: &Case) -> Mesh {
 
 fn linear_elastic() -> PluginLaw {
     let library = end_to_end_tests::open(&end_to_end_tests::plugin("linear_elastic"));
-    let law = library.laws().first().cloned();
-    let name = "linear_elastic".to_owned();
-    let nstatv = law.as_ref().map_or(0, |law| law.states.len());
-    PluginLaw {
-        library,
-        law,
-        symbol: None,
-        cmname: name.to_uppercase(),
-        name,
-        props: vec![210e3, 0.3],
-        nstatv,
-        statev0: None,
-        stress0: None,
-        manner: Manner::default(),
-    }
+    Plugin { props: vec![210e3, 0.3], ..Plugin::with_defaults(&library, &library.laws()[0]) }.into()
 }
 
 fn model(case: &Case, nlgeom: bool) -> Model {
@@ -132,7 +118,7 @@ fn time(body: impl FnOnce()) -> f64 {
 fn measure(case: &Case, nlgeom: bool, repeats: usize) -> [f64; 2] {
     let model = model(case, nlgeom);
     let mut solids = Solids::new(&model).expect("a sound model");
-    let mut call = model.laws[0].umat(case.model).expect("the law's UMAT");
+    let mut call = model.laws[0].umat(case.model.stress_state()).expect("the law's UMAT");
     let displacements: Vec<f64> = model.mesh.nodes().iter().flat_map(|[x, y]| [1e-4 * x * y, 1e-4 * x]).collect();
     let mut forces = vec![0.0; displacements.len()];
     let elements = model.mesh.elements().len();

@@ -74,9 +74,8 @@ impl Plugin {
             let library = py.detach(|| isolation::load(&path));
             let library = library.map_err(|error| Exception::Plugin.with(error.to_string()))?;
             let chosen = choose(&library, law)?;
-            let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-            let name = chosen.as_ref().map_or(stem.strip_prefix("lib").unwrap_or(&stem), |law| &law.name);
-            Ok(Self { cmname: law.unwrap_or(name).to_uppercase(), library, law: chosen })
+            let name = chosen.as_ref().map_or_else(|| host::library_name(&path), |law| law.name.clone());
+            Ok(Self { cmname: law.unwrap_or(&name).to_uppercase(), library, law: chosen })
         })
     }
 
@@ -291,11 +290,8 @@ impl<'a> Points<'a> {
         for k in 0..self.count() {
             let row = k * components..(k + 1) * components;
             let states = k * nstatv..(k + 1) * nstatv;
-            call.stran[..components].copy_from_slice(&self.strain[row.clone()]);
-            call.dstran[..components].copy_from_slice(&self.dstrain[row.clone()]);
-            call.stress_mut().copy_from_slice(&self.stress[row.clone()]);
-            call.statev_mut().copy_from_slice(&self.state[states.clone()]);
-            call.energies = [0.0; 3];
+            let point = [&self.strain[row.clone()], &self.dstrain[row.clone()], &self.stress[row.clone()]];
+            call.set_point(point, &self.state[states.clone()], [0.0; 3]);
             call.noel = i32::try_from(self.first + k + 1).unwrap_or(i32::MAX);
             if let Some(lengths) = self.lengths {
                 call.celent = lengths[k];

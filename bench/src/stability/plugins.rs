@@ -5,8 +5,7 @@ use super::progress::Progress;
 use crate::table::Table;
 use crate::{BenchError, Settings};
 use pullout_check::conformance::{self, Options, Verdict};
-use pullout_run::program::Plugin;
-use umat_abi::host::{Found, search_paths};
+use umat_abi::host::{Found, Plugin, search_paths};
 
 const PART: &str = "plugin";
 

@@ -4,9 +4,9 @@ use crate::document::{CalledAs, Entry, Material, Piece, Positive, Props, Tangent
 use crate::problem::{Place, Problem, hint, nearest};
 use crate::props;
 use crate::reader::Reader;
-use pullout_run::program::{Mode, Plugin};
+use pullout_run::program::Mode;
 use std::path::{Path, PathBuf};
-use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, TangentSource, Validation};
+use umat_abi::host::{self, Found, Law, Library, LoadError, Manner, Plugin, TangentSource, Validation};
 use umat_abi::metadata::{kinds, stress_states};
 
 /// Penalty of a hard normal law, MPa/mm, that this host fills in where the law leaves it to the host: about 100
@@ -91,9 +91,7 @@ pub fn resolve(reader: &mut Reader<'_>, material: &Material, place: &Place, purp
     if usable {
         check_symbol(reader, &library, material, place, purpose.entry);
     }
-    let stem = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-    let name =
-        law.as_ref().map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone());
+    let name = law.as_ref().map_or_else(|| host::library_name(&path), |law| law.name.clone());
     let nstatv = nstatv(reader, law.as_ref(), material, place)?;
     let props = properties(reader, law.as_ref(), material, place, &purpose);
     Some(Plugin {

@@ -12,9 +12,10 @@ use crate::{fields, history};
 use pullout_run::columns;
 use pullout_run::deformation::{self, Polar, exponential, matrix, rotated, turns};
 use pullout_run::program::{
-    Control, Kind, Measure, Mode, Pace, Plugin, PointDrive, PointGoal, PointProgram, PointState, PointStep,
-    STRAIN_NAMES, STRESS_NAMES, TURNED,
+    Control, Kind, Measure, Mode, Pace, PointDrive, PointGoal, PointProgram, PointState, PointStep, STRAIN_NAMES,
+    STRESS_NAMES, TURNED,
 };
+use umat_abi::host::Plugin;
 
 /// The parts of a program that the kinds of points resolve; reading a case adds the rest.
 pub struct Resolved {

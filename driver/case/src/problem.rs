@@ -33,7 +33,7 @@ impl Place {
     }
 
     /// Returns whether one of some places is this one or lies within it.
-    pub fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
+    pub(crate) fn contains_one_of(&self, places: &BTreeSet<&Self>) -> bool {
         // What begins with a text stands together in their order.
         let has_beginning = |beginning: Self| {
             places.range::<&Self, _>(&beginning..).next().is_some_and(|place| place.0.starts_with(&beginning.0))

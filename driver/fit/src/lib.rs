@@ -124,7 +124,7 @@ pub struct Quality {
 }
 
 /// Name of the copy of the measured curve beside the cases.
-pub const CURVE_FILE: &str = "curve.csv";
+pub(crate) const CURVE_FILE: &str = "curve.csv";
 
 /// Fits a curve. `progress` is told the form, the runs so far, and the RMS difference of each law that is tried.
 ///

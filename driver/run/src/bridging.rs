@@ -24,7 +24,7 @@ const ULTIMATE_OPENING: f64 = 2.5;
 /// Openings up to which the work is given, mm.
 const WORK_TO: [f64; 3] = [0.5, 2.5, 3.5];
 /// Quantiles that are given.
-pub const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
+pub(crate) const QUANTILES: [f64; 3] = [0.05, 0.5, 0.95];
 
 /// A run of fibres across a crack.
 #[derive(Clone, Debug)]

@@ -155,7 +155,7 @@ pub static CONTACT: [Column<ContactRow>; 12] = [
 ];
 
 /// Columns of a specimen.
-pub static SPECIMEN: [Column<Record>; 33] = [
+pub(crate) static SPECIMEN: [Column<Record>; 33] = [
     column("time", "s", "time", Other, |record| record.time),
     // displacement of the grip along the pull direction
     column("slip", "mm", "slip", Other, |record| record.slip),
@@ -411,13 +411,13 @@ pub fn of_specimen(fibres: &[MeasuredFibre]) -> Vec<String> {
 }
 
 /// The values of a specimen's row.
-pub fn values_of_specimen(record: &Record) -> Vec<f64> {
+pub(crate) fn values_of_specimen(record: &Record) -> Vec<f64> {
     let each = record.fibres.iter().flat_map(|fibre| FIBRE.iter().map(|column| (column.value)(fibre)));
     SPECIMEN.iter().map(|column| (column.value)(record)).chain(each).collect()
 }
 
 /// Returns how many values a specimen's rows have.
-pub fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
+pub(crate) fn count_in_specimen(fibres: &[MeasuredFibre]) -> usize {
     SPECIMEN.len() + FIBRE.len() * fibres.len()
 }
 

@@ -70,7 +70,7 @@ pub fn exponential(strain: &[f64; 6]) -> Matrix3<f64> {
 }
 
 /// ∂(exp ε)/∂ε: components of the stretch by components of the strain.
-pub fn exponential_derivative(strain: &[f64; 6]) -> [[f64; 6]; 6] {
+pub(crate) fn exponential_derivative(strain: &[f64; 6]) -> [[f64; 6]; 6] {
     let spectral = Spectral::of_strain(strain);
     let [a, b, c] = spectral.values;
     let slope = |a: f64, b: f64| if a == b { a.exp() } else { b.exp() * (a - b).exp_m1() / (a - b) };
@@ -114,7 +114,7 @@ impl Polar {
     }
 
     /// U⁻¹.
-    pub fn inverse_stretch(&self) -> Matrix3<f64> {
+    pub(crate) fn inverse_stretch(&self) -> Matrix3<f64> {
         let inverse = self.elongations.values.map(|elongation| 1.0 / (1.0 + elongation));
         symmetric(&self.elongations.stress(&inverse), 1.0)
     }
@@ -125,7 +125,7 @@ impl Polar {
     }
 
     /// U − 1, with twice U's shear components.
-    pub fn nominal_strain(&self) -> [f64; 6] {
+    pub(crate) fn nominal_strain(&self) -> [f64; 6] {
         self.elongations.strain(&self.elongations.values)
     }
 }

@@ -14,6 +14,7 @@ pub mod number;
 pub mod path;
 pub mod program;
 pub mod pullout;
+pub mod replay;
 pub mod signals;
 
 /// Stack of every thread that calls plugins, bytes: automatic Fortran arrays live there.

@@ -10,75 +10,13 @@ use schemars::JsonSchema;
 use serde::Deserialize;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
-use umat_abi::host::{self, Library, LoadError, Manner, UmatCall};
+use umat_abi::host::Plugin;
 use umat_abi::law::StressState;
 
 /// Names of the strain components in case files and `history.csv`.
 pub const STRAIN_NAMES: [&str; 6] = ["e11", "e22", "e33", "g12", "g13", "g23"];
 /// Names of the stress components.
 pub const STRESS_NAMES: [&str; 6] = ["s11", "s22", "s33", "s12", "s13", "s23"];
-
-/// The plugin of a case, ready to be called.
-#[derive(Clone, Debug)]
-pub struct Plugin {
-    /// The loaded library.
-    pub library: Library,
-    /// Metadata for the law in question; `None` for a plain UMAT.
-    pub law: Option<host::Law>,
-    /// Name in messages and results: the law's name or the file's stem.
-    pub name: String,
-    /// A symbol that the case names.
-    pub symbol: Option<String>,
-    /// CMNAME or CINAME.
-    pub cmname: String,
-    /// PROPS.
-    pub props: Vec<f64>,
-    /// NSTATV.
-    pub nstatv: usize,
-    /// Manner in which its UMAT is called.
-    pub manner: Manner,
-}
-
-impl Plugin {
-    /// Plain calls of its UMAT.
-    ///
-    /// # Errors
-    /// The library has no such entry point.
-    pub fn plain_umat(&self, state: StressState) -> Result<UmatCall, LoadError> {
-        UmatCall::new(&self.library, self.symbol.as_deref(), &self.cmname, state, self.nstatv, &self.props)
-    }
-
-    /// A law of a library; its PROPS stay those of the metadata.
-    pub fn with_defaults(library: &Library, law: &host::Law) -> Self {
-        Self {
-            library: library.clone(),
-            name: law.name.clone(),
-            symbol: None,
-            cmname: law.name.to_uppercase(),
-            props: Vec::new(),
-            nstatv: law.states.len(),
-            law: Some(law.clone()),
-            manner: Manner::default(),
-        }
-    }
-
-    /// State that is the strain 33 of plane stress, if the law has one.
-    pub fn strain_33(&self) -> Option<usize> {
-        self.law.as_ref()?.state_index(c"strain_33")
-    }
-
-    /// Column names of the states and the derived outputs (abi: metadata names, or `sdv1`…).
-    pub fn state_names(&self) -> Vec<String> {
-        match &self.law {
-            Some(law) => {
-                let extra = (law.states.len() + 1..=self.nstatv).map(|k| format!("sdv{k}"));
-                let derived = law.derived.iter().map(|d| d.name.clone());
-                law.states.iter().map(|s| s.name.clone()).chain(extra).chain(derived).collect()
-            }
-            None => (1..=self.nstatv).map(|k| format!("sdv{k}")).collect(),
-        }
-    }
-}
 
 /// Stress state: the components that exist, and those that are fixed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, JsonSchema)]
@@ -351,7 +289,7 @@ pub struct StepFields {
 impl StepFields {
     /// Sets the values at the start and at the end of increment `index` (from 0). `first`: those at the start of the step;
     /// `present`: those before the increment.
-    pub fn set_increment(
+    pub(crate) fn set_increment(
         &self,
         first: &FieldValues,
         present: &FieldValues,

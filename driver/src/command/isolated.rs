@@ -8,7 +8,7 @@ use pullout_run::isolation::{self, Aftermath, End, Failure, Job, Need, Task};
 use pullout_run::isolation::{prints, worker};
 use pullout_run::path::Statistics;
 use pullout_run::program::job_folder;
-use pullout_run::signals;
+use pullout_run::{replay, signals};
 use serde_json::Value;
 use std::ffi::OsString;
 use std::io::{self, IsTerminal, Write};
@@ -100,7 +100,7 @@ pub(super) fn replay(failure: &Failure, file: &Path, overrides: &[String]) -> Op
     let document = pullout_case::document(file, overrides).unwrap_or_default();
     let stem = || file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let title = document["title"].as_str().map_or_else(stem, str::to_owned);
-    isolation::replay::entitle(&mut replay, &title, &job_folder(file, &document));
+    replay::entitle(&mut replay, replay::OF_CALL, &title, &job_folder(file, &document));
     Some(replay)
 }
 

@@ -171,7 +171,7 @@ impl From<&QuantityOfFile> for Quantity {
 
 impl Study {
     /// The run of a member in a series.
-    pub fn run_of(&self, series: usize, member: usize) -> usize {
+    pub(crate) fn run_of(&self, series: usize, member: usize) -> usize {
         series * self.members.len() + member
     }
 

@@ -14,6 +14,6 @@ pub mod table;
 mod work;
 
 pub use collect::{Standing, collect};
-pub use plan::{plan, plan_document};
+pub use plan::plan;
 pub use store::Store;
 pub use work::{Work, Worked, work};

@@ -45,7 +45,7 @@ pub fn plan(file: &Path, design: Option<&Path>, plugin_paths: &[PathBuf], store:
 ///
 /// # Errors
 /// Everything that is wrong with it.
-pub fn plan_document(
+pub(crate) fn plan_document(
     document: Value,
     file: &Path,
     plugin_paths: &[PathBuf],

@@ -175,12 +175,12 @@ impl Store {
     ///
     /// # Errors
     /// It cannot be written.
-    pub fn keep_replay(&self, key: &str, case: &str) -> io::Result<()> {
+    pub(crate) fn keep_replay(&self, key: &str, case: &str) -> io::Result<()> {
         put(&self.folder.join("replay").join(format!("{key}.json")), case.as_bytes())
     }
 
     /// The folder in which the case of a run stands.
-    pub fn bundle(&self, sweep: &Sweep, run: usize) -> PathBuf {
+    pub(crate) fn bundle(&self, sweep: &Sweep, run: usize) -> PathBuf {
         self.folder.join("files").join(sweep.bundle_of(run))
     }
 }
@@ -388,7 +388,7 @@ impl Bundle {
     ///
     /// # Errors
     /// They cannot be read or written.
-    pub fn put_into(&self, store: &Store) -> io::Result<String> {
+    pub(crate) fn put_into(&self, store: &Store) -> io::Result<String> {
         let mut digest = Sha256::new();
         for (name, file) in &self.files {
             digest.update(name);

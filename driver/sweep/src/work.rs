@@ -6,9 +6,9 @@ use crate::collect::{Known, MOST_LOSSES, state};
 use crate::run::{Measured, measure};
 use crate::store::{Keep, Keys, Store, Sweep};
 use crate::table::{Column, Table};
-use pullout_run::isolation::{self, End, Failure, Job, Need, replay, shared_file};
+use pullout_run::isolation::{self, End, Failure, Job, Need, shared_file};
 use pullout_run::path::{FailedAt, FailureKind};
-use pullout_run::signals;
+use pullout_run::{replay, signals};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::ffi::OsString;
@@ -364,7 +364,7 @@ fn lost(head: &Head, attempt: u32, keep: &Keep) -> Measured {
 fn crash(failure: &Failure, document: &Value, office: &Office<'_>, run: usize) -> Measured {
     let case = failure.replay.clone().map(|mut case| {
         let title = document["title"].as_str().unwrap_or(&office.sweep.title);
-        replay::entitle(&mut case, title, &office.store.bundle(office.sweep, run));
+        replay::entitle(&mut case, replay::OF_CALL, title, &office.store.bundle(office.sweep, run));
         format!("{case:#}\n")
     });
     Measured {

@@ -147,7 +147,7 @@ impl Equations {
     }
 
     /// Returns how many freedoms there are: two per node.
-    pub fn freedom_count(&self) -> usize {
+    pub(crate) fn freedom_count(&self) -> usize {
         self.expressions.len()
     }
 
@@ -157,17 +157,17 @@ impl Equations {
     }
 
     /// The equations of a freedom with their coefficients.
-    pub fn equations_of(&self, freedom: usize) -> &[(usize, f64)] {
+    pub(crate) fn equations_of(&self, freedom: usize) -> &[(usize, f64)] {
         &self.expressions[freedom].equations
     }
 
     /// The drives of a freedom with their coefficients.
-    pub fn drives_of(&self, freedom: usize) -> &[(usize, f64)] {
+    pub(crate) fn drives_of(&self, freedom: usize) -> &[(usize, f64)] {
         &self.expressions[freedom].drives
     }
 
     /// Returns whether the freedom is its own equation and nothing else moves it.
-    pub fn is_independent(&self, freedom: usize) -> bool {
+    pub(crate) fn is_independent(&self, freedom: usize) -> bool {
         let Expression { equations, drives } = &self.expressions[freedom];
         drives.is_empty() && matches!(equations[..], [(_, 1.0)])
     }
@@ -182,7 +182,7 @@ impl Equations {
     /// # Panics
     ///
     /// If the lengths are not [`Self::freedom_count`], [`Self::count`] and the number of drives.
-    pub fn add_displacements(&self, unknowns: &[f64], drives: &[f64], displacements: &mut [f64]) {
+    pub(crate) fn add_displacements(&self, unknowns: &[f64], drives: &[f64], displacements: &mut [f64]) {
         assert!(unknowns.len() == self.count() && drives.len() == self.drive_count);
         assert_eq!(displacements.len(), self.freedom_count());
         for (displacement, expression) in displacements.iter_mut().zip(&self.expressions) {
@@ -206,7 +206,7 @@ impl Equations {
     }
 
     /// Sᵀ f: the force that each drive needs, conjugate to its value.
-    pub fn drive_forces(&self, forces: &[f64]) -> Vec<f64> {
+    pub(crate) fn drive_forces(&self, forces: &[f64]) -> Vec<f64> {
         let mut drives = vec![0.0; self.drive_count];
         for (force, expression) in forces.iter().zip(&self.expressions) {
             for &(drive, coefficient) in &expression.drives {
@@ -218,7 +218,7 @@ impl Equations {
 
     /// Moves the forces on freedoms of couplings to the freedoms that they follow: what is left at held freedoms are
     /// the forces of the supports.
-    pub fn transfer_coupled_forces(&self, forces: &mut [f64]) {
+    pub(crate) fn transfer_coupled_forces(&self, forces: &mut [f64]) {
         for (freedom, terms) in &self.transfers {
             let force = std::mem::take(&mut forces[*freedom]);
             for &(term, coefficient) in terms {

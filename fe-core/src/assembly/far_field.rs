@@ -123,7 +123,7 @@ fn assemble(
 }
 
 /// Returns which elements may be condensed: their freedoms are each an equation of their own or held still, and carry no load.
-pub fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
+pub(crate) fn may_be_condensed(mesh: &Mesh, equations: &Equations, loaded: &[usize]) -> Vec<bool> {
     let mut has_load = vec![false; equations.freedom_count()];
     loaded.iter().for_each(|&freedom| has_load[freedom] = true);
     let plain = |freedom: usize| {

@@ -9,8 +9,9 @@ mod system;
 mod trouble;
 
 pub use equations::{ConstraintError, Equations};
-pub use far_field::{may_be_condensed, touching};
-pub use loads::loaded_freedoms;
+pub(crate) use far_field::may_be_condensed;
+pub use far_field::touching;
+pub(crate) use loads::loaded_freedoms;
 pub use solids::{GreatestInPart, Solids, SolidsError};
 pub use system::{Condensation, ElementStiffness, System, SystemState};
 pub use trouble::{Place, Trouble};

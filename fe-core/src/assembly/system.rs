@@ -181,22 +181,23 @@ impl System {
     }
 
     /// Returns how many rows the solver sees.
-    pub fn row_count(&self) -> usize {
+    pub(crate) fn row_count(&self) -> usize {
         self.equation_of_row.len()
     }
 
     /// The node of a row.
-    pub fn node_of_row(&self, row: usize) -> usize {
+    pub(crate) fn node_of_row(&self, row: usize) -> usize {
         self.equations.freedoms()[self.equation_of_row[row]] / 2
     }
 
     /// Returns how many freedoms are condensed.
-    pub fn condensed_count(&self) -> usize {
+    #[cfg(test)]
+    pub(crate) fn condensed_count(&self) -> usize {
         self.far_field.as_ref().map_or(0, |far| far.interior().len())
     }
 
     /// Adds all elements into the matrix. Each thread has its own range of the values, and every value the same sum.
-    pub fn assemble_elements(&mut self, elements: &impl ElementStiffness) {
+    pub(crate) fn assemble_elements(&mut self, elements: &impl ElementStiffness) {
         let values = &mut self.matrix.values;
         let count = if values.len() < LEAST_SHARED { 1 } else { self.threads.count() };
         let length = values.len().div_ceil(count).max(1);
@@ -224,7 +225,7 @@ impl System {
     }
 
     /// The largest stiffness of a freedom against itself, N/mm.
-    pub fn largest_diagonal(&self) -> f64 {
+    pub(crate) fn largest_diagonal(&self) -> f64 {
         let elements = self.diagonal.iter().map(|&place| self.matrix.values[place].abs()).fold(0.0, f64::max);
         let of_block = |(rows, values): (&[usize], &[f64])| {
             values.iter().step_by(rows.len() + 1).fold(0.0, |largest: f64, value| largest.max(value.abs()))
@@ -241,7 +242,7 @@ impl System {
     }
 
     /// Takes over the blocks of contact and of loads that follow the body, by freedoms.
-    pub fn set_blocks(&mut self, blocks: &Blocks) {
+    pub(crate) fn set_blocks(&mut self, blocks: &Blocks) {
         self.blocks.clone_from(blocks);
         self.matrix.contact.clear();
         for (freedoms, values) in blocks.iter() {
@@ -273,7 +274,7 @@ impl System {
 
     /// Takes over a matrix and makes its factor; `false` if it is of another system.
     #[must_use]
-    pub fn set_state(&mut self, state: &SystemState) -> bool {
+    pub(crate) fn set_state(&mut self, state: &SystemState) -> bool {
         let SystemState { values, contact, blocks, solver } = state;
         let fits = values.len() == self.matrix.values.len()
             && values.iter().all(|value| value.is_finite())
@@ -313,7 +314,7 @@ impl System {
     }
 
     /// Tᵀ K S a by rows: the forces when the drives move by `drives` and the unknowns stay.
-    pub fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
+    pub(crate) fn drive_stiffness(&self, elements: &impl ElementStiffness, drives: &[f64]) -> Vec<f64> {
         let displacements = self.displacements(&vec![0.0; self.row_count()], drives);
         let mut forces = vec![0.0; displacements.len()];
         for &element in &self.driven_elements {
@@ -326,7 +327,7 @@ impl System {
     }
 
     /// Adds the forces of the far field on its border (`sign` 1), or takes them away (−1).
-    pub fn add_far_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
+    pub(crate) fn add_far_forces(&self, displacements: &[f64], sign: f64, forces: &mut [f64]) {
         if let Some(far) = &self.far_field {
             far.add_forces(displacements, sign, forces);
         }

@@ -76,22 +76,22 @@ impl Contact {
     /// Predicts the gaps along a correction of all displacements from the state of the last evaluation. Until
     /// [`Self::foretell_nothing`] is called, laws whose gaps differ from the prediction are evaluated at the predicted ones and
     /// followed from there along their own tangents; while the drives move (`predicts`), at those of the start of the increment.
-    pub fn foretell(&mut self, change: &[f64], predicts: bool) {
+    pub(crate) fn foretell(&mut self, change: &[f64], predicts: bool) {
         self.pairs.iter_mut().for_each(|pair| pair.foretell(change, predicts));
     }
 
     /// Sets the part of the correction that is applied.
-    pub fn foretell_part(&mut self, part: f64) {
+    pub(crate) fn foretell_part(&mut self, part: f64) {
         self.pairs.iter_mut().for_each(|pair| pair.foretold.part = part);
     }
 
     /// Ends the prediction: laws are evaluated at the gaps themselves.
-    pub fn foretell_nothing(&mut self) {
+    pub(crate) fn foretell_nothing(&mut self) {
         self.pairs.iter_mut().for_each(|pair| pair.foretold = Foretold::default());
     }
 
     /// Returns whether a law was evaluated elsewhere than at its gap in the last evaluation.
-    pub fn is_elsewhere(&self) -> bool {
+    pub(crate) fn is_elsewhere(&self) -> bool {
         self.pairs.iter().any(|pair| pair.foretold.elsewhere)
     }
 }

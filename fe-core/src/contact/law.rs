@@ -5,7 +5,7 @@ use super::history::{PointState, PointStatus};
 use super::normal::{HostNormal, NormalState};
 use crate::model::{ContactLaw, ContactPair, Enforcement, FieldValues, IncrementContext, PluginLaw};
 use umat_abi::host::recorder::{Arguments, FricRecord, UinterRecord};
-use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, SurfaceFields, UinterCall, Validation, judge};
+use umat_abi::host::{CallFailure, FricAnswer, FricCall, Law, Plugin, SurfaceFields, UinterCall, Validation, judge};
 
 /// Fraction of the increment to repeat with: a plugin that returned NaN or infinity may do better with a smaller one.
 const FRACTION_AFTER_NAN: f64 = 0.25;
@@ -82,7 +82,7 @@ impl PointLaw {
             Enforcement::PerturbedLagrangian { ratio } => 1.0 + ratio,
             Enforcement::Penalty | Enforcement::Uzawa { .. } => 1.0,
         };
-        let source = |source| ContactError::Law { pair: pair.name.clone(), source };
+        let failed = |law: &PluginLaw, error| ContactError::Law { pair: pair.name.clone(), source: law.error(error) };
         match &pair.law {
             ContactLaw::Uinter(law) => {
                 let (filled, normal) = filled(pair, law, Some(ratio * penalty), penalty)?;
@@ -100,12 +100,16 @@ impl PointLaw {
                         return Err(ContactError::Enforcement { pair: pair.name.clone(), reason });
                     }
                 };
-                Ok(Self::Uinter { call: Box::new(filled.uinter().map_err(source)?), augmented })
+                let mut call = filled.uinter(2).map_err(|error| failed(law, error))?;
+                call.fence();
+                Ok(Self::Uinter { call: Box::new(call), augmented })
             }
             ContactLaw::Fric { law, normal } => {
                 let (filled, _) = filled(pair, law, None, penalty)?;
                 let normal = HostNormal { law: *normal, stiffness: ratio * penalty };
-                Ok(Self::Fric { call: Box::new(filled.fric().map_err(source)?), normal, sticking: penalty })
+                let mut call = filled.fric(1).map_err(|error| failed(law, error))?;
+                call.fence();
+                Ok(Self::Fric { call: Box::new(call), normal, sticking: penalty })
             }
         }
     }
@@ -195,8 +199,8 @@ fn filled(
     law: &PluginLaw,
     normal_penalty: Option<f64>,
     tangential_penalty: f64,
-) -> Result<(PluginLaw, Option<(f64, bool)>), ContactError> {
-    let mut filled = law.clone();
+) -> Result<(Plugin, Option<(f64, bool)>), ContactError> {
+    let mut filled = law.plugin.clone();
     let Some(description) = &law.law else { return Ok((filled, None)) };
     let normal = normal_penalty.and_then(|penalty| {
         let k = description.role("normal_penalty").filter(|k| *k < law.props.len())?;

@@ -274,7 +274,7 @@ impl Contact {
     }
 
     /// Returns how much of the reference length of these pairs is open after the last evaluation, mm.
-    pub fn open_length(&self, pairs: &[usize]) -> f64 {
+    pub(crate) fn open_length(&self, pairs: &[usize]) -> f64 {
         let points = pairs.iter().flat_map(|&pair| self.pairs[pair].points.iter().zip(&self.pairs[pair].trial.points));
         let open = points.filter(|(_, state)| state.status == PointStatus::Open);
         // the sum of nothing would be -0
@@ -287,7 +287,7 @@ impl Contact {
     }
 
     /// Energies if the increment that was evaluated last is accepted.
-    pub fn trial_energies(&self) -> Energies {
+    pub(crate) fn trial_energies(&self) -> Energies {
         self.energies_of(Pair::booked)
     }
 
@@ -332,7 +332,7 @@ impl Contact {
 
     /// The area-weighted mean of the slips, mm, each pair's taken in the direction in which it slid so far: the two
     /// sides of a fibre run in opposite directions. Released points keep their last slip.
-    pub fn mean_slip(&self) -> f64 {
+    pub(crate) fn mean_slip(&self) -> f64 {
         let slips = self.pairs.iter().map(|pair| {
             let terms = pair.points.iter().zip(&pair.trial.points);
             sliding_direction(pair) * terms.map(|(point, state)| point.area * state.slip).sum::<f64>()
@@ -360,21 +360,21 @@ impl Contact {
     /// # Panics
     ///
     /// If there is no such point.
-    pub fn slip_along(&self, point: PointIndex, change: &[f64]) -> f64 {
+    pub(crate) fn slip_along(&self, point: PointIndex, change: &[f64]) -> f64 {
         let pair = &self.pairs[point.pair];
         let kinematics = pair.kinematics[point.point].as_ref();
         kinematics.map_or(0.0, |kinematics| sliding_direction(pair) * slip_along(kinematics, change))
     }
 
     /// The point in contact whose slip changes most along a change of all displacements.
-    pub fn fastest_point(&self, change: &[f64]) -> Option<PointIndex> {
+    pub(crate) fn fastest_point(&self, change: &[f64]) -> Option<PointIndex> {
         let in_contact =
             self.points_in_contact().map(|(point, kinematics)| (slip_along(kinematics, change).abs(), point));
         in_contact.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, point)| point)
     }
 
     /// The point in contact whose shear falls most steeply with its slip, if any falls: the one that breaks.
-    pub fn breaking_point(&self) -> Option<PointIndex> {
+    pub(crate) fn breaking_point(&self) -> Option<PointIndex> {
         let stiffness = |point: PointIndex| self.pairs[point.pair].shear_stiffness[point.point];
         let in_contact = self.points_in_contact().map(|(point, _)| point).filter(|point| stiffness(*point) < 0.0);
         in_contact.min_by(|a, b| stiffness(*a).total_cmp(&stiffness(*b)))
@@ -393,7 +393,7 @@ impl Contact {
     }
 
     /// The closed point whose slip grows most in the increment that was evaluated last; `None` without such a point.
-    pub fn largest_slip_growth(&self) -> Option<SlipGrowth> {
+    pub(crate) fn largest_slip_growth(&self) -> Option<SlipGrowth> {
         let mut largest: Option<SlipGrowth> = None;
         for (pair, of_pair) in self.pairs.iter().enumerate() {
             for (point, (start, end)) in of_pair.committed.points.iter().zip(&of_pair.trial.points).enumerate() {

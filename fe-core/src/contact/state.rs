@@ -71,7 +71,7 @@ impl Contact {
 
     /// Takes over a history and what the last evaluation left; `false`, and nothing done, if it is of other pairs.
     #[must_use]
-    pub fn set_state(&mut self, state: &ContactState) -> bool {
+    pub(crate) fn set_state(&mut self, state: &ContactState) -> bool {
         let nodes = self.reference.len();
         let fits = self.pairs.len() == state.pairs.len()
             && state.law_calls < GREATEST_COUNT

@@ -30,7 +30,7 @@ impl EdgePoint {
 
     /// The unit normal to the right of the edge's direction: outward on an element's edge. `None` where the tangent
     /// vanishes.
-    pub fn outward_normal(&self) -> Option<[f64; 2]> {
+    pub(crate) fn outward_normal(&self) -> Option<[f64; 2]> {
         let stretch = self.stretch();
         (stretch > 0.0).then(|| [self.tangent[1] / stretch, -self.tangent[0] / stretch])
     }
@@ -54,7 +54,7 @@ impl EdgeKind {
     }
 
     /// First derivatives by s.
-    pub fn shape_derivatives(self, s: f64) -> [f64; 3] {
+    pub(crate) fn shape_derivatives(self, s: f64) -> [f64; 3] {
         match self {
             Self::Linear => [-0.5, 0.5, 0.0],
             Self::Quadratic => [s - 0.5, s + 0.5, -2.0 * s],
@@ -62,7 +62,7 @@ impl EdgeKind {
     }
 
     /// Second derivatives by s: for curvature and for projecting a point.
-    pub fn shape_second_derivatives(self) -> [f64; 3] {
+    pub(crate) fn shape_second_derivatives(self) -> [f64; 3] {
         match self {
             Self::Linear => [0.0; 3],
             Self::Quadratic => [1.0, 1.0, -2.0],
@@ -93,7 +93,7 @@ pub struct LinePoint {
 }
 
 /// The Gauss–Legendre rule of `count` points, in ascending order: exact to degree 2·count − 1. No points for 0.
-pub fn gauss_legendre(count: usize) -> Vec<LinePoint> {
+pub(crate) fn gauss_legendre(count: usize) -> Vec<LinePoint> {
     (0..count).rev().map(|index| gauss_legendre_point(count, index)).collect()
 }
 

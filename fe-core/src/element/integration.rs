@@ -31,7 +31,7 @@ pub struct IntegrationPoint {
 
 impl ElementKind {
     /// The integration of this kind by default: reduced for Q8, full for the rest.
-    pub const fn default_integration(self) -> Integration {
+    pub(crate) const fn default_integration(self) -> Integration {
         match self {
             Self::T3 | Self::T6 | Self::Q4 => Integration::Full,
             Self::Q8 => Integration::Reduced,
@@ -50,7 +50,7 @@ impl ElementKind {
     }
 
     /// The points of the full rule, which every kind has.
-    pub const fn full_integration_points(self) -> &'static [IntegrationPoint] {
+    pub(crate) const fn full_integration_points(self) -> &'static [IntegrationPoint] {
         match self {
             Self::T3 => &CENTROID,
             Self::T6 => &TRIANGLE_3,

@@ -6,7 +6,8 @@ mod mapping;
 mod quadrilateral;
 mod triangle;
 
-pub use edge::{EdgeKind, EdgePoint, LinePoint, gauss_legendre};
+pub(crate) use edge::gauss_legendre;
+pub use edge::{EdgeKind, EdgePoint, LinePoint};
 pub use integration::{Integration, IntegrationPoint};
 pub use mapping::{MappedPoint, MappingError, area, characteristic_length};
 
@@ -14,7 +15,7 @@ pub use mapping::{MappedPoint, MappingError, area, characteristic_length};
 mod test;
 
 /// The most nodes that an element has.
-pub const MAX_NODES: usize = 8;
+pub(crate) const MAX_NODES: usize = 8;
 
 /// The kinds of element; the module's page has their node numbering.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -93,7 +94,7 @@ impl ElementKind {
     }
 
     /// (ξᵢ, ηᵢ) of each node.
-    pub fn reference_coordinates(self) -> &'static [[f64; 2]] {
+    pub(crate) fn reference_coordinates(self) -> &'static [[f64; 2]] {
         match self {
             Self::T3 | Self::T6 => &triangle::COORDINATES[..self.node_count()],
             Self::Q4 | Self::Q8 => &quadrilateral::COORDINATES[..self.node_count()],
@@ -101,7 +102,8 @@ impl ElementKind {
     }
 
     /// The area of the reference element: ½ or 4.
-    pub fn reference_area(self) -> f64 {
+    #[cfg(test)]
+    pub(crate) fn reference_area(self) -> f64 {
         match self {
             Self::T3 | Self::T6 => 0.5,
             Self::Q4 | Self::Q8 => 4.0,

@@ -9,7 +9,7 @@ use umat_abi::law::StressState;
 mod test;
 
 /// The most components that a plane stress or strain has.
-pub const MAX_COMPONENTS: usize = 4;
+pub(crate) const MAX_COMPONENTS: usize = 4;
 
 /// The most degrees of freedom that an element has.
 pub const MAX_FREEDOMS: usize = 2 * MAX_NODES;
@@ -38,7 +38,7 @@ impl PlaneModel {
     }
 
     /// Components of stress and strain: NTENS.
-    pub const fn component_count(self) -> usize {
+    pub(crate) const fn component_count(self) -> usize {
         match self {
             Self::PlaneStress => 3,
             Self::PlaneStrain | Self::Axisymmetric => 4,
@@ -46,7 +46,7 @@ impl PlaneModel {
     }
 
     /// Direct components, which come before the shear: NDI.
-    pub const fn direct_count(self) -> usize {
+    pub(crate) const fn direct_count(self) -> usize {
         self.component_count() - 1
     }
 
@@ -124,17 +124,12 @@ impl StrainDisplacement {
         self.columns[freedom][..3].iter().sum()
     }
 
-    /// Components of the strain: NTENS.
-    pub fn component_count(&self) -> usize {
-        self.component_count
-    }
-
-    /// The columns of B, one per degree of freedom; components beyond [`Self::component_count`] are 0.
+    /// The columns of B, one per degree of freedom; components that the model has not are 0.
     pub fn columns(&self) -> &[[f64; MAX_COMPONENTS]] {
         &self.columns[..self.freedom_count]
     }
 
-    /// ε = B u; components beyond [`Self::component_count`] are 0.
+    /// ε = B u; components that the model has not are 0.
     ///
     /// # Panics
     ///

@@ -9,7 +9,7 @@ use spade::{
 };
 
 /// Angles that refinement tries to reach everywhere, degrees.
-pub const LEAST_ANGLE: f64 = 27.0;
+pub(crate) const LEAST_ANGLE: f64 = 27.0;
 /// Points that refinement may add, for each point of the outline.
 const ADDED_POINTS: usize = 1000;
 /// Points that it may add in all: beyond what can be solved.
@@ -51,7 +51,7 @@ pub enum TriangulationError {
 /// # Errors
 ///
 /// An outline that meets itself, or points that are not finite.
-pub fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, TriangulationError> {
+pub(crate) fn triangulate(outline: &[[f64; 2]], largest_area: f64) -> Result<Triangulation, TriangulationError> {
     let mut mesh = ConstrainedDelaunayTriangulation::<Point2<f64>>::new();
     let mut handles = Vec::with_capacity(outline.len());
     for (index, &[x, y]) in outline.iter().enumerate() {

@@ -162,7 +162,7 @@ impl Measured {
     }
 
     /// The same for an axis of this direction.
-    pub fn components_along(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+    pub(crate) fn components_along(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
         let left = [-y, x];
         let towards_pull = left[0] * self.direction[0] + left[1] * self.direction[1] > -ALONG_AXIS;
         [[x, y], if towards_pull { left } else { [y, -x] }]

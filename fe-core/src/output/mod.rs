@@ -44,7 +44,7 @@ mod vtu;
 
 pub use axial::axial_stress;
 pub use fields::{Activity, ContactPoint, Fields, FieldsError};
-pub use principal::{Principal, von_mises};
+pub use principal::Principal;
 pub use recovery::{PartNodes, Recovery};
 pub use series::{Series, SeriesFiles, WriteError};
 pub use snapshot::contact_points;

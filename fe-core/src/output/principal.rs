@@ -43,7 +43,7 @@ impl Principal {
 }
 
 /// The von Mises stress of 11, 22, 33, 12, MPa.
-pub fn von_mises([s11, s22, s33, s12]: [f64; 4]) -> f64 {
+pub(crate) fn von_mises([s11, s22, s33, s12]: [f64; 4]) -> f64 {
     let squares = (s11 - s22).powi(2) + (s22 - s33).powi(2) + (s33 - s11).powi(2);
     (0.5 * squares + 3.0 * s12 * s12).sqrt()
 }

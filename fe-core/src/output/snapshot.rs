@@ -4,7 +4,6 @@ use super::fields::{Activity, ContactPoint, Fields};
 use crate::assembly::Solids;
 use crate::contact::PointStatus;
 use crate::kinematics::PlaneModel;
-use crate::model::PluginLaw;
 use crate::stepping::Snapshot;
 use std::borrow::Cow;
 
@@ -40,7 +39,7 @@ impl<'a> Fields<'a> {
             stresses,
             strains,
             states,
-            state_names: model.laws.iter().map(PluginLaw::state_names).collect(),
+            state_names: model.laws.iter().map(|law| law.state_names()).collect(),
             activities: (0..mesh.elements().len()).map(|element| activity(solids, element)).collect(),
             behind: model.parts_behind(),
             pairs: model.contacts.iter().map(|pair| pair.name.clone()).collect(),

@@ -1,3 +1,4 @@
+use super::principal::von_mises;
 use super::*;
 use crate::element::{ElementKind, Integration, MappedPoint};
 use crate::kinematics::PlaneModel;

@@ -129,7 +129,7 @@ impl LinearSolver {
     /// # Errors
     ///
     /// Those of [`Self::factorise`], and a pattern of another system.
-    pub fn take_memory(
+    pub(crate) fn take_memory(
         &mut self,
         (symmetry, pattern): &(Option<Symmetry>, Option<Pattern>),
         matrix: &SystemMatrix,

@@ -115,7 +115,7 @@ impl Pattern {
     }
 
     /// Returns where the entries of each column start among the values, and behind them their number.
-    pub fn column_starts(&self) -> &[usize] {
+    pub(crate) fn column_starts(&self) -> &[usize] {
         &self.starts
     }
 
@@ -190,7 +190,7 @@ impl SystemMatrix {
     /// # Errors
     ///
     /// If a vector or the values have the wrong length, or a block an equation out of range.
-    pub fn multiply(&self, x: &[f64], y: &mut [f64]) -> Result<(), SolverError> {
+    pub(crate) fn multiply(&self, x: &[f64], y: &mut [f64]) -> Result<(), SolverError> {
         let size = self.pattern.size();
         check_length("vector", size, x.len())?;
         check_length("product", size, y.len())?;

@@ -73,7 +73,7 @@ impl<'a> Snapshot<'a> {
     }
 
     /// The greatest pressure of a contact point, MPa; 0 without contact.
-    pub fn greatest_pressure(&self) -> f64 {
+    pub(crate) fn greatest_pressure(&self) -> f64 {
         self.contact.points().map(|point| point.weight * point.pressure).fold(0.0, f64::max)
     }
 

@@ -138,7 +138,7 @@ impl<'p> Envelope<'p> {
     /// k_u(κ) = min(k_e, max(k_u, τ(κ)/κ)) and its derivative by κ: never softer than the secant, so
     /// that the inelastic slip grows monotonically and unloading gives no energy.
     #[inline]
-    pub fn unloading_stiffness(&self, largest_slip: f64, parameter: f64) -> (f64, f64) {
+    pub(crate) fn unloading_stiffness(&self, largest_slip: f64, parameter: f64) -> (f64, f64) {
         if largest_slip <= self.critical_slip {
             return (self.elastic_stiffness, 0.0);
         }
@@ -169,7 +169,7 @@ impl<'p> Envelope<'p> {
     ///
     /// # Errors
     /// The rule that is broken.
-    pub fn check_damage(&self) -> Result<(), ConfigurationError> {
+    pub(crate) fn check_damage(&self) -> Result<(), ConfigurationError> {
         let (k, residual) = (self.elastic_stiffness, self.residual);
         let allowed = residual == 0.0 || residual < self.strength(self.critical_slip).traction;
         require(allowed, "law B needs tau_res below the traction at the end of the linear start", residual)?;

@@ -72,7 +72,7 @@ impl DamageLaw {
     /// D̂'(Y) = B D (1 − D)/(Y − Y₀) at an η on the curve; 0 at and below the threshold, and where η has reached
     /// its largest value.
     #[inline]
-    pub fn damage_rate(&self, damage_energy_release_rate: f64, eta: f64) -> f64 {
+    pub(crate) fn damage_rate(&self, damage_energy_release_rate: f64, eta: f64) -> f64 {
         let excess = damage_energy_release_rate - self.threshold;
         if excess <= 0.0 || eta >= ETA_MAX { 0.0 } else { self.b * damage(eta) * integrity(eta) / excess }
     }
@@ -85,7 +85,7 @@ impl DamageLaw {
 
     /// dZ/dη = η^(1/B − 1)/(A B); dZ/dD is (1 + η)² times that. For B > 1 infinite at η = 0.
     #[inline]
-    pub fn excess_rate(&self, eta: f64) -> f64 {
+    pub(crate) fn excess_rate(&self, eta: f64) -> f64 {
         eta.powf(1.0 / self.b - 1.0) / (self.a * self.b)
     }
 
@@ -96,7 +96,7 @@ impl DamageLaw {
     }
 
     /// [`Self::dissipation`] of an η = η̂(Y).
-    pub fn dissipation_on_curve(&self, eta: f64, damage_energy_release_rate: f64) -> f64 {
+    pub(crate) fn dissipation_on_curve(&self, eta: f64, damage_energy_release_rate: f64) -> f64 {
         self.dissipation_with(eta, self.root_on_curve(eta, damage_energy_release_rate))
     }
 

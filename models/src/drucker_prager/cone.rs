@@ -85,7 +85,7 @@ impl Cone {
 
     /// F(σ_m, √J₂).
     #[inline]
-    pub fn yield_function(&self, mean_stress: f64, root_j2: f64) -> f64 {
+    pub(crate) fn yield_function(&self, mean_stress: f64, root_j2: f64) -> f64 {
         3.0 * self.friction * mean_stress + root_j2 - self.shear_strength
     }
 }

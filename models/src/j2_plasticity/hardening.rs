@@ -88,7 +88,7 @@ impl Hardening<'_> {
     /// The Δp and H of the radial return: q_trial − 3μ Δp = σ_y(p + Δp), in closed form. What is
     /// left of q_trial at a joint, less σ_y there, falls along the table: its last positive joint
     /// begins the segment where the return ends.
-    pub fn radial_return(&self, trial: f64, peeq: f64, three_mu: f64) -> (f64, f64) {
+    pub(crate) fn radial_return(&self, trial: f64, peeq: f64, three_mu: f64) -> (f64, f64) {
         let beyond =
             self.points.partition_point(|&[stress, joint]| joint <= peeq || trial - three_mu * (joint - peeq) > stress);
         let segment = beyond.saturating_sub(1);

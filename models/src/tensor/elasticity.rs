@@ -43,13 +43,13 @@ impl Elasticity {
 
     /// The solid with the same bulk modulus and another shear modulus.
     #[inline(always)]
-    pub fn with_shear_modulus(&self, shear_modulus: f64) -> Self {
+    pub(crate) fn with_shear_modulus(&self, shear_modulus: f64) -> Self {
         Self::from_bulk_and_shear(self.bulk_modulus, shear_modulus)
     }
 
     /// Makes isotropic elasticity from k and μ: E = 9kμ/(3k + μ), ν = (3k − 2μ)/(2(3k + μ)).
     #[inline(always)]
-    pub fn from_bulk_and_shear(bulk_modulus: f64, shear_modulus: f64) -> Self {
+    pub(crate) fn from_bulk_and_shear(bulk_modulus: f64, shear_modulus: f64) -> Self {
         let (k, mu) = (bulk_modulus, shear_modulus);
         Self {
             youngs_modulus: 9.0 * k * mu / (3.0 * k + mu),
@@ -62,7 +62,7 @@ impl Elasticity {
 
     /// k_n of n = 2 (plane stress) or 3 normal directions: n k_n = E/(1 − (n−1)ν) (docs/theory/common.md).
     #[inline(always)]
-    pub fn bulk_modulus_in(&self, dimension: f64) -> f64 {
+    pub(crate) fn bulk_modulus_in(&self, dimension: f64) -> f64 {
         self.youngs_modulus / (dimension * (1.0 - (dimension - 1.0) * self.poisson_ratio))
     }
 

@@ -44,7 +44,7 @@ impl IsotropicSplit {
 
     /// e : e.
     #[inline(always)]
-    pub fn deviator_norm_squared(&self) -> f64 {
+    pub(crate) fn deviator_norm_squared(&self) -> f64 {
         super::strain_norm_squared(&self.deviator)
     }
 
@@ -64,7 +64,11 @@ impl IsotropicSplit {
 
 /// 2μ I_dev + k_n I_n ⊗ I_n in components, `bulk_modulus` = k_n (so s = k_n θ).
 #[inline(always)]
-pub fn isotropic_stiffness(stress_state: StressState, twice_shear_modulus: f64, bulk_modulus: f64) -> [[f64; 6]; 6] {
+pub(crate) fn isotropic_stiffness(
+    stress_state: StressState,
+    twice_shear_modulus: f64,
+    bulk_modulus: f64,
+) -> [[f64; 6]; 6] {
     let directions = normal_directions(stress_state);
     let coupling = bulk_modulus - twice_shear_modulus / directions as f64;
     stiffness_of(directions, coupling + twice_shear_modulus, coupling, 0.5 * twice_shear_modulus)

@@ -8,7 +8,8 @@ mod isotropic;
 mod spectral;
 
 pub use elasticity::Elasticity;
-pub use isotropic::{IsotropicSplit, isotropic_stiffness};
+pub use isotropic::IsotropicSplit;
+pub(crate) use isotropic::isotropic_stiffness;
 pub use spectral::Spectral;
 
 #[cfg(test)]
@@ -63,7 +64,7 @@ pub fn add_dyad(tangent: &mut [[f64; 6]; 6], factor: f64, a: &[f64; 6], b: &[f64
 
 /// Condenses a tangent onto the plane-stress components: C_ab − C_a3 C_3b / C_33 in rows and columns
 /// 0, 1, 3 (components 11, 22, 12), everything else 0.
-pub fn condense_plane_stress(tangent: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
+pub(crate) fn condense_plane_stress(tangent: &[[f64; 6]; 6]) -> [[f64; 6]; 6] {
     let mut condensed = [[0.0; 6]; 6];
     for i in [0, 1, 3] {
         for j in [0, 1, 3] {

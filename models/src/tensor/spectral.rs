@@ -71,14 +71,14 @@ impl Spectral {
     /// N_i = n_i ⊗ n_i in tensor components (no factor on the shears): σ = Σ s_i N_i, and
     /// ∂e_i/∂ε = N_i with engineering shear.
     #[inline]
-    pub fn projector(&self, i: usize) -> [f64; 6] {
+    pub(crate) fn projector(&self, i: usize) -> [f64; 6] {
         let [x, y, z] = self.directions[i];
         [x * x, y * y, z * z, x * y, x * z, y * z]
     }
 
     /// T_ij = (n_i ⊗ n_j + n_j ⊗ n_i)/2 in tensor components.
     #[inline]
-    pub fn shear_projector(&self, i: usize, j: usize) -> [f64; 6] {
+    pub(crate) fn shear_projector(&self, i: usize, j: usize) -> [f64; 6] {
         let (a, b) = (self.directions[i], self.directions[j]);
         [
             a[0] * b[0],

@@ -102,8 +102,8 @@ pub struct UmatCall {
     pub predef: Vec<f64>,
     /// Increments.
     pub dpred: Vec<f64>,
-    /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): to be set to that of the start
-    /// before a call, that of the end behind it.
+    /// ε33 of plane stress where calls go through six components ([`Self::go_through`]): that of the start before a call
+    /// ([`Self::set_point`]), that of the end behind it.
     pub strain_33: f64,
     /// Way of calls that are not plain: through six components, or with a tangent by differences.
     pub(super) detour: Option<Box<Detour>>,
@@ -213,6 +213,28 @@ impl UmatCall {
         self.common.stress.as_slice()
     }
 
+    /// Sets the point before a call: STRAN, DSTRAN, STRESS, STATEV and the energies. The first three are given in the NTENS
+    /// components of the call, or in all, 4 in a plane or 6 in space, with the strain 33 of plane stress.
+    ///
+    /// # Panics
+    /// If there are not as many strains and stresses, or not NSTATV states.
+    #[inline]
+    pub fn set_point(&mut self, [strain, increment, stress]: [&[f64]; 3], statev: &[f64], energies: [f64; 3]) {
+        let components = self.stress_state.components();
+        let has_all = strain.len() > components.len();
+        if has_all {
+            self.strain_33 = strain[2];
+        }
+        for (k, &component) in components.iter().enumerate() {
+            let from = if has_all { component } else { k };
+            self.common.stran[k] = strain[from];
+            self.common.dstran[k] = increment[from];
+            self.common.stress.as_mut_slice()[k] = stress[from];
+        }
+        self.common.statev.as_mut_slice().copy_from_slice(statev);
+        self.energies = energies;
+    }
+
     /// STRESS, to be set before a call.
     pub fn stress_mut(&mut self) -> &mut [f64] {
         self.common.stress.as_mut_slice()
@@ -221,6 +243,19 @@ impl UmatCall {
     /// DDSDDE, column-major.
     pub fn ddsdde(&self) -> &[f64] {
         self.common.tangent.as_slice()
+    }
+
+    /// DDSDDE between all components: 4 in a plane, 6 in space. Those that the call has not are 0.
+    #[inline]
+    pub fn moduli<const N: usize>(&self) -> [[f64; N]; N] {
+        let mut moduli = [[0.0; N]; N];
+        let components = self.stress_state.components();
+        for (i, &row) in components.iter().enumerate() {
+            for (j, &column) in components.iter().enumerate() {
+                moduli[row][column] = self.tangent(i, j);
+            }
+        }
+        moduli
     }
 
     /// Returns a result of the last call that a host cannot go on with, DDSDDE aside, which not every host needs.
@@ -251,11 +286,6 @@ impl UmatCall {
     /// Behaves as if the last call had asked for nothing.
     pub(super) fn restore_outcome(&mut self) {
         self.common.pnewdt = PNEWDT_ON_ENTRY;
-    }
-
-    /// Returns whether DDSDDE = NULL is understood.
-    pub fn honours_stress_only(&self) -> bool {
-        self.honours_stress_only
     }
 
     /// Calls the plugin. DDSDDE is zeroed before; a plugin that cannot compute the stress alone computes both.

@@ -18,6 +18,12 @@ pub fn library_file_name(name: &str) -> String {
     format!("{}{name}{}", env::consts::DLL_PREFIX, env::consts::DLL_SUFFIX)
 }
 
+/// The name of a library that describes nothing: its file's, without `lib` and suffix.
+pub fn library_name(library: &Path) -> String {
+    let stem = library.file_stem().unwrap_or_default().to_string_lossy();
+    stem.strip_prefix("lib").unwrap_or(&stem).to_owned()
+}
+
 /// Returns whether a plugin is named by its file (a library's suffix, or a folder) rather than by its law.
 pub fn names_a_file(plugin: &str) -> bool {
     const SUFFIXES: [&str; 3] = ["so", "dylib", "dll"];

@@ -1,6 +1,7 @@
 //! A loaded plugin library.
 
 use super::description::Law;
+use super::discovery::library_name;
 use super::guard::Guard;
 use super::{prints, recorder, utilities};
 use crate::floating_point;
@@ -176,8 +177,7 @@ impl Library {
             [law] => Some(law),
             laws => Law::named(laws, cmname),
         };
-        let stem = self.path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-        law.map_or_else(|| stem.strip_prefix("lib").unwrap_or(&stem).to_owned(), |law| law.name.clone())
+        law.map_or_else(|| library_name(&self.path), |law| law.name.clone())
     }
 
     /// Returns whether loading it switched floating-point modes (flush-to-zero); they were restored.
@@ -264,8 +264,7 @@ impl Library {
     /// # Safety
     /// `F` is the type of the function with that name.
     unsafe fn entry<F: Copy>(&self, name: &str, symbol: Option<&str>) -> Result<F, LoadError> {
-        let stem = self.path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-        let like_the_library = format!("{}_", stem.strip_prefix("lib").unwrap_or(&stem));
+        let like_the_library = format!("{}_", library_name(&self.path));
         let tried = match symbol {
             Some(symbol) => {
                 let words = symbol.to_ascii_lowercase();

@@ -14,6 +14,7 @@ mod interface_call;
 mod library;
 mod manner;
 mod memory;
+mod plugin;
 mod plugin_call;
 mod prints;
 #[cfg(unix)]
@@ -30,12 +31,15 @@ pub use altered::Alteration;
 pub use call::{CallOutcome, UmatCall, UmatInputs};
 pub use data::DataSnapshot;
 pub use description::{Choice, Derived, Group, Law, Parameter, State, Validation};
-pub use discovery::{Found, library_file_name, library_path, names_a_file, search_also, search_beside, search_paths};
+pub use discovery::{
+    Found, library_file_name, library_name, library_path, names_a_file, search_also, search_beside, search_paths,
+};
 pub use initial::{InitialPoint, InitialStates, InitialStresses};
 pub use interface_call::{Contact, FricAnswer, FricCall, FricInputs, SurfaceFields, UinterCall, UinterInputs};
 pub use library::{Library, LoadError, Routine, binds_deeply};
 pub use manner::{Manner, TangentDeviation, TangentSource};
 pub use memory::{NotFinite, Overrun, Trespass};
+pub use plugin::Plugin;
 pub use plugin_call::PluginCall;
 pub use prints::{flush_prints, print_by_lines, write_messages_to};
 #[cfg(unix)]

@@ -1,7 +1,6 @@
 //! Contact pairs.
 
 use super::mesh::DefaultPair;
-use super::parts::plugin_law;
 use super::{Scene, chain};
 use crate::document::pullout as document;
 use crate::document::{Entry, PropValue, Props, PulloutCase};
@@ -10,7 +9,7 @@ use crate::problem::{Place, hint};
 use crate::reader::Reader;
 use fe_core::mesh::specimen::SurfaceRole;
 use fe_core::mesh::{ElementEdge, Mesh};
-use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, Quadrature, SoftLaw, Width};
+use fe_core::model::{ContactLaw, ContactPair, Enforcement, HardLaw, NormalLaw, PluginLaw, Quadrature, SoftLaw, Width};
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
@@ -290,7 +289,7 @@ fn law(reader: &mut Reader<'_>, pair: &document::Pair, place: &Place) -> Option<
         reader.problem(&place_of_law.key("statev0"), "the states of contact start from 0: leave it out");
     }
     let purpose = Use { subject: Subject::Specimen, entry, mode: None, length: Length::Unknown };
-    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(plugin_law);
+    let law = plugin::resolve(reader, material, &place_of_law, purpose).map(PluginLaw::from);
     let place = place.key("normal");
     let normal = reader.optional(pair.normal.as_ref(), &place);
     match (entry, normal) {

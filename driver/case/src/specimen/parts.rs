@@ -11,7 +11,7 @@ use crate::reader::Reader;
 use fe_core::kinematics::PlaneModel;
 use fe_core::mesh::Mesh;
 use fe_core::model::PluginLaw;
-use pullout_run::program::{Mode, Plugin, STRESS_NAMES};
+use pullout_run::program::{Mode, STRESS_NAMES};
 
 /// Laws and options of the mesh's parts, in their order.
 pub struct Parts {
@@ -80,13 +80,7 @@ fn law(
         [s11, s22, s33, s12]
     });
     plugin::tell_initial_values(reader, &plugin.library, [material.statev0.is_some(), stress.is_some()]);
-    Some(PluginLaw { statev0: material.statev0.clone(), stress0: stress, ..plugin_law(plugin) })
-}
-
-/// Returns a plugin as the FE core takes it.
-pub fn plugin_law(plugin: Plugin) -> PluginLaw {
-    let Plugin { library, law, name, symbol, cmname, props, nstatv, manner } = plugin;
-    PluginLaw { library, law, name, symbol, cmname, props, nstatv, statev0: None, stress0: None, manner }
+    Some(PluginLaw { plugin, statev0: material.statev0.clone(), stress0: stress })
 }
 
 fn mode(model: PlaneModel) -> Mode {

@@ -5,7 +5,7 @@ use pullout_run::input::{self, Input};
 use std::collections::BTreeSet;
 use std::io;
 use std::path::Path;
-use umat_abi::host::library_file_name;
+use umat_abi::host::{library_file_name, library_name};
 
 /// Routines that this program calls, by their plain names.
 const ROUTINES: [&str; 6] = ["umat", "uinter", "fric", "uexternaldb", "sdvini", "sigini"];
@@ -46,8 +46,7 @@ impl Symbols {
 
     /// Returns whether the loader finds a UMAT, UINTER or FRIC, or a routine of the library's own name.
     pub(super) fn has_law(&self, library: &Path) -> bool {
-        let stem = library.file_stem().unwrap_or_default().to_string_lossy();
-        let own = format!("{}_", stem.strip_prefix("lib").unwrap_or(&stem));
+        let own = format!("{}_", library_name(library));
         self.0.contains(&own) || ROUTINES[..LAWS].iter().any(|routine| self.spelling_of(routine).is_some())
     }
 

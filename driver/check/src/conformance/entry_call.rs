@@ -10,13 +10,9 @@ pub(super) type Called = (Answer, Result<(), Overrun>);
 
 /// The arguments of a UMAT.
 pub(super) fn prepare_umat(call: &mut UmatCall, from: &Committed, step: &[f64], share: f64, end: &Matrix3<f64>) {
-    let n = step.len();
-    call.stran[..n].copy_from_slice(&from.input);
-    call.dstran[..n].copy_from_slice(step);
-    call.stress_mut().copy_from_slice(&from.output);
+    let [stored, plastic, creep, ..] = from.energies;
     let states = call.statev().len();
-    call.statev_mut().copy_from_slice(&from.statev[..states]);
-    call.energies.copy_from_slice(&from.energies[..3]);
+    call.set_point([&from.input, step, &from.output], &from.statev[..states], [stored, plastic, creep]);
     let Setting { time_increment, temperature, fields } = &from.setting;
     call.time = from.time;
     call.dtime = share * time_increment;

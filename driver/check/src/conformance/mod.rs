@@ -36,12 +36,12 @@ pub use report::{Event, Report, Row, Verdict};
 pub use subject::Entry;
 
 use case_path::CasePath;
-use pullout_run::program::{Plugin, Program};
+use pullout_run::program::Program;
 use report::Ledger;
 use std::sync::Arc;
 use std::time::Duration;
 use subject::Subject;
-use umat_abi::host::{ExternalDatabases, Law};
+use umat_abi::host::{ExternalDatabases, Law, Plugin};
 use umat_abi::law::StressState;
 use umat_abi::metadata::kinds;
 

@@ -14,13 +14,13 @@ use super::sample::State;
 use nalgebra::Matrix3;
 use pullout_run::deformation::{columns, incremental_motion, rotated, spinless, symmetric};
 use pullout_run::isolation::worker;
-use pullout_run::program::{Kind, Plugin};
+use pullout_run::program::Kind;
 use std::collections::BTreeMap;
 use std::fmt;
 use std::sync::Arc;
 use umat_abi::host::{
-    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Probed, SurfaceFields,
-    UinterCall, UmatCall, Validation, judge,
+    Alignment, Alteration, CallFailure, CallOutcome, FricAnswer, FricCall, LoadError, NotFinite, Plugin, Probed,
+    SurfaceFields, UinterCall, UmatCall, Validation, judge,
 };
 use umat_abi::law::StressState;
 
@@ -361,13 +361,14 @@ impl<'p> Subject<'p> {
     }
 
     fn prepare(plugin: &Plugin, entry: Entry, props: &[f64], nstatv: usize) -> Result<Call, LoadError> {
-        let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), plugin.cmname.as_str());
         // One symbol cannot be both UINTER and FRIC.
-        let symbol = symbol.filter(|_| plugin.law.as_ref().is_none_or(|law| law.kinds.count_ones() == 1));
+        let has_one_kind = plugin.law.as_ref().is_none_or(|law| law.kinds.count_ones() == 1);
+        let symbol = plugin.symbol.clone().filter(|_| has_one_kind);
+        let plugin = Plugin { symbol, props: props.to_vec(), nstatv, ..plugin.clone() };
         Ok(match entry {
-            Entry::Umat(state) => Call::Umat(Box::new(UmatCall::new(library, symbol, name, state, nstatv, props)?)),
-            Entry::Uinter(n) => Call::Uinter(Box::new(UinterCall::new(library, symbol, name, n, nstatv, props)?)),
-            Entry::Fric(n) => Call::Fric(Box::new(FricCall::new(library, symbol, name, n, nstatv, props)?)),
+            Entry::Umat(state) => Call::Umat(Box::new(plugin.plain_umat(state)?)),
+            Entry::Uinter(directions) => Call::Uinter(Box::new(plugin.uinter(directions)?)),
+            Entry::Fric(directions) => Call::Fric(Box::new(plugin.fric(directions)?)),
         })
     }
 

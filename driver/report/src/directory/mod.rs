@@ -31,7 +31,7 @@ pub use lock::Lock;
 pub use names::Kind;
 
 /// File that says what the program wrote.
-pub const MANIFEST: &str = "manifest.json";
+pub(crate) const MANIFEST: &str = "manifest.json";
 /// A file while it is written, beside its place.
 const PARTIAL: &str = ".pullout.partial";
 /// Names of files that a message lists.

@@ -119,7 +119,7 @@ fn value_count(path: &Path, columns: &[String]) -> io::Result<usize> {
 }
 
 /// The tables of a run of kind "bridging" that have curves.
-pub const BRIDGING_TABLES: [&str; 2] = ["bridging.csv", "beam.csv"];
+pub(crate) const BRIDGING_TABLES: [&str; 2] = ["bridging.csv", "beam.csv"];
 
 /// A history read back, by columns.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -259,7 +259,7 @@ impl HistoryFile {
     ///
     /// # Errors
     /// The file cannot be read, or holds something else.
-    pub fn each_row(&self, mut row: impl FnMut(Row<'_>)) -> io::Result<()> {
+    pub(crate) fn each_row(&self, mut row: impl FnMut(Row<'_>)) -> io::Result<()> {
         self.each(&self.all(), &mut |values| {
             if let [step, increment, values @ .., iterations] = values {
                 let (step, increment, iterations) = (*step as u32, *increment as u32, *iterations as u32);

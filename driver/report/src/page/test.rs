@@ -2,7 +2,7 @@ use super::super::summary;
 use super::*;
 use crate::directory::{self, ResultDirectory};
 use pullout_run::program::*;
-use umat_abi::host::{Found, search_paths};
+use umat_abi::host::{Found, Plugin, search_paths};
 
 fn account() -> Account {
     Account {
@@ -120,16 +120,7 @@ fn program() -> Program {
             ..About::default()
         },
         document: serde_json::Value::Null,
-        plugin: Plugin {
-            nstatv: law.states.len(),
-            cmname: "LINEAR_ELASTIC".into(),
-            name: law.name.clone(),
-            symbol: None,
-            props: vec![31800.0, 0.18, -7.5],
-            law: Some(law),
-            library,
-            manner: umat_abi::host::Manner::default(),
-        },
+        plugin: Plugin { props: vec![31800.0, 0.18, -7.5], ..Plugin::with_defaults(&library, &law) },
         kind: Kind::Point(PointProgram {
             mode: Mode::PlaneStress,
             nlgeom: false,

@@ -13,7 +13,7 @@ pub struct Quantity {
 }
 
 /// Returns what a column belongs to on axes; states of any law are damage by their names, or stand alone.
-pub fn group_of(column: &str) -> Group {
+pub(crate) fn group_of(column: &str) -> Group {
     match columns::shown(column) {
         Some((.., group)) if group.common().is_some() => group,
         None if is_damage(column) => Group::Damage,

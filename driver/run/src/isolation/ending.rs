@@ -5,7 +5,8 @@ use super::{Need, trust};
 use crate::path::{FailedAt, FailureKind, Statistics};
 use rustix::process::Signal;
 use serde::{Deserialize, Serialize};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
+use umat_abi::host::library_name;
 use umat_abi::host::recorder::{Arguments, CallRecord, Recording};
 
 /// Cause of a worker's end.
@@ -73,7 +74,7 @@ impl Report {
             let suspects: Vec<_> = need.libraries.keys().filter(|library| !trust::is_shipped(library)).collect();
             if !suspects.contains(&&last.library) || suspects.len() > 1 {
                 let [step, increment] = last.arguments.place();
-                let names = suspects.iter().map(|library| format!("'{}'", name_of_file(library))).collect::<Vec<_>>();
+                let names = suspects.iter().map(|library| format!("'{}'", library_name(library))).collect::<Vec<_>>();
                 let which = if names.len() == 1 { "plugin" } else { "one of the plugins" };
                 let message = format!("{which} {}, step {step}, increment {increment}: {happened}", names.join(", "));
                 return Self { message, at_loading: false, call: None, is_timeout };
@@ -101,12 +102,6 @@ impl Report {
     pub fn library(&self) -> Option<&PathBuf> {
         self.call.as_ref().map(|call| &call.library)
     }
-}
-
-/// Returns what a library is called that describes nothing.
-fn name_of_file(library: &Path) -> String {
-    let stem = library.file_stem().unwrap_or_default().to_string_lossy();
-    stem.strip_prefix("lib").unwrap_or(&stem).to_owned()
 }
 
 /// Plugin, routine if it is not an entry point, step, increment, and in a specimen the point.

@@ -52,7 +52,7 @@ mod ending;
 mod last_words;
 mod need;
 pub mod prints;
-pub mod replay;
+pub(crate) mod replay;
 mod supervisor;
 mod system;
 #[cfg(test)]

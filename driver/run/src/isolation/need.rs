@@ -34,7 +34,7 @@ impl Need {
     }
 
     /// The longest time that anything may take, s.
-    pub fn longest_time(&self) -> f64 {
+    pub(crate) fn longest_time(&self) -> f64 {
         self.libraries.values().copied().fold(0.0, f64::max)
     }
 }

@@ -2,10 +2,9 @@
 
 use super::need::{CALL_TIME_LIMIT, Need};
 use super::trust;
-use crate::path::replay;
 use crate::program::{FieldValues, STRAIN_NAMES, STRESS_NAMES};
-use serde_json::{Map, Value, json};
-use std::path::Path;
+use crate::replay::{self, named, rows};
+use serde_json::{Value, json};
 use umat_abi::host::recorder::{Arguments, CallRecord, FricRecord, UinterRecord, UmatRecord};
 use umat_abi::law::StressState;
 
@@ -26,18 +25,16 @@ pub(super) fn of(call: &CallRecord, need: &Need) -> Option<Value> {
 }
 
 /// A case that makes this call, and no other before it, without its title; `None` for the routines beside the entry points.
-pub fn of_call(call: &CallRecord) -> Option<Value> {
+pub(crate) fn of_call(call: &CallRecord) -> Option<Value> {
     let (mut case, props, statev, entry) = match &call.arguments {
         Arguments::Umat(umat) => (point(umat, call.wants_tangent), &umat.props, &umat.statev, "umat"),
         Arguments::Uinter(uinter) => (uinter_case(uinter), &uinter.props, &uinter.statev, "uinter"),
         Arguments::Fric(fric) => (fric_case(fric), &fric.props, &fric.statev, "fric"),
         Arguments::ExternalDatabase(_) | Arguments::InitialState(_) | Arguments::InitialStress(_) => return None,
     };
-    // by the absolute path: the case may be moved
-    let library = std::path::absolute(&call.library).unwrap_or_else(|_| call.library.clone());
     case["title"] = json!("");
     case["material"] = json!({
-        "plugin": library.to_string_lossy(),
+        "plugin": replay::library(&call.library),
         "cmname": call.cmname,
         "entry": entry,
         "props": props,
@@ -47,13 +44,6 @@ pub fn of_call(call: &CallRecord) -> Option<Value> {
         case["material"]["symbol"] = json!(symbol);
     }
     Some(case)
-}
-
-/// Names the case whose call a replay repeats, and the folder from which it was run.
-pub fn entitle(replay: &mut Value, title: &str, job_folder: &Path) {
-    const PREFIX: &str = "Replay of a call: ";
-    replay["title"] = json!(format!("{PREFIX}{}", title.strip_prefix(PREFIX).unwrap_or(title)));
-    replay["job_folder"] = json!(job_folder.to_string_lossy());
 }
 
 /// Returns whether a number is missing: NaN and infinity become null.
@@ -81,11 +71,6 @@ fn integers<const N: usize>(values: &[f64]) -> [i32; N] {
 
 fn array<const N: usize>(values: &[f64]) -> [f64; N] {
     std::array::from_fn(|k| at(values, k))
-}
-
-/// Row by row, from a matrix column by column.
-fn rows(matrix: &[f64]) -> Value {
-    json!(std::array::from_fn::<[f64; 3], 3, _>(|row| std::array::from_fn(|column| at(matrix, 3 * column + row))))
 }
 
 /// A duration of a step, s, which takes some time; equilibrium before the first step takes none.
@@ -134,22 +119,22 @@ fn point(call: &UmatRecord, wants_tangent: bool) -> Value {
         StressState::PlaneStrainOrAxisymmetric if has_strain_33 => ("axisymmetric", &[0, 1, 2, 3]),
         StressState::PlaneStrainOrAxisymmetric => ("plane_strain", &[0, 1, 3]),
     };
-    let named = |names: &[&str; 6], which: &[usize], value: &dyn Fn(usize) -> f64| -> Value {
-        let entries = components.iter().enumerate().filter(|(_, component)| which.contains(component));
-        entries.map(|(k, &component)| (names[component].to_owned(), json!(value(k)))).collect::<Map<_, _>>().into()
+    let six = |value: &dyn Fn(usize) -> f64| {
+        let mut six = [0.0; 6];
+        components.iter().enumerate().for_each(|(k, &component)| six[component] = value(k));
+        six
     };
-    let end = |k: usize| at(&call.stran, k) + at(&call.dstran, k);
     let step = json!({
         "increments": 1,
         "time": duration(at(&call.dtime, 0)),
-        "target": named(&STRAIN_NAMES, driven, &end),
+        "target": named(&STRAIN_NAMES, driven, &six(&|k| at(&call.stran, k) + at(&call.dstran, k))),
     });
     let mut case = json!({
         "kind": "point",
         "mode": mode,
         "initial": {
-            "strain": named(&STRAIN_NAMES, components, &|k| at(&call.stran, k)),
-            "stress": named(&STRESS_NAMES, components, &|k| at(&call.stress, k)),
+            "strain": named(&STRAIN_NAMES, components, &six(&|k| at(&call.stran, k))),
+            "stress": named(&STRESS_NAMES, components, &six(&|k| at(&call.stress, k))),
             "statev": call.statev,
             "time": at(&call.time, 1).max(0.0),
         },
@@ -176,11 +161,8 @@ fn set_fields(case: &mut Value, temperature: [f64; 2], mut variables: [Vec<f64>;
         variables = [Vec::new(), Vec::new()];
     }
     let ([start, end], [first, last]) = (temperature, variables);
-    replay::set_fields(
-        case,
-        &FieldValues { temperature: start, variables: first },
-        &FieldValues { temperature: end, variables: last },
-    );
+    let start = FieldValues { temperature: start, variables: first };
+    replay::set_fields(case, &start, &FieldValues { temperature: end, variables: last });
 }
 
 fn set_length(case: &mut Value, length: &[f64]) {

@@ -50,7 +50,7 @@ pub enum End {
 pub struct Failure {
     /// Cause and place of its end.
     pub report: Report,
-    /// A case that repeats the call, without its title ([`replay::entitle`]).
+    /// A case that repeats the call, without its title ([`crate::replay::entitle`]).
     pub replay: Option<Value>,
     /// Whether the history in the result directory is this run's.
     pub has_rows: bool,

@@ -146,7 +146,7 @@ pub fn note_increment(so_far: &Statistics) {
 
 /// Undoes what plugins did to this process, before a file is opened and now and then. One that closed a standard stream ends
 /// the worker here: the next file to be opened would take its number, and what is printed would go into it.
-pub fn look_after_plugins() {
+pub(crate) fn look_after_plugins() {
     if is_this_process() {
         restore_mode_of_files();
         end_if_a_stream_is_closed();

@@ -9,10 +9,10 @@ use super::newton::Evaluation;
 use super::point::Committed;
 use crate::deformation::{Polar, columns, components, exponential, exponential_derivative, incremental_motion};
 use crate::deformation::{rotated, symmetric, turns};
-use crate::program::{Measure, Mode, Plugin, PointProgram};
+use crate::program::{Measure, Mode, PointProgram};
 use models::tensor::Spectral;
 use nalgebra::Matrix3;
-use umat_abi::host::UmatCall;
+use umat_abi::host::{Plugin, UmatCall};
 
 /// The finite strain of a point: committed, and that of the last call.
 pub(super) struct Finite {

@@ -12,7 +12,7 @@ use crate::program::{
     FieldValues, InterfaceEntry, InterfaceGoal, InterfaceProgram, InterfaceStep, NormalControl, Pace, Program,
 };
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, FricAnswer, FricCall, MOMENT, SurfaceFields, UinterCall, judge,
+    Clock, Derived, ExternalDatabases, FricAnswer, FricCall, LoadError, MOMENT, SurfaceFields, UinterCall, judge,
 };
 
 /// Index of the normal value in \[slip, slip2, normal\].
@@ -111,26 +111,23 @@ impl<'p> Runner<'p> {
         let plugin = &program.plugin;
         let directions = interface.tangential_directions;
         let arguments = &interface.arguments;
-        let (library, symbol, name) = (&plugin.library, plugin.symbol.as_deref(), &plugin.cmname);
+        let failed = |error: LoadError| error.to_string();
         let call = match interface.entry {
             InterfaceEntry::Uinter => {
-                UinterCall::new(library, symbol, name, directions + 1, plugin.nstatv, &plugin.props).map(|mut call| {
-                    call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
-                    arguments.set_uinter(&mut call);
-                    call.fence();
-                    Call::Uinter(Box::new(call))
-                })
+                let mut call = plugin.uinter(directions + 1).map_err(failed)?;
+                call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                arguments.set_uinter(&mut call);
+                call.fence();
+                Call::Uinter(Box::new(call))
             }
             InterfaceEntry::Fric => {
-                FricCall::new(library, symbol, name, directions, plugin.nstatv, &plugin.props).map(|mut call| {
-                    call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
-                    arguments.set_fric(&mut call);
-                    call.fence();
-                    Call::Fric(Box::new(call))
-                })
+                let mut call = plugin.fric(directions).map_err(failed)?;
+                call.chrlngth = program.characteristic_length.unwrap_or(call.chrlngth);
+                arguments.set_fric(&mut call);
+                call.fence();
+                Call::Fric(Box::new(call))
             }
-        }
-        .map_err(|error| error.to_string())?;
+        };
         let [slip, slip2, gap] = interface.initial_displacement;
         let [pressure, shear, shear2] = arguments.traction.unwrap_or_default();
         let committed = Committed {

@@ -5,7 +5,7 @@ mod finite;
 mod interface;
 mod newton;
 mod point;
-pub(crate) mod replay;
+mod replay;
 mod subdivision;
 #[cfg(test)]
 mod test;

@@ -10,12 +10,13 @@ use crate::deformation::matrix;
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
-    Constraint, Control, FieldValues, Measure, Mode, Plugin, PointDrive, PointGoal, PointProgram, PointStep, Program,
+    Constraint, Control, FieldValues, Measure, Mode, PointDrive, PointGoal, PointProgram, PointStep, Program,
 };
 use crate::program::{STRAIN_NAMES, STRESS_NAMES, TURNED};
 use nalgebra::Matrix3;
 use umat_abi::host::{
-    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, TangentSource, UmatCall, judge,
+    Clock, Derived, ExternalDatabases, InitialPoint, InitialStates, InitialStresses, Plugin, TangentSource, UmatCall,
+    judge,
 };
 use umat_abi::law::Request;
 
@@ -143,9 +144,7 @@ impl<'p> Runner<'p> {
     ) -> Result<Self, String> {
         let plugin = &program.plugin;
         let stress_state = point.mode.stress_state();
-        let make = |state| plugin.plain_umat(state);
-        let prepared = plugin.manner.prepare(stress_state, plugin.law.as_ref(), make);
-        let mut call = prepared.map_err(|error| error.to_string())?;
+        let mut call = plugin.umat(stress_state).map_err(|error| error.to_string())?;
         if let Some(length) = program.characteristic_length {
             call.celent = length;
         }
@@ -216,13 +215,9 @@ impl<'p> Runner<'p> {
 
     /// Lets the call go through six components if the UMAT needs it; then says why.
     fn find_components(&mut self, plugin: &Plugin) -> Result<Option<String>, String> {
-        self.call.statev_mut().copy_from_slice(&self.committed.statev);
-        for (k, &i) in self.components.iter().enumerate() {
-            (self.call.stran[k], self.call.stress_mut()[k]) = (self.committed.strain[i], self.committed.stress[i]);
-        }
-        self.call.strain_33 = self.committed.strain[2];
-        let make = |state| plugin.plain_umat(state);
-        plugin.manner.probe(&mut self.call, plugin.law.as_ref(), make).map_err(|error| error.to_string())
+        let Committed { strain, stress, statev, .. } = &self.committed;
+        self.call.set_point([strain, &[0.0; 6], stress], statev, [0.0; 3]);
+        plugin.probe(&mut self.call).map_err(|error| error.to_string())
     }
 
     /// Replaces the tangent for the first guess by that of a zero increment, where nothing grows.
@@ -432,14 +427,7 @@ impl Point<'_> {
         request: Request,
     ) -> Result<(), Trouble> {
         let call = &mut *self.call;
-        for (k, &i) in self.components.iter().enumerate() {
-            call.stran[k] = strain[i];
-            call.dstran[k] = increment[i];
-            call.stress_mut()[k] = stress[i];
-        }
-        call.strain_33 = strain[2];
-        call.statev_mut().copy_from_slice(&self.committed.statev);
-        call.energies = self.committed.energies;
+        call.set_point([strain, increment, stress], &self.committed.statev, self.committed.energies);
         self.statistics.plugin_calls += 1;
         let outcome = call.call(request);
         Ok(judge(outcome, call.not_finite())?)
@@ -449,13 +437,8 @@ impl Point<'_> {
 /// The result of a call in six components.
 #[inline]
 fn evaluation(call: &UmatCall, components: &[usize]) -> Evaluation {
-    let mut evaluation = Evaluation { stress: [0.0; 6], tangent: [[0.0; 6]; 6] };
-    for (row, &i) in components.iter().enumerate() {
-        evaluation.stress[i] = call.stress()[row];
-        for (column, &j) in components.iter().enumerate() {
-            evaluation.tangent[i][j] = call.tangent(row, column);
-        }
-    }
+    let mut evaluation = Evaluation { stress: [0.0; 6], tangent: call.moduli() };
+    components.iter().zip(call.stress()).for_each(|(&i, stress)| evaluation.stress[i] = *stress);
     evaluation
 }
 

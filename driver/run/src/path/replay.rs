@@ -5,34 +5,37 @@
 //! ended the process is repeated as it was.)
 
 use super::{interface, point};
-use crate::program::job_folder;
 use crate::program::{
-    Control, FieldValues, InterfaceEntry, Kind, Mode, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES,
+    Control, FieldValues, InterfaceEntry, Kind, Mode, NormalControl, Program, STRAIN_NAMES, STRESS_NAMES, job_folder,
 };
+use crate::replay::{self, named, rows};
 use serde_json::{Map, Value, json};
 use umat_abi::host::{self, UmatCall};
 
-const TITLE: &str = "Replay of a failed increment: ";
-
-/// The case with its steps and initial state replaced; plugin and files by absolute path.
-fn frame(program: &Program) -> Map<String, Value> {
+/// The case with one step from another state; plugin and files by absolute path. Arguments of the case's first call, which are not
+/// those of this one, are left out.
+fn frame(program: &Program, [initial, step]: [Value; 2], [start, end]: [&FieldValues; 2]) -> Value {
     let mut case = program.document.as_object().cloned().unwrap_or_default();
     for key in ["until", "compare", "output", "temperature", "predef", "increments"] {
         case.remove(key);
     }
-    let title = program.about.title.strip_prefix(TITLE).unwrap_or(&program.about.title);
-    case.insert("title".into(), json!(format!("{TITLE}{title}")));
+    let mut case = Value::Object(case);
     let folder = job_folder(&program.about.case_file, &program.document);
-    case.insert("job_folder".into(), json!(folder.to_string_lossy()));
+    replay::entitle(&mut case, replay::OF_INCREMENT, &program.about.title, &folder);
     if let Some(material) = case.get_mut("material").and_then(Value::as_object_mut) {
         // a plugin found by name is found again; a path is relative to the case file, which moves
-        let is_path = material.get("plugin").and_then(Value::as_str).is_some_and(host::names_a_file);
-        if is_path {
-            let path = program.plugin.library.path();
-            let absolute = std::path::absolute(path).unwrap_or_else(|_| path.to_path_buf());
-            material.insert("plugin".into(), json!(absolute.to_string_lossy()));
+        if material.get("plugin").and_then(Value::as_str).is_some_and(host::names_a_file) {
+            material.insert("plugin".into(), replay::library(program.plugin.library.path()));
         }
         material.remove("statev0");
+    }
+    case["initial"] = initial;
+    case["steps"] = json!([step]);
+    replay::set_fields(&mut case, start, end);
+    if let Some(arguments) = case.get_mut("arguments").and_then(Value::as_object_mut) {
+        for key in ["dstran", "dtime", "dtemp", "dpred", "drdisp", "dpress"] {
+            arguments.remove(key);
+        }
     }
     case
 }
@@ -46,11 +49,6 @@ pub(super) fn point(
     first_strain_increment: Option<Vec<f64>>,
 ) -> Value {
     let Kind::Point(point) = &program.kind else { return Value::Null };
-    let mut case = frame(program);
-    if point.mode != Mode::ThreeD && program.plugin.law.is_none() {
-        // what probing found out at the start of the run
-        case["material"]["as"] = json!(if call.is_through_solid() { "3d" } else { "plane" });
-    }
     let components = point.mode.stress_state().components();
     // what the program finds of plane stress it goes on from
     let strains = if call.is_through_solid() && components.len() == 3 { &[0, 1, 2, 3] } else { components };
@@ -61,11 +59,11 @@ pub(super) fn point(
         "time": state.total_time,
     });
     if point.nlgeom {
-        initial["F"] = rows(&state.deformation_gradient);
+        initial["F"] = rows(state.deformation_gradient.as_slice());
     }
     let mut step = json!({ "increments": 1, "time": goal.step_time.1 - state.step_time });
     if let Some((_, end)) = &goal.deformation_gradient {
-        step["F"] = rows(end);
+        step["F"] = rows(end.as_slice());
     } else {
         let mut target = Map::new();
         for &i in point.mode.controllable() {
@@ -92,34 +90,20 @@ pub(super) fn point(
             step["constraints"] = relations.collect();
         }
     }
-    case.insert("initial".into(), initial);
-    case.insert("steps".into(), json!([step]));
-    let mut case = Value::Object(case);
-    set_fields(&mut case, &state.fields, &goal.fields[1]);
+    let mut case = frame(program, [initial, step], [&state.fields, &goal.fields[1]]);
+    if point.mode != Mode::ThreeD && program.plugin.law.is_none() {
+        // what probing found out at the start of the run
+        case["material"]["as"] = json!(if call.is_through_solid() { "3d" } else { "plane" });
+    }
     let arguments = &mut case["arguments"];
     arguments["energies"] = json!(state.energies);
     arguments["step_time"] = json!(point.arguments.start() + state.step_time);
     arguments["jstep"] = json!(call.jstep);
     arguments["kinc"] = json!(call.kinc);
-    if let Some(arguments) = arguments.as_object_mut() {
-        for key in ["dstran", "dtime", "dtemp", "dpred"] {
-            arguments.remove(key);
-        }
-    }
     if let Some(increment) = first_strain_increment {
         arguments["dstran"] = json!(increment);
     }
     case
-}
-
-/// Sets temperature and field variables before and at the end of the only step.
-pub(crate) fn set_fields(case: &mut Value, start: &FieldValues, end: &FieldValues) {
-    case["temperature"] = json!(start.temperature);
-    case["steps"][0]["temperature"] = json!(end.temperature);
-    if !start.variables.is_empty() {
-        case["predef"] = json!(start.variables);
-        case["steps"][0]["predef"] = json!(end.variables);
-    }
 }
 
 /// Replays an increment of a contact point.
@@ -131,7 +115,6 @@ pub(super) fn interface(
     counters: [i32; 3],
 ) -> Value {
     let Kind::Interface(interface) = &program.kind else { return Value::Null };
-    let mut case = frame(program);
     let mut initial = json!({ "statev": state.statev, "time": state.total_time, "slip": state.slip[0] });
     let mut target = json!({ "slip": goal.end[0] });
     if interface.tangential_directions == 2 {
@@ -146,13 +129,8 @@ pub(super) fn interface(
         NormalControl::Pressure => "p",
     };
     target[normal] = json!(goal.end[2]);
-    case.insert("initial".into(), initial);
-    case.insert(
-        "steps".into(),
-        json!([{ "increments": 1, "time": goal.step_time.1 - state.step_time, "target": target }]),
-    );
-    let mut case = Value::Object(case);
-    set_fields(&mut case, &state.fields, fields_at_end);
+    let step = json!({ "increments": 1, "time": goal.step_time.1 - state.step_time, "target": target });
+    let mut case = frame(program, [initial, step], [&state.fields, fields_at_end]);
     let arguments = &mut case["arguments"];
     arguments["traction"] = json!([state.pressure, state.shear[0], state.shear[1]]);
     arguments["energies"] = json!(state.energies.map(|energy| if energy.is_nan() { 0.0 } else { energy }));
@@ -164,21 +142,7 @@ pub(super) fn interface(
         }
     }
     arguments["step_time"] = json!(interface.arguments.start() + state.step_time);
-    if let Some(arguments) = arguments.as_object_mut() {
-        for key in ["dtime", "drdisp", "dpress", "dtemp", "dpred"] {
-            arguments.remove(key);
-        }
-    }
     arguments["time"] = json!([interface.arguments.start() + goal.step_time.1, goal.time_of_step + goal.step_time.1]);
     [arguments["kstep"], arguments["kinc"], _] = counters.map(|counter| json!(counter));
     case
-}
-
-fn named(names: &[&str; 6], components: &[usize], values: &[f64; 6]) -> Value {
-    let entries = components.iter().map(|&i| (names[i].to_owned(), json!(values[i])));
-    Value::Object(entries.collect())
-}
-
-fn rows(matrix: &nalgebra::Matrix3<f64>) -> Value {
-    json!(std::array::from_fn::<[f64; 3], 3, _>(|i| std::array::from_fn(|j| matrix[(i, j)])))
 }

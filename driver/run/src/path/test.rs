@@ -3,7 +3,7 @@
 use super::{Observer, Row, Statistics, Stop, run};
 use crate::program::*;
 use std::io;
-use umat_abi::host::{Found, Manner, search_paths};
+use umat_abi::host::{Found, Plugin, search_paths};
 
 /// Keeps every row.
 #[derive(Default)]
@@ -24,17 +24,7 @@ impl Observer for Rows {
 fn plugin(name: &str, props: &[f64]) -> Plugin {
     let found = Found::by_name(name, &search_paths(&[])).expect("plugins are built beside the tests");
     let library = crate::isolation::load(&found.path).expect("a library");
-    let law = library.laws()[0].clone();
-    Plugin {
-        nstatv: law.states.len(),
-        cmname: name.to_uppercase(),
-        name: name.into(),
-        symbol: None,
-        props: props.to_vec(),
-        law: Some(law),
-        library,
-        manner: Manner::default(),
-    }
+    Plugin { props: props.to_vec(), ..Plugin::with_defaults(&library, &library.laws()[0]) }
 }
 
 const IDENTITY: [[f64; 3]; 3] = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];

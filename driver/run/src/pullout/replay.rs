@@ -3,6 +3,7 @@
 use super::Program;
 use crate::isolation::replay::of_call;
 use crate::program::{STRAIN_NAMES, job_folder};
+use crate::replay::{OF_INCREMENT, entitle};
 use fe_core::assembly::solids::PointCall;
 use fe_core::assembly::{Place, Trouble};
 use fe_core::model::{ContactLaw, PluginLaw};
@@ -20,9 +21,8 @@ pub fn of(program: &Program, trouble: &Trouble, snapshot: &Snapshot<'_>) -> Valu
         Place::Node { .. } | Place::System => None,
     };
     case.map_or(Value::Null, |mut case| {
-        let title = format!("Replay of a failed increment: {}, {}", program.about.title, trouble.place);
-        case["title"] = json!(title);
-        case["job_folder"] = json!(job_folder(&program.about.case_file, &Value::Null).to_string_lossy());
+        let title = format!("{}, {}", program.about.title, trouble.place);
+        entitle(&mut case, OF_INCREMENT, &title, &job_folder(&program.about.case_file, &Value::Null));
         case
     })
 }

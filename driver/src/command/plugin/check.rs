@@ -7,14 +7,13 @@ use pullout_case::Case;
 use pullout_check::conformance::{self, Event, Group, Options, Report};
 use pullout_run::isolation::prints::Prints;
 use pullout_run::isolation::{self, Need, worker};
-use pullout_run::program::Plugin;
 use serde_json::{Value, json};
 use std::ffi::OsString;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, OnceLock};
-use umat_abi::host::Library;
+use umat_abi::host::{Library, Plugin};
 use umat_abi::law::StressState;
 
 mod children;

@@ -148,7 +148,7 @@ impl LoadedEdge {
 }
 
 /// The freedoms at which a model's loads act.
-pub fn loaded_freedoms(model: &Model) -> Vec<usize> {
+pub(crate) fn loaded_freedoms(model: &Model) -> Vec<usize> {
     let nodes = model.loads.iter().flat_map(|load| match &load.kind {
         LoadKind::Force { nodes, .. } => nodes.clone(),
         LoadKind::Traction { edges, .. } | LoadKind::Pressure { edges, .. } => {

@@ -1,7 +1,7 @@
 //! Faults of the solids of a model.
 
 use crate::kinematics::PlaneModel;
-use crate::model::LawError;
+use crate::model::{LawError, PluginLaw};
 
 /// The first fault of a model's solids. Indices count from 0, in messages from 1.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -72,6 +72,13 @@ pub enum SolidsError {
         /// The value returned.
         reason: String,
     },
+}
+
+impl SolidsError {
+    /// A UMAT that cannot be called, or a routine around it that failed.
+    pub(super) fn umat(part: &str, law: &PluginLaw, message: impl ToString) -> Self {
+        Self::Umat { part: part.to_owned(), source: law.error(message) }
+    }
 }
 
 fn model_name(model: PlaneModel) -> &'static str {

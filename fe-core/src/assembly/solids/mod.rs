@@ -14,7 +14,7 @@
 //!   the same forces again without a call;
 //! - under small strains a stiffness is built again only when a DDSDDE of the element is another one, to the last bit.
 //!
-//! Neither changes a bit of the result. [`Solids::stiffness_version`] shows which stiffnesses are new.
+//! Neither changes a bit of the result.
 //!
 //! # Threads
 //!
@@ -63,7 +63,7 @@ use umat_abi::law::Request;
 mod test;
 
 /// Below this det F an increment is given up: the element is as good as inverted.
-pub const LEAST_VOLUME_RATIO: f64 = 0.2;
+pub(crate) const LEAST_VOLUME_RATIO: f64 = 0.2;
 
 /// Tangent of its points from which an element's stiffness is built.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -151,7 +151,7 @@ impl Solids {
     /// # Panics
     ///
     /// If there is not one entry per element.
-    pub fn set_active(&mut self, active: &[bool]) {
+    pub(crate) fn set_active(&mut self, active: &[bool]) {
         self.active.copy_from_slice(active);
     }
 
@@ -175,7 +175,7 @@ impl Solids {
     }
 
     /// Sets the tangent from which an element's stiffness is built from the next evaluation on.
-    pub fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
+    pub(crate) fn set_tangent_choice(&mut self, element: usize, choice: TangentChoice) {
         let BlockPlace { block, local } = self.places[element];
         let record = &mut self.blocks[block].records[local];
         if record.choice != choice {
@@ -241,7 +241,7 @@ impl Solids {
     /// # Errors
     ///
     /// As [`Self::evaluate`].
-    pub fn evaluate_unstabilised(
+    pub(crate) fn evaluate_unstabilised(
         &mut self,
         displacements: &[f64],
         context: &IncrementContext,
@@ -289,12 +289,13 @@ impl Solids {
     }
 
     /// The [`Self::latest_version`] after the evaluation that built an element's stiffness; 0 before.
-    pub fn stiffness_version(&self, element: usize) -> u64 {
+    #[cfg(test)]
+    pub(crate) fn stiffness_version(&self, element: usize) -> u64 {
         self.record(element).version
     }
 
     /// A number that grows whenever an evaluation builds stiffnesses.
-    pub fn latest_version(&self) -> u64 {
+    pub(crate) fn latest_version(&self) -> u64 {
         self.version
     }
 
@@ -325,7 +326,7 @@ impl Solids {
     }
 
     /// Sets what part of its forces a released element still has, from the next evaluation on; others have all of theirs.
-    pub fn set_share(&mut self, element: usize, share: f64) {
+    pub(crate) fn set_share(&mut self, element: usize, share: f64) {
         let BlockPlace { block, local } = self.places[element];
         self.blocks[block].set_share(local, share);
     }

@@ -7,7 +7,7 @@ use crate::kinematics::{MAX_COMPONENTS, PlaneModel};
 use crate::model::PluginLaw;
 use serde::{Deserialize, Serialize};
 use umat_abi::host::{TangentSource, UmatCall, judge};
-use umat_abi::law::Request;
+use umat_abi::law::{Request, StressState};
 
 /// Reason why a point gives no stress, in words, and the fraction of the increment to repeat with.
 #[derive(Clone, Debug)]
@@ -130,7 +130,7 @@ pub(super) struct Points {
 impl Points {
     /// `count` virgin points.
     pub(super) fn new(law: &PluginLaw, model: PlaneModel, part: &str, count: usize) -> Result<Self, SolidsError> {
-        let call = law.umat(model).map_err(|source| SolidsError::Umat { part: part.to_owned(), source })?;
+        let call = law.umat(model.stress_state()).map_err(|error| SolidsError::umat(part, law, error))?;
         let components = call.stress_state().components();
         let states = States::virgin(count, law);
         let zero = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
@@ -171,8 +171,7 @@ impl Points {
     /// the initial stress, those of the first point. Returns a note for users.
     pub(super) fn prepare(&mut self, law: &PluginLaw, part: &str) -> Result<Option<String>, SolidsError> {
         self.set_virgin();
-        let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
-        let reason = law.probe_umat(&mut self.call).map_err(failed)?;
+        let reason = law.probe(&mut self.call).map_err(|error| SolidsError::umat(part, law, error))?;
         self.find_elastic(law, part)?;
         Ok(reason.map(|reason| format!("part '{part}': {} is called with NTENS = 6: {reason}", law.name)))
     }
@@ -181,8 +180,8 @@ impl Points {
     pub(super) fn take_from(&mut self, law: &PluginLaw, first: &Self, part: &str) -> Result<(), SolidsError> {
         self.elastic = first.elastic;
         if first.call.is_through_solid() && !self.call.is_through_solid() {
-            let failed = |source| SolidsError::Umat { part: part.to_owned(), source };
-            self.call.go_through(law.solid_umat().map_err(failed)?);
+            let solid = law.plain_umat(StressState::ThreeD).map_err(|error| SolidsError::umat(part, law, error))?;
+            self.call.go_through(solid);
         }
         self.call.fence();
         Ok(())
@@ -193,12 +192,8 @@ impl Points {
         let zero = [0.0; MAX_COMPONENTS];
         self.rest();
         let stress = self.committed.stress.first().copied().unwrap_or(zero);
-        self.set_state(&stress, &zero, &zero);
-        self.call.statev_mut().fill(0.0);
-        if let Some(first) = self.committed.statev.get(..self.nstatv) {
-            self.call.statev_mut().copy_from_slice(first);
-        }
-        self.call.energies = [0.0; 3];
+        let statev = self.committed.statev.get(..self.nstatv).map_or_else(|| vec![0.0; self.nstatv], <[f64]>::to_vec);
+        self.call.set_point([&zero, &zero, &stress], &statev, [0.0; 3]);
     }
 
     /// Finds DDSDDE at zero strain.
@@ -257,10 +252,9 @@ impl Points {
             self.call.drot = columns([cosine, -sine, sine, cosine, 1.0]);
             (self.call.dfgrd0, self.call.dfgrd1) = (columns(*start), columns(*end));
         }
-        self.set_state(&stress, &strain, &increment.strain);
         let statev = self.statev(point);
-        self.call.statev_mut().copy_from_slice(&self.committed.statev[statev.clone()]);
-        self.call.energies = self.committed.energies[point];
+        let (states, energies) = (&self.committed.statev[statev.clone()], self.committed.energies[point]);
+        self.call.set_point([&strain, &increment.strain, &stress], states, energies);
         let own = if choice == TangentChoice::Consistent { request } else { Request::Stress };
         self.run(own)?;
         self.trial.strain[point] = std::array::from_fn(|k| strain[k] + increment.strain[k]);
@@ -360,9 +354,8 @@ impl Points {
         for &component in self.components {
             let mut shifted = increment.strain;
             shifted[component] += THICKNESS_STEP;
-            self.set_state(stress, strain, &shifted);
-            self.call.statev_mut().copy_from_slice(&self.committed.statev[statev.clone()]);
-            self.call.energies = self.committed.energies[point];
+            let (states, energies) = (&self.committed.statev[statev.clone()], self.committed.energies[point]);
+            self.call.set_point([strain, &shifted, stress], states, energies);
             is_known &= self.run(Request::Stress).is_ok();
             let nearby = match self.strain_33 {
                 Some(state) if !self.call.is_through_solid() => self.call.statev()[state],
@@ -371,9 +364,8 @@ impl Points {
             rate[component] = (nearby - end) / (shifted[component] - increment.strain[component]);
         }
         // the call tells of the increment itself again
-        self.set_state(stress, strain, &increment.strain);
-        self.call.statev_mut().copy_from_slice(&self.trial.statev[statev]);
-        self.call.energies = self.trial.energies[point];
+        let (states, energies) = (&self.trial.statev[statev], self.trial.energies[point]);
+        self.call.set_point([strain, &increment.strain, stress], states, energies);
         (is_known && rate.iter().all(|rate| rate.is_finite())).then_some(rate)
     }
 
@@ -415,9 +407,9 @@ impl Points {
     fn frozen(&mut self, point: usize) -> Result<Moduli, PointTrouble> {
         self.call.drot = columns(IDENTITY);
         self.call.dfgrd0 = self.call.dfgrd1;
-        let (stress, strain) = (self.trial.stress[point], self.trial.strain[point]);
-        self.set_state(&stress, &strain, &[0.0; MAX_COMPONENTS]);
-        // STATEV and the energies are still those of the end.
+        let (strain, stress) = (&self.trial.strain[point], &self.trial.stress[point]);
+        let statev = &self.trial.statev[self.statev(point)];
+        self.call.set_point([strain, &[0.0; MAX_COMPONENTS], stress], statev, self.trial.energies[point]);
         self.run(Request::StressAndTangent)?;
         Ok(self.returned_moduli())
     }
@@ -427,15 +419,6 @@ impl Points {
         self.call.drot = columns(IDENTITY);
         self.call.dfgrd0 = columns(IDENTITY);
         self.call.dfgrd1 = columns(IDENTITY);
-    }
-
-    fn set_state(&mut self, stress: &Components, strain: &Components, increment: &Components) {
-        for (k, &component) in self.components.iter().enumerate() {
-            self.call.stress_mut()[k] = stress[component];
-            self.call.stran[k] = strain[component];
-            self.call.dstran[k] = increment[component];
-        }
-        self.call.strain_33 = strain[2];
     }
 
     /// Sets the components of the strain that follow from the displacements.
@@ -460,12 +443,7 @@ impl Points {
 
     /// DDSDDE over all four components.
     fn returned_moduli(&self) -> Moduli {
-        let mut moduli = [[0.0; MAX_COMPONENTS]; MAX_COMPONENTS];
-        for (i, &row) in self.components.iter().enumerate() {
-            for (j, &column) in self.components.iter().enumerate() {
-                moduli[row][column] = self.call.tangent(i, j);
-            }
-        }
+        let mut moduli = self.call.moduli();
         remove_rounding(&mut moduli);
         moduli
     }

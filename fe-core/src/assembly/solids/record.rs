@@ -378,9 +378,7 @@ fn set_initial_states(laws: &[PluginLaw], blocks: &mut [Block], places: &[BlockP
         }
         for (number, point) in records[place.local].points.clone().enumerate() {
             let at = body.initial_point(point, element, number);
-            let statev = law
-                .states_of_point(initial, &at)
-                .map_err(|source| SolidsError::Umat { part: body.part.name.clone(), source })?;
+            let statev = initial.of_point(&at).map_err(|error| SolidsError::umat(&body.part.name, law, error))?;
             body.points.set_initial_states(point, &statev);
         }
     }
@@ -405,9 +403,9 @@ fn set_initial_stresses(
         let Record { kind, ref points, .. } = records[place.local];
         for (number, point) in points.clone().enumerate() {
             let at = body.initial_point(point, element, number);
-            let stress = law
-                .stress_of_point(initial, &at, &element_type(model(body.index), kind))
-                .map_err(|source| SolidsError::Umat { part: body.part.name.clone(), source })?;
+            let stress = initial
+                .of_point(&at, &element_type(model(body.index), kind))
+                .map_err(|error| SolidsError::umat(&body.part.name, law, error))?;
             body.points.set_initial_stress(point, &stress);
         }
     }

@@ -104,7 +104,7 @@ impl Solids {
 
     /// Takes over committed states and stiffnesses; `false`, and nothing done, if they are of other solids.
     #[must_use]
-    pub fn set_state(&mut self, state: &SolidsState) -> bool {
+    pub(crate) fn set_state(&mut self, state: &SolidsState) -> bool {
         let state_version = state.version;
         let mut pairs = self.blocks.iter().zip(&state.blocks);
         let fits = self.blocks.len() == state.blocks.len()

@@ -150,12 +150,12 @@ impl Solids {
     }
 
     /// Energies of each part.
-    pub fn part_energies(&self) -> Vec<SolidEnergies> {
+    pub(crate) fn part_energies(&self) -> Vec<SolidEnergies> {
         self.energies_of(|points| &points.committed, |spalled| spalled.energy)
     }
 
     /// Energies of all parts at the last evaluation of each point.
-    pub fn trial_energies(&self) -> SolidEnergies {
+    pub(crate) fn trial_energies(&self) -> SolidEnergies {
         sum(self.energies_of(|points| &points.trial, |spalled| spalled.energy + spalled.work))
     }
 
@@ -201,7 +201,7 @@ impl Solids {
     }
 
     /// Returns what all points have dissipated at the last evaluation of each: SPD + SCD, N·mm.
-    pub fn trial_dissipation(&self) -> f64 {
+    pub(crate) fn trial_dissipation(&self) -> f64 {
         let mut parts = vec![0.0; self.part_count()];
         for body in self.bodies() {
             for ([_, plastic, creep], volume) in body.points.trial.reference_energies.iter().zip(&body.volumes) {
@@ -239,7 +239,7 @@ impl Solids {
     }
 
     /// Returns whether an element is torn matter that was released.
-    pub fn is_spalled(&self, element: usize) -> bool {
+    pub(crate) fn is_spalled(&self, element: usize) -> bool {
         self.record(element).spalled.is_some()
     }
 
@@ -250,7 +250,7 @@ impl Solids {
 
     /// Returns whether an element's crack is open by more than one length (greatest principal strain × CELENT, mm) at all its points,
     /// and none bears a principal stress that is greater in magnitude than the other number, MPa.
-    pub fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
+    pub(crate) fn is_torn(&self, element: usize, opening: f64, stress: f64) -> bool {
         let (block, record) = (self.block(element), self.record(element));
         let states = &block.body.points.committed;
         let principal = |[a, b, _, c]: Components| {
@@ -302,7 +302,7 @@ impl Solids {
 
     /// The greatest equivalent plastic strain of the points of a part, and their greatest principal stress, MPa: along a fibre, by tension
     /// and bending. NaN without points, or without a law that has such a strain.
-    pub fn greatest_in_part(&self, part: usize) -> GreatestInPart {
+    pub(crate) fn greatest_in_part(&self, part: usize) -> GreatestInPart {
         let mut greatest = GreatestInPart { plastic_strain: f64::NAN, principal_stress: f64::NAN };
         for Body { part, points, .. } in self.bodies().filter(|body| body.index == part) {
             let states = &points.committed;
@@ -321,7 +321,7 @@ impl Solids {
     }
 
     /// E of each part, MPa: the modulus along x of the virgin state with the other direct stresses 0.
-    pub fn elastic_moduli(&self) -> Vec<f64> {
+    pub(crate) fn elastic_moduli(&self) -> Vec<f64> {
         let mut moduli = vec![0.0; self.part_count()];
         self.bodies().for_each(|body| moduli[body.index] = body.points.uniaxial_modulus());
         moduli

@@ -189,14 +189,14 @@ impl Solids {
     }
 
     /// Returns whether some energies are taken as reported although no metadata vouch for them.
-    pub fn has_unproven_energies(&self) -> bool {
+    pub(crate) fn has_unproven_energies(&self) -> bool {
         self.trust.iter().any(|trust| trust.reports == Reports::Believed)
     }
 
     /// Looks for parts whose law reports no energies although its stresses work in the increment of the last evaluation, and
     /// for those whose report contradicts the work: `refused` is the size of the increment and the imbalance of energies
     /// that it would add, N·mm, if it is refused for that. Returns the parts that are not believed from now on.
-    pub fn judge_energies(&mut self, refused: Option<[f64; 2]>) -> Vec<usize> {
+    pub(crate) fn judge_energies(&mut self, refused: Option<[f64; 2]>) -> Vec<usize> {
         let (before, after) = (self.accounts(), self.accounts_of(|body| &body.points.trial));
         let mut found = Vec::new();
         for (part, trust) in self.trust.iter_mut().enumerate() {
@@ -222,7 +222,7 @@ impl Solids {
     }
 
     /// An increment was accepted: the next one is judged anew.
-    pub fn energies_stand(&mut self) {
+    pub(crate) fn energies_stand(&mut self) {
         for trust in &mut self.trust {
             trust.missed.clear();
             trust.pause[0] = trust.pause[0].saturating_sub(1);
@@ -230,7 +230,7 @@ impl Solids {
     }
 
     /// Returns whether slow iterations are a reason to compare a part's tangents with differences.
-    pub fn doubts_tangents(&self) -> bool {
+    pub(crate) fn doubts_tangents(&self) -> bool {
         self.trust.iter().any(Self::is_due)
     }
 
@@ -239,13 +239,13 @@ impl Solids {
     }
 
     /// Makes the next evaluation compare the tangents in doubt with differences.
-    pub fn compare_tangents(&mut self) {
+    pub(crate) fn compare_tangents(&mut self) {
         let due: Vec<bool> = self.trust.iter().map(Self::is_due).collect();
         self.set_tangent_sources(|part| due[part].then_some(TangentSource::Compared));
     }
 
     /// Judges tangents by the comparison of the last evaluation, and returns whether one was replaced.
-    pub fn judge_tangents(&mut self) -> bool {
+    pub(crate) fn judge_tangents(&mut self) -> bool {
         let mut deviations: Vec<Option<TangentDeviation>> = vec![None; self.trust.len()];
         for body in self.blocks.iter_mut().map(|block| &mut block.body) {
             if Self::is_due(&self.trust[body.index]) {

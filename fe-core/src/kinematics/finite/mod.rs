@@ -2,7 +2,8 @@
 
 mod nominal;
 
-pub use nominal::{AverageRates, NominalTangent, mean, nominal_tangent, with_mean};
+pub use nominal::{AverageRates, NominalTangent, mean};
+pub(crate) use nominal::{nominal_tangent, with_mean};
 
 use super::MAX_COMPONENTS;
 
@@ -10,7 +11,7 @@ use super::MAX_COMPONENTS;
 mod test;
 
 /// Components of a plane gradient, in the order 11, 12, 21, 22, 33.
-pub const GRADIENT_COMPONENTS: usize = 5;
+pub(crate) const GRADIENT_COMPONENTS: usize = 5;
 
 /// A gradient by reference coordinates: of displacements, of a motion, or the nominal stress that is its conjugate.
 pub type Gradient = [f64; GRADIENT_COMPONENTS];
@@ -25,7 +26,7 @@ pub type Moduli = [[f64; MAX_COMPONENTS]; MAX_COMPONENTS];
 pub const IDENTITY: Gradient = [1.0, 0.0, 0.0, 1.0, 1.0];
 
 /// The strain of a small displacement gradient.
-pub fn small_strain([h11, h12, h21, h22, h33]: Gradient) -> Components {
+pub(crate) fn small_strain([h11, h12, h21, h22, h33]: Gradient) -> Components {
     [h11, h22, h33, h12 + h21]
 }
 
@@ -54,7 +55,7 @@ pub struct FiniteIncrement {
 
 impl FiniteIncrement {
     /// An increment without motion.
-    pub const REST: Self = Self {
+    pub(crate) const REST: Self = Self {
         end_inverse: IDENTITY,
         volume_ratio: 1.0,
         middle_inverse: IDENTITY,
@@ -99,7 +100,7 @@ impl FiniteIncrement {
     }
 
     /// P = J σ F₁⁻ᵀ, whose conjugate is F: f = ∫ P · ∂N/∂X dV.
-    pub fn nominal_stress(&self, stress: &Components) -> Gradient {
+    pub(crate) fn nominal_stress(&self, stress: &Components) -> Gradient {
         let [s11, s22, s33, s12] = stress.map(|component| component * self.volume_ratio);
         let [i11, i12, i21, i22, i33] = self.end_inverse;
         [s11 * i11 + s12 * i12, s11 * i21 + s12 * i22, s12 * i11 + s22 * i12, s12 * i21 + s22 * i22, s33 * i33]

@@ -93,14 +93,14 @@ impl FiniteIncrement {
     }
 
     /// J F⁻ᵀ.
-    pub fn volume_derivative(&self) -> Gradient {
+    pub(crate) fn volume_derivative(&self) -> Gradient {
         let [i11, i12, i21, i22, i33] = self.end_inverse.map(|component| component * self.volume_ratio);
         [i11, i21, i12, i22, i33]
     }
 }
 
 /// ∂P/∂F through Δε, ΔR and the end configuration: exact for an isotropic law that rotates its tensor states.
-pub fn nominal_tangent(increment: &FiniteIncrement, stress: &Components, moduli: &Moduli) -> NominalTangent {
+pub(crate) fn nominal_tangent(increment: &FiniteIncrement, stress: &Components, moduli: &Moduli) -> NominalTangent {
     let (strain, angle) = increment.strain_derivatives();
     let rates = stress_rates(moduli, &strain, &increment.stress_by_angle(stress, moduli), &angle);
     let mut tangent = increment.pulled_back(&rates);
@@ -148,7 +148,7 @@ pub fn mean(stress: &Components) -> f64 {
 }
 
 /// The stress with another mean.
-pub fn with_mean(stress: &Components, pressure: f64) -> Components {
+pub(crate) fn with_mean(stress: &Components, pressure: f64) -> Components {
     let shift = pressure - mean(stress);
     [stress[0] + shift, stress[1] + shift, stress[2] + shift, stress[3]]
 }

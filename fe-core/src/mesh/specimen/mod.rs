@@ -19,9 +19,7 @@ pub use bodies_in_contact::*;
 pub use curved_channel::{CurvedChannel, curved_channel};
 pub use fibres::{FINE_DIAMETERS, Fibre, Fibres, FibresMesh, Segment, fibres};
 pub use one_body::*;
-pub use perpendicular_fibre::{
-    AWAY_LENGTH, Configuration, FibreMesh, NEAR_CLEARANCE, PartMesh, PerpendicularFibre, perpendicular_fibre,
-};
+pub use perpendicular_fibre::{Configuration, FibreMesh, PartMesh, PerpendicularFibre, perpendicular_fibre};
 pub use requirement::{ParameterProblem, SpecimenError};
 pub use thickness::GradedThickness;
 

@@ -48,7 +48,7 @@ impl<'a> Block<'a> {
     }
 
     /// Only the cells (column, row) for which this is true.
-    pub fn keeping(self, keep: &'a dyn Fn(usize, usize) -> bool) -> Self {
+    pub(crate) fn keeping(self, keep: &'a dyn Fn(usize, usize) -> bool) -> Self {
         Self { keep, ..self }
     }
 
@@ -148,7 +148,7 @@ impl Grid {
     }
 
     /// The edges of one side of the block in the order of the direction that they have: counter-clockwise around it.
-    pub fn side_edges(&self, side: Side) -> Vec<ElementEdge> {
+    pub(crate) fn side_edges(&self, side: Side) -> Vec<ElementEdge> {
         match side {
             Side::Bottom => self.row_edges(0..self.columns, 0, side),
             Side::Top => self.row_edges(0..self.columns, self.rows - 1, side),
@@ -158,7 +158,7 @@ impl Grid {
     }
 
     /// The bottom or top edges of some cells of a row, in the order of the direction that they have.
-    pub fn row_edges(&self, columns: std::ops::Range<usize>, row: usize, side: Side) -> Vec<ElementEdge> {
+    pub(crate) fn row_edges(&self, columns: std::ops::Range<usize>, row: usize, side: Side) -> Vec<ElementEdge> {
         let mut edges: Vec<ElementEdge> = columns.filter_map(|column| self.edge(column, row, side)).collect();
         if side == Side::Top {
             edges.reverse();
@@ -167,7 +167,7 @@ impl Grid {
     }
 
     /// The left or right edges of some cells of a column, in the order of the direction that they have.
-    pub fn column_edges(&self, column: usize, rows: std::ops::Range<usize>, side: Side) -> Vec<ElementEdge> {
+    pub(crate) fn column_edges(&self, column: usize, rows: std::ops::Range<usize>, side: Side) -> Vec<ElementEdge> {
         let mut edges: Vec<ElementEdge> = rows.filter_map(|row| self.edge(column, row, side)).collect();
         if side == Side::Left {
             edges.reverse();
@@ -176,7 +176,7 @@ impl Grid {
     }
 
     /// The nodes of one side of the block, along ascending ξ or η.
-    pub fn side_nodes(&self, side: Side) -> Vec<usize> {
+    pub(crate) fn side_nodes(&self, side: Side) -> Vec<usize> {
         let (last_column, last_row) = (2 * self.columns, 2 * self.rows);
         match side {
             Side::Bottom => (0..=last_column).filter_map(|i| self.node(i, 0)).collect(),

@@ -91,7 +91,7 @@ pub enum GradingError {
 }
 
 /// A line of so many elements is a mistake in a size.
-pub const MOST_DIVISIONS: usize = 100_000;
+pub(crate) const MOST_DIVISIONS: usize = 100_000;
 
 /// The smallest size over the length: below it, elements are slivers that [`crate::mesh::Mesh::new`] refuses.
 const SMALLEST_FRACTION: f64 = 1e-9;
@@ -148,7 +148,7 @@ impl Grading {
 /// # Errors
 ///
 /// As [`Grading::positions`] of [`Grading::Capped`]; stops that do not ascend.
-pub fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
+pub(crate) fn capped_through(stops: &[f64], first: f64, growth: f64, largest: f64) -> Result<Vec<f64>, GradingError> {
     let mut positions = vec![stops.first().copied().unwrap_or(0.0)];
     let mut size = first;
     for ends in stops.windows(2) {

@@ -33,7 +33,8 @@ mod grading;
 mod test;
 
 pub use block::{Block, Diagonal, Grid, Side};
-pub use grading::{Grading, GradingError, MOST_DIVISIONS, capped_through};
+pub use grading::{Grading, GradingError};
+pub(crate) use grading::{MOST_DIVISIONS, capped_through};
 
 use std::collections::HashMap;
 
@@ -70,7 +71,7 @@ pub enum StructuredError {
 }
 
 /// Most cells of a mesh: beyond what can be solved, within what memory holds.
-pub const MOST_CELLS: usize = 1_000_000;
+pub(crate) const MOST_CELLS: usize = 1_000_000;
 
 /// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
 const GLUE_TOLERANCE: f64 = 1e-6;
@@ -83,7 +84,7 @@ pub struct StructuredMesh {
 
 impl StructuredMesh {
     /// Adds a part; returns its index.
-    pub fn add_part(&mut self, part: Part) -> usize {
+    pub(crate) fn add_part(&mut self, part: Part) -> usize {
         self.definition.parts.push(part);
         self.definition.parts.len() - 1
     }
@@ -102,7 +103,7 @@ impl StructuredMesh {
     /// # Errors
     ///
     /// As [`Self::block`].
-    pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
+    pub(crate) fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
@@ -172,7 +173,7 @@ impl StructuredMesh {
     }
 
     /// Returns how many elements there are so far.
-    pub fn element_count(&self) -> usize {
+    pub(crate) fn element_count(&self) -> usize {
         self.definition.elements.len()
     }
 

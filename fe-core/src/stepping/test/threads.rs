@@ -68,6 +68,6 @@ fn a_law_that_does_not_say_that_it_is_thread_safe_is_called_by_one_thread() {
         solids.thread_count()
     };
     assert_eq!(count(&model), 3);
-    model.laws[0].law = None;
+    model.laws[0].plugin.law = None;
     assert_eq!(count(&model), 1);
 }

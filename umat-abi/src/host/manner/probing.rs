@@ -3,7 +3,7 @@
 use super::super::call::{CallOutcome, UmatCall};
 #[cfg(unix)]
 use super::super::probe::{Alignment, Probed};
-use super::super::{Law, LoadError};
+use super::super::{Law, LoadError, Plugin};
 use super::Manner;
 use crate::law::{Request, StressState};
 use crate::metadata::stress_states;
@@ -15,50 +15,34 @@ const PLANE_STRAIN: [f64; 4] = [STRAIN, -0.4 * STRAIN, 0.0, 0.6 * STRAIN];
 /// Stresses of both calls that differ by less than this part of the largest are the same.
 const SAME: f64 = 1e-3;
 
-impl Manner {
-    /// A call with these components, through one with six if the manner or the law's metadata require it. `make` makes a
-    /// plain call.
+impl Plugin {
+    /// Calls of its UMAT with these components, through one with six if the manner or the metadata require it.
     ///
     /// # Errors
-    /// The error of `make`.
-    pub fn prepare(
-        self,
-        stress_state: StressState,
-        law: Option<&Law>,
-        make: impl Fn(StressState) -> Result<UmatCall, LoadError>,
-    ) -> Result<UmatCall, LoadError> {
-        let mut call = make(stress_state)?;
-        let is_plane = stress_state != StressState::ThreeD;
-        let goes_through = law.map_or(self.as_three_d == Some(true), |law| self.has_six(law, stress_state));
-        if is_plane && goes_through {
-            call.go_through(make(StressState::ThreeD)?);
+    /// The library has no such entry point.
+    pub fn umat(&self, stress_state: StressState) -> Result<UmatCall, LoadError> {
+        let mut call = self.plain_umat(stress_state)?;
+        let has_six = |law| self.manner.has_six(law, stress_state);
+        if stress_state != StressState::ThreeD
+            && self.law.as_ref().map_or(self.manner.as_three_d == Some(true), has_six)
+        {
+            call.go_through(self.plain_umat(StressState::ThreeD)?);
         }
-        call.set_tangent_source(self.tangent.unwrap_or_default());
+        call.set_tangent_source(self.manner.tangent.unwrap_or_default());
         Ok(call)
     }
 
-    /// Returns whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
-    pub fn has_six(self, law: &Law, stress_state: StressState) -> bool {
-        let has = |bits: u32| law.stress_states & bits != 0;
-        self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
-    }
-
-    /// Makes a call go through six components if the plugin, of which nothing is known, does not serve those of the plane;
+    /// Makes a call go through six components if the UMAT, of which nothing is known, does not serve those of the plane;
     /// then says why. The call has the arguments of a virgin point, and keeps them. What may crash or write wild is tried in
     /// a child process first. From then on its arrays are fenced ([`UmatCall::fence`]).
     ///
     /// # Errors
-    /// The error of `make`.
-    pub fn probe(
-        self,
-        call: &mut UmatCall,
-        law: Option<&Law>,
-        make: impl Fn(StressState) -> Result<UmatCall, LoadError>,
-    ) -> Result<Option<String>, LoadError> {
+    /// The library has no such entry point.
+    pub fn probe(&self, call: &mut UmatCall) -> Result<Option<String>, LoadError> {
         let mut reason = None;
-        if self.as_three_d.is_none() && law.is_none() && call.stress_state() != StressState::ThreeD {
+        if self.manner.as_three_d.is_none() && self.law.is_none() && call.stress_state() != StressState::ThreeD {
             let tangent = call.tangent_source();
-            let mut solid = make(StressState::ThreeD)?;
+            let mut solid = self.plain_umat(StressState::ThreeD)?;
             reason = call.why_not_plane(&mut solid);
             if reason.is_some() {
                 call.go_through(solid);
@@ -67,6 +51,14 @@ impl Manner {
         }
         call.fence();
         Ok(reason)
+    }
+}
+
+impl Manner {
+    /// Returns whether plane calls of a law go through six components: as is said, or because it has not those of the plane.
+    pub fn has_six(self, law: &Law, stress_state: StressState) -> bool {
+        let has = |bits: u32| law.stress_states & bits != 0;
+        self.as_three_d.unwrap_or_else(|| !has(stress_state.bits())) && has(stress_states::THREE_D)
     }
 }
 

@@ -32,13 +32,13 @@ mod view;
 mod zones;
 
 /// A colour of the scale of fields, as `#rrggbb`.
-pub fn band_color_text(band: usize, count: usize) -> String {
+pub(crate) fn band_color_text(band: usize, count: usize) -> String {
     hexadecimal(band_color(band, count))
 }
 
 pub use crosses::crosses;
 pub use fe_core::element::ElementKind;
-pub use profile::{ALONG_SURFACE, INTERFACE_SHEAR, interface_profiles};
+pub(crate) use profile::{ALONG_SURFACE, INTERFACE_SHEAR, interface_profiles};
 pub use zones::{Class, zones};
 
 use super::quantity::Quantity;
@@ -162,7 +162,7 @@ impl PictureMesh {
 
     /// 1, 2 or 5 times a power of ten, at least 1: with it the largest displacement is about a twentieth of the
     /// body's larger side.
-    pub fn suggested_magnification(&self) -> f64 {
+    pub(crate) fn suggested_magnification(&self) -> f64 {
         let lengths = self.displacements.iter().map(|u| u[0].hypot(u[1])).filter(|length| length.is_finite());
         let largest = lengths.fold(0.0, f64::max);
         let side = Window::around(&self.nodes)

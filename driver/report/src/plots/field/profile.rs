@@ -5,14 +5,14 @@ use super::super::quantity::Quantity;
 use fe_core::output::{ContactPoint, Fields};
 
 /// Coordinate along the slave surface of a pair.
-pub const ALONG_SURFACE: &str = "arc length along the hole";
+pub(crate) const ALONG_SURFACE: &str = "arc length along the hole";
 /// Name of the picture of shear tractions.
-pub const INTERFACE_SHEAR: &str = "interface_shear";
+pub(crate) const INTERFACE_SHEAR: &str = "interface_shear";
 
 /// Shear traction and pressure of each contact pair along its slave surface.
 ///
 /// The lines stop where a point has left the other surface (weight 0).
-pub fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
+pub(crate) fn interface_profiles(title: &str, fields: &Fields<'_>) -> Vec<Figure> {
     type Value = fn(&ContactPoint) -> f64;
     let shear: Value = |point| point.shear_traction;
     let pressure: Value = |point| point.pressure;

@@ -133,7 +133,7 @@ fn linear_elastic() -> PluginLaw {
 /// Yields at a strain of 1e-2, hardens.
 fn j2_plasticity() -> PluginLaw {
     let mut law = PluginLaw::shipped("j2_plasticity", &[]);
-    law.props = vec![1000.0, 0.3, 10.0, 0.0, 30.0, 1.0];
+    law.plugin.props = vec![1000.0, 0.3, 10.0, 0.0, 30.0, 1.0];
     law
 }
 

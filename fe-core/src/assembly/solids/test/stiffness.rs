@@ -13,7 +13,9 @@ struct Sample {
 fn samples() -> [Sample; 4] {
     let concrete = PluginLaw::shipped("concrete_damage", &[]);
     let mut drucker_prager = PluginLaw::shipped("drucker_prager", &[("E", 1000.0), ("nu", 0.2)]);
-    for (parameter, value) in drucker_prager.law.as_ref().unwrap().parameters.iter().zip(&mut drucker_prager.props) {
+    for (parameter, value) in
+        drucker_prager.plugin.law.as_ref().unwrap().parameters.iter().zip(&mut drucker_prager.plugin.props)
+    {
         if parameter.name == "cohesion" {
             *value = 10.0;
         }

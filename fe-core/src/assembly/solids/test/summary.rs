@@ -101,11 +101,11 @@ fn models_that_cannot_be_computed_are_refused() {
     fault = model(mesh.clone(), &PluginLaw::shipped("linear_elastic", &[("nu", 0.7)]), false, false);
     let message = refused(&fault);
     assert!(message.starts_with("part 'body', element ") && message.contains("linear_elastic: nu = 0.7"), "{message}");
-    fault.laws[0].symbol = Some("no_such_symbol".into());
-    fault.laws[0].law = None;
+    fault.laws[0].plugin.symbol = Some("no_such_symbol".into());
+    fault.laws[0].plugin.law = None;
     assert!(refused(&fault).starts_with("part 'body': linear_elastic: "));
     // A plain UMAT of which nothing is known: what it returns is judged.
-    fault.laws[0].symbol = None;
+    fault.laws[0].plugin.symbol = None;
     assert!(refused(&fault).contains("no usable stiffness"), "{}", refused(&fault));
 }
 

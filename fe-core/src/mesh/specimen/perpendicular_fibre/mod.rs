@@ -15,10 +15,10 @@ use crate::mesh::structured::{Block, Diagonal, Grid, StructuredMesh};
 use lines::Lines;
 
 /// Support (b) begins so many diameters beside the fibre.
-pub const NEAR_CLEARANCE: f64 = 2.0;
+pub(crate) const NEAR_CLEARANCE: f64 = 2.0;
 
 /// Support (c) holds so much of the exit face, mm, from each side.
-pub const AWAY_LENGTH: f64 = 3.0;
+pub(crate) const AWAY_LENGTH: f64 = 3.0;
 
 /// A round fibre in a block, perpendicular to its exit face, for [`perpendicular_fibre`]. The default is the specimen of
 /// chapters 6 and 7.
