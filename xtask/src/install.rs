@@ -41,9 +41,11 @@ const BILL: &str = "share/doc/pullout/pullout.cdx.json";
 /// # Errors
 /// In words, with the file.
 pub fn install(workspace: &Path, products: &Products, prefix: &Path) -> Result<Vec<PathBuf>, String> {
-    let mut files = beside_the_program(workspace, products, prefix)?;
+    let program = prefix.join("bin").join(name(&products.program)?);
+    copy(&products.program, &program)?;
+    let mut files = vec![program];
+    files.extend(beside_the_program(workspace, products, prefix)?);
     let mut put = |from: &Path, to: PathBuf| copy(from, &to).map(|()| files.push(to));
-    put(&products.program, prefix.join("bin").join(name(&products.program)?))?;
     // the laws once more as ABAQUS and Kratos want them
     let plugins = plugins(prefix);
     let all_laws = format!("{}{ALL_LAWS}{}", std::env::consts::DLL_PREFIX, std::env::consts::DLL_SUFFIX);
