@@ -9,7 +9,7 @@ use spade::{
 };
 
 /// Angles that refinement tries to reach everywhere, degrees.
-pub(crate) const LEAST_ANGLE: f64 = 27.0;
+pub const LEAST_ANGLE: f64 = 27.0;
 /// Points that refinement may add, for each point of the outline.
 const ADDED_POINTS: usize = 1000;
 /// Points that it may add in all: beyond what can be solved.

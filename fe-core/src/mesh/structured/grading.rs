@@ -91,7 +91,7 @@ pub enum GradingError {
 }
 
 /// A line of so many elements is a mistake in a size.
-pub(crate) const MOST_DIVISIONS: usize = 100_000;
+pub const MOST_DIVISIONS: usize = 100_000;
 
 /// The smallest size over the length: below it, elements are slivers that [`crate::mesh::Mesh::new`] refuses.
 const SMALLEST_FRACTION: f64 = 1e-9;

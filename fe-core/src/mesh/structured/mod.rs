@@ -33,8 +33,8 @@ mod grading;
 mod test;
 
 pub use block::{Block, Diagonal, Grid, Side};
-pub use grading::{Grading, GradingError};
-pub(crate) use grading::{MOST_DIVISIONS, capped_through};
+pub(crate) use grading::capped_through;
+pub use grading::{Grading, GradingError, MOST_DIVISIONS};
 
 use std::collections::HashMap;
 
@@ -71,7 +71,7 @@ pub enum StructuredError {
 }
 
 /// Most cells of a mesh: beyond what can be solved, within what memory holds.
-pub(crate) const MOST_CELLS: usize = 1_000_000;
+pub const MOST_CELLS: usize = 1_000_000;
 
 /// Nodes closer than this fraction of a block's shortest edge are one when the block is glued.
 const GLUE_TOLERANCE: f64 = 1e-6;
@@ -103,7 +103,7 @@ impl StructuredMesh {
     /// # Errors
     ///
     /// As [`Self::block`].
-    pub(crate) fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
+    pub fn glued_block(&mut self, block: &Block<'_>, others: &[usize]) -> Result<Grid, StructuredError> {
         check_divisions('ξ', block.xi)?;
         check_divisions('η', block.eta)?;
         let (columns, rows) = (block.columns(), block.rows());
