@@ -148,7 +148,7 @@ impl Grid {
     }
 
     /// The edges of one side of the block in the order of the direction that they have: counter-clockwise around it.
-    pub(crate) fn side_edges(&self, side: Side) -> Vec<ElementEdge> {
+    pub fn side_edges(&self, side: Side) -> Vec<ElementEdge> {
         match side {
             Side::Bottom => self.row_edges(0..self.columns, 0, side),
             Side::Top => self.row_edges(0..self.columns, self.rows - 1, side),

@@ -84,7 +84,7 @@ pub struct StructuredMesh {
 
 impl StructuredMesh {
     /// Adds a part; returns its index.
-    pub(crate) fn add_part(&mut self, part: Part) -> usize {
+    pub fn add_part(&mut self, part: Part) -> usize {
         self.definition.parts.push(part);
         self.definition.parts.len() - 1
     }
