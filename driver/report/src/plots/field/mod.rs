@@ -6,8 +6,8 @@
 //! # Example
 //!
 //! ```
-//! use driver::output::plots::field::{ElementKind, FieldPicture, PictureElement, PictureMesh, contour};
-//! use driver::output::plots::quantity::Quantity;
+//! use pullout_report::plots::field::{ElementKind, FieldPicture, PictureElement, PictureMesh, contour};
+//! use pullout_report::plots::quantity::Quantity;
 //!
 //! let mesh = PictureMesh {
 //!     nodes: vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]],
@@ -19,7 +19,7 @@
 //! let stress = Quantity { name: "σ_{max}".into(), unit: "MPa".into() };
 //! let svg = contour(&FieldPicture::new("Tension", &mesh), &[0.0, 1.0, 3.0, 2.0], &stress, None)?;
 //! assert!(svg.starts_with("<svg"));
-//! # Ok::<(), driver::output::plots::field::PictureError>(())
+//! # Ok::<(), pullout_report::plots::field::PictureError>(())
 //! ```
 
 mod canvas;
