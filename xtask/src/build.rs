@@ -4,12 +4,11 @@ use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// The package whose dependencies the plugins are: the program, or for a wheel Python's extension, which holds it.
-const PROGRAMS: [&str; 2] = ["driver", "pullout-python"];
+/// Package and name of the program, whose dependencies the plugins are, and of Python's extension, which holds it.
+const PROGRAM: [&str; 2] = ["driver", "pullout"];
+const EXTENSION: [&str; 2] = ["pullout-python", "_core"];
 /// The package of all laws in one library, whose examples are the libraries for Kratos.
-const ALL_LAWS: &str = "pullout_laws";
-/// The names of the program and of the extension.
-const NAMES: [&str; 2] = ["pullout", "_core"];
+pub const ALL_LAWS: &str = "pullout_laws";
 /// The folders of the plugins and of the utility routines.
 const LIBRARIES: [&str; 2] = ["/models/plugins/", "/umat-abi/"];
 /// The profile of what is for others. What is built of another profile is for tests.
@@ -41,7 +40,8 @@ pub struct Products {
 /// # Errors
 /// In words: Cargo cannot be started, or the build fails (it has said why), or makes no program.
 pub fn build(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<Products, String> {
-    products(&messages(workspace, profile, wheel, zig)?, NAMES[usize::from(wheel)])
+    let [package, name] = if wheel { EXTENSION } else { PROGRAM };
+    products(&messages(workspace, profile, package, zig)?, name)
 }
 
 /// Puts a folder first where programs are looked for.
@@ -54,7 +54,7 @@ pub fn search_first(command: &mut Command, folder: &Path) -> Result<(), String> 
 }
 
 /// Cargo's messages of the build.
-fn messages(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) -> Result<String, String> {
+fn messages(workspace: &Path, profile: &str, package: &str, zig: Option<&Path>) -> Result<String, String> {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.current_dir(workspace);
@@ -66,11 +66,11 @@ fn messages(workspace: &Path, profile: &str, wheel: bool, zig: Option<&Path>) ->
     }
     command.args(["--lib", "--bins"]);
     if profile == FOR_OTHERS {
-        command.args(["--package", PROGRAMS[usize::from(wheel)], "--package", ALL_LAWS]);
+        command.args(["--package", package, "--package", ALL_LAWS]);
     } else {
         command.arg("--workspace");
     }
-    if !(profile == FOR_OTHERS && wheel) {
+    if !(profile == FOR_OTHERS && package == EXTENSION[0]) {
         command.arg("--examples");
     }
     command.args(["--profile", profile, "--message-format=json-render-diagnostics"]).stderr(Stdio::inherit());
@@ -142,11 +142,11 @@ mod test {
             libraries: vec![format!("/t/deps/liba{suffix}").into()],
             kratos: vec![format!("/t/examples/libb{suffix}").into()],
         };
-        assert_eq!(products(&messages, NAMES[0]), Ok(expected));
-        let of_wheel = products(&messages, NAMES[1]).expect("an extension");
+        assert_eq!(products(&messages, PROGRAM[1]), Ok(expected));
+        let of_wheel = products(&messages, EXTENSION[1]).expect("an extension");
         assert_eq!(of_wheel.program, PathBuf::from(format!("/t/lib_core{suffix}")));
-        let nothing = products(r#"{"reason":"build-finished"}"#, NAMES[0]);
+        let nothing = products(r#"{"reason":"build-finished"}"#, PROGRAM[1]);
         assert_eq!(nothing, Err("the build made no pullout".to_owned()));
-        assert!(products("no JSON", NAMES[0]).is_err());
+        assert!(products("no JSON", PROGRAM[1]).is_err());
     }
 }

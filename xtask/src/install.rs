@@ -1,13 +1,11 @@
 //! What goes where under the prefix.
 
-use crate::build::Products;
+use crate::build::{ALL_LAWS, Products};
 use crate::licences;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// All laws in one library.
-const ALL_LAWS: &str = "pullout_laws";
 /// The name under which ABAQUS/Standard finds user subroutines in `usub_lib_dir`.
 const ABAQUS_LIBRARY: &str = "libstandardU.so";
 
