@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .case import Case, CaseLike, dotted
 from .errors import CaseError, RunFailed
-from .run import run
+from .run import Run, run
 
 __all__ = ["Fit", "Model"]
 
@@ -75,6 +75,7 @@ class Model:
         self.grid = None if grid is None else np.asarray(grid, dtype=float)
         self.on_failure = on_failure
         self.in_process = in_process
+        self._along: Run | None = None
         given = bounds or {}
         self.bounds = [given.get(name, (-np.inf, np.inf)) for name in self.names]
         document = self.case.document
@@ -83,24 +84,23 @@ class Model:
 
     def __call__(self, x: ArrayLike) -> Array:
         """The curve of these parameters."""
-        return self._run(x, record=False)[0]
+        return self._run(x)[0]
 
-    def _run(self, x: ArrayLike, record: bool) -> tuple[Array, dict[str, Any] | None]:
-        """The curve, and the increments of the run."""
+    def _run(self, x: ArrayLike, record: bool = False) -> tuple[Array, Run | None]:
+        """The curve, and the run."""
         values = np.atleast_1d(np.asarray(x, dtype=float))
         if values.shape != (len(self.names),):
             raise CaseError(f"{len(self.names)} parameters ({', '.join(self.names)}) are needed, the shape is {values.shape}")
         case = self.case.with_(dict(zip(self._paths, values.tolist())))
         try:
-            made = run(case, in_process=self.in_process, record=record, view=False)
+            made = run(case, in_process=self.in_process, record=record, along=self._along, view=False)
         except RunFailed:
             if isinstance(self.on_failure, str):
                 raise
             return np.full(1 if self.grid is None else self.grid.shape, self.on_failure), None
-        history, increments = made.history, made.increments
-        along, values = (history[name] for name in self.curve)
+        along, values = (made.history[name] for name in self.curve)
         if self.grid is None:
-            return np.array(values), increments
+            return np.array(values), made
         # the first passage on the way to the farthest value: a snap-back goes back along the first column
         ways = self.grid - along[0]
         way = float(ways[np.argmax(np.abs(ways))])
@@ -112,7 +112,7 @@ class Model:
         wanted, rounding = direction * self.grid, ROUNDING * abs(way)
         is_inside = (wanted >= passed[0] - rounding) & (wanted <= passed[-1] + rounding)
         found: Array = np.where(is_inside, np.interp(wanted, passed, values[first]), np.nan)
-        return found, increments
+        return found, made
 
     def batch(self, points: ArrayLike, executor: Executor | None = None, workers: int | None = None) -> Array:
         """The curves of rows of parameters: in threads, or by an executor of yours."""
@@ -125,16 +125,20 @@ class Model:
     def jac(self, x: ArrayLike, executor: Executor | None = None) -> Array:
         """Derivatives of the curve (rows) by the parameters (columns), by forward differences of :data:`STEP`.
 
-        The runs repeat the increments of that at ``x``: what a specimen chooses by itself would make steps in the curve.
+        The runs go along that at ``x`` (``along`` of :func:`run`): what a specimen chooses by itself would make steps in the curve, and
+        near a known state an iteration or two are enough. Those of executors with other processes repeat its increments.
         """
         start = np.atleast_1d(np.asarray(x, dtype=float))
         steps = STEP * np.where(start == 0.0, 1.0, np.abs(start))
         # the step that the sum has
         moved = start + np.diag(steps)
-        base, increments = self._run(start, record=True)
+        base, made = self._run(start, record=True)
         frozen = copy.copy(self)
-        if increments is not None:
-            frozen.case = self.case.with_({"increments": increments})
+        if executor is None or isinstance(executor, ThreadPoolExecutor):
+            frozen._along = made
+        elif made is not None and made.increments is not None:
+            # other processes have no states of this one
+            frozen.case = self.case.with_({"increments": made.increments})
         curves = frozen.batch(moved, executor)
         derivatives: Array = ((curves - base) / (np.diag(moved) - start)[:, None]).T
         return derivatives

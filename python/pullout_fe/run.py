@@ -163,6 +163,7 @@ class Run:
         self.replay = None if replay is None else Case(json.loads(replay))
         #: of a run with ``record=True``: ``case.with_({"increments": run.increments})`` repeats the increments of this run
         self.increments: dict[str, Any] | None = None
+        self._trail: _core.Trail | None = None
         self._view: str | None = None
         failed = summary.get("failed_at")
         #: how and where it failed, if it did
@@ -247,6 +248,7 @@ def run(
     on_failure: str = "raise",
     out: str | os.PathLike[str] | None = None,
     record: bool = False,
+    along: Run | None = None,
     view: bool = True,
 ) -> Run:
     """Run a case: a file, a dictionary, or a :class:`Case`. Nothing is written.
@@ -259,7 +261,9 @@ def run(
 
     ``view`` keeps what :meth:`Run.view` shows of a specimen: up to some MB, and as many percent of the time.
 
-    ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them.
+    ``record`` keeps the increments as ``increments`` of the run, so that runs with other parameters repeat them. ``along`` such a run
+    of the same specimen, one with nearly the same parameters takes an iteration or two in each increment, and the
+    difference of both is that of the solutions whatever the tolerance: for derivatives. Those of points repeat the increments.
 
     Plugins that were not built with this package run in a process of their own, unless ``in_process=True`` says that you answer
     for those of this case.
@@ -270,13 +274,20 @@ def run(
     case = case if isinstance(case, Case) else Case(case)
     if threads < 1:
         raise CaseError([("threads", "is 1 or more")])
+    trail = None
+    if along is not None:
+        if out is not None or along.increments is None:
+            raise CaseError([("along", "is a run with record=True, and of one without out")])
+        trail = along._trail
+        if trail is None:
+            case = case.with_({"increments": along.increments})
     if out is not None:
         return _ended(_run_into(case, Path(out).absolute(), threads, in_process, record), on_failure)
     bar = _Bar() if progress is True else None
     listener: Progress | None = bar if bar is not None else progress if callable(progress) else None
     try:
-        columns, summary, replay, increments, page = _core.run(
-            case._parts(), int(threads), listener, in_process, record, view
+        columns, summary, replay, increments, states, page = _core.run(
+            case._parts(), int(threads), listener, in_process, trail, (record, view)
         )
     finally:
         if bar is not None:
@@ -284,6 +295,7 @@ def run(
     history = History({name: values for name, _, values in columns}, {name: unit for name, unit, _ in columns})
     made = Run(case, history, json.loads(summary), replay)
     made.increments = None if increments is None else {"recorded": json.loads(increments)}
+    made._trail = states
     made._view = page
     return _ended(made, on_failure)
 

@@ -3,7 +3,7 @@
 use crate::errors::{Exception, case_error, of_panic, without_panic};
 use numpy::{IntoPyArray, PyArray1};
 use pullout_case::CaseErrors;
-use pullout_engine::{Error, Outcome, Settings, Source};
+use pullout_engine::{self as engine, Error, Outcome, Settings, Source};
 use pullout_run::PLUGIN_STACK;
 use pullout_run::isolation;
 use pyo3::prelude::*;
@@ -28,8 +28,12 @@ pub type Parts = (Option<PathBuf>, Option<String>, PathBuf, Vec<String>, Vec<Pat
 /// A column with its unit.
 type Column<'py> = (String, &'static str, Bound<'py, PyArray1<f64>>);
 
-/// Columns, `summary.json`, the replay case, the increments, and the page of the viewer.
-type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, Option<String>);
+/// Columns, `summary.json`, the replay case, the increments, the states of a specimen, and the page of the viewer.
+type Results<'py> = (Vec<Column<'py>>, String, Option<String>, Option<String>, Option<Trail>, Option<String>);
+
+/// The states of a specimen, along which a run with nearly the same parameters goes.
+#[pyclass(frozen, module = "pullout_fe._core")]
+pub struct Trail(Arc<engine::Trail>);
 
 /// Progress of a run: the part that is done, and the present row.
 type State = Option<(f64, Vec<f64>)>;
@@ -87,19 +91,20 @@ pub fn check(py: Python<'_>, case: Parts) -> PyResult<Vec<String>> {
     })
 }
 
-/// Runs a case. `listener` is called with the part that is done and the present row; `records`: the increments are kept;
-/// `views`: the viewer of a specimen is made.
+/// Runs a case. `listener` is called with the part that is done and the present row; `along`: states of another run, along which
+/// this one goes; `keeps`: the increments with the states, and the viewer of a specimen.
 #[pyfunction]
-#[pyo3(signature = (case, threads, listener, in_process, records, views))]
-pub fn run(
-    py: Python<'_>,
+#[pyo3(signature = (case, threads, listener, in_process, along, keeps))]
+pub fn run<'py>(
+    py: Python<'py>,
     case: Parts,
     threads: usize,
     listener: Option<Py<PyAny>>,
     in_process: bool,
-    records: bool,
-    views: bool,
-) -> PyResult<Results<'_>> {
+    along: Option<&Bound<'py, Trail>>,
+    keeps: (bool, bool),
+) -> PyResult<Results<'py>> {
+    let (records, views) = keeps;
     without_panic(|| {
         let source = source(case)?;
         if in_process {
@@ -112,6 +117,7 @@ pub fn run(
             threads: NonZeroUsize::new(threads),
             stop: Arc::clone(&stop),
             records,
+            along: along.map(|trail| Arc::clone(&trail.get().0)),
             views,
             listener: listener.as_ref().map(|_| {
                 let state = Arc::clone(&state);
@@ -190,7 +196,7 @@ fn results(py: Python<'_>, outcome: Outcome) -> PyResult<Results<'_>> {
         let unit = Outcome::unit(&name);
         (name, unit, values.into_pyarray(py))
     });
-    Ok((columns.collect(), summary, replay, increments, outcome.view))
+    Ok((columns.collect(), summary, replay, increments, outcome.trail.map(Trail), outcome.view))
 }
 
 /// Does something that may call plugins on a thread with the stack that they may want.

@@ -132,6 +132,8 @@ pub fn resolve(reader: &mut Reader<'_>, path: &Path, case: &PulloutCase) -> Opti
         model,
         step_untils: steps.into_iter().map(|step| step.until).collect(),
         threads: Threads::default(),
+        keeps_trail: false,
+        along: None,
     })
 }
 

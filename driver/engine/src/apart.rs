@@ -105,5 +105,12 @@ fn read(source: &Source, out: &Path) -> io::Result<Outcome> {
     }
     let history = History::of_run(out, |table| table.read()).unwrap_or_default();
     let json = |name: &str| serde_json::from_slice(&input::read(&out.join(name), Input::Case).ok()?).ok();
-    Ok(Outcome { history, summary, replay: json("replay.json"), increments: json("increments.json"), view: None })
+    Ok(Outcome {
+        history,
+        summary,
+        replay: json("replay.json"),
+        increments: json("increments.json"),
+        trail: None,
+        view: None,
+    })
 }

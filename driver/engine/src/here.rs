@@ -17,6 +17,7 @@ use pullout_run::pullout::checkpoint::Checkpoints;
 use std::io;
 use std::num::NonZeroUsize;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Results of a run besides its rows.
 pub struct Followed<'c> {
@@ -63,7 +64,7 @@ fn view(program: &pullout::Program, history: &History, states: &States) -> io::R
 
 /// Runs a case; what it would write is left out.
 pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
-    let Settings { threads, stop, records, views, listener } = settings;
+    let Settings { threads, stop, records, along, views, listener } = settings;
     let threads = threads.unwrap_or(NonZeroUsize::MIN);
     let with_own;
     let case = match case {
@@ -73,6 +74,11 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
             program.fields_every = None;
             // what is drawn is told of while the run goes on
             program.about.plots = views;
+            program.keeps_trail = records;
+            if let Some(trail) = along {
+                program.about.recorded = Some(Arc::new(trail.recorded.clone()));
+                program.along = Some(trail);
+            }
             with_own = Case::Pullout(program);
             &with_own
         }
@@ -101,11 +107,13 @@ pub(super) fn run(case: &Case, settings: Settings) -> io::Result<Outcome> {
     // those of a run that was not at its end would repeat a part of it
     let recorded = record.recorded.take().filter(|_| summary.status == Status::Done);
     let increments = recorded.map(serde_json::to_value).transpose()?;
+    let trail = specimen.as_mut().and_then(|(_, outcome)| outcome.trail.take());
+    let trail = trail.filter(|_| summary.status == Status::Done).map(Arc::new);
     let history = record.into_history();
     summary.compare = compare_all(case, || Ok(&history))?;
     let view = match specimen {
         Some((program, _)) => view(program, &history, &end.states)?,
         None => None,
     };
-    Ok(Outcome { history, summary, replay, increments, view })
+    Ok(Outcome { history, summary, replay, increments, trail, view })
 }

@@ -11,6 +11,7 @@
 mod apart;
 mod here;
 
+pub use fe_core::stepping::Trail;
 pub use here::{Followed, extent, follow};
 pub use pullout_run::isolation::{identity, let_all_in, set_program};
 
@@ -61,8 +62,11 @@ pub struct Settings {
     pub threads: Option<NonZeroUsize>,
     /// Ends the run when it is set: within an increment of a point, an iteration of a specimen.
     pub stop: Arc<AtomicBool>,
-    /// Keeps the increments, so that another run can repeat them.
+    /// Keeps the increments, so that another run can repeat them, and the states of a specimen.
     pub records: bool,
+    /// The states of a run of the same specimen with nearly the same numbers, along which this one goes: the difference of both
+    /// is that of the solutions, whatever the tolerance, and costs an iteration or two in each increment. Not for a run in a child.
+    pub along: Option<Arc<Trail>>,
     /// Makes the viewer of a specimen; not of a run in a child.
     pub views: bool,
     /// Hears on the thread of [`Prepared::run`] how far the run is; not of a run in a child.
@@ -80,6 +84,8 @@ pub struct Outcome {
     pub replay: Option<Value>,
     /// The increments of a run that is done, if they are kept: `"increments": {"recorded": …}` of a case that repeats them.
     pub increments: Option<Value>,
+    /// The states of a specimen whose run is done, if they are kept ([`Settings::along`]); not of a run in a child.
+    pub trail: Option<Arc<Trail>>,
     /// A specimen over the run, as a page of HTML: the viewer of `report.html` by itself.
     pub view: Option<String>,
 }

@@ -10,7 +10,7 @@ use levenberg_marquardt::{LeastSquaresProblem, LevenbergMarquardt, TerminationRe
 use nalgebra::storage::Owned;
 use nalgebra::{DMatrix, DVector, Dyn};
 use pullout_case::CsvFile;
-use pullout_engine::{Outcome, Settings, Source};
+use pullout_engine::{Outcome, Settings, Source, Trail};
 use pullout_report::directory::ResultDirectory;
 use pullout_run::PLUGIN_STACK;
 use pullout_run::input::folder_of;
@@ -20,6 +20,7 @@ use std::cell::Cell;
 use std::fmt::Write as _;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Relative step of differences: smaller ones meet the tolerance of a specimen's equilibrium.
 const STEP: f64 = 1e-6;
@@ -301,11 +302,20 @@ fn overrides(free: &[Free], values: &[f64]) -> Vec<String> {
     free.iter().zip(values).map(|(free, value)| format!("{}={value:?}", free.path)).collect()
 }
 
+/// The way of a run, which others go too.
+#[derive(Clone)]
+enum Increments {
+    /// Its increments.
+    Recorded(Value),
+    /// The states of a specimen.
+    Trail(Arc<Trail>),
+}
+
 /// The best run so far.
 struct Best {
     values: Vec<f64>,
     computed: Vec<f64>,
-    increments: Option<Value>,
+    increments: Option<Increments>,
 }
 
 impl Best {
@@ -325,7 +335,7 @@ struct Problem<'a> {
     /// Differences at the present place.
     present: Option<DVector<f64>>,
     /// Increments of the run there.
-    increments: Option<Value>,
+    increments: Option<Increments>,
     best: Option<Best>,
     trouble: Cell<Option<String>>,
     progress: &'a dyn Fn(usize, f64),
@@ -337,12 +347,12 @@ impl Problem<'_> {
     }
 
     /// The curve at the data's points, and the increments.
-    fn run(&self, values: &[f64], increments: Option<&Value>) -> Result<(Vec<f64>, Option<Value>), String> {
+    fn run(&self, values: &[f64], increments: Option<&Increments>) -> Result<(Vec<f64>, Option<Increments>), String> {
         self.runs.set(self.runs.get() + 1);
         curve(self.request, self.data, values, increments)
     }
 
-    fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Value>) {
+    fn take(&mut self, values: &[f64], computed: &[f64], increments: Option<Increments>) {
         let new = Best { values: values.to_vec(), computed: computed.to_vec(), increments: increments.clone() };
         let differences = DVector::from_vec(new.differences(self.data));
         (self.progress)(self.runs.get(), root_mean_square(&differences));
@@ -359,7 +369,7 @@ impl Problem<'_> {
         &self,
         values: &[f64],
         computed: &[f64],
-        increments: Option<&Value>,
+        increments: Option<&Increments>,
     ) -> Result<DMatrix<f64>, String> {
         self.runs.set(self.runs.get() + values.len());
         let column = |k: usize| -> Result<DVector<f64>, String> {
@@ -400,21 +410,29 @@ fn curve(
     request: &CaseRequest,
     data: &[[f64; 2]],
     values: &[f64],
-    increments: Option<&Value>,
-) -> Result<(Vec<f64>, Option<Value>), String> {
+    increments: Option<&Increments>,
+) -> Result<(Vec<f64>, Option<Increments>), String> {
     let mut source = request.source.clone();
     source.overrides.extend(overrides(&request.free, values));
-    source.overrides.extend(increments.map(|recorded| format!("increments={}", json!({ "recorded": recorded }))));
+    let along = match increments {
+        Some(Increments::Recorded(recorded)) => {
+            source.overrides.push(format!("increments={}", json!({ "recorded": recorded })));
+            None
+        }
+        Some(Increments::Trail(trail)) => Some(Arc::clone(trail)),
+        None => None,
+    };
     let prepared = source.read().map_err(|errors| {
         errors.problems.first().map_or_else(|| "the case is wrong".to_owned(), ToString::to_string)
     })?;
-    let settings = Settings { records: increments.is_none(), ..Settings::default() };
+    let settings = Settings { records: increments.is_none(), along, ..Settings::default() };
     let outcome = prepared.run(settings).map_err(|error| error.to_string())?;
     if !outcome.is_done() {
         return Err(outcome.summary.message.unwrap_or_else(|| "the run did not come to its end".into()));
     }
     let computed = at_data(&outcome, &request.curve, data)?;
-    Ok((computed, outcome.increments))
+    let trail = outcome.trail.map(Increments::Trail);
+    Ok((computed, trail.or_else(|| outcome.increments.map(Increments::Recorded))))
 }
 
 /// The second column where the first passes the data's values for the first time, on its way to the farthest of them.

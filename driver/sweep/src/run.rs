@@ -66,7 +66,7 @@ impl Measured {
 }
 
 fn of(outcome: Outcome, keep: &Keep, wall: f64) -> Measured {
-    let Outcome { history, summary, replay, increments: _, view: _ } = outcome;
+    let Outcome { history, summary, replay, .. } = outcome;
     let failed_at = summary.failed_at.or_else(|| {
         let is_failed = summary.status == Status::Failed;
         is_failed.then_some(FailedAt { kind: FailureKind::Failed, step: 0, increment: 0 })

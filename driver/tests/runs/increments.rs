@@ -5,6 +5,7 @@ use end_to_end_tests::worst;
 use pullout_engine::{Outcome, Settings, Source, set_program};
 use serde_json::{Value, json};
 use std::path::Path;
+use std::sync::Arc;
 
 fn run(source: Source, records: bool) -> Outcome {
     let program = Path::new(env!("CARGO_BIN_EXE_pullout"));
@@ -107,7 +108,7 @@ fn a_run_that_was_not_at_its_end_leaves_no_increments() {
     assert!(!record());
 }
 
-/// Five parameters at five slips across the peak, against central differences with the same increments.
+/// Five parameters at five slips across the peak, by runs along the first one, against central differences with the same increments.
 #[test]
 fn gradients_of_a_pull_out_curve() {
     const PARAMETERS: [&str; 5] = [
@@ -119,11 +120,11 @@ fn gradients_of_a_pull_out_curve() {
     ];
     const SLIPS: [f64; 5] = [0.004, 0.012, 0.02, 0.03, 0.04];
     let case = fibre(0.045);
-    let increments = repeats(&case);
+    let base = run(with(&case, &[], None), true);
+    let (increments, trail) = (base.increments.clone().unwrap(), base.trail.clone().unwrap());
     assert!(refused(&increments) > 0);
     let value = |path: &str| path.split('.').fold(&case, |value, key| &value[key]).as_f64().unwrap();
-    let loads = |path: &str, relative: f64| -> Vec<f64> {
-        let outcome = run(with(&case, &[(path, value(path) * (1.0 + relative))], Some(&increments)), false);
+    let loads = |outcome: &Outcome| -> Vec<f64> {
         assert!(outcome.is_done(), "{:?}", outcome.summary.message);
         let column = |name: &str| outcome.history.column(name).unwrap();
         let (slip, load) = (column("slip"), column("load"));
@@ -133,14 +134,17 @@ fn gradients_of_a_pull_out_curve() {
         };
         SLIPS.map(at).to_vec()
     };
-    let base = loads(PARAMETERS[0], 0.0);
-    assert!(base[2] > base[0] && base[2] > base[4], "the peak is in between: {base:?}");
+    let here = loads(&base);
+    assert!(here[2] > here[0] && here[2] > here[4], "the peak is in between: {here:?}");
     for path in PARAMETERS {
-        let derivatives = |above: f64, below: f64| -> Vec<f64> {
-            let [high, low] = [above, below].map(|step| loads(path, step));
-            high.iter().zip(&low).map(|(high, low)| (high - low) / (above - below)).collect()
-        };
-        let (forward, central) = (derivatives(1e-6, 0.0), derivatives(1e-4, -1e-4));
+        let changed = |relative: f64| [(path, value(path) * (1.0 + relative))];
+        let beside = with(&case, &changed(1e-6), None).read().unwrap();
+        let beside = beside.run(Settings { along: Some(Arc::clone(&trail)), ..Settings::default() }).unwrap();
+        assert!(beside.summary.cutbacks == 0 && beside.summary.iterations < base.summary.iterations / 2);
+        let forward: Vec<f64> = loads(&beside).iter().zip(&here).map(|(there, here)| (there - here) / 1e-6).collect();
+        let repeated = |relative| loads(&run(with(&case, &changed(relative), Some(&increments)), false));
+        let (high, low) = (repeated(1e-4), repeated(-1e-4));
+        let central: Vec<f64> = high.iter().zip(&low).map(|(high, low)| (high - low) / 2e-4).collect();
         let greatest = central.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
         let worst = worst(forward.iter().zip(&central).map(|(a, b)| (a - b).abs() / greatest));
         println!("{path}: {central:?}, {worst:.1e}");

@@ -88,6 +88,8 @@ impl<'m> Analysis<'m> {
             resumed: Some(checkpoint.position.clone()),
             tried: Vec::new(),
             repeats: None,
+            trail: None,
+            along: None,
         })
     }
 

@@ -15,6 +15,7 @@ mod spalling;
 #[cfg(test)]
 mod test;
 mod times;
+mod trail;
 mod zone;
 
 pub use checkpoint::Checkpoint;
@@ -26,6 +27,7 @@ pub use record::{Counts, Directive, FibreRecord, Observer, Record};
 pub use recorded::{Recorded, Tried, Verdict, Way};
 pub use snapshot::Snapshot;
 pub use times::Times;
+pub use trail::Trail;
 
 use crate::assembly::solids::PartAccount;
 use crate::assembly::{Equations, GREATEST_COUNT, Place, Solids, Trouble};
@@ -37,6 +39,7 @@ use newton::{Attempt, Committed, Converged, Equilibrium, Target};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
+use trail::Lead;
 use umat_abi::host::{Clock, ExternalDatabases};
 
 /// Counts of the work that a run took.
@@ -121,6 +124,10 @@ pub struct Analysis<'m> {
     tried: Vec<Tried>,
     /// Increments that are repeated.
     repeats: Option<Recorded>,
+    /// The states of the run, if they are kept.
+    trail: Option<Trail>,
+    /// The states of another run, along which this one is led.
+    along: Option<Arc<Trail>>,
 }
 
 impl<'m> Analysis<'m> {
@@ -161,6 +168,8 @@ impl<'m> Analysis<'m> {
             resumed: None,
             tried: Vec::new(),
             repeats: None,
+            trail: None,
+            along: None,
         })
     }
 
@@ -293,10 +302,14 @@ impl<'m> Analysis<'m> {
         let first = self.model.steps.first().map(|step| self.beginning(step, 1).run.time_increment(0.0));
         let clock_of_first = Clock { time_increment: first.unwrap_or_default(), ..clock(&context, 0.0) };
         self.databases.increment_starts(clock_of_first);
-        let converged = self
+        let along = self.along.as_ref().map(|trail| Lead { before: None, guide: &trail.datum });
+        let mut converged = self
             .equilibrium
-            .attempt(Attempt::new(&self.present.committed, &target, context))
+            .attempt(Attempt::new(&self.present.committed, &target, context).along(along))
             .map_err(|trouble| RunError::Failed { step: 1, increment: 0, progress: 0.0, trouble })?;
+        if let Some(trail) = &mut self.trail {
+            trail.datum = std::mem::take(&mut converged.guide);
+        }
         self.commit(converged, 0.0);
         self.present.datum = self.equilibrium.energies();
         self.present.datum_accounts = self.equilibrium.solids.accounts();
@@ -384,12 +397,15 @@ impl<'m> Analysis<'m> {
     /// Makes a converged increment the present state, and tells the observer of it.
     fn stands(
         &mut self,
-        converged: Converged,
+        mut converged: Converged,
         context: IncrementContext,
         cutbacks: u32,
         observer: &mut dyn Observer,
     ) -> Result<Directive, RunError> {
         let iterations = converged.iterations.clone();
+        if let (Some(trail), Some(tried)) = (&mut self.trail, self.tried.last()) {
+            trail.push(context.step, *tried, std::mem::take(&mut converged.guide));
+        }
         let passed = context.time_increment;
         self.commit(converged, passed);
         self.equilibrium.solids.energies_stand();
@@ -402,7 +418,8 @@ impl<'m> Analysis<'m> {
     /// One attempt at an increment from the present state.
     fn attempt(&mut self, target: &Target, context: IncrementContext) -> Result<Converged, Trouble> {
         self.databases.increment_starts(clock(&context, 0.0));
-        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context))
+        let along = self.along.as_ref().and_then(|trail| trail.lead(context.step, context.increment));
+        self.equilibrium.attempt(Attempt::new(&self.present.committed, target, context).along(along))
     }
 
     /// Attempts smaller increments, until one shows that a law's report of energies contradicts the work whatever their

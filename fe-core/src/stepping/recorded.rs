@@ -7,11 +7,12 @@
 use super::control::StepRun;
 use super::newton::{Leader, Target};
 use super::record::{Directive, Observer};
-use super::{Analysis, RunError};
+use super::{Analysis, RunError, Trail};
 use crate::assembly::Trouble;
 use crate::contact::PointIndex;
 use crate::model::{IncrementContext, Step};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// The attempts at each increment of each step of a run, in order.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -145,6 +146,24 @@ impl Analysis<'_> {
     /// Repeats the increments of another run, whatever the steps say of theirs. No checkpoints are made.
     pub fn repeat(&mut self, recorded: Recorded) {
         self.repeats = Some(recorded);
+    }
+
+    /// Keeps the states of the run from here on: two arrays of the displacements' length for each round of iterations.
+    pub fn keep_trail(&mut self) {
+        self.equilibrium.keeps_rounds = true;
+        self.trail = Some(Trail::default());
+    }
+
+    /// Returns the states of the run so far, if they were kept.
+    pub fn take_trail(&mut self) -> Option<Trail> {
+        self.trail.take()
+    }
+
+    /// Goes along the states of a run of the same model with nearly the same parameters, whose difference to them is then
+    /// that of the solutions, whatever the tolerance.
+    pub fn follow(&mut self, trail: Arc<Trail>) {
+        self.repeats = Some(trail.recorded.clone());
+        self.along = Some(trail);
     }
 
     /// Returns where the attempt that was just made leads.

@@ -3,8 +3,10 @@
 use crate::columns;
 use crate::program::{About, Until};
 use fe_core::model::{ContactLaw, Model, PluginLaw};
+use fe_core::stepping::Trail;
 use fe_core::threads::Threads;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A moment that pictures show.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,6 +38,10 @@ pub struct Program {
     pub rupture_strain: f64,
     /// Threads that share the work. No bit of the results depends on it.
     pub threads: Threads,
+    /// Whether the states that the run goes through are kept.
+    pub keeps_trail: bool,
+    /// The states of a run with nearly the same parameters, along which this one goes.
+    pub along: Option<Arc<Trail>>,
 }
 
 impl Program {

@@ -14,13 +14,14 @@ use fe_core::model::{Model, Step, StepControl};
 use fe_core::output::Fields;
 use fe_core::stepping::{
     Analysis, Checkpoint, Directive, ENERGY_BUDGET, Energies, Observer, Record, RunError, STABILISATION_BUDGET,
-    Snapshot,
+    Snapshot, Trail,
 };
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 #[cfg(test)]
@@ -44,6 +45,8 @@ pub struct Outcome<'p> {
     pub end: Option<State<'p>>,
     /// The states that the case asks pictures of, as far as the run came to them.
     pub moments: Vec<(PictureAt, State<'p>)>,
+    /// The states that it went through, if they were kept.
+    pub trail: Option<Trail>,
 }
 
 impl Outcome<'_> {
@@ -55,6 +58,7 @@ impl Outcome<'_> {
             peak: None,
             end: None,
             moments: Vec::new(),
+            trail: None,
         }
     }
 }
@@ -92,8 +96,13 @@ pub fn run<'p>(
     if let Some(every) = checkpoints.every {
         analysis.checkpoint_every(every);
     }
-    if let Some(recorded) = &program.about.recorded {
-        analysis.repeat(recorded.as_ref().clone());
+    match (&program.along, &program.about.recorded) {
+        (Some(trail), _) => analysis.follow(Arc::clone(trail)),
+        (None, Some(recorded)) => analysis.repeat(recorded.as_ref().clone()),
+        (None, None) => {}
+    }
+    if program.keeps_trail {
+        analysis.keep_trail();
     }
     let set_up = start.elapsed();
     let written = from.and_then(|saved| saved.recorder.fields.as_ref());
@@ -112,6 +121,7 @@ pub fn run<'p>(
     }
     let start = Instant::now();
     let ended = analysis.run(&mut recorder);
+    let trail = analysis.take_trail();
     if analysis.is_stopped() {
         // in the middle of an increment nobody asks it
         recorder.observer.ends_here();
@@ -176,6 +186,7 @@ pub fn run<'p>(
         peak: peak.into_state().filter(goes_on),
         end: program.about.plots.then(end),
         moments: moments.map(Moments::into_states).unwrap_or_default(),
+        trail,
     }
 }
 

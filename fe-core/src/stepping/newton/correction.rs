@@ -1,5 +1,6 @@
 //! The correction of an iteration, under direct and indirect control, and how much of it is applied.
 
+use super::beside::Beside;
 use super::{Attempt, CUT, Committed, Equilibrium, Leader, Target, largest, trouble, unsolvable};
 use crate::assembly::{Place, Trouble, loads};
 use crate::contact::PointIndex;
@@ -83,6 +84,7 @@ impl Equilibrium<'_> {
                     Leader::PointSlip => self.slip_progress(&from_residual, &from_drives, attempt.predicts(), *point),
                     Leader::Dissipation => self.dissipation_progress(attempt, &from_residual, &from_drives)?,
                 };
+                let growth = self.beside.as_ref().map_or(*growth, Beside::growth);
                 let share = (growth - progress.so_far - progress.along_residual) / progress.along_drives;
                 if !share.is_finite() {
                     let reason = "what leads does not follow the drives".into();
@@ -185,7 +187,9 @@ impl Equilibrium<'_> {
         for (drive, change) in attempt.trial.drives.iter_mut().zip(&direction.drives) {
             *drive += change;
         }
-        self.contact.foretell(&direction.displacements, predicts);
+        if self.beside.is_none() {
+            self.contact.foretell(&direction.displacements, predicts);
+        }
         direction.place(&from, 1.0, &mut attempt.trial);
         self.evaluate(attempt)?;
         let moves_drives = direction.drives.iter().any(|change| *change != 0.0);

@@ -59,7 +59,11 @@ impl Equilibrium<'_> {
         (self.model.controls.force_tolerance * scale).max(self.memory.rounding)
     }
 
-    fn is_converged(&self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
+    fn is_converged(&mut self, attempt: &Attempt<'_>, residual: f64, scale: f64) -> bool {
+        let growth = self.growth(attempt);
+        if let Some(beside) = &mut self.beside {
+            return beside.is_reached(residual, growth, self.memory.rounding);
+        }
         let tolerance = self.tolerance(scale);
         let displacements = &attempt.trial.displacements;
         let moved = largest_difference(displacements, &attempt.start.displacements);

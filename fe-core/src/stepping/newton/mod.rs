@@ -12,15 +12,18 @@
 //! δq = δq_r + δλ δq_d,   K δq_d = Tᵀ(∂f_ext/∂λ − K S d),   δλ = (c₀ + Δc − c − c,_u·Tδq_r) / c,_u·(Tδq_d + S d)
 //! ```
 
+mod beside;
 mod correction;
 mod drag;
 mod iteration;
 mod policy;
 mod state;
 
+pub(super) use beside::{Guide, Round};
 pub(super) use state::{EquilibriumState, foreign_state};
 
 use super::times::timed;
+use super::trail::Lead;
 use super::zone::Zone;
 use super::{Counts, Energies, ModelError, Times};
 use crate::assembly::solids::SolidEnergies;
@@ -29,6 +32,7 @@ use crate::contact::{self, Contact, ContactError, PointIndex};
 use crate::model::{IncrementContext, Model};
 use crate::solver::SolverError;
 use crate::threads::Threads;
+use beside::Beside;
 use serde::{Deserialize, Serialize};
 use state::Memory;
 use std::sync::Arc;
@@ -106,11 +110,21 @@ pub(super) struct Attempt<'a> {
     iterations: Vec<Iteration>,
     /// Iterations before this round: between rounds contact settles and the far field shrinks.
     before: usize,
+    /// The increment of another run that it is led along.
+    lead: Option<Lead<'a>>,
+    /// The way that it takes, if it is kept.
+    kept: Guide,
 }
 
 impl<'a> Attempt<'a> {
     pub(super) fn new(start: &'a Committed, target: &'a Target, context: IncrementContext) -> Self {
-        Self { start, target, context, trial: start.clone(), iterations: Vec::new(), before: 0 }
+        let (trial, iterations, kept) = (start.clone(), Vec::new(), Guide::default());
+        Self { start, target, context, trial, iterations, before: 0, lead: None, kept }
+    }
+
+    /// The attempt, led along an increment of another run.
+    pub(super) fn along(self, lead: Option<Lead<'a>>) -> Self {
+        Self { lead, ..self }
     }
 
     /// Returns the iterations of this round.
@@ -120,7 +134,7 @@ impl<'a> Attempt<'a> {
 
     /// Returns whether the next correction is the predictor, which takes the drives to their goal.
     fn predicts(&self) -> bool {
-        self.iterations.is_empty()
+        self.iterations.is_empty() && self.lead.is_none()
     }
 
     /// Returns the resistance of drag, N/mm; 0 without drag.
@@ -143,6 +157,8 @@ pub(super) struct Converged {
     pub(super) drag: f64,
     /// Whether the increment went back on the way of the one before, both through drag.
     pub(super) turns: bool,
+    /// The way to it, if it is kept.
+    pub(super) guide: Guide,
 }
 
 /// Solids, contact and equations with the memory of an iteration.
@@ -165,6 +181,10 @@ pub(super) struct Equilibrium<'m> {
     threads: Threads,
     /// Flag by which another thread asks for the end ([`super::Analysis::stop_at`]).
     pub(super) stop: Option<Arc<AtomicBool>>,
+    /// Whether the ways of attempts are kept.
+    pub(super) keeps_rounds: bool,
+    /// The end of the present round in the run beside which this one goes.
+    beside: Option<Beside>,
 }
 
 /// The force scale does not fall below this part of the largest so far: a fibre that has left carries nothing.
@@ -201,6 +221,8 @@ impl<'m> Equilibrium<'m> {
             times: Times::default(),
             threads: Threads::default(),
             stop: None,
+            keeps_rounds: false,
+            beside: None,
         })
     }
 
@@ -219,14 +241,17 @@ impl<'m> Equilibrium<'m> {
     /// Finds equilibrium for a target from the committed state: rounds of iterations until contact has settled and the far
     /// field is elastic.
     pub(super) fn attempt(&mut self, mut attempt: Attempt<'_>) -> Result<Converged, Trouble> {
-        if !self.memory.at_committed_state {
+        self.contact.foretell_nothing();
+        attempt.kept = self.begin_guide();
+        self.begin_beside(&mut attempt, 0)?;
+        if !self.memory.at_committed_state || self.beside.is_some() {
             self.evaluate(&attempt)?;
         }
         self.memory.at_committed_state = false;
         let mut settlements = 0;
-        self.contact.foretell_nothing();
-        loop {
+        for round in 1.. {
             self.newton(&mut attempt)?;
+            self.keep_round(&mut attempt);
             if self.contact.settle().again {
                 settlements += 1;
                 if settlements > MAX_SETTLEMENTS {
@@ -241,16 +266,18 @@ impl<'m> Equilibrium<'m> {
                 }
                 self.memory.statistics.expansions += 1;
             }
+            self.begin_beside(&mut attempt, round)?;
             self.evaluate(&attempt)?;
         }
-        let Attempt { trial: mut end, iterations, .. } = attempt;
+        self.beside = None;
+        let Attempt { trial: mut end, iterations, kept: guide, .. } = attempt;
         end.mean_slip = self.contact.mean_slip();
         end.dissipation = self.solids.trial_dissipation();
         end.external.clone_from(&self.memory.external);
         end.reactions = self.memory.internal.iter().zip(&self.memory.external).map(|(i, e)| i - e).collect();
         let drag = self.memory.drag.largest();
         let drag = if drag == 0.0 { 0.0 } else { drag / self.tolerance(self.force_scale()) };
-        Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns() })
+        Ok(Converged { end, iterations, drag, turns: self.memory.drag.turns(), guide })
     }
 
     /// Expands the far field and calls its laws: whether it is in equilibrium with what they say. If not, the elements
@@ -282,19 +309,25 @@ impl<'m> Equilibrium<'m> {
         let equations = self.system.equations();
         let at_fault = |freedom: &usize| equations.equations_of(*freedom).iter().any(|(e, _)| unbalanced[*e]);
         let freedoms: Vec<usize> = (0..equations.freedom_count()).filter(at_fault).collect();
-        let equations = equations.clone();
-        if !self.zone.take_in(&self.model.mesh, &freedoms) {
+        let mut zone = self.zone.clone();
+        if !zone.take_in(&self.model.mesh, &freedoms) {
             let reason = "equilibrium is lost between the far field and the zone".into();
             return Err(trouble(Place::System, reason, CUT));
         }
-        self.system = self
-            .zone
-            .system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)
-            .map_err(|error| unsolvable(&error))?;
+        self.set_zone(zone).map_err(|error| unsolvable(&error))?;
+        Ok(false)
+    }
+
+    /// Lets other elements iterate; those that are condensed have been elastic so far.
+    fn set_zone(&mut self, zone: Zone) -> Result<(), SolverError> {
+        let equations = self.system.equations().clone();
+        self.zone = zone;
+        self.system =
+            self.zone.system(self.model, equations, &coupled_freedoms(self.model, &self.contact), &self.solids)?;
         self.system.set_threads(&self.threads);
         self.solids.set_active(self.zone.active());
         self.memory.factorised = false;
-        Ok(false)
+        Ok(())
     }
 
     /// Makes the last attempt the committed state.
@@ -392,6 +425,9 @@ impl<'m> Equilibrium<'m> {
         system.add_far_forces(&trial.displacements, 1.0, &mut memory.internal);
         let unbalanced = memory.unbalanced();
         memory.residual = system.reduce(&unbalanced);
+        if let Some(beside) = &self.beside {
+            beside.take_off(&mut memory.residual);
+        }
         match unbalanced.iter().position(|force| !force.is_finite()) {
             None => Ok(()),
             Some(freedom) => {

@@ -1,7 +1,7 @@
 //! What an equilibrium remembers between increments, as it is kept between runs.
 
+use super::Equilibrium;
 use super::drag::Drag;
-use super::{Equilibrium, coupled_freedoms};
 use crate::assembly::solids::SolidsState;
 use crate::assembly::{Equations, SystemState};
 use crate::contact::ContactState;
@@ -121,10 +121,7 @@ impl<'m> Equilibrium<'m> {
         }
         if made.zone != state.zone {
             // the solids are virgin still: what is condensed is elastic, and was so
-            made.zone = state.zone.clone();
-            let equations = made.system.equations().clone();
-            made.system = made.zone.system(model, equations, &coupled_freedoms(model, &made.contact), &made.solids)?;
-            made.solids.set_active(made.zone.active());
+            made.set_zone(state.zone.clone())?;
         }
         let fits = state.memory.fits(&made)
             && made.solids.set_state(&state.solids)

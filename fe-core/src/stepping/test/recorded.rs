@@ -2,7 +2,8 @@
 
 use super::{Keeper, snap_back};
 use crate::model::Model;
-use crate::stepping::{Analysis, Record, Recorded, RunError, Tried, Verdict, Way};
+use crate::stepping::{Analysis, Record, Recorded, RunError, Trail, Tried, Verdict, Way};
+use std::sync::Arc;
 
 fn recorded(records: &[Record]) -> Recorded {
     let mut recorded = Recorded::default();
@@ -45,4 +46,59 @@ fn an_increment_that_does_not_converge_is_not_replaced_by_others() {
     recorded.steps[0][1] = vec![jump];
     let message = repeat(&model, &recorded).unwrap_err().to_string();
     assert!(message.contains("increment 2") && message.contains("repeated as it is"), "{message}");
+}
+
+/// Returns the rows of a run with its states.
+fn with_trail(model: &Model) -> (Vec<Record>, Arc<Trail>) {
+    let mut analysis = Analysis::new(model).unwrap();
+    analysis.keep_trail();
+    let mut keeper = Keeper::default();
+    analysis.run(&mut keeper).unwrap();
+    (keeper.0, Arc::new(analysis.take_trail().unwrap()))
+}
+
+/// Returns the loads of a run beside another one, and its iterations.
+fn beside(model: &Model, trail: &Arc<Trail>) -> (Vec<f64>, u64) {
+    let mut analysis = Analysis::new(model).unwrap();
+    analysis.follow(Arc::clone(trail));
+    let mut keeper = Keeper::default();
+    analysis.run(&mut keeper).unwrap();
+    (keeper.0.iter().map(|record| record.load).collect(), analysis.statistics().iterations)
+}
+
+/// The load of an element that fails through a snap-back, by its strength: differences of runs along the states of the first,
+/// against those of runs that repeat its increments with smaller tolerances.
+#[test]
+fn derivatives_along_a_trail_are_those_between_exact_equilibria() {
+    let model = snap_back::bar();
+    let (base, trail) = with_trail(&model);
+    assert_eq!(trail.recorded.steps[0].len(), base.len() - 1);
+    assert!(trail.recorded.steps[0].iter().all(|attempts| attempts.len() == 1), "what was refused is left out");
+    let loads: Vec<f64> = base.iter().map(|record| record.load).collect();
+    let (same, iterations) = beside(&model, &trail);
+    assert!(iterations < 5, "{iterations}: sums of displacements are rounded, else nothing is to be corrected");
+    for (same, load) in same.iter().zip(&loads) {
+        approx::assert_relative_eq!(same, load, max_relative = 1e-12);
+    }
+    let scaled = |factor: f64| snap_back::bar_of(factor * snap_back::THRESHOLD);
+    let step = 1e-6;
+    let slopes = |loads: &dyn Fn(f64) -> Vec<f64>| -> Vec<f64> {
+        let both = loads(1.0 + step).into_iter().zip(loads(1.0 - step));
+        both.map(|(more, less)| (more - less) / (2.0 * step)).collect()
+    };
+    let along = slopes(&|factor| {
+        let (loads, iterations) = beside(&scaled(factor), &trail);
+        assert!(iterations < base.len() as u64, "{iterations} iterations in {} increments", base.len() - 1);
+        loads
+    });
+    let between = slopes(&|factor| {
+        let mut model = scaled(factor);
+        model.controls.force_tolerance = 1e-11;
+        model.controls.displacement_tolerance = 1e-11;
+        repeat(&model, &trail.recorded).unwrap().iter().map(|record| record.load).collect()
+    });
+    let greatest = between.iter().fold(0.0_f64, |greatest, slope| greatest.max(slope.abs()));
+    for (along, between) in along.iter().zip(&between) {
+        approx::assert_abs_diff_eq!(along, between, epsilon = 1e-4 * greatest);
+    }
 }

@@ -15,7 +15,7 @@ use umat_abi::host::recorder::UmatRecord;
 pub(super) const MODULUS: f64 = 31800.0;
 const SCALE: f64 = 5000.0;
 const EXPONENT: f64 = 1.3;
-const THRESHOLD: f64 = 2e-4;
+pub(super) const THRESHOLD: f64 = 2e-4;
 /// The rest: soft, so that it stores much.
 const REST: f64 = 5000.0;
 /// Section, mm².
@@ -26,8 +26,13 @@ pub(super) const LENGTHS: [f64; 2] = [3.0, 1.0];
 const END: f64 = 0.003;
 
 pub(super) fn bar() -> Model {
+    bar_of(THRESHOLD)
+}
+
+/// As [`bar`], with another damage threshold of the softening quarter, MPa.
+pub(super) fn bar_of(threshold: f64) -> Model {
     let rest = PluginLaw::shipped("linear_elastic", &[("E", REST), ("nu", 0.0)]);
-    let properties = [("E", MODULUS), ("nu", 0.0), ("A", SCALE), ("B", EXPONENT), ("Y_0", THRESHOLD)];
+    let properties = [("E", MODULUS), ("nu", 0.0), ("A", SCALE), ("B", EXPONENT), ("Y_0", threshold)];
     let softening = PluginLaw::shipped("pure_damage", &properties);
     let control = StepControl::Automatic { initial: 0.02, maximum: 0.05, minimum: 1e-8 };
     chain(vec![rest, softening], PlaneModel::PlaneStress, END, control)

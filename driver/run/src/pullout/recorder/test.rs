@@ -22,6 +22,8 @@ fn program(every: usize) -> Program {
         fields_every: None,
         pictures_at: Vec::new(),
         rupture_strain: 0.03,
+        keeps_trail: false,
+        along: None,
         mesh: String::new(),
         fibre_diameter: None,
         model: Model {

@@ -1,0 +1,125 @@
+//! An attempt beside one of another run ([`crate::stepping::Trail`]).
+
+use super::{Attempt, Equilibrium, Leader, Target, unsolvable};
+use crate::assembly::Trouble;
+use crate::stepping::zone::Zone;
+
+/// The part of what there is to correct at the start of a round that may be left at its end.
+const LEFT: f64 = 1e-4;
+/// The part of what rounding may make of a residual at which there is nothing to correct: a difference so small has been left by the
+/// sums of the displacements.
+const NOTHING: f64 = 1e-3;
+/// The part of its growth to which the leading quantity is known.
+const ROUNDING: f64 = 1e-11;
+
+/// State at the end of a round of iterations.
+#[derive(Clone, Debug, Default)]
+pub(in crate::stepping) struct Round {
+    displacements: Vec<f64>,
+    drives: Vec<f64>,
+    /// Residual forces by rows of the equations, N.
+    residual: Vec<f64>,
+    /// Growth of the leading quantity in the increment so far; 0 where the drives lead.
+    growth: f64,
+}
+
+/// Rounds of an increment that stands, and the elements that iterated at its start.
+#[derive(Clone, Debug, Default)]
+pub(in crate::stepping) struct Guide {
+    zone: Option<Zone>,
+    pub(in crate::stepping) rounds: Vec<Round>,
+}
+
+/// The end of the present round in the other run.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Beside {
+    residual: Vec<f64>,
+    growth: f64,
+    /// What is to be corrected at the start of the round: the largest residual, N, and growth. Known after the first evaluation.
+    first: Option<[f64; 2]>,
+}
+
+impl Beside {
+    /// Takes the residual of the other run off.
+    pub(super) fn take_off(&self, residual: &mut [f64]) {
+        // the zones of the two may have grown apart
+        if residual.len() == self.residual.len() {
+            residual.iter_mut().zip(&self.residual).for_each(|(own, other)| *own -= other);
+        }
+    }
+
+    /// Returns the goal of the leading quantity.
+    pub(super) fn growth(&self) -> f64 {
+        self.growth
+    }
+
+    /// Returns whether so little of residual and growth is left that the round is at its end. `rounding`: what residuals are known to, N;
+    /// a difference of two may be far smaller, so that one correction is made all the same.
+    pub(super) fn is_reached(&mut self, residual: f64, growth: f64, rounding: f64) -> bool {
+        let missing = (self.growth - growth).abs();
+        let least = if self.first.is_none() { NOTHING * rounding } else { rounding };
+        let first = self.first.get_or_insert([residual, missing]);
+        residual <= (LEFT * first[0]).max(least) && missing <= (LEFT * first[1]).max(ROUNDING * self.growth.abs())
+    }
+}
+
+impl Equilibrium<'_> {
+    /// Begins to take the rounds of an attempt down, if they are kept.
+    pub(super) fn begin_guide(&self) -> Guide {
+        Guide { zone: self.keeps_rounds.then(|| self.zone.clone()), rounds: Vec::new() }
+    }
+
+    /// Takes the end of a round down, if they are kept.
+    pub(super) fn keep_round(&self, attempt: &mut Attempt<'_>) {
+        if self.keeps_rounds {
+            let growth = self.growth(attempt);
+            attempt.kept.rounds.push(Round {
+                displacements: attempt.trial.displacements.clone(),
+                drives: attempt.trial.drives.clone(),
+                residual: self.memory.residual.clone(),
+                growth,
+            });
+        }
+    }
+
+    /// Returns how far the leading quantity has grown in the increment; 0 where the drives lead.
+    pub(super) fn growth(&self, attempt: &Attempt<'_>) -> f64 {
+        match attempt.target {
+            Target::Led { by: Leader::PointSlip, .. } => {
+                self.leading_point.map_or(0.0, |(point, start)| self.contact.slip_of(point) - start)
+            }
+            Target::Led { by: Leader::Dissipation, .. } => self.solids.trial_dissipation() - attempt.start.dissipation,
+            Target::Drives(_) | Target::Through { .. } => 0.0,
+        }
+    }
+
+    /// Takes an attempt to the beginning of a round beside the other run's, if there is one.
+    pub(super) fn begin_beside(&mut self, attempt: &mut Attempt<'_>, round: usize) -> Result<(), Trouble> {
+        self.beside = None;
+        let Some(lead) = attempt.lead else { return Ok(()) };
+        if round == 0
+            && let Some(zone) = lead.guide.zone.as_ref().filter(|zone| **zone != self.zone)
+        {
+            self.set_zone(zone.clone()).map_err(|error| unsolvable(&error))?;
+        }
+        let Some(end) = lead.guide.rounds.get(round) else { return Ok(()) };
+        let before = if round == 0 { lead.before } else { lead.guide.rounds.get(round - 1) };
+        let shift = |own: &mut [f64], end: &[f64], before: Option<&[f64]>| {
+            for (k, (own, end)) in own.iter_mut().zip(end).enumerate() {
+                *own += end - before.map_or(0.0, |before| before[k]);
+            }
+        };
+        if round == 0
+            && let Target::Led { by: Leader::PointSlip, point: Some(point), .. } = attempt.target
+            && self.contact.has(*point)
+        {
+            self.leading_point = Some((*point, self.contact.slip_of(*point)));
+        }
+        shift(&mut attempt.trial.displacements, &end.displacements, before.map(|round| &*round.displacements));
+        shift(&mut attempt.trial.drives, &end.drives, before.map(|round| &*round.drives));
+        self.beside = Some(Beside { residual: end.residual.clone(), growth: end.growth, first: None });
+        // the factor is of another state: with it corrections are many, and leave more than rounding
+        self.memory.last_reduction = 1.0;
+        Ok(())
+    }
+}
