@@ -196,14 +196,14 @@ fn the_analysis_its_steps_and_its_increments_are_told_once_each() {
         [2.0, 1.0, 2.0, 2.0, 2.0, 1.0],
         [6.0, 1.0, 2.0, 2.0, 2.0, 1.0],
         [5.0, 2.0, 0.0, 0.0, 2.0, 2.0],
-        // the law refuses 2 s: the increment begins again
+        // the law refuses 2 s: the increment begins again, in two pieces with numbers of their own
         [1.0, 2.0, 1.0, 0.0, 2.0, 2.0],
         [1.0, 2.0, 1.0, 0.0, 2.0, 1.0],
         [2.0, 2.0, 1.0, 1.0, 3.0, 1.0],
-        [1.0, 2.0, 1.0, 1.0, 3.0, 1.0],
-        [2.0, 2.0, 1.0, 2.0, 4.0, 1.0],
-        [6.0, 2.0, 1.0, 2.0, 4.0, 1.0],
-        [3.0, 2.0, 1.0, 2.0, 4.0, 1.0],
+        [1.0, 2.0, 2.0, 1.0, 3.0, 1.0],
+        [2.0, 2.0, 2.0, 2.0, 4.0, 1.0],
+        [6.0, 2.0, 2.0, 2.0, 4.0, 1.0],
+        [3.0, 2.0, 2.0, 2.0, 4.0, 1.0],
     ];
     assert_eq!(occasions(&at_point), expected);
 

@@ -140,7 +140,10 @@ impl<'p> Parameters<'p> for BondSlipParameters<'p> {
         let may_mix = law != Tangential::A && normal_law == Normal::Hard;
         require(c_n == 0.0 || may_mix, "mixed mode (c_N > 0) needs law B and the hard normal law", c_n)?;
         let envelope = || match form {
-            Form::Powers => Envelope::powers(k_e, rise, fall, tau_res),
+            Form::Powers => {
+                require(points.is_empty(), "points of the envelope need the form piecewise", points.len() as f64)?;
+                Envelope::powers(k_e, rise, fall, tau_res)
+            }
             Form::Piecewise => Envelope::piecewise(k_e, points, tau_res),
         };
         let tangential = match law {

@@ -17,7 +17,7 @@ use std::ops::{Deref, DerefMut};
 pub enum CallOutcome {
     /// The arrays hold the new values.
     Done,
-    /// 0 < PNEWDT < 1: repeat with this fraction of the increment.
+    /// PNEWDT is not 1 or more: repeat with this fraction of the increment, or one that the host chooses if it is none (0, negative, NaN).
     CutBack(f64),
 }
 
@@ -25,7 +25,7 @@ impl CallOutcome {
     /// Reads PNEWDT on return.
     #[inline]
     pub(super) fn of(pnewdt: f64) -> Self {
-        if pnewdt > 0.0 && pnewdt < 1.0 { Self::CutBack(pnewdt) } else { Self::Done }
+        if pnewdt >= 1.0 { Self::Done } else { Self::CutBack(pnewdt) }
     }
 }
 

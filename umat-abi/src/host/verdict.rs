@@ -20,7 +20,8 @@ impl CallFailure {
     /// help.
     pub fn fraction(&self, usual: f64) -> Option<f64> {
         match self {
-            Self::CutBack(fraction) => Some(*fraction),
+            Self::CutBack(fraction) if *fraction > 0.0 => Some(*fraction),
+            Self::CutBack(_) => Some(usual),
             Self::NotFinite(_) => Some(usual),
             Self::Overrun(_) => None,
         }
@@ -30,6 +31,9 @@ impl CallFailure {
 impl fmt::Display for CallFailure {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
+            Self::CutBack(fraction) if !(*fraction > 0.0) => {
+                write!(f, "it returned PNEWDT = {fraction:?}, which is no part of the increment")
+            }
             Self::CutBack(fraction) => write!(f, "it asks for smaller increments (PNEWDT = {fraction:?})"),
             Self::NotFinite(result) => write!(f, "it returned {result}"),
             Self::Overrun(overrun) => overrun.fmt(f),
@@ -48,5 +52,21 @@ pub fn judge(outcome: Result<CallOutcome, Overrun>, not_finite: Option<NotFinite
         (Ok(CallOutcome::Done), Some(result)) => Err(CallFailure::NotFinite(result)),
         (Ok(CallOutcome::CutBack(fraction)), _) => Err(CallFailure::CutBack(fraction)),
         (Err(overrun), _) => Err(CallFailure::Overrun(overrun)),
+    }
+}
+
+#[cfg(test)]
+mod test {
+    use super::*;
+
+    #[test]
+    fn what_is_no_part_of_an_increment_is_no_success() {
+        for pnewdt in [0.0, -1.0, f64::NAN] {
+            let failure = judge(Ok(CallOutcome::of(pnewdt)), None).expect_err("no success");
+            assert_eq!(failure.fraction(0.25), Some(0.25));
+            assert!(failure.to_string().contains("no part"), "{failure}");
+        }
+        assert_eq!(judge(Ok(CallOutcome::of(0.5)), None).map_err(|failure| failure.fraction(0.25)), Err(Some(0.5)));
+        assert_eq!(judge(Ok(CallOutcome::of(1.0)), None), Ok(()));
     }
 }

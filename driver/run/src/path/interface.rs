@@ -3,7 +3,7 @@
 //! Outside the plugin gap > 0 is open and p > 0 is compression: gap = −RDISP(1), p = STRESS(1).
 
 use super::subdivision::{Divisible, Trouble, take_steps};
-use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay, to_u32};
+use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay};
 use crate::arguments::ContactArguments;
 use crate::columns::{self, CONTACT, ContactRow, Group};
 use crate::number::exact;
@@ -349,11 +349,13 @@ impl Divisible for Runner<'_> {
     }
 
     fn aim(&mut self, step: &InterfaceStep, number: u32, index: usize, _statistics: &mut Statistics) {
-        let counters = self.arguments.counters(number, to_u32(index + 1));
-        [self.clock.step, self.clock.increment, _] = counters;
-        match &mut self.call {
-            Call::Uinter(call) => call.counters = counters,
-            Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
+        if index == 0 {
+            let counters = self.arguments.counters(number, 1);
+            [self.clock.step, self.clock.increment, _] = counters;
+            match &mut self.call {
+                Call::Uinter(call) => call.counters = counters,
+                Call::Fric(call) => [call.counters[0], call.counters[1], _] = counters,
+            }
         }
         let (start, fields) = &self.start;
         let goal = &mut self.goal;
@@ -415,6 +417,12 @@ impl Divisible for Runner<'_> {
         self.committed.clone_from(&self.trial);
         let end = [self.committed.step_time, self.committed.total_time];
         self.databases.increment_ends(Clock { time: end, ..self.clock });
+        // to the law a piece of an increment is one: no two have the same number
+        self.clock.increment = self.clock.increment.saturating_add(1);
+        match &mut self.call {
+            Call::Uinter(call) => call.counters[1] = self.clock.increment,
+            Call::Fric(call) => call.counters[1] = self.clock.increment,
+        }
     }
 
     fn fill(&self, values: &mut [f64]) {

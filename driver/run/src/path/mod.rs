@@ -207,10 +207,6 @@ pub fn increments_of_steps(kind: &Kind) -> Vec<u64> {
     }
 }
 
-fn to_u32(n: usize) -> u32 {
-    u32::try_from(n).unwrap_or(u32::MAX)
-}
-
 /// Writer of the rows; decides when a step or the run ends early.
 struct Recorder<'a> {
     observer: &'a mut dyn Observer,

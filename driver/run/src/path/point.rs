@@ -3,7 +3,7 @@
 use super::finite::Finite;
 use super::newton::{Divergence, Evaluation, STRESS_TOLERANCE, Targets};
 use super::subdivision::{Divisible, Trouble, take_steps};
-use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay, to_u32};
+use super::{Accepted, Failure, Observer, Recorder, Statistics, Stop, replay};
 use crate::arguments::UmatArguments;
 use crate::columns::{self, Group, POINT, PointRow};
 use crate::deformation::matrix;
@@ -476,7 +476,9 @@ impl Divisible for Runner<'_> {
     }
 
     fn aim(&mut self, step: &PointStep, number: u32, index: usize, statistics: &mut Statistics) {
-        [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, to_u32(index + 1));
+        if index == 0 {
+            [self.call.jstep[0], self.call.kinc] = self.arguments.counters(number, 1);
+        }
         let [before, after] = step.pace.shares(index);
         let controllable = self.controllable;
         let (strain, stress) = (*self.strain(), *self.stress());
@@ -592,6 +594,8 @@ impl Divisible for Runner<'_> {
         state.fields.clone_from(&self.trial.fields);
         self.tangent = self.trial.tangent;
         self.databases.increment_ends(clock(&self.call, [self.trial.step_time, self.trial.total_time]));
+        // to the law a piece of an increment is one: no two have the same number
+        self.call.kinc = self.call.kinc.saturating_add(1);
     }
 
     fn fill(&self, values: &mut [f64]) {
