@@ -19,8 +19,8 @@ fn report(name: &str) -> Report {
 }
 
 /// The checks that failed, without repetition.
-fn failed(report: &Report) -> Vec<&'static str> {
-    let mut checks: Vec<_> = report.failures().map(|row| row.check).collect();
+fn failed(report: &Report) -> Vec<&str> {
+    let mut checks: Vec<_> = report.failures().map(|row| &*row.check).collect();
     checks.sort_unstable();
     checks.dedup();
     checks

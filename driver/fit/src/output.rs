@@ -6,7 +6,7 @@ use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
-use pullout_report::plots::figure::{Figure, Line, Marks, Scale, Style};
+use pullout_report::plots::figure::{Figure, Line, Marks, Style};
 use pullout_report::plots::quantity::Quantity as AxisQuantity;
 use pullout_run::number::significant;
 use serde_json::{Map, Value, json};
@@ -177,9 +177,7 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
                 .collect(),
             line: None,
         }],
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     };
     let end = curve.largest_slip();
     let near = curve.slips.iter().filter(|&&slip| slip <= peak_end).count().div_ceil(MOST_MARKS).max(1);
@@ -201,9 +199,7 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
                 },
                 line: None,
             }],
-            equal_units: false,
-            scale: Scale::Linear,
-            key: None,
+            ..Figure::default()
         },
     ]
 }
@@ -214,7 +210,7 @@ fn line(k: usize, law: &FittedLaw, points: Vec<(f64, f64)>, columns: (&str, &str
         points,
         columns: (columns.0.into(), columns.1.into()),
         style: Style { color: k, dash: k },
-        marked: false,
+        ..Line::default()
     }
 }
 

@@ -6,7 +6,7 @@ use pullout_bridging::{Estimate, Measured, Polyline};
 use pullout_report::directory::ResultDirectory;
 use pullout_report::page;
 use pullout_report::plots;
-use pullout_report::plots::figure::{Figure, Line, Marks, Scale};
+use pullout_report::plots::figure::{Figure, Line, Marks};
 use pullout_report::plots::quantity::Quantity;
 use pullout_run::number::significant;
 use serde_json::{Value, json};
@@ -148,9 +148,7 @@ fn figures(measured: &[(f64, f64)], fit: &BeamFit) -> [Figure; 2] {
         y: quantity(y),
         lines,
         marks,
-        equal_units: false,
-        scale: Scale::Linear,
-        key: None,
+        ..Figure::default()
     };
     [
         figure(
