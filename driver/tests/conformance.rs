@@ -76,7 +76,8 @@ fn half_a_damage_term_is_measured() {
 
 #[test]
 fn a_hidden_counter_is_found() {
-    let failed = failed(&report("hidden_memory"));
+    let report = report("hidden_memory");
+    let failed = failed(&report);
     for check in ["repeated call", "order of calls", "thread safety"] {
         assert!(failed.contains(&check), "{check}: {failed:?}");
     }

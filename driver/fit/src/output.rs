@@ -4,6 +4,8 @@ use super::curve::LoadSlipCurve;
 use super::law::Quantity;
 use super::uncertainty::{Estimate, IDENTIFIABLE, Uncertainty};
 use super::{CURVE_FILE, FittedLaw, Request, specimen};
+use crate::regression::thinned;
+use nalgebra::DMatrix;
 use pullout_report::directory::ResultDirectory;
 use pullout_report::plots;
 use pullout_report::plots::figure::{Figure, Line, Marks, Style};
@@ -17,7 +19,7 @@ use std::io;
 mod report;
 
 /// Measured points in a picture: more would be a band.
-const MOST_MARKS: usize = 150;
+pub(crate) const MOST_MARKS: usize = 150;
 /// The picture of the peak ends at so many times its slip.
 const PEAK_VIEW: f64 = 4.0;
 /// Points of a law's curve.
@@ -145,8 +147,12 @@ fn form(law: &FittedLaw) -> Value {
 
 fn correlation(uncertainty: &Uncertainty) -> Value {
     let names: Vec<&str> = uncertainty.estimates.iter().map(|estimate| estimate.quantity.name.as_str()).collect();
-    let rows: Vec<Vec<f64>> = uncertainty.correlation.row_iter().map(|row| row.iter().copied().collect()).collect();
-    json!({ "names": names, "matrix": rows })
+    json!({ "names": names, "matrix": rows_of(&uncertainty.correlation) })
+}
+
+/// A matrix row by row.
+pub(crate) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
 }
 
 /// The curves, those around the peak once more, and the laws.
@@ -192,11 +198,10 @@ fn figures(curve: &LoadSlipCurve, request: &Request, laws: &[FittedLaw]) -> Vec<
             lines: laws.iter().enumerate().map(|(k, law)| law_line(k, law, end)).collect(),
             marks: vec![Marks {
                 label: "mean traction of the regression".into(),
-                points: {
-                    let bond = request.fibre.mean_bond(curve, request.slip_at);
-                    let every = bond.len().div_ceil(MOST_MARKS).max(1);
-                    bond.iter().step_by(every).map(|point| (point.slip, point.traction)).collect()
-                },
+                points: thinned(&request.fibre.mean_bond(curve, request.slip_at), MOST_MARKS)
+                    .iter()
+                    .map(|point| (point.slip, point.traction))
+                    .collect(),
                 line: None,
             }],
             ..Figure::default()

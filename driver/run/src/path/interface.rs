@@ -26,10 +26,7 @@ pub(super) fn run(
     observer: &mut dyn Observer,
     statistics: &mut Statistics,
 ) -> Result<(), Stop> {
-    let mut runner = match Runner::new(program, interface, databases) {
-        Ok(runner) => runner,
-        Err(message) => return Err(Stop::unusable(message)),
-    };
+    let mut runner = Runner::new(program, interface, databases).map_err(Stop::unusable)?;
     let mut recorder = Recorder::new(program, observer);
     recorder.initial(|values| runner.fill(values))?;
     take_steps(&mut runner, &interface.steps, program, &mut recorder, statistics)
