@@ -63,7 +63,7 @@ pub(super) fn act(action: &Action, line: &[OsString]) -> Result<u8, Refusal> {
             with_library(plugin, plugin_paths, line, work)
         }
         Action::Check(arguments) => check::run(arguments),
-        Action::Build(arguments) => Ok(build::run(arguments)),
+        Action::Build(arguments) => build::run(arguments),
     }
 }
 

@@ -5,7 +5,7 @@
 use super::subdivision::{Divisible, Trouble, take_steps};
 use super::{Accepted, Observer, Recorder, Statistics, Stop, newton::STRESS_TOLERANCE, replay, to_u32};
 use crate::arguments::ContactArguments;
-use crate::columns::{self, CONTACT, ContactRow, Group};
+use crate::columns::{self, CONTACT, Group};
 use crate::number::exact;
 use crate::program::lerp;
 use crate::program::{
@@ -416,17 +416,9 @@ impl Divisible for Runner<'_> {
 
     fn fill(&self, values: &mut [f64]) {
         let state = &self.committed;
-        let row = ContactRow {
-            time: state.total_time,
-            slip: state.slip,
-            gap: state.gap,
-            shear: state.shear,
-            pressure: state.pressure,
-            energies: state.energies,
-        };
         let derived = self.derived.iter().map(|derived| derived.value(&state.statev));
         let left_out = (self.directions < 2).then_some(Group::Second);
-        columns::fill(&CONTACT, left_out, &row, state.statev.iter().copied().chain(derived), values);
+        columns::fill(&CONTACT, left_out, state, state.statev.iter().copied().chain(derived), values);
     }
 
     fn replay(&self, program: &Program, to: f64) -> serde_json::Value {
