@@ -3,8 +3,8 @@
 //!
 //! A row begins with step and increment and ends with its iterations; what a library's metadata name stands in between.
 
-use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use crate::path::ContactPoint;
+use Group::{Band, Count, Density, Energy, Gradient, Load, Other, Second, Share, Slip, Strain, Stress};
 use fe_core::model::MeasuredFibre;
 use fe_core::stepping::{FibreRecord, Record};
 use pullout_bridging::{Average, Load as BeamLoad, Residual};
